@@ -1,1 +1,1 @@
-"""Batches of variants of one drivetrain: arrays of parameters in, arrays of coefficients, responses and modes out."""
+"""Many variants of one drivetrain solved together, from arrays of parameters to arrays of responses and modes."""

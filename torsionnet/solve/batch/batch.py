@@ -1,4 +1,4 @@
-"""Batch of variants of a drivetrain: coefficients of all laws in arrays, on rows that all variants share."""
+"""Variants of a drivetrain with coefficients of all laws in arrays, on rows that all variants share."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from torsionnet.solve.batch.batched_stiffness import BatchedStiffness
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """Variants of a drivetrain with their parameter values and the coefficients of all laws in arrays.
+    """Variants of a drivetrain with their parameter values and the coefficients of all laws, as arrays in SI units.
 
     Attributes
     ----------
@@ -54,11 +54,11 @@ class Batch:
 
     @property
     def stacked(self) -> NDArray[np.intp]:
-        """Places of the variants whose coefficients are in the arrays: neither impossible nor separate."""
+        """Indices of the variants whose coefficients are in the arrays, that is neither impossible nor separate."""
         return np.flatnonzero(~(self.impossible | self.separate))
 
     def model(self, index: int) -> AssembledModel:
-        """Model of one variant, at the operating point of ``drivetrain``.
+        """Drivetrain model of the variant at this index, at the operating point of the batch's drivetrain.
 
         Raises
         ------
@@ -75,7 +75,7 @@ class Batch:
         )
 
     def part(self, which: Any) -> Batch:
-        """Batch of selected variants, by places, a slice or a mask."""
+        """Batch of the selected variants, chosen by indices, a slice or a mask."""
         places = np.arange(len(self))[which]
         return Batch(
             self.drivetrain,
@@ -94,7 +94,7 @@ class Batch:
         return self.drivetrain.assembly.system.actions
 
     def law_stiffness(self, omega: FloatArray) -> LawStiffness:
-        """Dynamic stiffness of all laws of all variants at omega in rad/s, (n_f,)."""
+        """Dynamic stiffness of all laws of all variants, in N m/rad, at omega (n_f,) in rad/s."""
         laws = dict.fromkeys(one.law for one in self.dynamic)
         sampled = {law: np.zeros((len(self), len(omega)), dtype=complex) for law in laws}
         for one in self.dynamic:

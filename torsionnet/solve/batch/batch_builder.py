@@ -1,4 +1,4 @@
-"""Arrays of a batch under construction, filled by passes over the variants."""
+"""Coefficient arrays of a batch under construction, filled in by passes over the variants."""
 
 from __future__ import annotations
 
@@ -21,7 +21,10 @@ from torsionnet.solve.batch.variant_numbers import Decisions, variant_column
 
 
 class BatchBuilder:
-    """Batch under construction: coefficients, at first those of the drivetrain, and the state of every variant."""
+    """Batch under construction, with coefficient arrays in SI units and a state for every variant.
+
+    The coefficients are at first those of the drivetrain.
+    """
 
     def __init__(self, drivetrain: AssembledModel, values: Mapping[str, FloatArray]) -> None:
         self.drivetrain: AssembledModel = drivetrain
@@ -37,13 +40,13 @@ class BatchBuilder:
         self.separate, self.known = (np.zeros(self.count, dtype=bool) for _ in range(2))
 
     def followed(self, places: NDArray[np.intp], decisions: Decisions) -> FollowingPass:
-        """Pass restricted to the variants that have followed every decision of the first one."""
+        """Pass over a batch with the variants that have followed every decision of the first variant in it."""
         own = places[decisions.follows]
         self.known[own] = ~decisions.unsure[decisions.follows]
         return FollowingPass(self, own, decisions.follows)
 
     def settle(self) -> None:
-        """Mark variants without certain coefficients as separate, and those refused by ``configured`` as impossible."""
+        """Mark variants without certain coefficients as separate, and those that no model allows as impossible."""
         finite = np.ones(self.count, dtype=bool)
         for array in (self.inertia, self.damping, self.stiffness):
             finite &= np.isfinite(array).all(axis=1)
@@ -70,7 +73,7 @@ class BatchBuilder:
 
 @dataclass(frozen=True, eq=False)
 class FollowingPass:
-    """Variants ``own`` with valid numbers in a pass; ``follows`` selects them in the numbers of the pass."""
+    """Variants ``own`` with valid numbers in one pass over a batch, and the mask ``follows`` that selects them."""
 
     filling: BatchBuilder
     own: NDArray[np.intp]
@@ -84,7 +87,10 @@ class FollowingPass:
         return variant_column(number, len(self.follows))[self.follows]
 
     def take(self, law: Law, number: int | None) -> None:
-        """Store the coefficients of a law; ``number`` is None where the law has no effect in the drivetrain."""
+        """Store a law's coefficients for the variants of the pass.
+
+        The ``number`` is None where the law has no effect in the drivetrain.
+        """
         filling, own = self.filling, self.own
         entries = law.inertia, law.damping, law.stiffness, law.loss_factor
         inertia, damping, stiffness, loss = map(self._column, entries)
@@ -108,7 +114,7 @@ class FollowingPass:
         self.filling.dynamic.append(BatchedStiffness(number, self.own, of, coefficients))
 
     def take_modulus(self, name: str, modulus: Any) -> None:
-        """Store the section modulus of a shaft as a ratio to that in the drivetrain."""
+        """Store the polar section modulus of a shaft in each variant, as a ratio to that in the drivetrain."""
         drivetrain = self.filling.drivetrain
         known = float(section_modulus(drivetrain.elements[name], Values(drivetrain.exact_values)))
         ratios = self.filling.moduli.setdefault(name, np.ones(self.filling.count))

@@ -30,7 +30,7 @@ from torsionnet.solve.batch.variant_numbers import VARIANTS, Decisions, VariantN
 
 @dataclass(frozen=True, eq=False)
 class BatchPlan:
-    """Plan of the elements of a drivetrain that depend on some parameters, made once for any number of variants.
+    """Elements of a drivetrain that depend on some parameters, found once for any number of variants.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class BatchPlan:
     _fixed: Mapping[str, Any] = field(repr=False)
 
     def batch(self, values: Mapping[str, ArrayLike]) -> Batch:
-        """Batch of variants with these parameter values.
+        """Batch of variants with these parameter values (n,) in SI units.
 
         Parameters
         ----------
@@ -107,7 +107,10 @@ def _checked(planned: PlannedElement, value: Values) -> tuple[Part, ...]:
 def numbers_of(
     definition: Definition, derived: Iterable[str], fixed: Mapping[str, Any], varied: Mapping[str, VariantNumber]
 ) -> dict[str, Any]:
-    """Values of all parameters by name; ``derived`` parameters of varied ones hold a value for each variant."""
+    """Values of all parameters by name, in SI units.
+
+    A parameter that follows varied ones holds a value for each variant.
+    """
     numbers = {**fixed, **varied}
     for name in derived:
         number = definition.parameters[name].value.evaluate(numbers, VARIANTS)
@@ -117,7 +120,7 @@ def numbers_of(
 
 
 def batch_plan(drivetrain: AssembledModel, names: Iterable[str]) -> BatchPlan | None:
-    """Plan for variants of some parameters; None where variants differ in rows and each must be solved by itself.
+    """Plan for variants of some parameters, or None where variants differ in rows and each is solved by itself.
 
     Parameters
     ----------
@@ -160,7 +163,7 @@ def batch_plan(drivetrain: AssembledModel, names: Iterable[str]) -> BatchPlan | 
 
 
 def _derived_from(definition: Definition, names: Collection[str], order: Collection[str]) -> Iterator[str]:
-    """Names of parameters that depend on others, in the ``order`` of evaluation."""
+    """Names of parameters that depend on the given ones, in the ``order`` of evaluation."""
     moved = set(names)
     for name in order:
         if name not in moved and definition.parameters[name].value.names & moved:
@@ -186,7 +189,7 @@ def _operating_point_moves(definition: Definition, moved: Collection[str], names
 
 
 def _require_possible(element: Element, parts: Iterable[Part], value: Values, *, on: bool) -> None:
-    """Refuse impossible entries of an element, negative laws, and if ``on`` values beyond its curves.
+    """Raise UsageError for impossible entries of an element, negative laws, and if ``on`` values beyond its curves.
 
     Raises
     ------

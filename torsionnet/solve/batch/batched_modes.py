@@ -1,4 +1,4 @@
-"""Modes of many variants of a drivetrain: as stacks of matrices, and singly where those are uncertain."""
+"""Eigenvalues in rad/s and shapes of many variants of a drivetrain, from stacks of matrices, or singly if uncertain."""
 
 from __future__ import annotations
 
@@ -24,13 +24,15 @@ if TYPE_CHECKING:
     from torsionnet.solve.batch.batch import Batch
 
 STACK_ENTRIES = 200_000
-"""Entries of the rows of a stack that is worked on at a time, so that it stays in a processor's cache."""
+"""Number of entries of the rows in one stack of variants, so that the stack stays in a processor's cache."""
 Number = TypeVar("Number", np.float64, np.complex128)
 
 
 @dataclass(frozen=True, eq=False)
 class BatchedModes:
-    """Modes of n variants, each in the order of :class:`~torsionnet.Modes`: rigid bodies, then by ``|lambda|``.
+    """Eigenvalues (n, n_modes) in rad/s and shapes of n variants, rigid bodies first, then by ``|lambda|``.
+
+    Each variant is in the order of :class:`~torsionnet.Modes`.
 
     There are as many columns as the variant with the most modes needs; NaN stands after the last mode of the others. A
     vibration that some variant damps beyond critical damping is two real poles there, so that their numbers differ.
@@ -69,7 +71,7 @@ class BatchedModes:
 
     @classmethod
     def of_drivetrain(cls, drivetrain: AssembledModel, modes: Modes) -> BatchedModes:
-        """Modes of a drivetrain at its own values, as those of a batch of one variant."""
+        """Eigenvalues in rad/s and shapes of a drivetrain at its own values, in the form of a batch of one variant."""
         return cls(
             drivetrain,
             {},
@@ -85,28 +87,30 @@ class BatchedModes:
 
     @cached_property
     def natural_frequencies(self) -> FloatArray:
-        """Natural frequencies ``|lambda| / 2 pi`` in Hz, shape (n, n_modes); 0 for a rigid-body mode."""
+        """Natural frequencies ``|lambda| / 2 pi`` in Hz, shape (n, n_modes), 0 for a rigid-body mode."""
         return frequencies_of(self.eigenvalues)
 
     @cached_property
     def damping_ratios(self) -> FloatArray:
-        """Damping ratios ``-Re lambda / |lambda|``, (n, n_modes); 1 for stable real poles, NaN for rigid-body modes."""
+        """Damping ratios ``-Re lambda / |lambda|``, (n, n_modes), 1 for stable real poles, NaN for rigid bodies."""
         return ratios_of(self.eigenvalues)
 
 
 def frequencies_of(eigenvalues: ComplexArray) -> FloatArray:
-    """Natural frequencies in Hz of eigenvalues in rad/s."""
+    """Natural frequencies ``|lambda| / 2 pi`` in Hz of eigenvalues lambda in rad/s, in an array of the same shape."""
     return np.asarray(np.abs(eigenvalues) / (2 * np.pi))
 
 
 def ratios_of(eigenvalues: ComplexArray) -> FloatArray:
-    """Damping ratios of eigenvalues; NaN for rigid-body modes."""
+    """Damping ratios ``-Re lambda / |lambda|`` of eigenvalues, in an array of their shape, NaN for rigid bodies."""
     with np.errstate(invalid="ignore"):
         return np.asarray(-eigenvalues.real / np.abs(eigenvalues) + 0.0)
 
 
 def batched_modes(batch: Batch) -> BatchedModes:
-    """Modes of all variants of a batch, equal to ``batch.model(i).modes()`` within 1e-9.
+    """Eigenvalues (n, n_modes) in rad/s and shapes of all variants of a batch, as single models have within 1e-9.
+
+    They equal those of ``batch.model(i).modes()``.
 
     Variants that are uncertain from stacks of matrices are solved singly, and so are all of a drivetrain with torques
     that follow a motion elsewhere or with laws over frequency other than hysteretic springs. The bits of a variant do
@@ -123,7 +127,7 @@ def batched_modes(batch: Batch) -> BatchedModes:
 
 
 def single_modes(drivetrain: AssembledModel, values: Mapping[str, FloatArray]) -> BatchedModes:
-    """Modes of variants that have no batch because their rows differ, each solved by itself."""
+    """Eigenvalues (n, n_modes) in rad/s and shapes of variants whose rows differ, each solved by itself."""
     n = len(next(iter(values.values())))
     found = _Gathered(n, len(drivetrain.assembly.nodes))
     for place in range(n):
@@ -133,7 +137,10 @@ def single_modes(drivetrain: AssembledModel, values: Mapping[str, FloatArray]) -
 
 
 def stacked_coefficients(batch: Batch) -> Coefficients | None:
-    """Coefficients of the laws of all variants; None with actions or with stiffness tables over frequency."""
+    """Inertia, damping, stiffness and loss (n, n_laws) of all laws in SI units, or None with actions or tables.
+
+    It is None for torques that follow a motion elsewhere, and for stiffness tables over frequency.
+    """
     if batch.drivetrain.assembly.system.actions:
         return None
     stiffness, loss = batch.stiffness.copy(), np.zeros_like(batch.stiffness)
@@ -158,7 +165,10 @@ def _solve_together(batch: Batch, given: Coefficients, found: _Gathered) -> None
 
 
 class _Gathered:
-    """Modes of n variants under construction; NaN where there are none."""
+    """Eigenvalues (rad/s), shapes and undamped frequencies (rad/s) of n variants, filled in variant by variant.
+
+    They are NaN where there are none.
+    """
 
     def __init__(self, n: int, n_nodes: int) -> None:
         self.eigenvalues = np.full((n, 0), np.nan, dtype=complex)
@@ -171,7 +181,7 @@ class _Gathered:
     def put(
         self, places: NDArray[np.intp] | list[int], values: ComplexArray, shapes: ComplexArray, undamped: FloatArray
     ) -> None:
-        """Store modes of some variants: eigenvalues in rad/s, shapes over nodes, undamped frequencies in rad/s."""
+        """Store modes of some variants, eigenvalues and undamped frequencies in rad/s and shapes over nodes."""
         self.eigenvalues = _widened(self.eigenvalues, values.shape[-1])
         self.shapes = _widened(self.shapes, values.shape[-1])
         self.undamped = _widened(self.undamped, undamped.shape[-1])
@@ -181,7 +191,7 @@ class _Gathered:
         self.done[places] = True
 
     def solve(self, place: int, make: Callable[[], AssembledModel]) -> None:
-        """Solve one variant as a single drivetrain and store its modes; impossible variants get a note instead."""
+        """Solve one variant as a single drivetrain and store its modes, or a note if it is impossible."""
         try:
             model = make()
             found, warnings = natural_modes(model)

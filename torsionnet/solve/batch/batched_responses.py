@@ -1,4 +1,4 @@
-"""Transfer functions of all variants of a batch."""
+"""Transfer functions of all variants of a batch at the same frequencies."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ POINTS_AT_ONCE = 100_000
 
 
 class SingleAssemblies(Sequence[Assembly]):
-    """Sequence of the assemblies of all variants, each made when indexed."""
+    """Sequence of the assembled models of all variants of a batch, each made when it is indexed."""
 
     def __init__(self, batch: Batch) -> None:
         self.batch = batch
@@ -53,7 +53,7 @@ def batched_responses(
     method: str = "auto",
     refused: Callable[[TorsionnetError], None] = _raised,
 ) -> Evaluated:
-    """Transfer functions of all variants of a batch at frequencies >= 0.
+    """Transfer functions (n, n_f, n_out, n_in) in SI units of all variants at frequencies >= 0 in Hz.
 
     Variants that are ``separate`` are solved by themselves; those that are impossible have NaN.
 
@@ -116,7 +116,7 @@ def _blocks(places: NDArray[np.intp], n_frequencies: int) -> Iterator[NDArray[np
 
 
 def _together(batch: Batch, request: TransferRequest, f: FloatArray, method: str) -> Evaluated:
-    """Transfer functions of variants with the same rows."""
+    """Transfer functions (n, n_f, n_out, n_in) in SI units of variants with the same rows, solved together."""
     moving, shape = f > 0, (len(batch), len(f))
     if moving.all():
         found = evaluate_laws(batch.law_stiffness(2 * np.pi * f), SingleAssemblies(batch), request, f, method)
@@ -135,7 +135,10 @@ def _together(batch: Batch, request: TransferRequest, f: FloatArray, method: str
 
 
 def _static(batch: Batch, request: TransferRequest, method: str) -> Any:
-    """Values at zero frequency (n, n_out, n_in), as :func:`torsionnet.solve.responses.transfer.responses` has them."""
+    """Transfer functions (n, n_out, n_in) in SI units at 0 Hz, as for single drivetrains.
+
+    See :func:`torsionnet.solve.responses.transfer.responses`.
+    """
     n_out, n_in = len(request.outputs), len(request.measured)
     found = np.full((len(batch), n_out, n_in), np.inf + 0j)
     single = np.ones(len(batch), dtype=bool)
@@ -148,7 +151,7 @@ def _static(batch: Batch, request: TransferRequest, method: str) -> Any:
 
 
 def scale_stresses(values: Any, batch: Batch, request: TransferRequest) -> None:
-    """Scale stresses in place by the section moduli of the variants; the request has those of the drivetrain."""
+    """Scale the stresses among ``values`` in place from the drivetrain's section moduli to those of the variants."""
     for place, reading in enumerate((*request.outputs, *(request.measured if request.is_measured else ()))):
         sensor = reading.sensor
         if sensor is None or sensor.quantity != "stress" or sensor.of not in batch.moduli:

@@ -1,4 +1,4 @@
-"""Frequency-dependent stiffness of one law in many variants."""
+"""Frequency-dependent stiffness in N m/rad of one law in many variants of a drivetrain."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness, Dy
 
 @dataclass(frozen=True, eq=False)
 class BatchedStiffness:
-    """Frequency-dependent stiffness of one law in some variants of a batch.
+    """Frequency-dependent stiffness of one law in some variants of a batch, in N m/rad.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class BatchedStiffness:
     coefficients: FloatArray
 
     def single(self, place: int) -> DynamicStiffness:
-        """Frequency-dependent stiffness of one of the variants."""
+        """Frequency-dependent stiffness in N m/rad of the law in the variant at this place."""
         values = self.coefficients[:, place].tolist()
         if not values:
             return self.of
@@ -43,7 +43,7 @@ class BatchedStiffness:
         return self.of.with_coefficients(*values)
 
     def kappa(self, omega: FloatArray) -> ComplexArray:
-        """Complex stiffness (n, n_f) in N m/rad at omega >= 0 in rad/s, (n_f,)."""
+        """Complex stiffness of the law in N m/rad, shape (n, n_f), at omega (n_f,) >= 0 in rad/s."""
         n = len(self.places)
         if not len(self.coefficients):
             return np.repeat(self.of.kappa(omega)[None], n, axis=0)
@@ -55,7 +55,7 @@ class BatchedStiffness:
         return np.array([self.single(place).kappa(omega) for place in range(n)]).reshape(n, len(omega))
 
     def part(self, which: NDArray[np.intp], count: int) -> BatchedStiffness:
-        """Frequency-dependent stiffness in the variants ``which`` out of ``count``, renumbered."""
+        """Frequency-dependent stiffness in N m/rad for the variants ``which`` out of ``count``, renumbered from 0."""
         places = np.full(count, -1)
         places[self.places] = np.arange(len(self.places))
         mine = places[which]

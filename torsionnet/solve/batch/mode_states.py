@@ -1,4 +1,4 @@
-"""Energy states of modes, and the energy that two modes have in common.
+"""Modes written as vectors of energy over the laws, and the energy that two modes have in common.
 
 The state of a mode has for every law the velocity times the root of its inertia and the twist times the root of its
 stiffness: the square of its length is the energy of the vibration. States of different modes of an undamped drivetrain
@@ -18,7 +18,9 @@ from torsionnet.solve.batch.batched_modes import BatchedModes, stacked_coefficie
 
 
 def mode_states(found: BatchedModes, places: NDArray[np.intp]) -> ComplexArray:
-    """Energy states (n, n_states, n_modes) of modes, of length 1; 0 for rigid bodies and missing modes.
+    """Modes as vectors of energy over the laws, of length 1, shape (n, n_states, n_modes).
+
+    They are 0 for rigid bodies and missing modes.
 
     Variants whose laws are not those of the drivetrain itself, one to one, have states of zeros.
     """
@@ -43,7 +45,7 @@ def mode_states(found: BatchedModes, places: NDArray[np.intp]) -> ComplexArray:
 
 
 def _springs(system: RowSystem) -> FloatArray:
-    """Stiffness of all laws in N m/rad, that of hysteretic springs included."""
+    """Stiffness (n_laws,) of all laws in N m/rad, with that of hysteretic springs."""
     stiffness = system.stiffness.copy()
     for law, table in system.dynamic:
         if isinstance(table, ComplexStiffness):
@@ -52,7 +54,7 @@ def _springs(system: RowSystem) -> FloatArray:
 
 
 def _counts(found: BatchedModes, places: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Number of modes of each variant."""
+    """Number of modes of each variant at these places, shape (n,)."""
     return np.asarray(np.sum(~np.isnan(found.eigenvalues[places]), axis=1))
 
 
@@ -64,7 +66,7 @@ def _states(
     places: NDArray[np.intp],
     count: int,
 ) -> ComplexArray:
-    """Energy states of the variants that have ``count`` modes."""
+    """Modes as unit vectors of energy (n, 2 n_laws, count) of the variants that have ``count`` modes."""
     values = found.eigenvalues[places, :count]
     nodes = [assembly.node_index[name] for name in assembly.kinematics.coordinates]
     motion = assembly.system.rows @ found.shapes[places, :, :count][:, nodes]
@@ -76,12 +78,15 @@ def _states(
 
 
 def common_energy(first: ComplexArray, second: ComplexArray) -> FloatArray:
-    """Modal assurance criterion of states, shape (n, n_first, n_second): 1 for equal, 0 for orthogonal modes."""
+    """Energy in common (n, n_first, n_second) of modes given as energy vectors, 1 for equal and 0 for orthogonal ones.
+
+    It is the modal assurance criterion of these vectors.
+    """
     return np.asarray(np.abs(np.conj(np.swapaxes(first, -1, -2)) @ second) ** 2)
 
 
 def inertia_mac(first: ComplexArray, second: ComplexArray) -> FloatArray:
-    """Modal assurance criterion (n, n_first, n_second) of the velocities of states, 0 where nothing moves."""
+    """Modal assurance criterion (n, n_first, n_second) of modes, weighted with inertias, 0 where nothing moves."""
     half = first.shape[1] // 2
     return common_energy(_unit(first[:, :half]), _unit(second[:, :half]))
 

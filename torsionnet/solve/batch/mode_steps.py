@@ -1,4 +1,4 @@
-"""Matching of the modes of neighbouring variants along their eigenvalues.
+"""Matching of the modes of a variant to those of a neighbouring one, by eigenvalue and common energy.
 
 Modes are followed along their eigenvalues: neighbours whose states have most of their energy in common are the same
 mode. Where two modes have changed places in between and could have met, a shorter step says whether they did.
@@ -16,17 +16,17 @@ from torsionnet.solve.batch.mode_states import common_energy
 from torsionnet.solve.modes.repeated_eigenvalues import EQUAL_EIGENVALUES
 
 SAME_MODE_ENERGY = 0.8
-"""Energy in common (MAC of states) from which modes of neighbouring variants are taken as the same mode."""
+"""Energy in common, from 0 to 1, from which modes of neighbouring variants are the same mode, well above half."""
 SUCCESSOR_ENERGY = 0.5
-"""Energy in common (MAC of states) below which a mode has no successor: less than half of it is the same motion."""
+"""Energy in common, from 0 to 1, below which a mode has no successor, as less than half of it is the same motion."""
 MISSING_MODE = -1
-"""Column number that marks a missing mode."""
+"""Column number that stands for a mode which a variant does not have."""
 
 Columns = NDArray[np.intp]
 
 
 class FollowedModes(NamedTuple):
-    """Eigenvalues (n, m) in rad/s and states of the modes of n variants, each at the place of the mode it continues."""
+    """Eigenvalues (n, m) in rad/s and energy vectors of modes, each in the column of the mode it continues."""
 
     values: ComplexArray
     states: ComplexArray
@@ -36,7 +36,7 @@ class FollowedModes(NamedTuple):
 
 
 def take_columns(array: NDArray[Any], columns: Columns) -> NDArray[Any]:
-    """Array with these columns of its last axis; NaN for columns marked as missing."""
+    """Values of an array at these columns of its last axis, NaN for columns marked as missing."""
     if not array.shape[-1]:
         return np.full((*array.shape[:-1], columns.shape[-1]), np.nan, dtype=array.dtype)
     found = np.take_along_axis(array, np.maximum(columns, 0), axis=-1)
@@ -44,14 +44,17 @@ def take_columns(array: NDArray[Any], columns: Columns) -> NDArray[Any]:
 
 
 class Successors(NamedTuple):
-    """Columns (n, m) of the modes that continue each mode, missing ones marked, and mask of unambiguous variants."""
+    """Columns (n, m) of the modes that continue each mode, and mask (n,) of unambiguous variants.
+
+    Missing modes are marked.
+    """
 
     columns: Columns
     clear: NDArray[np.bool_]
 
 
 def successors(known: FollowedModes, found: FollowedModes) -> Successors:
-    """Modes of variants that continue the modes of neighbouring variants, where that is unambiguous.
+    """Columns (n, m) of the modes that continue those of a neighbouring variant, where that is unambiguous.
 
     Parameters
     ----------
@@ -72,7 +75,7 @@ def successors(known: FollowedModes, found: FollowedModes) -> Successors:
 
 
 def _slower(known: FollowedModes, found: FollowedModes, alike: FloatArray) -> Columns:
-    """Column (n, m) of the found mode that is most similar to each known one.
+    """Column (n, m) of the mode whose energy is most like that of each known mode, per variant.
 
     Of two real poles into which an overdamped vibration falls it is the slower.
     """
@@ -85,7 +88,7 @@ def _slower(known: FollowedModes, found: FollowedModes, alike: FloatArray) -> Co
 
 
 def _may_have_met(before: ComplexArray, after: ComplexArray) -> NDArray[np.bool_]:
-    """Mask of pairs (n, m, m) of modes that have changed order and moved far enough to have met."""
+    """Mask (n, m, m) of pairs of modes that have changed order and moved far enough to have met."""
     order = [_order(np.abs(values)) for values in (before, after)]
     kinds = [(values.imag > 0)[:, :, None] == (values.imag > 0)[:, None, :] for values in (before, after)]
     moved = np.abs(after - before)
@@ -95,7 +98,7 @@ def _may_have_met(before: ComplexArray, after: ComplexArray) -> NDArray[np.bool_
 
 
 def _order(sizes: FloatArray) -> FloatArray:
-    """Sign (n, m, m) of the size difference of all pairs of modes: 1 or -1, 0 for equal ones."""
+    """Sign (n, m, m) of the size difference of all pairs of modes, 1 or -1, and 0 for equal sizes."""
     apart = _differences(sizes)
     return np.where(np.abs(apart) > EQUAL_EIGENVALUES * sizes[:, :, None], np.sign(apart), 0.0)
 
@@ -105,7 +108,7 @@ def _differences(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def assign_modes(known: FollowedModes, found: FollowedModes) -> Columns:
-    """Columns that continue each mode of one ambiguous variant, chosen for most energy in common overall.
+    """Columns (1, m) that continue each mode of one ambiguous variant, with the most energy in common overall.
 
     Of two real poles that have become one vibration the slower one goes on.
     """

@@ -1,4 +1,4 @@
-"""Mode tracking: the modes of variants in the order of the modes of their drivetrain.
+"""Tracking of modes, which puts the modes of variants in the order of the modes of their drivetrain.
 
 A mode is followed along its eigenvalue from the drivetrain's own values to those of the variant. Where every mode is
 most like the one of the same rank among its kind, nothing has to be followed. Otherwise the values move in steps, each
@@ -37,16 +37,17 @@ from torsionnet.solve.batch.tracking_notes import tracking_notes
 from torsionnet.solve.modes.modes import natural_modes
 
 VEERING_MAC = 0.2
-"""MAC with another mode of the drivetrain from which a mode is marked as veering: lower marks more modes."""
+"""MAC with another mode of the drivetrain from which a mode is marked as veering, a fifth, as a lower value marks more
+modes."""
 
 
 VARIANTS_AT_ONCE = 500
-"""Number of variants whose states are held in memory at a time."""
+"""Number of variants whose modes are compared in memory at a time, which bounds that memory."""
 
 
 @dataclass(frozen=True, eq=False)
 class TrackedModes:
-    """Modes of n variants in the order of the modes of the drivetrain.
+    """Eigenvalues (n, n_modes) in rad/s and shapes of n variants, in the order of the modes of their drivetrain.
 
     Attributes
     ----------
@@ -78,22 +79,22 @@ class TrackedModes:
 
     @cached_property
     def eigenvalues(self) -> ComplexArray:
-        """Eigenvalues in rad/s, shape (n, n_modes); NaN where a variant lacks a mode."""
+        """Eigenvalues of the tracked modes in rad/s, shape (n, n_modes), NaN where a variant lacks a mode."""
         return take_columns(self.found.eigenvalues, self.columns)
 
     @cached_property
     def natural_frequencies(self) -> FloatArray:
-        """Natural frequencies ``|lambda| / 2 pi`` in Hz, shape (n, n_modes); 0 for a rigid-body mode."""
+        """Natural frequencies ``|lambda| / 2 pi`` of the tracked modes in Hz, (n, n_modes), 0 for a rigid-body mode."""
         return frequencies_of(self.eigenvalues)
 
     @cached_property
     def damping_ratios(self) -> FloatArray:
-        """Damping ratios, shape (n, n_modes); 1 for a stable real pole, NaN for a rigid-body mode."""
+        """Damping ratios of the tracked modes, (n, n_modes), 1 for a stable real pole, NaN for a rigid-body mode."""
         return ratios_of(self.eigenvalues)
 
     @cached_property
     def shapes(self) -> ComplexArray:
-        """Mode shapes, shape (n, n_nodes, n_modes)."""
+        """Mode shapes (n, n_nodes, n_modes) of the tracked modes at all nodes, 1 at the node that moves most."""
         return take_columns(self.found.shapes, self.columns[:, None, :])
 
     @cached_property
@@ -103,7 +104,7 @@ class TrackedModes:
 
 
 def track_modes(found: BatchedModes, reference: Modes | None = None) -> TrackedModes:
-    """Modes of variants in the order of the modes of their drivetrain, tracked along their eigenvalues.
+    """Modes of variants (eigenvalues, shapes) in the order of their drivetrain's modes, tracked along eigenvalues.
 
     Parameters
     ----------
@@ -145,14 +146,14 @@ def track_modes(found: BatchedModes, reference: Modes | None = None) -> TrackedM
 
 
 def _parts(found: BatchedModes, places: NDArray[np.intp]) -> Iterator[tuple[NDArray[np.intp], FollowedModes]]:
-    """Yield places of some variants at a time, with all their modes."""
+    """Yield the places of some variants at a time, with eigenvalues and energy vectors of all their modes."""
     for start in range(0, len(places), VARIANTS_AT_ONCE):
         some = places[start : start + VARIANTS_AT_ONCE]
         yield some, FollowedModes(found.eigenvalues[some], mode_states(found, some))
 
 
 def _of_same_rank(there: ComplexArray, here: ComplexArray) -> Columns:
-    """Columns (n, m) of the modes of the same kind and rank, marked as missing where a variant has fewer."""
+    """Columns (n, m) of the variants' modes of the same kind and rank as each mode, missing ones marked."""
     columns = np.full((len(here), there.shape[1]), MISSING_MODE)
     for of_kind in (_rigid, _real, _vibrating):
         wanted, have = np.flatnonzero(of_kind(there[0])), of_kind(here)
@@ -175,7 +176,7 @@ def _vibrating(values: ComplexArray) -> NDArray[np.bool_]:
 
 
 def _compared(there: FollowedModes, here: FollowedModes, columns: Columns) -> tuple[FloatArray, FloatArray, Columns]:
-    """MAC (n, m) with the own mode of the drivetrain, largest MAC with another vibration, and its number.
+    """MAC (n, m) with the same mode of the drivetrain, largest MAC with another vibration, and the other's number.
 
     NaN for lost modes.
     """

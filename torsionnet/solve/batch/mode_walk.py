@@ -1,4 +1,4 @@
-"""Stepwise tracking of modes from a drivetrain to its variants, with steps as short as needed."""
+"""Tracking of modes from a drivetrain to its variants in steps of parameter values, as short as needed."""
 
 from __future__ import annotations
 
@@ -21,14 +21,15 @@ from torsionnet.solve.batch.mode_steps import (
 )
 
 FIRST_STEP = 0.25
-"""Share of the way to a variant that the first step takes; shorter ones cost solutions, longer ones get halved."""
+"""Share of the way to a variant that the first step takes, as shorter ones cost solutions and longer ones get
+halved."""
 SHORTEST_STEP = 2.0**-12
-"""Share of the way from the drivetrain to a variant that is the shortest step, doubled for a variant whenever not even
-that told modes apart: a way along which nothing is clear is given up after a dozen of them."""
+"""Shortest step as a share of the way to a variant, doubled whenever not even that tells modes apart, so that an
+unclear way ends after a dozen."""
 
 
 class ModeWalk:
-    """Stepwise tracking of modes from a drivetrain to variants of it.
+    """Search for the modes of variants that continue those of a drivetrain, in steps along the way to each.
 
     Parameters
     ----------
@@ -77,7 +78,10 @@ class ModeWalk:
         return columns
 
     def _at(self, places: NDArray[np.intp], shares: FloatArray, arrived: FollowedModes) -> FollowedModes:
-        """All modes of variants at shares of the ways to them, 1 at their ends."""
+        """Eigenvalues (rad/s) and energy vectors of variants at ``shares`` (n,) of the ways to their parameter values.
+
+        The share is 1 at the end.
+        """
         ended = shares >= 1
         between = self._solved(places[~ended], shares[~ended])
         width = max(between.values.shape[1], arrived.values.shape[1])
@@ -97,7 +101,7 @@ class ModeWalk:
 
 
 def _between(home: Mapping[str, float], ends: Mapping[str, FloatArray], shares: FloatArray) -> dict[str, FloatArray]:
-    """Parameter values at shares of the ways, in logarithms where both ends have the same sign."""
+    """Parameter values at ``shares`` of the ways, in equal factors where both ends have the same sign."""
     values = {}
     for name, end in ends.items():
         start = float(home[name])

@@ -1,4 +1,4 @@
-"""Transfer functions of a batch whose variants have different frequencies, as in a search for peaks."""
+"""Transfer functions of variants that each have frequencies of their own, as in a search for peaks."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from torsionnet.solve.responses.transfer import evaluate_laws, responses
 def responses_at_own_frequencies(
     batch: Batch, request: TransferRequest, frequencies: FloatArray, method: str = "auto"
 ) -> ComplexArray:
-    """Transfer functions (n, n_f, n_out, n_in) at frequencies of each variant; NaN where a variant is impossible.
+    """Transfer functions (n, n_f, n_out, n_in) in SI units at frequencies of each variant, NaN if it is impossible.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def responses_at_own_frequencies(
 
 
 def _law_stiffness(batch: Batch, omega: FloatArray) -> LawStiffness:
-    """Dynamic stiffness of all laws at omega (n, n_f) in rad/s."""
+    """Dynamic stiffness of all laws in N m/rad at omega (n, n_f) in rad/s, which differs by variant."""
     laws = dict.fromkeys(one.law for one in batch.dynamic)
     sampled = {law: np.zeros(omega.shape, dtype=complex) for law in laws}
     for one in batch.dynamic:

@@ -13,7 +13,7 @@ from torsionnet.solve.batch.variant_numbers import VARIANTS, VariantNumber
 
 @dataclass(frozen=True, eq=False)
 class PlannedElement:
-    """Element that depends on varied parameters, with the numbers of its laws.
+    """Element that depends on varied parameters, with its parts and the numbers of its laws.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class PlannedElement:
         return bool(self.parts)
 
     def has_rows_of(self, found: tuple[Part, ...]) -> bool:
-        """Whether parts act on the same rows as those of the element, so that only coefficients differ."""
+        """Whether ``found`` parts act on the same rows as those of the element, so that only coefficients differ."""
         return len(self.parts) == len(found) and all(
             type(one) is type(other) and (one.row == other.row if isinstance(one, Law) else one == other)
             for one, other in zip(self.parts, found, strict=True)
@@ -44,7 +44,7 @@ class PlannedElement:
 
 
 class _RecordedLookups(dict[str, Any]):
-    """Dictionary of numbers that records which names were looked up."""
+    """Dictionary of parameter values that records which names were looked up."""
 
     def __init__(self, numbers: Mapping[str, Any]) -> None:
         super().__init__(numbers)
@@ -58,7 +58,7 @@ class _RecordedLookups(dict[str, Any]):
 def planned_elements(
     drivetrain: AssembledModel, numbers: Mapping[str, Any], moved: frozenset[str]
 ) -> list[PlannedElement] | None:
-    """Elements that depend on the parameters ``moved``; None if a row or an action depends on them.
+    """Elements that depend on the parameters ``moved``, or None if a row or a controller's law depends on them.
 
     ``numbers`` are the values of all parameters, those ``moved`` as :class:`VariantNumber`.
     """
@@ -80,7 +80,10 @@ def planned_elements(
 
 
 def _numbered(drivetrain: AssembledModel) -> dict[str, list[tuple[Part, int | None]]]:
-    """Parts of the drivetrain by element, each with the number of its law, or None if it is no acting law."""
+    """Springs, dampers, inertias and constraints of a drivetrain by element, each with the number of its law.
+
+    It is None for what is no acting law.
+    """
     found: dict[str, list[tuple[Part, int | None]]] = {}
     count = 0
     for owned in drivetrain.assembly.kinematics.parts:

@@ -1,4 +1,4 @@
-"""Rigid and massless directions common to variants with the same rows and the same acting laws."""
+"""Rigid and massless motions that all variants with the same rows and acting laws have in common."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from torsionnet.solve.dynamic_stiffness.reduction import complement_within, eche
 
 @dataclass(frozen=True, eq=False)
 class SharedDirections:
-    """Bases (n_q, ...) of coordinate directions that follow from rows alone, never from sizes of coefficients.
+    """Bases (n_q, n) of rigid and massless motions, which follow from rows alone and not from coefficients.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class SharedDirections:
 
     @property
     def n_moving(self) -> int:
-        """Number of directions with inertia."""
+        """Number of independent motions that have inertia."""
         return int(self.rows.shape[1] - self.damped.shape[1] - self.held.shape[1])
 
     @property
@@ -47,12 +47,12 @@ class SharedDirections:
 
     @property
     def vibrations(self) -> int:
-        """Number of vibrations of inertias and springs without dampers."""
+        """Number of vibrations that the inertias and springs have without dampers."""
         return int(min(self.n_moving - self.undamped_rigid.shape[1], self.spring_rank - self.held.shape[1]))
 
     @classmethod
     def of(cls, system: RowSystem) -> SharedDirections:
-        """Shared directions of a system, of which only the signs of the coefficients count.
+        """Bases (n_q, n) of rigid and massless motions of a system, of whose coefficients only the signs count.
 
         Raises
         ------

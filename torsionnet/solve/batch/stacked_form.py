@@ -1,4 +1,6 @@
-"""First-order form, as in :mod:`torsionnet.solve.dynamic_stiffness.reduction`, for a stack of variants that share rows.
+"""First-order equations of motion for a stack of variants that share rows.
+
+See :mod:`torsionnet.solve.dynamic_stiffness.reduction` for one system.
 
 The algebra is that of one system; numpy hands every matrix of a stack to LAPACK by itself. Sums over laws are products
 of stacked matrices too, not ``einsum`` and no product over the variants, which may add in another order when there
@@ -19,7 +21,7 @@ from torsionnet.solve.dynamic_stiffness.reduction import AnyArray
 
 
 class Coefficients(NamedTuple):
-    """Coefficients of the laws of n variants, arrays (n, n_laws): J, c, k, and the loss k eta of hysteretic springs."""
+    """Coefficients J, c, k and loss k eta of the laws of n variants, in SI units, each (n, n_laws)."""
 
     inertia: FloatArray
     damping: FloatArray
@@ -31,11 +33,11 @@ class Coefficients(NamedTuple):
         return len(self.inertia)
 
     def of(self, variants: NDArray[np.generic] | slice) -> Coefficients:
-        """Coefficients of selected variants."""
+        """Inertia, damping, stiffness and loss of the laws in SI units for the selected variants."""
         return Coefficients(*(part[variants] for part in self))
 
     def lossless(self) -> Coefficients:
-        """Coefficients without the loss of hysteretic springs."""
+        """Copy of the coefficients of all laws in which hysteretic springs have no loss."""
         return self._replace(loss=np.zeros_like(self.loss))
 
     def undamped(self) -> Coefficients:
@@ -44,7 +46,7 @@ class Coefficients(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class StackedForm:
-    """First-order forms x' = A x of n variants with x = (velocities, spring forces)."""
+    """First-order forms x' = A x of n variants in SI units, with x = (scaled velocities, spring forces)."""
 
     matrix: AnyArray  # (n, n_x + n_u, n_x + n_u), complex with hysteretic springs
     coupling: AnyArray  # (n, n_u, n_x)
@@ -53,7 +55,7 @@ class StackedForm:
 
 
 def stacked_form(directions: SharedDirections, given: Coefficients) -> StackedForm:
-    """First-order forms of all variants.
+    """First-order forms x' = A x of all variants, x = (scaled velocities, spring forces), from their coefficients.
 
     Damping may be below zero where no damper holds a massless direction, and springs hysteretic where neither these nor
     loops of springs nor springs alone hold one: see ``is_stackable``.
@@ -83,7 +85,10 @@ def stacked_form(directions: SharedDirections, given: Coefficients) -> StackedFo
 
 
 class _Split(NamedTuple):
-    """Damping on X and on the massless directions N_1, which are eliminated, as in ``reduction``."""
+    """Damping blocks of variants on moving motions and spring forces, once massless ones N_1 are eliminated.
+
+    They are those of ``reduction``.
+    """
 
     drag: AnyArray
     yielding: AnyArray
@@ -93,7 +98,10 @@ class _Split(NamedTuple):
 
 
 def _dissipated(directions: SharedDirections, damping: FloatArray, moving: FloatArray, pull: AnyArray) -> _Split:
-    """Damping split by roots of dampers; ``pull`` (n, n_1, n_u) are the forces of springs on N_1."""
+    """Damping blocks of variants, once massless motions are eliminated, by square roots of dampings.
+
+    The ``pull`` (n, n_1, n_u) are the forces of springs on N_1.
+    """
     n, n_x, n_u = len(damping), moving.shape[2], pull.shape[2]
     G = np.sqrt(np.abs(damping))[:, :, None] * directions.rows[directions.dissipating]
     G_x = np.asarray(G @ moving)
@@ -109,14 +117,14 @@ def _dissipated(directions: SharedDirections, damping: FloatArray, moving: Float
 
 
 def is_stackable(directions: SharedDirections, given: Coefficients) -> bool:
-    """Whether these variants have a stacked first-order form."""
+    """Whether the first-order forms of these variants can be calculated as one stack."""
     driven = bool((given.damping < 0).any()) and bool(directions.damped.size)
     tied = bool(directions.held.size) or len(directions.stiff) > directions.spring_rank
     return not driven and not (tied and bool(given.loss.any()))
 
 
 def _moving(directions: SharedDirections, inertia: FloatArray) -> FloatArray:
-    """Basis X (n, n_q, n_x) with X^T M X = I, M-orthogonal to the undamped rigid motions."""
+    """Basis X (n, n_q, n_x) of motions with inertia, X^T M X = I, M-orthogonal to the undamped rigid motions."""
     rows = directions.rows[directions.heavy]
     scaled = np.sqrt(inertia[:, directions.heavy])[:, :, None] * rows
     lengths = np.linalg.norm(scaled, axis=1)
@@ -133,12 +141,15 @@ def _moving(directions: SharedDirections, inertia: FloatArray) -> FloatArray:
 
 
 def _complement(columns: AnyArray) -> AnyArray:
-    """Orthonormal basis of the orthogonal complement of the columns of every matrix."""
+    """Orthonormal bases (n, size, m) of the orthogonal complements of the columns of every matrix in a stack."""
     return np.asarray(np.linalg.qr(columns, mode="complete")[0][:, :, columns.shape[2] :])
 
 
 def _force_basis(directions: SharedDirections, springs: AnyArray, held: AnyArray) -> AnyArray | None:
-    """Basis Y of ``reduction``: spring forces that balance on massless held directions; None if all forces do."""
+    """Bases of spring forces that balance on massless held motions, (n, n_k, n_u), or None if all forces do.
+
+    See ``reduction``.
+    """
     rank = directions.spring_rank
     if springs.shape[1] == rank:
         return _complement(held) if held.shape[2] else None

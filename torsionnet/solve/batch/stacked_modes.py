@@ -41,12 +41,15 @@ from torsionnet.solve.modes.spectrum import POLISH_ABOVE, REFINE_ABOVE
 Places: TypeAlias = NDArray[np.intp]
 Flags: TypeAlias = NDArray[np.bool_]
 EQUAL_COMPONENT_RATIO = 1 - 1e-9
-"""Ratio to the largest component of a shape from which another component counts as equally large."""
+"""Ratio to the largest component of a shape from which another counts as equally large, so that the first of them is
+scaled to 1."""
 
 
 @dataclass(frozen=True, eq=False)
 class StackedModes:
-    """Modes of n variants in the order of ``EigenSolution``; NaN after the last one of a variant.
+    """Eigenvalues (n, n_modes) in rad/s and shapes of n variants from stacked matrices.
+
+    They are in the order of ``EigenSolution``, with NaN after the last one of a variant.
 
     Attributes
     ----------
@@ -67,7 +70,7 @@ class StackedModes:
 
 
 def stacked_modes(system: RowSystem, nodes: FloatArray, given: Coefficients) -> StackedModes:
-    """Modes of variants of a system, solved as stacks of matrices.
+    """Eigenvalues (n, n_modes) in rad/s and shapes of variants of a system, solved as stacks of matrices.
 
     Parameters
     ----------
@@ -90,7 +93,7 @@ def stacked_modes(system: RowSystem, nodes: FloatArray, given: Coefficients) -> 
 
 
 def _alike(given: Coefficients, variants: Places) -> list[Places]:
-    """Groups of variants in which the same laws act."""
+    """Groups of indices of variants in which the same springs, dampers and inertias act."""
     signs = _signs(given)[variants]
     if not len(variants) or (signs == signs[0]).all():
         return [variants] if len(variants) else []
@@ -103,7 +106,10 @@ def _signs(given: Coefficients) -> NDArray[np.int8]:
 
 
 class _Directions(NamedTuple):
-    """Shared directions of a drivetrain, and of its inertias and springs alone without massless damped coordinates."""
+    """Bases (n_q, n) of rigid and massless motions with dampers, and those of inertias and springs alone.
+
+    The latter are without massless damped coordinates.
+    """
 
     damped: SharedDirections
     alone: SharedDirections
@@ -118,7 +124,10 @@ class _Directions(NamedTuple):
 
 
 def _of_one_kind(system: RowSystem, nodes: FloatArray, given: Coefficients) -> StackedModes:
-    """Modes of variants in which the same laws act; the stack is halved where LAPACK fails on one of them."""
+    """Eigenvalues (rad/s) and shapes of variants in which the same springs, dampers and inertias act.
+
+    The stack is halved where LAPACK fails on one of them.
+    """
     try:
         return _solved(system, nodes, given)
     except (np.linalg.LinAlgError, SolveError):
@@ -152,7 +161,7 @@ def _solved(system: RowSystem, nodes: FloatArray, given: Coefficients) -> Stacke
 def _judged(
     directions: SharedDirections, nodes: FloatArray, given: Coefficients, found: StackedVibrations, rates: FloatArray
 ) -> StackedModes:
-    """Modes with rigid bodies first, and mask of the variants whose modes are uncertain."""
+    """Eigenvalues (rad/s) and shapes of variants, rigid bodies first, and mask (n,) of uncertain variants."""
     n, rigid = given.n_variants, unit_shapes(nodes @ directions.rigid)
     sure = _settled(found.errors) & ~_close(np.abs(found.values))
     sure &= (residuals(directions.rows, given, found) <= POLISH_ABOVE).all(axis=1)
@@ -165,7 +174,7 @@ def _judged(
 
 
 def _scaled(shapes: ComplexArray) -> ComplexArray:
-    """Shapes (n, n_nodes, m) scaled to 1 at the node that moves most; the first of equally large ones."""
+    """Shapes (n, n_nodes, m) scaled to 1 at the node that moves most, or at the first of equal ones."""
     size = np.abs(shapes)
     first = np.argmax(size >= size.max(axis=1, keepdims=True, initial=0.0) * EQUAL_COMPONENT_RATIO, axis=1)[:, None, :]
     largest = np.take_along_axis(shapes, first, axis=1)
@@ -173,23 +182,23 @@ def _scaled(shapes: ComplexArray) -> ComplexArray:
 
 
 def _settled(errors: FloatArray) -> Flags:
-    """Mask of variants whose eigenvalues are all certain enough to need no refinement."""
+    """Mask (n,) of variants whose eigenvalues, with relative errors (n, m), all need no refinement."""
     return np.asarray((errors <= REFINE_ABOVE).all(axis=1), dtype=bool)
 
 
 def _close(sizes: FloatArray) -> Flags:
-    """Mask of variants with modes so close to each other that their order or shapes depend on rounding."""
+    """Mask (n,) of variants with modes so close that their order or shapes depend on rounding."""
     return np.asarray((np.diff(sizes, axis=1) <= EQUAL_EIGENVALUES * sizes[:, 1:]).any(axis=1), dtype=bool)
 
 
 def _nothing(n_nodes: int, n: int) -> StackedModes:
-    """Empty modes of n variants that all have to be solved singly."""
+    """Modes (none) of n variants that all have to be solved singly, as a result without eigenvalues or shapes."""
     none = np.zeros((n, 0))
     return StackedModes(none.astype(complex), np.zeros((n, n_nodes, 0), complex), none, np.ones(n, bool))
 
 
 def _together(parts: Sequence[StackedModes], places: Sequence[Places]) -> StackedModes:
-    """Modes of all variants from parts, each at its place."""
+    """Eigenvalues (rad/s) and shapes of all variants put together from parts, each at the places of its variants."""
     if len(parts) == 1:
         return parts[0]
     n = sum(map(len, places))
@@ -205,7 +214,7 @@ def _together(parts: Sequence[StackedModes], places: Sequence[Places]) -> Stacke
 
 
 def _spread(arrays: Sequence[NDArray[Any]], places: Sequence[Places], n: int) -> NDArray[Any]:
-    """Array of all variants from arrays of parts; NaN after the last column of each."""
+    """Array over all variants from arrays of parts, with NaN after the last column of each."""
     width = max(array.shape[-1] for array in arrays)
     whole = np.full((n, *arrays[0].shape[1:-1], width), np.nan, dtype=arrays[0].dtype)
     for array, some in zip(arrays, places, strict=True):

@@ -1,4 +1,4 @@
-"""Eigenvalues and vectors of a stack of first-order forms, each with an estimate of its error.
+"""Nonzero eigenvalues in rad/s and shapes of a stack of first-order forms, each with an estimate of its error.
 
 The error is estimated as in :mod:`torsionnet.solve.modes.spectrum`, from the size of the form and the condition of the
 eigenvalue, which its symmetry gives without left vectors: with x = (velocities, forces) and S = diag(I, -I) the matrix
@@ -21,20 +21,21 @@ from torsionnet.solve.modes.spectrum import on_real_axis
 
 _EPS = float(np.finfo(float).eps)
 ERROR_SAFETY = 4.0
-"""Factor on the error estimate of eigenvalues; a larger value sends more variants to the single solver."""
+"""Safety factor on the error estimate of eigenvalues, a larger value of which sends more variants to the single
+solver."""
 ERROR_SAFETY_MASSLESS = 100.0
-"""Factor on the error estimate with massless directions, whose elimination adds rounding errors."""
+"""Safety factor on the error estimate with massless motions, whose elimination adds rounding errors."""
 
 
 class StackedVibrations(NamedTuple):
-    """Nonzero eigenvalues (n, m) ordered by size, their vectors (n, n_q, m), and relative errors (n, m)."""
+    """Nonzero eigenvalues (n, m) in rad/s by size, their shapes (n, n_q, m), and relative errors (n, m)."""
 
     values: ComplexArray
     vectors: ComplexArray
     errors: FloatArray
 
     def columns_of(self, some: NDArray[np.intp], columns: NDArray[np.intp]) -> StackedVibrations:
-        """Vibrations of some variants in these columns (n, m)."""
+        """Eigenvalues, shapes and relative errors of some variants in these columns (n, m)."""
         return StackedVibrations(
             np.take_along_axis(self.values[some], columns, axis=1),
             np.take_along_axis(self.vectors[some], columns[:, None, :], axis=2),
@@ -46,7 +47,7 @@ Some: TypeAlias = tuple[NDArray[np.intp], StackedVibrations]
 
 
 def undamped_vibrations(directions: SharedDirections, given: Coefficients) -> StackedVibrations:
-    """Vibrations of variants without damping, in ascending order of frequency."""
+    """Eigenvalues (n, m) in rad/s and shapes (n, n_q, m) of variants without damping, by rising frequency."""
     form = stacked_form(directions, given)
     _, sigma, vt = np.linalg.svd(form.coupling, full_matrices=False)
     rates, states = sigma[:, ::-1], vt.mT[:, :, ::-1]
@@ -55,7 +56,7 @@ def undamped_vibrations(directions: SharedDirections, given: Coefficients) -> St
 
 
 def damped_vibrations(directions: SharedDirections, given: Coefficients) -> Iterator[Some]:
-    """Yield vibrations of variants with viscous damping, grouped by their number of modes."""
+    """Yield indices of variants and their damped modes (eigenvalues, shapes, errors), grouped by number of modes."""
     found = _every(directions, given)
     real = on_real_axis(found.values)
     kept = (found.values.imag > 0) | real
@@ -70,7 +71,9 @@ def damped_vibrations(directions: SharedDirections, given: Coefficients) -> Iter
 
 
 def hysteretic_vibrations(directions: SharedDirections, given: Coefficients) -> Iterator[Some]:
-    """Yield vibrations of variants with hysteretic springs, as ``frozen_stiffness`` defines them, grouped likewise.
+    """Yield indices of variants and their modes (eigenvalues, shapes, errors) with hysteretic springs, grouped.
+
+    They are grouped by number of real poles, and defined as in ``frozen_stiffness``.
 
     Real poles are those of the elastic springs. There are as many vibrations as these have; of the eigenvalues above
     the real axis they are the least damped ones, since the loss moves real poles off that axis.
@@ -98,13 +101,13 @@ def hysteretic_vibrations(directions: SharedDirections, given: Coefficients) -> 
 
 
 def _settling(values: ComplexArray, given: Coefficients) -> ComplexArray:
-    """Eigenvalues in which the growth of passive variants, which is rounding, is set to zero."""
+    """Eigenvalues (n, m) in rad/s in which the growth of passive variants, which is rounding, is set to zero."""
     passive = ((given.damping >= 0) & (given.loss >= 0)).all(axis=1, keepdims=True)
     return np.asarray(np.where(passive, np.minimum(values.real, 0.0), values.real) + 1j * values.imag)
 
 
 def _every(directions: SharedDirections, given: Coefficients) -> StackedVibrations:
-    """All eigenvalues of the first-order forms, conjugates included."""
+    """All nonzero eigenvalues in rad/s of the first-order forms, with shapes and errors, conjugates included."""
     form = stacked_form(directions, given)
     values, states = (np.asarray(found, dtype=complex) for found in np.linalg.eig(form.matrix))
     sign = np.where(np.arange(states.shape[1]) < form.coupling.shape[2], 1.0, -1.0)[:, None]
@@ -118,7 +121,7 @@ def _safety(directions: SharedDirections) -> float:
 
 
 def residuals(rows: FloatArray, given: Coefficients, found: StackedVibrations) -> FloatArray:
-    """Residual torques (n, m) of each mode, relative to the sum of the magnitudes of their terms."""
+    """Residual torques (n, m) of each mode's equation of motion, over the sum of the magnitudes of their terms."""
     z, motion, sizes = found.values[:, None, :], rows @ found.vectors, np.abs(rows)
     J, c, elastic, loss = (part[:, :, None] for part in given)
     k: AnyArray = elastic

@@ -1,4 +1,4 @@
-"""Sentences on tracked modes: which come near each other, are overdamped, or get lost.
+"""Sentences on tracked modes that come near each other, become overdamped, or get lost.
 
 >>> here, there = np.array([2j, 3j]), np.array([[2j, 3j], [2.9j, 3.1j]])
 >>> mixed = np.array([[False, False], [True, True]])
@@ -20,7 +20,7 @@ from torsionnet.response.mode_numbers import OSCILLATORY, REAL, mode_numbers
 def tracking_notes(
     home: ComplexArray, followed: ComplexArray, veering: NDArray[np.bool_], partners: NDArray[np.intp]
 ) -> tuple[str, ...]:
-    """Sentences about the tracked modes of variants.
+    """Sentences on which tracked modes of variants share shapes, become overdamped or get lost.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Numbers that hold the value of a parameter in all variants, with which elements evaluate their laws at once.
+"""Numbers that hold a parameter's value in all variants, with which elements evaluate their laws at once.
 
 Elements decide by values now and then. Such a decision falls as the first variant has it; those of which it would fall
 otherwise are left for another pass, in which one of them is the first. No decision is guessed at.
@@ -21,7 +21,7 @@ from torsionnet.core.expressions import Algebra
 CANCELLATION_RATIO = 1e-3
 """Ratio of a sum to its terms below which the sum has lost digits that exact fractions would have kept."""
 MOST_PASSES = 64
-"""Most passes over variants, one per combination of decisions; variants beyond are looked at one by one."""
+"""Most passes over variants, one per combination of decisions, beyond which variants are looked at one by one."""
 
 
 class Decisions:
@@ -40,14 +40,14 @@ class Decisions:
         self.unsure = np.zeros(count, dtype=bool)
 
     def decide(self, answers: Any) -> bool:
-        """Answer of the first variant to a question on values; variants that differ are marked as not following."""
+        """Truth of a comparison for the first variant, after marking the variants for which it differs."""
         first = bool(answers[0])
         self.follows &= answers if first else ~answers
         return first
 
 
 class VariantNumber:
-    """Number with a value for each variant, shape (n,)."""
+    """Parameter value in every variant, shape (n,), on which elements calculate as on one number."""
 
     __slots__ = ("decisions", "values")
     __array_ufunc__ = None  # numpy leaves arithmetic with it to the methods below
@@ -138,16 +138,16 @@ def _root(number: Any) -> Any:
 
 
 VARIANTS = Algebra(number=Fraction, sqrt=_root, pi=math.pi)
-"""Algebra of expressions in which some parameters are a :class:`VariantNumber`."""
+"""Arithmetic for expressions in which some parameters are a :class:`VariantNumber`."""
 
 
 def variant_column(number: Any, count: int) -> FloatArray:
-    """Values of a number in every variant, shape (count,)."""
+    """Values (count,) of a number in every variant, where a plain number is the same in all."""
     return number.values if isinstance(number, VariantNumber) else np.full(count, float(number))
 
 
 def passes(count: int) -> Iterator[tuple[NDArray[np.intp], Decisions]]:
-    """Yield the indices of variants and the record of their decisions, until each has decided like a first one.
+    """Yield indices of variants and a record of their decisions, until each variant has followed a first one.
 
     Variants of a combination of decisions beyond :data:`MOST_PASSES` come in no pass.
     """

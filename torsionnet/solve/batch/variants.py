@@ -31,7 +31,10 @@ def frequency_responses(
     excitation: str | Sequence[str] | None = None,
     method: str = "auto",
 ) -> FrequencyResponses:
-    """Frequency responses of variants of a drivetrain; see :meth:`torsionnet.Drivetrain.frequency_responses`."""
+    """Frequency responses in SI units of many variants of a drivetrain.
+
+    See :meth:`torsionnet.Drivetrain.frequency_responses`.
+    """
     known_method(method)
     parameters = _columns(variants)
     request = cached_request(drivetrain, output, input, excitation)
@@ -78,7 +81,10 @@ def _batch(drivetrain: AssembledModel, parameters: Mapping[str, FloatArray]) -> 
 def _grouped(
     copies: Sequence[AssembledModel], ask: Callable[[AssembledModel], TransferRequest], f: FloatArray, method: str
 ) -> Evaluated:
-    """Transfer functions of variants made one by one; neighbours with the same request are solved together."""
+    """Transfer functions (n, n_f, n_out, n_in) in SI units of variants that are made one by one.
+
+    Neighbours with the same request are solved together.
+    """
     parts: list[Evaluated] = []
     requests = [ask(copy) for copy in copies]
     for _, group in groupby(zip(copies, requests, strict=True), key=lambda pair: id(pair[1])):
@@ -88,7 +94,7 @@ def _grouped(
 
 
 def _columns(variants: Mapping[str, ArrayLike]) -> dict[str, FloatArray]:
-    """Values by parameter, all of one length; one value alone holds for all variants."""
+    """Parameter values (n,) in SI units by name, one for each variant, where a single value holds for all variants."""
     try:
         columns = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in variants.items()}
         spread = list(np.broadcast_arrays(*columns.values()))

@@ -1,4 +1,4 @@
-"""Damper design: damping and stiffness within bounds for which the largest vibration is smallest."""
+"""Search for damping and stiffness of dampers, within bounds, for which the largest vibration is smallest."""
 
 from __future__ import annotations
 
@@ -35,13 +35,16 @@ from torsionnet.solve.sensitivity.parametric import parametric_response
 from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
 
 DEFAULT_BOUNDS_FACTOR = 10.0
-"""Factor of the default bounds: a tenth to ten times the value."""
+"""Factor on a parameter's value for the default bounds of a damper design, a tenth to ten times the value."""
 EFFECT_POINTS = 33
-"""Number of values over the bounds of one parameter at which its effect is calculated: more give a smoother curve."""
+"""Number of values between the bounds of one parameter for which the largest level is calculated, enough for a smooth
+curve."""
 FREE_FACTOR, LOCKED_FACTOR = 1e-6, 1e6
-"""Factors on the best damping: nearly none, whose peaks stay finite, and so much that nothing slips."""
+"""Factors on the best damping for a free damper, whose peaks stay finite, and for a locked one, in which nothing
+slips."""
 FIXED_POINT_SPREAD = 0.02
-"""Spread of levels over dampings up to which a crossing counts as a fixed point: 2 %, about the width of a curve."""
+"""Spread of levels over dampings up to which a crossing of curves counts as a fixed point, 2 %, about the width of a
+curve."""
 
 Bounds = Mapping[str, Sequence[Any] | None]
 
@@ -57,7 +60,10 @@ def damper_design(
     speed_of: str | None = None,
     excitations: Iterable[str] | None = None,
 ) -> DamperOptimum:
-    """Optimum of dampers in a drivetrain; see :meth:`torsionnet.Drivetrain.damper_design`."""
+    """Best values of damper parameters, with the vibration before and after, in a drivetrain.
+
+    See :meth:`torsionnet.Drivetrain.damper_design`.
+    """
     names = [parameters] if isinstance(parameters, str) else list(parameters)
     if not names:
         raise UsageError("name at least one parameter to optimise, such as the damping of a damper")
@@ -105,7 +111,7 @@ def levels_of(
     speed_of: str | None,
     excitations: Iterable[str] | None,
 ) -> Levels:
-    """Levels to be made small: over a band of frequencies from an input, or over speeds under the excitations."""
+    """Vibration levels to be made small, over a band in Hz from an input, or over speeds under excitations."""
     if input is None:
         if band is not None:
             raise UsageError("a band of frequencies needs input=; without an input, give speeds instead")
@@ -126,13 +132,13 @@ def levels_of(
 
 
 def sought_units(varied: Unknowns) -> list[str]:
-    """Units of the parameters sought."""
+    """Units of the parameters sought by a damper design, in their order."""
     known = parameter_units(varied.definition)
     return [known[name] for name in varied.parameters]
 
 
 def sought_box(varied: Unknowns, given: Bounds, units: Sequence[str]) -> Box:
-    """Bounds of the parameters sought: as given, else those of the model, else a decade to each side."""
+    """Bounds (n_p,) in SI units of the parameters sought, as given, else from the model, else a decade to each side."""
     ends = []
     for name, parameter, start, unit in zip(varied.names, varied.parameters, varied.start, units, strict=True):
         written = given.get(name) or varied.definition.parameters[parameter].bounds
@@ -172,7 +178,10 @@ def _number(name: str, written: Any, unit: str) -> float:
 
 
 def highest_peaks(levels: Levels, values: FloatArray) -> tuple[LevelPeak, ...]:
-    """Peaks whose level is within a thousandth of the highest one."""
+    """Peaks, as point and level, of the curve at parameter ``values`` within a thousandth of the highest one.
+
+    Points are in the unit of display.
+    """
     points = levels.maxima(values)
     sizes = levels.at(values, points)
     found = zip(levels.shown(points).tolist(), sizes.tolist(), strict=True)
@@ -180,7 +189,7 @@ def highest_peaks(levels: Levels, values: FloatArray) -> tuple[LevelPeak, ...]:
 
 
 def _effect(levels: Levels, box: Box, best: FloatArray, place: int) -> FloatArray:
-    """Largest level over the range of one parameter, (n, 2)."""
+    """Parameter value in SI units and largest level there, over the range of one parameter's bounds, shape (n, 2)."""
     own = box.place(best)
     along = np.union1d(np.linspace(0.0, 1.0, EFFECT_POINTS), own[place])
     every = [box.inside(np.where(np.arange(len(own)) == place, x, own)) for x in along]
@@ -195,7 +204,10 @@ def _curve(levels: Levels, label: str, values: FloatArray) -> LevelCurve:
 def _fixed_points(
     levels: Levels, free: FloatArray, locked: FloatArray, films: Sequence[FloatArray]
 ) -> tuple[FixedPoint, ...]:
-    """Fixed points, highest first: where all dampings from none to infinite give nearly the same level."""
+    """Fixed points (point, level, spread), highest first, where all dampings give nearly the same level.
+
+    The dampings go from none to infinite.
+    """
 
     def apart(points: FloatArray) -> FloatArray:
         return np.log(levels.at(free, points) / levels.at(locked, points))

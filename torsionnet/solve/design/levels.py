@@ -1,4 +1,4 @@
-"""Levels that a damper is to make small, over frequency or speed, with derivatives to the parameters sought."""
+"""Vibration levels that a damper is to make small, over frequency or speed, with derivatives to parameters."""
 
 from __future__ import annotations
 
@@ -23,14 +23,16 @@ from torsionnet.solve.sensitivity.parametric import ParametricResponse
 from torsionnet.solve.sensitivity.unknowns import Unknowns
 
 REFINEMENT_ROUNDS, REFINEMENT_POINTS = 4, 21
-"""Rounds of refinement of a maximum and points in each: every round divides the interval by ten."""
+"""Number of rounds that refine a maximum of a level, and points in each, so that every round divides the interval by
+ten."""
 SLOPE_STEP = 1e-4
-"""Relative step of a parameter for the central difference that gives the slope of a half range."""
+"""Relative step of a parameter for the central difference that gives the slope of a half range, large enough that
+rounding hardly counts."""
 
 
 @dataclass(frozen=True, eq=False)
 class VariedModel:
-    """Model at varying values of its unknowns; all that does not depend on them is worked out once."""
+    """Drivetrain at varying values of its unknowns, of which what does not depend on them is worked out once."""
 
     unknowns: Unknowns
 
@@ -43,39 +45,42 @@ class VariedModel:
 
 
 class Levels(Protocol):
-    """Protocol of levels over points, which are frequencies in Hz or speeds in rad/s."""
+    """Protocol of vibration levels, which depend on parameters, over frequencies in Hz or speeds in rad/s."""
 
     @property
     def precision(self) -> float:
-        """Relative precision of the levels and of results derived from them."""
+        """Relative precision of the vibration levels and of results derived from them."""
 
     def grid(self, values: FloatArray) -> FloatArray:
-        """Points (n,) in ascending order that show every maximum."""
+        """Frequencies (Hz) or speeds (rad/s), shape (n,), rising, that show every maximum of the level."""
 
     def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
         """Levels (n,), amplitudes or half ranges to be made small, at frequencies or speeds ``points`` (n,)."""
 
     def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
-        """Derivatives (n, n_p) of the levels to the parameters."""
+        """Derivatives (n, n_p) of the levels at ``points`` (n,) to the parameters in SI units."""
 
     def maxima(self, values: FloatArray) -> FloatArray:
-        """Points of local maxima, the highest first; the ends of the range count."""
+        """Frequencies (Hz) or speeds (rad/s), shape (n,), of the local maxima of the level, the highest first.
+
+        The ends of the range count.
+        """
 
     def shown(self, points: FloatArray) -> FloatArray:
-        """Points converted to the unit of ``of``."""
+        """Frequencies or speeds ``points`` (n,) converted to the unit in which they are displayed, see ``of``."""
 
     @property
     def of(self) -> tuple[str, str]:
-        """Quantity of the points as displayed, and its unit."""
+        """Name of the quantity over which levels are displayed, such as "frequency", and its unit, such as "Hz"."""
 
     @property
     def channel(self) -> Channel:
-        """Channel of the level: name and unit."""
+        """Name and unit of the vibration level."""
 
 
 @dataclass(frozen=True, eq=False)
 class ReceptanceLevels:
-    """Magnitude of one transfer function over a band in Hz, with exact derivatives."""
+    """Magnitude of one transfer function over a band in Hz, with exact derivatives to the parameters."""
 
     response: ParametricResponse
     band: tuple[float, float]
@@ -130,7 +135,7 @@ class ReceptanceLevels:
 
 @dataclass(frozen=True, eq=False)
 class OrderLevels:
-    """Half range of all orders of one output at the speeds of a run, rad/s.
+    """Half range of all orders of one output together, in its unit, at the speeds of a run in rad/s.
 
     Every response is exact; slopes are central differences of it, so that whatever excites the model may depend on its
     parameters in any way.
@@ -178,7 +183,7 @@ class OrderLevels:
 
 
 def _with_ends(levels: FloatArray) -> list[int]:
-    """Indices of local maxima, and of ends that are higher than their neighbour."""
+    """Indices of the local maxima of levels (n,), and of ends that are higher than their neighbour."""
     if len(levels) < 2:
         return [0]
     first = [0] if levels[0] >= levels[1] else []

@@ -1,4 +1,6 @@
-"""Minimax search: parameter values within bounds for which the largest level is smallest.
+"""Search for parameter values within bounds for which the largest vibration level is smallest.
+
+Parameter values within bounds for which the largest level is smallest.
 
 Levels at some points become constraints, log level <= t with t to be made small, which sequential quadratic programming
 solves; the maxima of the curve for its answer are new points, until none is higher than t.
@@ -18,22 +20,26 @@ from torsionnet.response.frequency_response import FloatArray
 from torsionnet.solve.design.levels import Levels
 
 CONSTRAINT_ROUNDS, PROGRAMMING_STEPS = 40, 60
-"""Limits of the rounds of new constraint points, and of the steps of quadratic programming in each."""
+"""Most rounds that add constraint points in a minimax search, and most steps of quadratic programming in each, which
+bound its time."""
 SAMPLED_STARTS, SEARCHED_STARTS = 16, 2
-"""Number of sampled starts, doubled for each parameter after the first, and how many of the best are searched."""
+"""Number of sampled starts of a minimax search, doubled for each parameter after the first, and how many of the best
+are searched."""
 FIRST_CONSTRAINTS = 40
-"""Number of points of the range that are constraints from the beginning; fewer cost more rounds."""
+"""Number of points of the range that are constraints of a minimax search from the beginning, as fewer cost more
+rounds."""
 WIDE_BOUNDS_RATIO = 3.0
-"""Ratio of bounds above which a parameter is searched by equal factors."""
+"""Ratio of upper to lower bound above which a parameter is searched in equal factors and not in equal steps."""
 SMALLEST_LEVEL = 1e-300
-"""Smallest level for logarithms, near the smallest double, so that a level of zero has one."""
+"""Level added before logarithms are taken, near the smallest double, so that a level of zero has one."""
 GRADIENT_PRECISION, TOLERANCE_POWER = 1e-8, 1.3
-"""Precision of levels down to which gradients are used, and power of it at which programming stops."""
+"""Relative precision of levels up to which gradients are used, and power of it at which quadratic programming stops, as
+less is rounding."""
 
 
 @dataclass(frozen=True, eq=False)
 class Box:
-    """Bounds of the parameters, mapped to the unit cube in which the search runs.
+    """Bounds (n_p,) of the parameters in SI units, mapped to the unit cube in which the search runs.
 
     >>> Box(np.array([1.0, -1.0]), np.array([100.0, 1.0])).inside(np.array([0.5, 0.25])).tolist()
     [10.0, -0.5]
@@ -47,28 +53,31 @@ class Box:
         return np.asarray((self.lower > 0) & (self.upper > WIDE_BOUNDS_RATIO * self.lower))
 
     def inside(self, place: FloatArray) -> FloatArray:
-        """Parameter values at a place in the cube."""
+        """Parameter values (n_p,) in SI units at a place (n_p,) in the unit cube."""
         with np.errstate(divide="ignore", invalid="ignore"):
             factors = self.lower * (self.upper / self.lower) ** place
         found = np.where(self._by_factors, factors, self.lower + place * (self.upper - self.lower))
         return np.clip(found, self.lower, self.upper)
 
     def place(self, values: FloatArray) -> FloatArray:
-        """Place in the cube of parameter values, or of the nearest ones within the bounds."""
+        """Place (n_p,) in the unit cube of parameter values, or of the nearest ones within the bounds."""
         clipped = np.clip(values, self.lower, self.upper)
         with np.errstate(divide="ignore", invalid="ignore"):
             factors = np.log(clipped / self.lower) / np.log(self.upper / self.lower)
         return np.where(self._by_factors, factors, (clipped - self.lower) / (self.upper - self.lower))
 
     def rates(self, place: FloatArray) -> FloatArray:
-        """Derivatives of the parameters to their places in the unit cube (bounds at 0 and 1), shape (n_p,)."""
+        """Derivatives (n_p,) of the parameters, in SI units, to their places in the unit cube from 0 to 1."""
         with np.errstate(divide="ignore", invalid="ignore"):
             factors = self.inside(place) * np.log(self.upper / self.lower)
         return np.where(self._by_factors, factors, self.upper - self.lower)
 
 
 def smallest_maximum(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
-    """Parameter values (n_p,) with the smallest maximum, searched from the start and from samples of the box."""
+    """Parameter values (n_p,) in SI units for which the largest vibration level is smallest.
+
+    The search starts from ``start`` and from samples of the box.
+    """
     if len(start) == 1 and levels.precision > GRADIENT_PRECISION:
         return _along_one(levels, box, start)
     places = [box.place(start), *qmc.Sobol(len(start), scramble=False).random(SAMPLED_STARTS * 2 ** (len(start) - 1))]
@@ -78,7 +87,10 @@ def smallest_maximum(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
 
 
 def _along_one(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
-    """Value of a single parameter with the smallest maximum, by sampling and parabolas, without slopes."""
+    """Value (1,) of a single parameter for which the largest level is smallest, found without slopes.
+
+    The search goes by samples and parabolas.
+    """
     places = np.union1d(np.linspace(0, 1, SAMPLED_STARTS + 1), box.place(start))
 
     def level(place: float) -> float:
@@ -94,13 +106,16 @@ def _along_one(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
 
 
 def largest(levels: Levels, values: FloatArray, *, refined: bool = True) -> float:
-    """Largest level for these parameter values."""
+    """Largest vibration level, in its unit, over all frequencies or speeds for these parameter values (n_p,)."""
     points = levels.maxima(values)[:1] if refined else levels.grid(values)
     return float(levels.at(values, points).max())
 
 
 def search_from(levels: Levels, box: Box, place: FloatArray) -> FloatArray:
-    """Best place in the cube reached from a starting place; maxima of every step become constraints of the next."""
+    """Best place (n_p,) in the unit cube that the minimax search reaches from a starting place.
+
+    Maxima of every step become constraints of the next.
+    """
     grid = levels.grid(box.inside(place))
     points = grid[:: max(len(grid) // FIRST_CONSTRAINTS, 1)]
     best, least = place, np.inf
@@ -120,7 +135,7 @@ def search_from(levels: Levels, box: Box, place: FloatArray) -> FloatArray:
 
 
 def _solved(levels: Levels, box: Box, points: FloatArray, start: FloatArray) -> tuple[FloatArray, float]:
-    """Place at which the largest of the levels at these points is smallest, and the logarithm of that level."""
+    """Place (n_p,) in the unit cube where the largest level at ``points`` is smallest, and that level's logarithm."""
 
     def logs(x: FloatArray) -> FloatArray:
         return np.log(levels.at(box.inside(x[:-1]), points) + SMALLEST_LEVEL)

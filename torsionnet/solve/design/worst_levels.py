@@ -1,4 +1,4 @@
-"""Levels over several conditions of one drivetrain, of which the largest counts."""
+"""Vibration levels over several conditions of one drivetrain, of which the largest counts."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ overlap."""
 
 @dataclass(frozen=True, eq=False)
 class WorstLevels:
-    """Levels over the points of all conditions, one condition behind the other.
+    """Vibration levels of all conditions of a drivetrain at one set of values, one condition behind the other.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class WorstLevels:
 
     @property
     def precision(self) -> float:
-        """Precision of the least precise condition."""
+        """Relative precision of the levels in the least precise condition."""
         return max(one.precision for one in self.parts)
 
     @property
@@ -49,7 +49,7 @@ class WorstLevels:
         return CONDITION_OFFSET * self.highest
 
     def condition(self, points: FloatArray) -> NDArray[np.intp]:
-        """Index of the condition of each point."""
+        """Index (n,) of the condition to which each point belongs."""
         return np.asarray(np.floor_divide(points, self._room), dtype=np.intp)
 
     def grid(self, values: FloatArray) -> FloatArray:
@@ -75,7 +75,7 @@ class WorstLevels:
         return self.parts[0].shown(points - self._room * self.condition(points))
 
     def _split(self, points: FloatArray) -> list[tuple[Levels, NDArray[np.bool_], FloatArray]]:
-        """Conditions that have some of the points, masks of these points, and the points within each condition."""
+        """Levels of each condition that has some of the points, mask (n,) of these, and the points within it."""
         places = self.condition(points)
         return [
             (part, places == at, points[places == at] - at * self._room)

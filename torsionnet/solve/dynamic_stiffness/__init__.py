@@ -1,1 +1,1 @@
-"""Solvers for the dynamic stiffness: transfer requests, elimination plans, null spaces and first-order forms."""
+"""Solvers for torsional responses from the dynamic stiffness, by elimination on the graph, dense matrices or states."""

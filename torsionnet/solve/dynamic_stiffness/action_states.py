@@ -23,12 +23,14 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
 
 HIGHEST_POWER = 2
-"""Highest power of s with which an action may feed a motion straight through: its acceleration."""
+"""Highest power of s, 2, with which an action may feed the sensed angle through at once, that is its acceleration."""
 
 
 @dataclass(frozen=True)
 class LawStates:
-    """State equations of an action: z' = F z + G_0 y + G_1 y', T = P(s) y + H z; ``at_once`` are the coefficients of P.
+    """State matrices of an action, z' = F z + G_0 y + G_1 y', T = P(s) y + H z, from angle y in rad to T in N m.
+
+    The coefficients of P are ``at_once``.
 
     ``row`` and ``sensed`` (n_q,) are where T drives, and the motion y.
     """
@@ -43,7 +45,9 @@ class LawStates:
 
 
 def law_states(assembly: Assembly, points: int = 0) -> tuple[LawStates, ...]:
-    """State equations of all actions, with a delay replaced by so many collocation ``points``.
+    """State equations of each action of an assembly (controller, fluid coupling), in the order of its actions.
+
+    A delay is replaced by a line of ``points`` collocation points.
 
     Raises
     ------
@@ -54,7 +58,7 @@ def law_states(assembly: Assembly, points: int = 0) -> tuple[LawStates, ...]:
 
 
 def undelayed_states(assembly: Assembly, action: ActionLaw) -> LawStates:
-    """State equations of an action without its delay.
+    """State equations of one action as if its torque followed the sensed angle without its delay.
 
     Raises
     ------
@@ -86,7 +90,9 @@ def _states(assembly: Assembly, action: ActionLaw, points: int) -> LawStates:
 
 
 def refuse_delayed_acceleration(law: LawStates) -> None:
-    """Refuse a delayed action that feeds an acceleration straight through: it has infinitely many fast poles.
+    """Raise UsageError for a delayed action that feeds an acceleration through at once.
+
+    It has infinitely many fast poles.
 
     Raises
     ------
@@ -99,7 +105,7 @@ def refuse_delayed_acceleration(law: LawStates) -> None:
 
 
 def over_coordinates(assembly: Assembly, row: Mapping[str, Fraction]) -> FloatArray:
-    """Array (n_q,) of a row over names of coordinates; imposed angles are left out."""
+    """Coefficients (n_q,) by coordinate of a row that is given by names, where imposed angles are left out."""
     found = np.zeros(assembly.system.n_coordinates)
     for column, value in assembly.columns_of(row).items():
         if column < len(found):  # imposed angles stand still
@@ -108,7 +114,10 @@ def over_coordinates(assembly: Assembly, row: Mapping[str, Fraction]) -> FloatAr
 
 
 def companion(numerator: Sequence[Fraction], denominator: Sequence[Fraction]) -> tuple[FloatArray, float, FloatArray]:
-    """Companion form F, w, h of R(s)/D(s): z' = F z + w e y, T = h z, e the last state; no coefficient is above w."""
+    """Companion matrices F (n, n) and h (n,) of a controller's R(s)/D(s), and their scale w in 1/s.
+
+    No coefficient is above w. The form is z' = F z + w e y, T = h z with e the last state.
+    """
     d, r = ([float(value) for value in part] for part in (denominator, numerator))
     n = len(d) - 1
     w = max((abs(value) ** (1 / (n - power)) for power, value in enumerate(d[:-1]) if value), default=1.0)
@@ -122,7 +131,10 @@ def companion(numerator: Sequence[Fraction], denominator: Sequence[Fraction]) ->
 def _delayed(
     P: FloatArray, F: FloatArray, G: FloatArray, h: FloatArray, delay: float, points: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """State matrices F, G and H with the torque travelling along a line of collocation points."""
+    """State matrices F, G (n, 2) and H (n,) of an action with a delay of ``delay`` seconds, by collocation points.
+
+    The torque travels along a line of these points, whose values are states after those of the action.
+    """
     along = _derivative(points) / delay
     n, m = len(F), points
     whole = np.zeros((n + m, n + m))
@@ -136,7 +148,10 @@ def _delayed(
 
 
 def _derivative(points: int) -> FloatArray:
-    """Differentiation matrix for points + 1 Chebyshev points from 0 to 1 (Trefethen, Spectral Methods in MATLAB)."""
+    """Matrix (m, m) that differentiates values at m = points + 1 Chebyshev points from 0 to 1.
+
+    See Trefethen, Spectral Methods in MATLAB.
+    """
     place = np.cos(np.pi * np.arange(points + 1) / points)
     weight = np.where(np.isin(np.arange(points + 1), (0, points)), 2.0, 1.0) * (-1.0) ** np.arange(points + 1)
     apart = place[:, None] - place[None, :] + np.eye(points + 1)

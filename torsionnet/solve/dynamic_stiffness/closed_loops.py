@@ -1,4 +1,4 @@
-"""Closed loops of actions: from responses of the laws alone to responses with the actions at work.
+"""Responses with controllers and fluid couplings at work, calculated from responses without their torques.
 
 An action drives a row by T = kappa(s) y, y the motion it senses. With the responses of the laws alone to excitations u
 and to unit torques of the actions, y = Y_u u + Y_T T and z = Z_u u + Z_T T, so
@@ -23,7 +23,11 @@ from torsionnet.solve.dynamic_stiffness.reading_problem import ReadingProblem
 
 
 class ClosedLoops(NamedTuple):
-    """Responses with closed loops: values (n_read, n_exc, n_points), action torques, and mask of uncertain points."""
+    """Readings (n_read, n_exc, n_points) with controllers at work, torques of these in N m, and uncertain points.
+
+    Readings are per unit excitation; the torques are (n_act, n_exc, n_points); ``uncertain`` (n_points,) marks points
+    that lost digits.
+    """
 
     values: ComplexArray
     torques: ComplexArray
@@ -33,7 +37,10 @@ class ClosedLoops(NamedTuple):
 def close_loops(
     reading_problem: ReadingProblem, kappa: LawStiffness, values: ComplexArray, uncertain: NDArray[np.bool_]
 ) -> ClosedLoops:
-    """Responses with the actions at work, from those of the laws alone to excitations and action torques."""
+    """Readings per unit excitation with controllers at work, from ``values`` calculated without their torques.
+
+    These ``values`` are responses to the excitations, then to a unit torque of each action.
+    """
     n_exc, n_act = reading_problem.n_excitations, len(reading_problem.sensed)
     if not n_act:
         return ClosedLoops(values, np.zeros((0, n_exc, kappa.n_points), dtype=complex), uncertain)
@@ -56,7 +63,7 @@ def close_loops(
 
 
 def _solved(loop: ComplexArray, right: ComplexArray) -> tuple[ComplexArray, NDArray[np.bool_]]:
-    """Torques of the actions (n_points, n_act, n_exc), and mask of points where the loops nearly cancel."""
+    """Torques of the actions (n_points, n_act, n_exc) in N m, and mask (n_points,) where the loops nearly cancel."""
     if loop.shape[1] == 1:
         return np.asarray(right / loop), np.zeros(len(loop), dtype=bool)
     finite = np.isfinite(loop).all(axis=(1, 2)) & np.isfinite(right).all(axis=(1, 2))

@@ -1,4 +1,4 @@
-"""Compiled evaluation of an operation tape with numba: few points at a time, so that registers stay in the cache.
+"""Elimination tape run in a loop that numba compiles, few frequency points at a time.
 
 numba compiles the loop when it is first used and keeps it on disk.
 """
@@ -29,19 +29,21 @@ except ImportError as error:
     raise MissingExtraError(f"the compiled solver needs a numba that works with this numpy: {error}") from error
 
 POINTS_AT_ONCE = 128
-"""Number of points worked on at once: enough for vector instructions, few enough for a thousand registers in the
-cache."""
+"""Number of frequency points that the compiled loop works on at once, enough for vector instructions and few enough for
+a thousand registers in the cache."""
 
 LAW, CONSTANT, SUM, PIVOT, PRODUCT = ops.LAW, ops.CONSTANT, ops.SUM, ops.PIVOT, ops.PRODUCT
 QUOTIENT, INVERSE, WATCH, OUTPUT = ops.QUOTIENT, ops.INVERSE, ops.WATCH, ops.OUTPUT
 CANCELLATION_SQUARE, SHARE_SQUARE = LARGE_CANCELLATION * LARGE_CANCELLATION, LARGE_SHARE * LARGE_SHARE
-"""Squares of the limits for lost digits, for comparison with squared magnitudes."""
+"""Squares of the ratios above which a frequency point counts as having lost digits, to compare with squared
+magnitudes."""
 LEAST_SQUARE, MOST_SQUARE = 1e-290, 1e290
-"""Squared magnitudes beyond which a quotient is NaN here and solved in numpy, which scales divisions."""
+"""Squared magnitudes, least and most, within which the compiled loop divides by a measured reading, since beyond them
+only numpy's scaled division is safe. The compiled loop leaves NaN there."""
 
 
 def sweep(tape: Tape, kappa: LawStiffness) -> tuple[ComplexArray, NDArray[np.bool_]]:
-    """Values (n_values, n_points) of a tape and mask of uncertain points, by the compiled loop."""
+    """Output values (n_values, n_points) of a tape by the compiled loop, and mask (n_points,) of lost digits."""
     values = np.zeros((tape.n_values, kappa.n_points), dtype=complex)
     uncertain = np.zeros(kappa.n_points, dtype=bool)
     _sweep(tape.operations, tape.factors, *_numbers(kappa), _registers(tape), values, uncertain)
@@ -51,7 +53,7 @@ def sweep(tape: Tape, kappa: LawStiffness) -> tuple[ComplexArray, NDArray[np.boo
 def read(
     tape: Tape, slots: LawStiffness, table: ReadingTable, kappa: LawStiffness
 ) -> tuple[ComplexArray, FloatArray, NDArray[np.bool_]]:
-    """Readings or their quotients at all points, straight from the tape in one compiled loop.
+    """Readings per excitation, or over the measured reading, at all frequency points, in one compiled loop.
 
     Parameters
     ----------
@@ -79,7 +81,9 @@ def _registers(tape: Tape) -> FloatArray:
 
 
 def _numbers(kappa: LawStiffness) -> tuple[Any, ...]:
-    """Arrays for the compiled loop: J, c, k (n_variants, n_laws), places of sampled laws (-1: none), samples, omega.
+    """Arrays for the compiled loop, which are J, c, k of laws in SI, sampled stiffnesses and omega in rad/s.
+
+    J, c and k are (n_variants, n_laws); then come places of sampled laws (-1: none) and the samples.
 
     Omega has one row, or one for each variant.
     """
@@ -97,7 +101,9 @@ def _walk(
     operations: Any, factors: Any, inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, w2: Any,
     w: Any, first: int, n: int, r: Any, left: Any, y: Any,
 ) -> None:  # fmt: skip
-    """Run all operations for POINTS points of one variant, of which the first ``n`` count; outputs into ``y``.
+    """Run all operations of a tape for a block of frequency points of one variant and write its outputs into ``y``.
+
+    The first ``n`` of the points count.
 
     ``left`` falls below zero where a sum is smaller than its terms by more than LARGE, or a share is larger than SHARE.
     """
@@ -170,7 +176,7 @@ def _sweeping(
     operations: Any, factors: Any, inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, omega: Any,
     r: Any, values: Any, uncertain: Any,
 ) -> None:  # fmt: skip
-    """Run a tape at all points of all variants."""
+    """Run a tape at all frequency points of all variants, and fill in ``values`` and the mask of uncertain points."""
     n_variants, n_f = inertia.shape[0], omega.shape[1]
     w, w2, left = np.empty(POINTS_AT_ONCE), np.empty(POINTS_AT_ONCE), np.empty(POINTS_AT_ONCE)
     y = np.zeros((values.shape[0], 2, POINTS_AT_ONCE))
@@ -189,7 +195,10 @@ def _sweeping(
 
 
 def _starting(omega: Any, first: int, n: int, w: Any, w2: Any, left: Any) -> None:
-    """Fill in the frequencies of a block of points, repeating the last one for points that do not count."""
+    """Fill in omega, omega^2 and the digits left of a block of frequency points.
+
+    The last one is repeated for points that do not count.
+    """
     for i in range(POINTS_AT_ONCE):
         w[i] = omega[first + min(i, n - 1)]
         w2[i] = w[i] * w[i]
@@ -202,7 +211,7 @@ def _reading(
     r: Any, n_values: int, n_exc: int, is_measured: bool, whole: Any, shares: Any, applied: float,
     values: Any, conditioning: Any, uncertain: Any,
 ) -> None:  # fmt: skip
-    """Run a tape at all points of all variants and form the readings.
+    """Run a tape at all frequency points of all variants, and form the readings from its outputs.
 
     Rows of ``whole`` are, for each reading and then for each term of the measured one: the number of what is solved, a
     power of s or -1, a law or -1.

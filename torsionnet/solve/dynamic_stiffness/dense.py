@@ -1,4 +1,7 @@
-"""Reference solver: the assembled dynamic stiffness, solved by LAPACK for a block of frequencies at a time."""
+"""Responses by the assembled dynamic stiffness matrix, solved by LAPACK, as reference for the other solvers.
+
+A block of frequencies is solved at a time.
+"""
 
 from __future__ import annotations
 
@@ -10,11 +13,14 @@ from torsionnet.solve.dynamic_stiffness.response_problem import ResponseProblem
 from torsionnet.solve.dynamic_stiffness.sweep import Sweep
 
 BLOCK_BYTES = 32 * 2**20
-"""Memory in bytes of the matrices solved at once: larger blocks leave the processor's cache."""
+"""Memory in bytes of the dynamic stiffness matrices solved at once, since larger blocks leave the processor's cache."""
 
 
 def respond(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
-    """Outputs and reactions of a problem by dense matrices, without a check for lost digits."""
+    """Motions (rad) and reactions (N m) per unit excitation, (n_read, n_exc, n_points), by dense matrices.
+
+    It does not check for lost digits.
+    """
     by_law, n_points = kappa.by_law, kappa.n_points
     values = np.zeros((problem.n_read, len(problem.excitations), n_points), dtype=complex)
     block = max(1, BLOCK_BYTES // (16 * max(1, _columns(problem)) ** 2))
@@ -32,7 +38,7 @@ def _columns(problem: ResponseProblem) -> int:
 
 
 def _respond(problem: ResponseProblem, kappa: ComplexArray) -> ComplexArray:
-    """Outputs and reactions (n_f, n_read, n_exc) at a block of points."""
+    """Outputs (rad) and reactions (N m) per unit excitation at a block of frequencies, (n_f, n_read, n_exc)."""
     n, free = _columns(problem), slice(0, problem.n_free)
     given, n_exc = slice(problem.n_free, n), len(problem.excitations)
     D = _assembled(problem, kappa, n)
@@ -49,7 +55,7 @@ def _respond(problem: ResponseProblem, kappa: ComplexArray) -> ComplexArray:
 
 
 def _assembled(problem: ResponseProblem, kappa: ComplexArray, n: int) -> ComplexArray:
-    """Dynamic stiffness matrices (n_f, n, n), assembled law by law from the few nonzero entries of each row."""
+    """Dynamic stiffness matrices in N m/rad, shape (n_f, n, n), summed law by law from nonzero entries of rows."""
     stiffness = np.zeros((len(kappa), n, n), dtype=complex)
     for law, row in enumerate(problem.laws):
         for i, a in row.items():
@@ -59,7 +65,7 @@ def _assembled(problem: ResponseProblem, kappa: ComplexArray, n: int) -> Complex
 
 
 def _solve(stiffness: ComplexArray, loads: ComplexArray) -> ComplexArray:
-    """Solution of D x = load at each frequency, with D scaled by its own diagonal."""
+    """Solutions x of D x = load at each frequency in rad, shape (n_f, n, n_exc), with D scaled by its own diagonal."""
     scale = np.sqrt(np.abs(np.einsum("fii->fi", stiffness)))
     scale[scale == 0] = 1.0
     scaled = stiffness / (scale[:, :, None] * scale[:, None, :])
@@ -72,7 +78,10 @@ def _solve(stiffness: ComplexArray, loads: ComplexArray) -> ComplexArray:
 
 
 def _one(matrix: ComplexArray, load: ComplexArray) -> ComplexArray:
-    """Solution at one frequency; at an exact undamped resonance, rounding-sized damping replaces the missing pivot."""
+    """Solution x (n, n_exc) of D x = load at one frequency, with rounding-sized damping where D is exactly singular.
+
+    This is at an exact undamped resonance.
+    """
     try:
         return np.asarray(np.linalg.solve(matrix, load))
     except np.linalg.LinAlgError:

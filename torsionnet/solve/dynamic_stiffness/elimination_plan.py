@@ -1,4 +1,4 @@
-"""Elimination plan on the graph: operations on numbered slots, without numerical values.
+"""Steps of an elimination on the graph, as operations on numbered slots without numerical values.
 
 :mod:`torsionnet.solve.dynamic_stiffness.graph_plan` makes them.
 Slots hold dynamic stiffnesses of rows kappa, weights of loads w, and motions of rows; each is an array over points.
@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 
 class EliminatedPair(NamedTuple):
-    """Dynamic stiffness that an eliminated coordinate leaves, kappa[target] += factor kappa_i kappa_j / S, i < j."""
+    """Pair of rows i < j that adds factor kappa_i kappa_j / S to the stiffness ``target`` in an elimination."""
 
     i: int
     j: int
@@ -20,7 +20,7 @@ class EliminatedPair(NamedTuple):
 
 
 class PassedLoad(NamedTuple):
-    """Load that an eliminated coordinate passes on to other rows: w[target] += factor (kappa_i / S) w[slot]."""
+    """Load that an eliminated coordinate passes on to another row, w[target] += factor (kappa_i / S) w[slot]."""
 
     slot: int
     i: int
@@ -30,7 +30,7 @@ class PassedLoad(NamedTuple):
 
 @dataclass(frozen=True)
 class MotionStep:
-    """Motion of a row by back-substitution from an elimination step.
+    """Formula for the motion of a row by back-substitution, once later coordinates are known.
 
     value[slot] = load f_v / S + sum of factor (kappa_i / S) value[source] over ``parts`` (i, factor, source).
     """
@@ -42,7 +42,7 @@ class MotionStep:
 
 @dataclass(frozen=True)
 class EliminationStep:
-    """Step of an elimination plan that removes one coordinate and passes on its stiffnesses and loads.
+    """Elimination of one coordinate, with the stiffnesses and loads that pass on to its neighbours.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class EliminationStep:
 
 @dataclass(frozen=True)
 class ReactionStep:
-    """Torque that holds an imposed angle or a rigid connection, as a sum over stiffnesses and loads.
+    """Formula for the torque that holds an imposed angle or a rigid connection, as sums over stiffnesses and loads.
 
     The sum is of factor kappa[slot] value[motion] over ``laws``, and of factor w[slot] over ``loads``.
     """
@@ -84,7 +84,7 @@ class ReactionStep:
 
 @dataclass(frozen=True)
 class EliminationPlan:
-    """Plan that eliminates all coordinates from the equations of motion, for all frequencies and parameter values.
+    """Order and steps that eliminate all coordinates from the equations of motion, for all frequencies and values.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-r"""Order of elimination on the graph of a row system, worked out once for all frequencies and parameters.
+r"""Elimination order of the coordinates of a drivetrain's graph, found once for all frequencies and parameters.
 
 With D = sum_e kappa_e a_e a_e^T, eliminating coordinate v with S = sum_e kappa_e a_ev^2 leaves
 
@@ -44,9 +44,11 @@ from torsionnet.solve.dynamic_stiffness.row_algebra import (
 )
 
 SPLIT_ROW_MULTIPLE = 2
-"""Rows on one coordinate, as a multiple of what links and grounds would need, above which rows are split into these."""
+"""Rows on one coordinate, over the links and grounds that would replace them, above which they are split into these, as
+elimination then takes fewer operations."""
 MOST_UNSPLIT_ROWS = 30
-"""Number of rows on a coordinate up to which rows are never split: splitting subtracts, which costs digits."""
+"""Number of rows on a coordinate up to which rows are never split into links and grounds, as splitting subtracts and
+costs digits."""
 
 
 def make_plan(
@@ -60,7 +62,7 @@ def make_plan(
     other_order: bool = False,
     accuracy: Accuracy = DOUBLE,
 ) -> EliminationPlan:
-    """Elimination plan for the motion of ``outputs`` and the torque on given columns.
+    """Elimination plan that yields the motions of ``outputs`` and the reaction torques on given columns.
 
     Parameters
     ----------
@@ -106,7 +108,7 @@ class _Planner:
         self.last = min((j for row in loads[:1] for j in row if j < n_free), default=None)
 
     def choose_other_root(self) -> None:
-        """Choose as root another coordinate than that of the first load."""
+        """End the elimination at another coordinate than that of the first load, so that rounding errors differ."""
         free = (j for table in (self.motions, self.laws) for row in table.rows for j in row if j < self.n_free)
         self.last = next(free, None) if self.last is None else None
 
@@ -142,7 +144,10 @@ class _Planner:
         return tuple(tuple(source) for source in sources)
 
     def _law(self, row: Row) -> tuple[int, float] | None:
-        """Slot and factor of a law's row; None if the law resists only given motions that are not read."""
+        """Number of the row that holds a law's stiffness, and factor of the law's own row on it, or None if not needed.
+
+        A law is not needed if it resists only given motions that are not read.
+        """
         row = {j: a for j, a in row.items() if j < self.n_free or j in self.driven or j in self.open}
         between_given = any(j in self.driven for j in row) and any(j in self.open for j in row)
         if any(j < self.n_free for j in row) or between_given:
@@ -161,7 +166,7 @@ class _Planner:
         return self._motion(row) or (-1, 0.0)
 
     def _given(self) -> Iterable[tuple[int, tuple[float, ...]]]:
-        """Motions over given columns alone, under every excitation."""
+        """Yield motions of imposed angles alone, as number of the motion and angles in rad under every excitation."""
         for slot, row in enumerate(self.motions.rows):
             if min(row) >= self.n_free:
                 yield slot, tuple(sum(a * motion.get(j, 0.0) for j, a in row.items()) for motion in self.driving)
@@ -169,7 +174,9 @@ class _Planner:
     # --- order ------------------------------------------------------------------------------------------------------
 
     def _order(self) -> Iterable[int]:
-        """Coordinates in order of elimination, fewest rows first; each is eliminated before the next is chosen.
+        """Yield the coordinates in order of elimination, fewest rows first, each eliminated before the next is chosen.
+
+        Each is eliminated before the next is chosen.
 
         Among links and grounds these are those with the fewest neighbours: on a tree the leaves, without fill.
         """
@@ -245,7 +252,10 @@ class _Planner:
         return MotionStep(number, row[v] if loaded else 0.0, tuple(parts))
 
     def _split(self, v: int) -> Iterable[tuple[int, tuple[tuple[int, float], ...]]]:
-        """Split rows on a coordinate with too many rows into links and grounds, save those along the common motion."""
+        """Yield numbers of rows that links and grounds replace, with these and weights, on a coordinate with many rows.
+
+        Rows along the common motion are not split.
+        """
         numbers = self.laws.touching.get(v, set())
         if len(numbers) <= max(MOST_UNSPLIT_ROWS, SPLIT_ROW_MULTIPLE * (len(self._neighbours(v)) + 1)):
             return
@@ -258,7 +268,7 @@ class _Planner:
                 yield self._handed_on(number, shares)
 
     def _handed_on(self, slot: int, shares: Iterable[tuple[Row, float]]) -> tuple[int, tuple[tuple[int, float], ...]]:
-        """Replace a row by weighted rows; returns the slot and its targets with weights."""
+        """Replace a row by weighted rows, and return its number with numbers and weights of those that take over."""
         self.laws.remove(slot)
         found = ((self._law(row), weight) for row, weight in shares)
         return slot, tuple((there[0], weight * there[1] ** 2) for there, weight in found if there)
@@ -266,7 +276,7 @@ class _Planner:
     # --- reactions --------------------------------------------------------------------------------------------------
 
     def _settled(self) -> Iterable[tuple[int, tuple[tuple[int, float], ...]]]:
-        """Take reactions that depend on a single row, so that the row can drop the given column."""
+        """Take reactions that depend on a single row, and yield the numbers of rows that drop the given column."""
         for column in sorted(self.open):
             slots = self.laws.touching.get(column, set())
             if len(slots) == 1 and not self.loads.touching.get(column):

@@ -1,4 +1,4 @@
-"""Readings in many digits from the exact values of a model, for the few points where doubles do not suffice.
+"""Readings in many decimal digits from the exact values of a model, for the few points where doubles do not suffice.
 
 All numbers are the rationals an author wrote, s may be any complex number. The tape is that of the same plan, made from
 exact rows, and a third walk along it does in mpmath what the others do in numpy and numba. What cancels to less than
@@ -22,15 +22,16 @@ from torsionnet.solve.dynamic_stiffness.tape import Tape
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 
 CALCULATION_DIGITS = 200
-"""Decimal digits of a calculation in many digits: far more than the cancellation of any drivetrain met so far."""
+"""Decimal digits of a response calculated in many digits, far more than any drivetrain met so far has cancelled."""
 TRUSTED_SHARE = 0.55
-"""Share of the digits that are trusted in a sum: the others allow for poles near s and for spreads of the values."""
+"""Share of the decimal digits that are trusted in a sum, since the others allow for poles near s and for spreads of the
+values."""
 KNOWN_SHARE = 0.9
-"""Share of the digits of coefficients in rows that are known: products around a loop lose few."""
+"""Share of the decimal digits that are known of coefficients in rows, as products around a loop lose few."""
 
 
 class ManyDigits:
-    """Evaluation of a transfer request in as many digits as ``mpmath.workdps`` says."""
+    """Transfer functions of a request at single complex values of s, in as many digits as ``mpmath.workdps`` says."""
 
     def __init__(self, assembly: Assembly, request: TransferRequest) -> None:
         self.request: TransferRequest = request
@@ -42,7 +43,7 @@ class ManyDigits:
         )
 
     def transfer(self, s: Any) -> list[list[Any]] | None:
-        """Outputs over inputs at one s; None where the measured inputs depend on each other.
+        """Transfer functions [output][input] at one s as mpmath numbers, None where inputs depend on each other.
 
         Raises
         ------
@@ -54,7 +55,7 @@ class ManyDigits:
         return _quotient(readings[:n_out], readings[n_out:]) if self.request.is_measured else readings
 
     def _readings(self, kappa: Sequence[Any], s: Any) -> list[list[Any]]:
-        """All readings under all excitations at one s."""
+        """Readings of outputs and measured inputs per unit excitation at one s, [reading][excitation]."""
         problem = self.reading_problem.problem
         solved = [[in_many_digits(0)] * len(problem.excitations) for _ in range(problem.n_read)]
         for excitations, part in problem.parts:
@@ -74,7 +75,7 @@ class ManyDigits:
         return readings
 
     def _closed(self, solved: list[list[Any]], s: Any) -> tuple[list[list[Any]], list[list[Any]]]:
-        """Solved motions with the actions at work, and the torques of the actions."""
+        """Solved motions and reactions with actions at work, and torques of actions in N m, per unit excitation."""
         n, gains = self.reading_problem.n_excitations, [_action_gain(one, s) for one in self.actions]
         sensed = [
             [gain * value for value in solved[row]]
@@ -93,7 +94,7 @@ class ManyDigits:
 
 
 def _accuracy() -> Accuracy:
-    """Accuracy of rows with the present number of digits of mpmath."""
+    """Accuracy of row coefficients (tolerance, rounding) at the number of digits that mpmath now has."""
     import mpmath
 
     digits = round(KNOWN_SHARE * mpmath.mp.dps)
@@ -101,7 +102,7 @@ def _accuracy() -> Accuracy:
 
 
 def run_tape(tape: Tape, kappa: Sequence[Any]) -> dict[int, Any]:
-    """Values of a tape, by number, in many digits for dynamic stiffnesses of its slots.
+    """Output values of a tape by number, as mpmath numbers, from the dynamic stiffness in N m/rad of each slot.
 
     Raises
     ------
@@ -130,14 +131,14 @@ def run_tape(tape: Tape, kappa: Sequence[Any]) -> dict[int, Any]:
 
 
 def _factor(part: ReadingPart, kappa: Sequence[Any], s: Any) -> Any:
-    """Factor between a solved motion or reaction and a reading."""
+    """Factor that turns a solved motion or reaction into its part of a reading at s, as an mpmath number."""
     if part.term is None:
         return in_many_digits(part.factor)
     return in_many_digits(part.term.factor) * (s**part.term.power if part.term.law is None else kappa[part.term.law])
 
 
 def _action_gain(action: ActionLaw, s: Any) -> Any:
-    """Transfer function torque / sensed angle of an action at s in many digits."""
+    """Transfer function torque / sensed angle of an action at s, in N m/rad, as an mpmath number."""
     import mpmath
 
     above, below = (
@@ -163,7 +164,10 @@ def _dynamic_stiffness(law: Law, s: Any) -> Any:
 
 
 def in_many_digits(value: Any) -> Any:
-    """Mpmath number of a rational or float with all its digits; a ratio of two integers, so that 10 * 0.1 is 1."""
+    """The mpmath number of a rational or float with all its digits.
+
+    It is a ratio of two integers, so that 10 * 0.1 is 1.
+    """
     import mpmath
 
     fraction = exact(value)
@@ -171,7 +175,9 @@ def in_many_digits(value: Any) -> Any:
 
 
 def _quotient(outputs: list[list[Any]], measured: list[list[Any]]) -> list[list[Any]] | None:
-    """Outputs times the inverse of the measured inputs, with sums that cancel completely set to 0.
+    """Transfer functions, outputs times the inverse of the measured inputs, or None where that inverse does not exist.
+
+    Sums that cancel completely are set to 0.
 
     By Cramer's rule: an elimination would leave rounding in place of zeros of the inverse.
     """
@@ -190,7 +196,10 @@ def _quotient(outputs: list[list[Any]], measured: list[list[Any]]) -> list[list[
 
 
 def _minors(rows: Sequence[Sequence[Any]]) -> dict[int, Any]:
-    """Determinants of the rows on each choice of as many columns, by the bits of the columns; those missing are 0."""
+    """Determinants of the rows on each choice of as many columns, by the bits of the chosen columns.
+
+    Those missing are 0.
+    """
     found = {0: in_many_digits(1)}
     for row in rows:
         terms: dict[int, list[Any]] = {}
@@ -204,7 +213,7 @@ def _minors(rows: Sequence[Sequence[Any]]) -> dict[int, Any]:
 
 
 def _left(terms: Sequence[Any]) -> Any:
-    """Sum of terms, exactly 0 where all trusted digits cancel."""
+    """Sum of mpmath numbers, exactly 0 where all trusted digits of its terms cancel."""
     import mpmath
 
     total = sum(terms)

@@ -1,4 +1,4 @@
-"""Null spaces of sparse rows: motions of a drivetrain that strain none of the rows.
+"""Null spaces of sparse rows, that is the motions of a drivetrain that strain none of some springs or dampers.
 
 A row with one entry holds its coordinate. Rows with two entries tie coordinates to parts that turn as one, found by
 walking from ratio to ratio; the few wider rows are then solved over the parts. All of it costs about as much as there
@@ -27,14 +27,16 @@ from torsionnet.model.elimination import reduce_rows
 SparseRow: TypeAlias = Mapping[int, float]
 
 CLOSED_LOOP_TOLERANCE = 1e-11
-"""Relative residual below which a row closes its loop; consistent ratios meet to about 1e-15."""
+"""Relative residual below which rows around a loop of gears agree, far above the 1e-15 to which consistent ratios
+meet."""
 WIDE_ROW_ROUNDING = 1e-13
-"""Relative rounding assumed in coefficients of wider rows: entries are right to 1e-16, long products nearly."""
+"""Relative rounding error assumed in coefficients of rows over more than two coordinates, since entries are right to
+1e-16 and long products nearly."""
 
 
 @dataclass(frozen=True)
 class NullSpace:
-    """Basis of the directions in which every row is zero.
+    """Motions, as values by coordinate, in which every row of a set is zero, such as those that strain no spring.
 
     Attributes
     ----------
@@ -55,11 +57,11 @@ class NullSpace:
         return len(self.columns)
 
     def first(self, count: int) -> NullSpace:
-        """Null space with the first ``count`` directions only."""
+        """Null space that the first ``count`` directions of this null space span."""
         return replace(self, columns=self.columns[:count])
 
     def basis(self) -> FloatArray:
-        """Orthonormal basis, shape (size, dimension)."""
+        """Orthonormal basis of the null space, shape (number of coordinates, number of directions)."""
         array = np.zeros((self.size, self.dimension))
         for number, column in enumerate(self.columns):
             array[list(column), number] = list(column.values())
@@ -69,14 +71,14 @@ class NullSpace:
 
 @dataclass(frozen=True, eq=False)
 class Rounded:
-    """Number with a bound of its rounding error, equal to zero where not distinguishable from zero."""
+    """Number with a bound of its rounding error, equal to zero where that error may be all of it."""
 
     value: float
     error: float
 
     @staticmethod
     def of(number: Rounded | float) -> Rounded:
-        """Rounded number from a plain one, which is taken as exact."""
+        """Number with rounding bound made from a float taken as exact, or returned as it is if it has one."""
         return number if isinstance(number, Rounded) else Rounded(number, 0.0)
 
     def __add__(self, other: Rounded | float) -> Rounded:
@@ -107,12 +109,12 @@ class Rounded:
 
 
 def unresisted_motions(system: RowSystem, laws: NDArray[np.bool_]) -> NullSpace:
-    """Motions of a system that none of the selected laws resists, as a null space."""
+    """Motions of a system, as a null space, that none of the selected laws resists, mask (n_laws,)."""
     return null_space([system.sparse_rows[index] for index in np.flatnonzero(laws)], system.n_coordinates)
 
 
 def null_space(rows: Sequence[SparseRow], size: int) -> NullSpace:
-    """Null space of sparse rows over ``size`` coordinates, each a map from coordinate to coefficient."""
+    """Null space of sparse rows (coordinate -> coefficient) over ``size`` coordinates, right for any ratios."""
     parts = _Parts(rows, size)
     turning = [number for number in range(len(parts.members)) if number not in parts.held]
     wide = [row for row in (parts.over_parts(row) for row in rows if len(row) > 2) if row]
@@ -125,7 +127,7 @@ def null_space(rows: Sequence[SparseRow], size: int) -> NullSpace:
 
 
 class _Parts:
-    """Coordinates tied to each other by rows with two entries.
+    """Groups of coordinates that rows with two entries, as of gears and rigid connections, tie to each other.
 
     ``angle`` of each coordinate is per that of the first one of its part; ``held`` are the parts that cannot turn.
     """
@@ -158,7 +160,7 @@ class _Parts:
         self.members.append(members)
 
     def over_parts(self, row: SparseRow) -> dict[int, Any]:
-        """Row over the parts that can turn, from a row over coordinates."""
+        """Coefficients by group of tied coordinates that can turn, from a row over single coordinates."""
         result: dict[int, Rounded] = {}
         for column, value in row.items():
             part, factor = self.part[column], value * self.angle[column]
@@ -169,5 +171,5 @@ class _Parts:
         return result
 
     def part_angles(self, part: int, ratio: float) -> dict[int, float]:
-        """Angles of the coordinates of a part at this ratio of its first coordinate."""
+        """Angles by coordinate, of a group of tied coordinates, when its first coordinate turns by ``ratio``."""
         return {column: ratio * self.angle[column] for column in self.members[part]}

@@ -1,4 +1,4 @@
-"""Transfer functions at points: readings under excitations, divided by the measured inputs if there are any."""
+"""Transfer functions at frequency points, from readings divided by measured inputs if there are any."""
 
 from __future__ import annotations
 
@@ -32,7 +32,10 @@ METHODS: dict[str, Respond] = {
 
 @dataclass(frozen=True)
 class FrequencyPoints:
-    """Transfer functions (n_points, n_out, n_in), conditioning of measured inputs, mask of uncertain points."""
+    """Transfer functions (n_points, n_out, n_in), conditioning of measured inputs, mask of uncertain points.
+
+    Conditioning and mask are (n_points,).
+    """
 
     values: ComplexArray
     conditioning: FloatArray
@@ -42,7 +45,11 @@ class FrequencyPoints:
 def transfer_functions(
     request: TransferRequest, kappa: LawStiffness, method: str = "auto", *, other_order: bool = False
 ) -> FrequencyPoints:
-    """Transfer functions of a request at all points of ``kappa``; ``other_order`` uses another order of elimination."""
+    """Transfer functions (n_points, n_out, n_in) of a request at all frequency points of the stiffness ``kappa``.
+
+    They come with conditioning and a mask of points that lost digits. With ``other_order`` another order of elimination
+    is used.
+    """
     reading_problem, n_out = (
         request.reading_problem.in_other_order if other_order else request.reading_problem,
         len(request.outputs),
@@ -68,7 +75,7 @@ def transfer_functions(
 
 
 def _compiled(request: TransferRequest, reading_problem: ReadingProblem, kappa: LawStiffness) -> FrequencyPoints | None:
-    """Transfer functions by one compiled loop; None for requests which that loop cannot handle."""
+    """Transfer functions (n_points, n_out, n_in) by one compiled loop, or None for requests it cannot handle."""
     import torsionnet.solve.dynamic_stiffness.compiled as compiled
 
     parts, n_out = reading_problem.problem.parts, len(request.outputs)
@@ -89,7 +96,7 @@ def _compiled(request: TransferRequest, reading_problem: ReadingProblem, kappa: 
 
 
 def _readings(reading_problem: ReadingProblem, kappa: LawStiffness, loops: ClosedLoops) -> ComplexArray:
-    """Readings of all outputs and measured inputs, shape (n_points, n_readings, n_exc)."""
+    """Readings of all outputs and measured inputs per unit excitation, shape (n_points, n_readings, n_exc)."""
     values = np.empty((kappa.n_points, len(reading_problem.parts), loops.values.shape[1]), dtype=complex)
     for number, part in enumerate(reading_problem.parts):
         values[:, number] = part.of(kappa, loops.values).T
@@ -101,7 +108,7 @@ def _readings(reading_problem: ReadingProblem, kappa: LawStiffness, loops: Close
 def _shares(
     reading_problem: ReadingProblem, kappa: LawStiffness, solved: ComplexArray, measured: ComplexArray
 ) -> FloatArray:
-    """Magnitude of measured inputs over the sum of their terms' magnitudes, shape (n_points, n_in, n_exc)."""
+    """Magnitude of measured inputs over the sum of the magnitudes of their terms, shape (n_points, n_in, n_exc)."""
     sizes = np.zeros(measured.shape)
     first = len(reading_problem.parts) - measured.shape[1]
     with np.errstate(all="ignore"):
@@ -112,7 +119,7 @@ def _shares(
 
 
 def _divide(outputs: ComplexArray, measured: ComplexArray) -> tuple[ComplexArray, NDArray[np.bool_], FloatArray]:
-    """Quotient Y_out Y_in^-1 at every point, mask of points that lose digits, and reciprocal condition of Y_in.
+    """Quotient Y_out Y_in^-1, mask of points that lose digits, and reciprocal condition of Y_in, at every point.
 
     The last is 1 at best and 0 where it does not at all; there the quotient is inf.
     """
@@ -135,7 +142,7 @@ def _divide(outputs: ComplexArray, measured: ComplexArray) -> tuple[ComplexArray
 
 
 def _inverse(matrices: ComplexArray) -> tuple[ComplexArray, FloatArray]:
-    """Inverses of all matrices, inf where singular, and the magnitude of the rounding error of each entry."""
+    """Inverses (n_points, n, n) of matrices, inf where singular, and the size of the rounding error of each entry."""
     if matrices.shape[1] == 2:
         (a, b), (c, d) = matrices.transpose(1, 2, 0)
         inverse = (np.array([[d, -b], [-c, a]]) / (a * d - b * c)).transpose(2, 0, 1)

@@ -1,4 +1,4 @@
-"""Response problem in rows for readings and excitations by name, and the map from its solution back to readings."""
+"""Response problem in rows, made from named outputs and excitations, and the map from its solution to the outputs."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from torsionnet.solve.dynamic_stiffness.response_problem import Loading, Respons
 from torsionnet.solve.dynamic_stiffness.row_algebra import DOUBLE, Accuracy, Row
 
 Number: TypeAlias = Callable[[Any], Any]
-"""Function that makes a coefficient of a row: float, or a number with many digits."""
+"""Function that makes the coefficient of a row from a rational, as a float or as a number with many digits."""
 
 
 class ReadingPart(NamedTuple):
-    """Part of a reading: coefficient of ``term``, or else ``factor``, times row ``solved`` of the solution."""
+    """Summand of a reading, which is ``factor``, or a term's coefficient, times row ``solved`` of the solution."""
 
     solved: int
     term: Term | None
     factor: Fraction = Fraction(1)
 
     def of(self, kappa: LawStiffness, values: ComplexArray) -> ComplexArray:
-        """Values of this part of the reading, shape (n_exc, n_points)."""
+        """Contribution of this summand to the reading, in its unit per unit excitation, shape (n_exc, n_points)."""
         if self.term is None:
             return np.asarray(float(self.factor) * values[self.solved])
         return np.asarray(coefficient(self.term, kappa) * values[self.solved])
@@ -39,19 +39,19 @@ class ReadingPart(NamedTuple):
 
 @dataclass(frozen=True)
 class Gap:
-    """Virtual opening of a rigid connection whose torque is read: the laws and nodes moved, and how far."""
+    """Virtual opening, in rad, of a rigid connection whose torque is read, with the laws and nodes that it moves."""
 
     laws: Mapping[int, Fraction]
     nodes: Mapping[str, Fraction]
 
     def work(self, row: Mapping[str, Fraction | int]) -> Fraction:
-        """Work in J, per rad that the gap opens, of torques in N m on nodes (``row``: node -> torque)."""
+        """Work in J, per rad that the gap opens, of the torques in N m that ``row`` gives by node."""
         return sum((share * self.nodes.get(node, Fraction(0)) for node, share in row.items()), start=Fraction(0))
 
 
 @dataclass(frozen=True, eq=False)
 class ReadingProblem:
-    """Response problem with the map from its solution to every reading.
+    """Response problem for all readings of a request, with the map from its solution to every reading.
 
     Attributes
     ----------
@@ -77,11 +77,11 @@ class ReadingProblem:
 
     @property
     def n_excitations(self) -> int:
-        """Number of excitations without the torques of actions."""
+        """Number of the request's excitations, in which the torques of actions are not counted."""
         return len(self.problem.excitations) - len(self.sensed)
 
     def excitations_reaching(self, reading: int) -> frozenset[int]:
-        """Numbers of the excitations that reach a reading at all, also by way of actions."""
+        """Numbers of the excitations that move a reading at all, directly or by way of actions."""
         reached = self._reached
         found = set(reached.get(self.parts[reading].solved, ()))
         waiting = [*self.driven[reading], *(number - self.n_excitations for number in found)]
@@ -98,7 +98,7 @@ class ReadingProblem:
 
     @cached_property
     def _reached(self) -> dict[int, frozenset[int]]:
-        """Row of the solution -> numbers of the excitations that reach it."""
+        """Numbers of the excitations that reach each solved motion or reaction, by the number of that."""
         found: dict[int, set[int]] = {}
         for excitations, part in self.problem.parts:
             for value in part.tape.reached:
@@ -108,7 +108,7 @@ class ReadingProblem:
 
     @cached_property
     def in_other_order(self) -> ReadingProblem:
-        """Response problem with another order of elimination, which gives other rounding errors."""
+        """Copy of the response problem that is eliminated in another order, so that its rounding errors differ."""
         return replace(self, problem=self.problem.in_other_order)
 
 
@@ -120,7 +120,7 @@ def make_reading_problem(
     number: Number = float,
     accuracy: Accuracy = DOUBLE,
 ) -> ReadingProblem:
-    """Response problem for outputs and measured inputs under excitations, in rows of this accuracy."""
+    """Response problem for outputs and measured inputs under excitations, with coefficients at this accuracy."""
     readings = [*outputs, *measured]
     n_given = assembly.system.n_coordinates + len(assembly.kinematics.imposed)
     twists = dict(enumerate((one for one in excitations if one.is_on_element), n_given))
@@ -153,12 +153,12 @@ def make_reading_problem(
 
 
 def law_of_imposed_twist(assembly: Assembly, element: str) -> int:
-    """Number of the law in which the twist of an element is imposed; such an element has only one law."""
+    """Number of the law in which an input imposes the twist of an element. Such an element has only one law."""
     return assembly.owners.index(element)
 
 
 def _laws(assembly: Assembly, gaps: Mapping[int, Gap], twisted: Mapping[int, int], number: Number) -> Sequence[Row]:
-    """Rows of all laws over coordinates, imposed angles, imposed twists and gaps."""
+    """Coefficients of every law's twist, by column of coordinates, imposed angles, imposed twists and gaps."""
     exact = number is not float
     laws = [assembly.columns_of(row, number) for row in assembly.exact_rows] if exact else list(assembly.law_columns)
     for column, gap in gaps.items():
@@ -187,19 +187,22 @@ def _torque(
     gaps: Mapping[int, Gap],
     number: Number,
 ) -> Loading:
-    """Loading by a torque on a row over nodes; ``row`` is the same row over coordinates and imposed angles."""
+    """Loading by a unit torque on a combination of nodes, with the torque that it puts on gaps.
+
+    Of the same combination, ``nodes`` is over nodes and ``row`` over coordinates and imposed angles.
+    """
     at_gaps = {column: number(work) for column, gap in gaps.items() if (work := gap.work(nodes))}
     return Loading(load={**assembly.columns_of(row, number), **at_gaps})
 
 
 @dataclass
 class _Rows:
-    """Rows of the motions to be solved for, each once."""
+    """Motions to be solved for as rows, in which each motion stands once however many readings share it."""
 
     assembly: Assembly
     number: Number
     twisted: Mapping[int, int]
-    """Column of the twist imposed in a law, by the number of the law."""
+    """Column of the imposed twist, by the number of the law in which the twist is imposed."""
     rows: list[Row] = field(default_factory=list)
     numbers: dict[frozenset[tuple[int, float]], int] = field(default_factory=dict)
 
@@ -210,7 +213,7 @@ class _Rows:
         return ReadingPart(self.number_of(row), term)
 
     def number_of(self, row: Row) -> int:
-        """Number of a row among the motions to be solved for; a new row is appended."""
+        """Number of a motion among those to be solved for, which is appended if it is new."""
         number = self.numbers.setdefault(frozenset(row.items()), len(self.rows))
         if number == len(self.rows):
             self.rows.append(row)
@@ -219,13 +222,16 @@ class _Rows:
 
 @dataclass
 class _Gaps:
-    """Gaps of the torques to be solved for, each once; torques at ports of one element may be equal up to a factor."""
+    """Gaps at the rigid connections whose torques are solved for, each once.
+
+    Torques at ports of one element may be equal up to a factor.
+    """
 
     found: list[Gap] = field(default_factory=list)
     numbers: dict[tuple[frozenset[tuple[Any, Fraction]], ...], int] = field(default_factory=dict)
 
     def part(self, reading: Functional) -> ReadingPart:
-        """Reading part for all terms of a torque as one, so that exact coefficients cancel beforehand."""
+        """Summand by which a torque is read as one reaction on a gap, so that its exact coefficients cancel."""
         laws: dict[int, Fraction] = {}
         for term in reading.terms:
             if term.law is not None:

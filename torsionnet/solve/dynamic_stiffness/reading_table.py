@@ -1,4 +1,4 @@
-"""Table of readings in the form that the compiled loop runs through."""
+"""Integer and float arrays that say how every reading is formed, as the compiled loop runs through them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from torsionnet.solve.dynamic_stiffness.reading_problem import ReadingPart, Read
 
 @dataclass(frozen=True, eq=False)
 class ReadingTable:
-    """Composition of every reading from the solution, and the terms to which a measured reading is compared in size.
+    """Arrays that tell the compiled loop how to form every reading, and the size of a measured one, from the solution.
 
     Attributes
     ----------
@@ -40,7 +40,10 @@ class ReadingTable:
 
 
 def reading_table(reading_problem: ReadingProblem, n_out: int, n_excitations: int) -> ReadingTable | None:
-    """Table for excitations that are solved together; None with several measured inputs, or with actions."""
+    """Arrays for the compiled loop to form readings by, or None for several measured inputs or with controllers.
+
+    They are for excitations that are solved together.
+    """
     n_measured = len(reading_problem.parts) - n_out
     if reading_problem.sensed or n_measured > 1:
         return None

@@ -1,4 +1,4 @@
-"""First-order form of a row system: velocities and spring forces, without massless or undriven directions.
+"""First-order equations of a drivetrain in velocities and spring forces, without massless or undriven directions.
 
 With S = diag(sqrt(J)) B, G = diag(sqrt(c)) B and E = diag(sqrt(k)) B the equations of motion are
 
@@ -28,14 +28,17 @@ from torsionnet.solve.dynamic_stiffness.nullspace import unresisted_motions
 AnyArray: TypeAlias = NDArray[np.float64] | NDArray[np.complex128]
 
 LARGE_SYSTEM = 60
-"""Number of coordinates above which a system is large: methods that follow its structure then pay off."""
+"""Number of coordinates above which a drivetrain is large, so that methods that follow its graph pay off."""
 RANK_TOLERANCE = 1e-11
-"""Relative tolerance of ranks of normalised rows, with ratios of 1 to 100: consistent loops meet to about 1e-15."""
+"""Relative tolerance of ranks of normalised rows, whose ratios are 1 to 100, far above the 1e-15 to which consistent
+loops meet."""
 
 
 @dataclass(frozen=True)
 class Subspaces:
-    """Bases of coordinate directions, separated by the laws that act on them; columns are directions in q.
+    """Bases (n_q, n) of the motions that are rigid, that have inertia, and of massless damped and massless held ones.
+
+    Columns are directions in q.
 
     Attributes
     ----------
@@ -64,7 +67,7 @@ class Subspaces:
 
 @dataclass(frozen=True)
 class FirstOrder:
-    """First-order form x' = A x with x = (scaled velocities, spring forces), and the matrix that recovers q."""
+    """First-order form x' = A x of a drivetrain, x = (scaled velocities, spring forces), and the map to q'."""
 
     matrix: AnyArray
     coupling: AnyArray  # (n_u, n_x): the velocity-to-force block of the matrix
@@ -74,7 +77,10 @@ class FirstOrder:
 
 
 def echelon(basis: FloatArray) -> FloatArray:
-    """Basis in echelon form, each column with a coordinate of its own: separate trains get separate rigid modes."""
+    """Basis (n_q, n) in echelon form, where each column has a coordinate of its own.
+
+    Separate trains get separate rigid modes.
+    """
     basis = basis.copy()
     free = np.ones(len(basis), dtype=bool)
     for column in range(basis.shape[1]):
@@ -88,19 +94,28 @@ def echelon(basis: FloatArray) -> FloatArray:
 
 
 def orthogonal_complement(columns: AnyArray, size: int) -> AnyArray:
-    """Orthonormal basis of the vectors z with columns^T z = 0 (bilinear); columns of full rank."""
+    """Orthonormal basis (size, n) of the vectors z with columns^T z = 0, for ``columns`` of full rank.
+
+    The product is bilinear, also where ``columns`` is complex.
+    """
     if not columns.shape[1]:
         return np.eye(size)
     return np.asarray(np.linalg.qr(columns.conj(), mode="complete")[0][:, columns.shape[1] :])
 
 
 def complement_within(part: FloatArray, whole: FloatArray) -> FloatArray:
-    """Orthonormal basis of the complement of ``part`` within the span of ``whole``; the columns of both orthonormal."""
+    """Orthonormal basis (n_q, n) of the complement of ``part`` within the span of ``whole``.
+
+    The columns of both are orthonormal.
+    """
     return np.asarray(whole @ orthogonal_complement(whole.T @ part, whole.shape[1]), dtype=float)
 
 
 def _mass_basis(scaled_rows: FloatArray, rank: int) -> FloatArray:
-    """Mass-normalised basis X, (S X)^T (S X) = I, of a complement of null(S); exact scaling where M is diagonal."""
+    """Basis X (n_q, rank), (S X)^T (S X) = I, of the motions with inertia, for rows S scaled by sqrt(J).
+
+    The scaling is exact where M is diagonal.
+    """
     lengths = np.linalg.norm(scaled_rows, axis=0)
     used = np.flatnonzero(lengths)
     basis = np.zeros((scaled_rows.shape[1], rank))
@@ -114,7 +129,7 @@ def _mass_basis(scaled_rows: FloatArray, rank: int) -> FloatArray:
 
 
 def without_empty_laws(system: RowSystem) -> RowSystem:
-    """System without laws whose row is empty: on clamped nodes alone they neither move nor load anything."""
+    """Copy of a system without springs, dampers and inertias on clamped nodes alone, which have no effect."""
     rows = system.law_rows
     kept = [index for index, row in enumerate(rows.maps) if row]
     if len(kept) == len(rows):
@@ -130,7 +145,7 @@ def without_empty_laws(system: RowSystem) -> RowSystem:
 
 
 def restrict_to(system: RowSystem, kept: Sequence[int]) -> RowSystem:
-    """System with the kept coordinates only, all others at rest."""
+    """Copy of a system with the coordinates ``kept`` only, while all others are at rest."""
     if len(kept) == system.n_coordinates:
         return system
     place = {column: number for number, column in enumerate(kept)}
@@ -139,21 +154,21 @@ def restrict_to(system: RowSystem, kept: Sequence[int]) -> RowSystem:
 
 
 def stiff_laws(system: RowSystem) -> NDArray[np.bool_]:
-    """Mask (n_laws,) of laws that act as springs: with a stiffness or a frequency-dependent one."""
+    """Mask (n_laws,) of laws that act as springs, with a constant or a frequency-dependent stiffness."""
     stiff = system.stiffness > 0
     stiff[[index for index, _ in system.dynamic]] = True
     return np.asarray(stiff)
 
 
 def resisted_coordinates(system: RowSystem) -> list[int]:
-    """Coordinates to keep: all but one of each motion that neither inertias nor springs resist."""
+    """Numbers of the coordinates to keep, all but one of each motion that neither inertias nor springs resist."""
     floating = unresisted_motions(system, stiff_laws(system) | (system.inertia > 0))
     loose = {next(iter(motion)) for motion in floating.columns}
     return [column for column in range(system.n_coordinates) if column not in loose]
 
 
 def require_resistance(system: RowSystem, laws: NDArray[np.bool_]) -> None:
-    """Refuse a system in which the selected laws leave a motion free."""
+    """Raise SolveError if some coordinate is free of all the selected springs, dampers and inertias, mask (n_laws,)."""
     free = unresisted_motions(system, laws).dimension
     if free:
         raise SolveError(
@@ -162,7 +177,7 @@ def require_resistance(system: RowSystem, laws: NDArray[np.bool_]) -> None:
 
 
 def subspaces(system: RowSystem, stiff: NDArray[np.bool_], damped: NDArray[np.bool_]) -> Subspaces:
-    """Bases of rigid, moving, massless damped and massless held directions, from the ranks of the rows.
+    """Bases of rigid, moving, massless damped and massless held motions of a system, from the ranks of its rows.
 
     Raises
     ------
@@ -195,7 +210,10 @@ def _spring_rows(system: RowSystem, spaces: Subspaces, stiffness: AnyArray) -> A
 
 
 def _force_basis(springs: AnyArray, held: AnyArray, rank: int) -> AnyArray:
-    """Basis Y of spring forces in range(E) that balance on every massless held direction, Y^T E N_2 = 0."""
+    """Basis Y (n_k, n_u) of scaled spring forces that balance on every massless held motion, Y^T E N_2 = 0.
+
+    It lies in range(E).
+    """
     if len(springs) == rank:
         return orthogonal_complement(held, rank)
     inside = np.linalg.svd(springs, full_matrices=False)[0][:, :rank]
@@ -205,7 +223,7 @@ def _force_basis(springs: AnyArray, held: AnyArray, rank: int) -> AnyArray:
 def first_order(
     system: RowSystem, spaces: Subspaces, stiffness: AnyArray, damping: FloatArray | None = None
 ) -> FirstOrder:
-    """First-order form x' = A x of a system, with x = (velocities in the basis X, forces in the basis Y).
+    """First-order form x' = A x of a system, with x = (velocities in the basis X, spring forces in the basis Y).
 
     With G_1 = G N_1 = Q_1 R_1 and H = R_1^-T (E N_1)^T Y
 
@@ -230,7 +248,10 @@ def first_order(
 
 
 class _Split(NamedTuple):
-    """Damping C on X and on N_1, with N_1 eliminated; F are the forces of springs on N_1."""
+    """Damping blocks of motions with inertia and of spring forces, after elimination of massless damped motions.
+
+    F are the forces of springs on them, N_1.
+    """
 
     drag: AnyArray  # C_xx - C_x1 C_11^-1 C_1x
     yielding: AnyArray  # F^T C_11^-1 F
@@ -240,7 +261,10 @@ class _Split(NamedTuple):
 
 
 def _dissipated(system: RowSystem, spaces: Subspaces, damping: FloatArray, forces: AnyArray) -> _Split:
-    """Damping of the moving coordinates once damped ones are eliminated, by square roots for the sake of digits."""
+    """Damping blocks after elimination of the massless damped motions, from square roots of dampings >= 0.
+
+    Square roots cost the fewest digits.
+    """
     acting = damping > 0
     G = np.sqrt(damping[acting])[:, None] * system.rows[acting]
     Q_1, R_1 = np.linalg.qr(G @ spaces.damped)
@@ -253,7 +277,7 @@ def _dissipated(system: RowSystem, spaces: Subspaces, damping: FloatArray, force
 
 
 def _driven(system: RowSystem, spaces: Subspaces, damping: FloatArray, forces: AnyArray) -> _Split:
-    """Damping split where a damping is negative and has no square root.
+    """Damping blocks after elimination of the massless damped motions, for dampings of which one is negative.
 
     Raises
     ------
@@ -281,7 +305,10 @@ def _norm(values: NDArray[np.generic]) -> float:
 
 
 def _recover(spaces: Subspaces, E: AnyArray, E_2: AnyArray, slip: AnyArray) -> AnyArray:
-    """Matrix that gives v = X x + N_1 z_1 + N_2 z_2 from x, with (E N_2)^T E v = 0."""
+    """Matrix (n_q, n_x + n_u) that gives the velocities v of all coordinates from the state x.
+
+    Here v = X x + N_1 z_1 + N_2 z_2 with (E N_2)^T E v = 0.
+    """
     n_x = spaces.moving.shape[1]
     moving = np.hstack([spaces.moving, np.zeros((len(spaces.moving), slip.shape[1] - n_x))])
     known = moving + spaces.damped @ slip

@@ -1,4 +1,4 @@
-"""Response problem of a solver: rows of laws, excitations, and motions and reactions to be solved for.
+"""Linear problem behind a response, with rows of laws, unit excitations, and motions and reactions to solve for.
 
 Columns below ``n_free`` are coordinates, which follow from the equations of motion. Those from there on are given: an
 imposed angle, or the gap of a rigid connection, which is held at zero so that its reaction can be read.
@@ -18,14 +18,18 @@ from torsionnet.solve.dynamic_stiffness.tape import Tape
 from torsionnet.solve.dynamic_stiffness.tape_writing import make_tape
 
 MOST_SINGLE_TORQUES = 4
-"""Largest number of torques that are solved one by one, each with its own coordinate at the root of the tree."""
+"""Largest number of excitation torques that are solved one by one, since each then has its own coordinate at the root
+of the tree."""
 GOLDEN = (math.sqrt(5) - 1) / 2
-"""Golden ratio minus one, whose multiples modulo 1 are spread most evenly."""
+"""Golden ratio minus one, whose multiples modulo 1 spread the scale factors of coordinates most evenly."""
 
 
 @dataclass(frozen=True)
 class Loading:
-    """Unit excitation: ``load`` in N m by column, ``motion`` in rad of given columns; others are at rest."""
+    """Unit excitation, torques ``load`` in N m by column and angles ``motion`` in rad of given columns.
+
+    All other given columns are at rest.
+    """
 
     load: Row = field(default_factory=dict)
     motion: Row = field(default_factory=dict)
@@ -33,7 +37,7 @@ class Loading:
 
 @dataclass(frozen=True, eq=False)
 class ResponseProblem:
-    """Response problem: rows of laws over all columns, excitations, and motions and reactions to be solved for.
+    """Linear problem behind a response, with rows of laws, excitations, and motions and reactions to solve for.
 
     Attributes
     ----------
@@ -66,7 +70,10 @@ class ResponseProblem:
 
     @cached_property
     def parts(self) -> tuple[tuple[list[int], ResponseProblem], ...]:
-        """Groups of excitations solved together: few torques one by one, and all imposed motions at once."""
+        """Groups of excitation numbers that one elimination solves, each group with its response problem.
+
+        Few torques are solved one by one, and all imposed motions at once.
+        """
         loads = [number for number, one in enumerate(self.excitations) if not one.motion]
         motions = [number for number, one in enumerate(self.excitations) if one.motion]
         groups = [[number] for number in loads] if len(loads) <= MOST_SINGLE_TORQUES else [loads]
@@ -77,7 +84,7 @@ class ResponseProblem:
 
     @cached_property
     def in_other_order(self) -> ResponseProblem:
-        """Response problem with another order of elimination and rescaled coordinates, for other rounding errors.
+        """Copy of the response problem with another elimination order and scales, so that rounding errors differ.
 
         Where what is read is a small difference, as of 1 and a share next to it, its digits end with those of the 1,
         however the stiffnesses are moved. In other sizes it is no longer 1.
@@ -111,5 +118,5 @@ class ResponseProblem:
 
 
 def _odd(column: int) -> float:
-    """Scale factor between 1 and 2, different for each column."""
+    """Scale factor between 1 and 2 of a coordinate, different for each column."""
     return 1 + (column + 1) * GOLDEN % 1

@@ -1,4 +1,4 @@
-"""Algebra of sparse rows up to a factor, for elimination on the graph.
+"""Sums and comparisons of sparse rows up to a factor, for elimination on the graph.
 
 Rows are sparse maps from coordinate to coefficient. Coefficients are known to rounding only, so what cancels to within
 the tolerance of its terms is zero, and rows that agree to as many digits are the same.
@@ -15,7 +15,7 @@ Row: TypeAlias = dict[int, float]
 Key: TypeAlias = tuple[tuple[int, Any], ...]
 
 LINK_ENTRIES = 2
-"""Number of entries of a row that links two coordinates."""
+"""Number of entries, two, of a row that links two coordinates."""
 
 
 def _rounded(coefficient: float) -> float:
@@ -24,20 +24,21 @@ def _rounded(coefficient: float) -> float:
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Accuracy of row coefficients: relative tolerance of cancellation, and the rounding by which rows are compared."""
+    """Accuracy of row coefficients, by a tolerance of cancellation and the rounding for comparisons."""
 
     tolerance: Any
     rounded: Callable[[Any], Any]
 
 
 DOUBLE = Accuracy(1e-13, _rounded)
-"""Accuracy of rows in double precision: ratios multiplied around a consistent loop meet to about 1e-15 per gear."""
+"""Accuracy of row coefficients in double precision, as ratios multiplied around a consistent loop meet to about 1e-15
+per gear."""
 
 
 def combine_rows(
     first: Mapping[int, float], second: Mapping[int, float], coordinate: int, accuracy: Accuracy = DOUBLE
 ) -> Row:
-    """Combined row b = second_v first - first_v second, which has no entry on coordinate v."""
+    """Row b = second_v first - first_v second, the combination of two rows that has no entry on coordinate v."""
     over_first, over_second = second.get(coordinate, 0.0), first[coordinate]
     row: Row = {}
     for j in {**first, **second}:
@@ -48,7 +49,7 @@ def combine_rows(
 
 
 def normalised(row: Mapping[int, float], accuracy: Accuracy = DOUBLE) -> tuple[Key, Row, float]:
-    """Key, unit and factor of a row: row = factor * unit, where the unit's first coefficient is 1."""
+    """Key to look a row up by, unit row whose first coefficient is 1, and factor, with row = factor * unit."""
     first = min(row)
     factor = row[first]
     if len(row) == 1:
@@ -60,7 +61,7 @@ def normalised(row: Mapping[int, float], accuracy: Accuracy = DOUBLE) -> tuple[K
 def equivalent_links(
     row: Mapping[int, float], scale: Mapping[int, float], accuracy: Accuracy = DOUBLE
 ) -> Iterator[tuple[Row, float]]:
-    """Links and grounds that together are equivalent to one row: a a^T = sum of weight * b b^T.
+    """Yield links and grounds b with weights that together equal one row a, by a a^T = sum of weight * b b^T over b.
 
     With a_i d_i for a_i, where d is the ``scale`` of the coordinates, a pair i, j gets the link {i: 1/d_i, j: -1/d_j}
     with weight -a_i a_j, and coordinate i the ground {i: 1/d_i} with a_i sum(a): nothing where the row does not answer
@@ -77,7 +78,7 @@ def equivalent_links(
 
 
 def common_motion(rows: Iterable[Mapping[int, float]]) -> dict[int, float]:
-    """Motion d that links between two coordinates do not resist, along a forest of links.
+    """Values by coordinate of a motion that links between two coordinates do not resist, along a forest of links.
 
     Links whose ends turn the same way come first: those of the opposite kind may be the inertia of a shaft.
     """
@@ -100,7 +101,7 @@ def common_motion(rows: Iterable[Mapping[int, float]]) -> dict[int, float]:
 
 @dataclass
 class RowTable:
-    """Table of rows up to a factor, each with a number, found by the columns they touch."""
+    """Numbered rows, stored once up to a factor, that are found by the columns they touch."""
 
     accuracy: Accuracy = DOUBLE
     numbers: dict[Key, int] = field(default_factory=dict)
@@ -126,7 +127,7 @@ class RowTable:
         return sorted(numbers, key=lambda number: (len(self.rows[number]) == 1, number))
 
     def remove(self, number: int) -> None:
-        """Remove a row from the table; its number is not used again."""
+        """Remove the row of this number from the table, where the number is not used again."""
         for j in self.rows[number]:
             self.touching[j].discard(number)
         del self.numbers[normalised(self.rows[number], self.accuracy)[0]]

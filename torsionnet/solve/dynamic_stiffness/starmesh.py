@@ -1,4 +1,4 @@
-"""Star-mesh solver: responses by elimination on the graph.
+"""Responses by elimination on the graph, which is star-mesh reduction generalised to gears.
 
 The equations are in :mod:`torsionnet.solve.dynamic_stiffness.graph_plan`.
 
@@ -32,18 +32,19 @@ Walk: TypeAlias = Callable[[Tape, LawStiffness], tuple[Array, NDArray[np.bool_]]
 
 
 COMPILED_WORK = 1e9
-"""Operations times points above which the compiled loop saves more than the second or two that starting it takes."""
+"""Tape operations times frequency points above which the compiled loop saves more than the second or two that starting
+it takes."""
 
 
 def chosen_method(problem: ResponseProblem, n_points: int, method: str) -> str:
-    """Name of the solver method; ``auto`` chooses the compiled loop for many points wherever numba works."""
+    """Name of the solver to use, for ``auto`` the compiled loop for many points wherever numba works, else numpy."""
     if method != "auto" or n_points * sum(len(part.tape) for _, part in problem.parts) < COMPILED_WORK:
         return method
     return "compiled" if compiled_works() else "graph"
 
 
 def compiled_works() -> bool:
-    """Whether the compiled loop can be used: numba is installed and works with this numpy.
+    """Whether the compiled loop can be used, that is whether numba is installed and works with this numpy.
 
     numpy can do the same.
     """
@@ -55,7 +56,7 @@ def compiled_works() -> bool:
 
 
 def respond(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
-    """Outputs and reactions of a problem for dynamic stiffnesses of its laws at all points.
+    """Motions (rad) and reactions (N m) per unit excitation, (n_read, n_exc, n_points), from ``kappa`` of all laws.
 
     Large problems take the compiled loop where it works. Only their size decides, so that a result does not depend on
     what was calculated before.
@@ -67,12 +68,12 @@ def respond(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
 
 
 def respond_in_numpy(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
-    """Outputs and reactions of a problem with numpy, whatever the number of points."""
+    """Motions (rad) and reactions (N m) per unit excitation by numpy, shape (n_read, n_exc, n_points)."""
     return _respond(problem, kappa, sweep)
 
 
 def respond_compiled(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
-    """Outputs and reactions of a problem with the compiled loop, whatever the number of points.
+    """Motions (rad) and reactions (N m) per unit excitation by the compiled loop, (n_read, n_exc, n_points).
 
     Raises
     ------

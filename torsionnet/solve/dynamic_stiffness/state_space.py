@@ -1,4 +1,4 @@
-"""State space of a drivetrain for python-control.
+"""Linear state space of a drivetrain, x' = A x + B u, y = C x + D u, for python-control.
 
 Coordinates fall into three kinds: with inertia (a), massless but damped (b), and purely static (d):
 
@@ -31,12 +31,13 @@ if TYPE_CHECKING:
     import control
 
 NEGLIGIBLE_COEFFICIENT = 1e-9
-"""Share of the terms below which a coefficient that should vanish is rounding; smaller values refuse valid models."""
+"""Size, over its terms, below which a coefficient that should vanish counts as zero, since smaller limits refuse valid
+models."""
 
 
 @dataclass(frozen=True)
 class StateSpaceForm:
-    """State equations x' = A x + B u with coordinates q = X x + U u; ``states`` are the names of x.
+    """State equations x' = A x + B u in SI units, with coordinates q = X x + U u and the names of the states x.
 
     The torque of each of ``actions`` is P(s) (its motion sensed) + (its row of ``torques``) x.
     """
@@ -52,7 +53,10 @@ class StateSpaceForm:
 
 @dataclass(frozen=True)
 class StateSpace:
-    """State space x' = A x + B u, y = C x + D u; torques in N m, outputs in SI units; ``states`` are the names of x."""
+    """State space x' = A x + B u, y = C x + D u of a drivetrain, with torques u in N m and outputs y in SI units.
+
+    The ``states`` are the names of x.
+    """
 
     A: FloatArray
     B: FloatArray
@@ -62,7 +66,9 @@ class StateSpace:
 
 
 def to_control(drivetrain: AssembledModel) -> control.StateSpace:
-    """State space as a python-control object; see :meth:`torsionnet.Drivetrain.to_control`.
+    """State space of a drivetrain from its declared inputs to its sensors, as a python-control object.
+
+    See :meth:`torsionnet.Drivetrain.to_control`.
 
     Raises
     ------
@@ -89,7 +95,7 @@ def to_control(drivetrain: AssembledModel) -> control.StateSpace:
 
 
 def state_space(drivetrain: AssembledModel) -> StateSpace:
-    """State space behind :meth:`Drivetrain.to_control`, also without inputs or sensors.
+    """State space of a drivetrain in SI units as plain arrays, also where it has no inputs or no sensors.
 
     Raises
     ------
@@ -105,18 +111,18 @@ def state_space(drivetrain: AssembledModel) -> StateSpace:
 
 @dataclass(frozen=True)
 class Channels:
-    """Inputs and sensors that act in a configuration."""
+    """Inputs and sensors by name that act in the present configuration of a drivetrain."""
 
     inputs: dict[str, Input]
     sensors: dict[str, Sensor]
 
     def readings(self, drivetrain: AssembledModel) -> tuple[Functional, ...]:
-        """Readings of the active sensors as linear expressions of the motion and of applied torques."""
+        """Readings of the active sensors in their order, as linear expressions of motion and applied torques."""
         return tuple(functional(drivetrain, sensor, name) for name, sensor in self.sensors.items())
 
 
 def active_channels(drivetrain: AssembledModel) -> Channels:
-    """Inputs and sensors of a drivetrain without those on parts that are switched off or locked."""
+    """Inputs and sensors of a drivetrain by name, without those on parts that are switched off or locked."""
     inputs, sensors = usable_channels(drivetrain)
     return Channels(
         {name: drivetrain.inputs[name] for name in inputs}, {name: drivetrain.sensors[name] for name in sensors}
@@ -136,7 +142,9 @@ def first_order(
     closing: Sequence[LawStates] | None = None,
     opened: Sequence[LawStates] = (),
 ) -> StateSpaceForm:
-    """State equations of an assembly under torques on nodes, with delays as so many ``points`` (:mod:`.action_states`).
+    """State equations of an assembly in SI units under torques on nodes, with each delay as a line of ``points``.
+
+    See :mod:`.action_states` for the line.
 
     With ``closing``, only these actions act, and the torques of those ``opened`` are inputs after the others.
 
@@ -172,7 +180,7 @@ def first_order(
 def _matrices(
     system: RowSystem, actions: Sequence[LawStates], kinds: tuple[FloatArray, FloatArray, FloatArray]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Matrices M, C and K (n_q, n_q) with the direct feedthrough of actions, in SI.
+    """Matrices M, C and K (n_q, n_q) in kg m^2, N m s/rad and N m/rad, less what actions feed through at once.
 
     Raises
     ------
@@ -197,7 +205,7 @@ def _matrices(
 
 
 def close_loops_in_states(form: StateSpaceForm, actions: Sequence[LawStates]) -> StateSpaceForm:
-    """State equations with closed loops, from those whose last inputs are the torques of ``actions``."""
+    """State equations with controllers at work, from those in which their torques are the last inputs."""
     n_act, n_x = len(actions), len(form.A)
     n_u = form.B.shape[1] - n_act
     sizes = np.cumsum([0, *(len(one.F) for one in actions)])
@@ -225,7 +233,7 @@ def close_loops_in_states(form: StateSpaceForm, actions: Sequence[LawStates]) ->
 
 
 def _state_names(coordinates: Sequence[str], heavy: FloatArray, damped: FloatArray) -> tuple[str, ...]:
-    """Names of states: angle or velocity of a coordinate, or a number for a combined motion."""
+    """Names of the states, as angle or velocity of a coordinate, or with a number for a combined motion."""
 
     def named(basis: FloatArray, what: str) -> list[str]:
         columns = [np.flatnonzero(column) for column in basis.T]
@@ -238,7 +246,7 @@ def _state_names(coordinates: Sequence[str], heavy: FloatArray, damped: FloatArr
 
 
 def _kinds(system: RowSystem) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Bases (n_q, n) of the motions with inertia, of the massless damped and of the static ones."""
+    """Bases (n_q, n) of the motions with inertia, of the massless damped ones and of the static ones."""
     heavy = system.inertia != 0
     massless, static = (unresisted_motions(system, laws).basis() for laws in (heavy, heavy | (system.damping != 0)))
     return (
@@ -249,7 +257,7 @@ def _kinds(system: RowSystem) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def _upright(basis: FloatArray) -> FloatArray:
-    """Basis with the largest entry of every column positive."""
+    """Basis (n_q, n) of motions in which the largest entry of each column is made positive."""
     largest = np.abs(basis).argmax(axis=0) if basis.size else np.zeros(0, dtype=int)
     return np.asarray(basis * np.where(basis[largest, np.arange(len(largest))] < 0, -1.0, 1.0))
 
@@ -287,7 +295,9 @@ def output_matrices(
     system: StateSpaceForm,
     opened: Sequence[LawStates] = (),
 ) -> tuple[FloatArray, FloatArray]:
-    """Matrices C (n_out, n_x) and D (n_out, n_in) of readings; the coefficients of u' and u'' have to vanish.
+    """Matrices C (n_out, n_x) and D (n_out, n_in) from states and torques in N m to readings in SI units.
+
+    The coefficients of u' and u'' have to vanish.
 
     The torques of the actions ``opened`` are inputs after the others.
 
@@ -337,7 +347,7 @@ def _output_rows(
 
 
 def _share(assembly: Assembly, reading: Functional, action: LawStates) -> float:
-    """Factor of an action's torque in a reading: read itself, or applied to nodes that are read."""
+    """Factor of an action's torque in a reading, as it is read itself or applied to nodes that are read."""
     nodes = action.action.nodes.items()
     applied = sum((share * reading.applied.get(node, 0) for node, share in nodes), start=Fraction(0))
     number = next(place for place, one in enumerate(assembly.system.actions) if one is action.action)

@@ -1,4 +1,4 @@
-"""Evaluation of an operation tape in numpy: every operation on a vector of points at once."""
+"""Elimination tape run in numpy, where every operation works on a vector of frequency points at once."""
 
 from __future__ import annotations
 
@@ -14,21 +14,22 @@ from torsionnet.solve.dynamic_stiffness.lost_digits import Array, LostDigits
 from torsionnet.solve.dynamic_stiffness.tape import Tape
 
 BLOCK_BYTES = 24 * 2**20
-"""Memory in bytes of the registers worked on at once: more leave the processor's cache."""
+"""Memory in bytes of the registers that numpy works on at once, since more would leave the processor's cache."""
 FEWEST_POINTS, MOST_POINTS = 1024, 4096
-"""Number of points worked on at once: fewer cost more in the interpreter than in arithmetic, more leave the cache."""
+"""Fewest and most frequency points that numpy works on at once, as fewer cost more in the interpreter than in
+arithmetic and more leave the cache."""
 
 
 @dataclass
 class Sweep:
-    """Solution of a response problem: values (n_read, n_exc, n_points), and a mask (n_points,) of uncertain points."""
+    """Motions and reactions (n_read, n_exc, n_points) per unit excitation, and mask of uncertain points."""
 
     values: Array
     uncertain: NDArray[np.bool_]
 
 
 def sweep(tape: Tape, kappa: LawStiffness) -> tuple[Array, NDArray[np.bool_]]:
-    """Values of a tape at all points, and mask of uncertain points, a block of points at a time.
+    """Output values (n_values, n_points) of a tape by numpy, and mask (n_points,) of points that lost digits.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Operation tape of an elimination: simple operations on registers, run in numpy or in a compiled loop.
+"""List of simple operations on registers that carries out an elimination, in numpy or in a compiled loop.
 
 A register holds one number for every point. What an operation does with its target t, from registers a and b:
 
@@ -25,13 +25,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 LAW, CONSTANT, SUM, PIVOT, PRODUCT, QUOTIENT, INVERSE, WATCH, OUTPUT = range(9)
-"""Codes of the operations on an elimination's tape, as listed above."""
+"""Codes of the operations on an elimination's tape, each with the meaning listed at the head of the module."""
 _READS = {SUM: 2, PIVOT: 2, PRODUCT: 2, QUOTIENT: 2, INVERSE: 1, WATCH: 1, OUTPUT: 1}
-"""Number of registers that an operation reads, by its code; operations not listed read none."""
+"""Number of registers that an operation reads, by its code, where operations not listed read none."""
 
 
 class Operation(NamedTuple):
-    """Operation on the registers of an elimination: code, target, sources and factor."""
+    """Operation of an elimination, as code, target register, two source registers and a factor."""
 
     code: int
     t: int
@@ -50,7 +50,7 @@ class Operation(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Tape:
-    """Operations (n, 4) of an elimination with factors (n,), and the numbers of registers and of values."""
+    """Operations (n, 4) of an elimination with factors (n,), and the numbers of registers and output values."""
 
     operations: NDArray[np.int64]
     factors: NDArray[np.float64]
@@ -62,13 +62,13 @@ class Tape:
 
     @property
     def reached(self) -> list[int]:
-        """Numbers of the values that any excitation reaches; all others are zero whatever the stiffnesses."""
+        """Numbers of the output values that any excitation reaches. All others are zero whatever the stiffnesses."""
         found: list[int] = self.operations[self.operations[:, 0] == OUTPUT, 1].tolist()
         return found
 
 
 class TapeQuantity(NamedTuple):
-    """Quantity in an elimination: ``factor`` times the result of operation ``name``, or ``factor`` if ``name`` < 0."""
+    """Quantity in an elimination, ``factor`` times the result of operation ``name``, or ``factor`` if ``name`` < 0."""
 
     name: int
     factor: float
@@ -76,13 +76,16 @@ class TapeQuantity(NamedTuple):
 
 @dataclass
 class Writer:
-    """Writer of the operations of an elimination; scalar factors are carried along until an operation needs them."""
+    """Operations of an elimination as they are written down.
+
+    Scalar factors are carried along until an operation needs them.
+    """
 
     operations: list[Operation] = field(default_factory=list)
     n_names: int = 0
 
     def new(self, code: int, a: int = 0, b: int = 0, factor: float = 1.0) -> int:
-        """Append an operation and return the name of its result."""
+        """Append an operation of an elimination and return the number by which its result is named."""
         self.operations.append(Operation(code, self.n_names, a, b, factor))
         self.n_names += 1
         return self.n_names - 1
@@ -91,7 +94,7 @@ class Writer:
         return quantity.name if quantity.name >= 0 else self.new(CONSTANT)
 
     def plus(self, known: TapeQuantity | None, term: TapeQuantity, code: int = SUM) -> TapeQuantity:
-        """Sum of two quantities; ``known`` is None where there is nothing yet."""
+        """Sum of two quantities of an elimination, or ``term`` itself where ``known`` is None."""
         if known is None or not known.factor:
             return term
         if known.name < 0 and term.name < 0:
@@ -118,7 +121,7 @@ class Writer:
         self.operations.append(Operation(OUTPUT, number, self.name(value), 0, value.factor))
 
     def tape(self, n_values: int) -> Tape:
-        """Tape of the operations that the outputs of an elimination depend on, with registers for results."""
+        """Tape of the operations that the outputs of an elimination depend on, with registers for their results."""
         placed, n_registers = _with_registers(_needed(self.operations))
         operations = np.array([one[:4] for one in placed], dtype=np.int64).reshape(-1, 4)
         return Tape(operations, np.array([one.factor for one in placed]), n_registers, n_values)
@@ -136,7 +139,7 @@ def _needed(operations: list[Operation]) -> list[Operation]:
 
 
 def _with_registers(operations: list[Operation]) -> tuple[list[Operation], int]:
-    """Operations with registers in place of names, and the number of registers.
+    """Operations of an elimination with registers in place of named results, and the number of registers.
 
     A register is reused after the last operation on its name.
     """

@@ -1,4 +1,4 @@
-"""Operation tapes written from elimination plans.
+"""Operation tapes that carry out elimination plans, by back-substitution or by carrying readings forward.
 
 Weights of loads go forward with the elimination. What is read either comes back along the way, all motions from one
 solution, or goes forward like a load: the dynamic stiffness is symmetric, and with r D^-1 l built up on the way nothing
@@ -14,13 +14,13 @@ from torsionnet.solve.dynamic_stiffness.elimination_plan import EliminationPlan,
 from torsionnet.solve.dynamic_stiffness.tape import CONSTANT, LAW, PIVOT, SUM, Tape, TapeQuantity, Writer
 
 MOST_FORWARD_READINGS = 2
-"""Largest number of readings solved by carrying them forward, which then takes fewer operations than back-
-substitution."""
+"""Largest number of readings that are carried forward with the loads, as that takes fewer operations than
+back-substitution for so few."""
 _ONE = TapeQuantity(-1, 1.0)
 
 
 def make_tape(plan: EliminationPlan) -> Tape:
-    """Tape of an elimination plan; value number n_excitations * reading + excitation.
+    """Operation tape of an elimination plan, whose value n_excitations * reading + excitation is that reading.
 
     Examples
     --------
@@ -35,7 +35,7 @@ def make_tape(plan: EliminationPlan) -> Tape:
 
 @dataclass(frozen=True)
 class _Eliminated:
-    """Elimination step with the shares kappa_i / S by place, and f_v / S by excitation where there is a load."""
+    """Elimination step with the shares kappa_i / S of its rows, and the motion f_v / S in rad by excitation."""
 
     step: EliminationStep
     shares: dict[int, TapeQuantity]
@@ -43,7 +43,7 @@ class _Eliminated:
 
 
 class _Taping:
-    """Common part of both tape writers: laws and loads."""
+    """Writer of the part of a tape that both kinds have in common, the elimination of laws and loads."""
 
     def __init__(self, plan: EliminationPlan) -> None:
         self.plan, self.writer = plan, Writer()
@@ -57,7 +57,10 @@ class _Taping:
         table[key] = self.writer.plus(table.get(key), term)
 
     def _link(self, slot: int) -> TapeQuantity:
-        """Stiffness of a row; that of laws is not worked out before use."""
+        """Dynamic stiffness in N m/rad of a row slot, as a quantity of the tape.
+
+        That of laws is not worked out before use.
+        """
         if slot in self.fresh:
             self.fresh.discard(slot)
             self.links[slot] = TapeQuantity(self.writer.new(LAW, slot), 1.0)
@@ -99,7 +102,10 @@ class _Taping:
         return _Eliminated(step, shares, loads)
 
     def _pivot(self, step: EliminationStep, terms: Sequence[TapeQuantity]) -> TapeQuantity:
-        """Pivot S; small pivots show in its shares, or in the sum itself where more than one term has none."""
+        """Pivot S of an elimination step in N m/rad, the total stiffness on its coordinate, as a quantity of the tape.
+
+        Small pivots show in its shares, or in the sum itself where more than one term has none.
+        """
         code = PIVOT if len(step.shared) >= len(terms) - 1 else SUM
         total = None
         for term, (_, square) in zip(terms, step.terms, strict=True):
@@ -109,7 +115,7 @@ class _Taping:
     def _load(
         self, step: EliminationStep, weights: dict[int, TapeQuantity], shares: dict[int, TapeQuantity]
     ) -> TapeQuantity | None:
-        """Pass the loads on, and return their sum f_v on the coordinate itself."""
+        """Pass an excitation's loads on to other rows, and return their sum on the eliminated coordinate, or None."""
         writer = self.writer
         for slot, i, factor, target in step.passed:
             if slot in weights:
@@ -128,7 +134,7 @@ class _Taping:
 
 
 class _Back(_Taping):
-    """Tape with back-substitution: all motions from one solution, excitation by excitation."""
+    """Writer of a tape with back-substitution, which gives all motions under one excitation after another."""
 
     def tape(self, n_read: int) -> Tape:
         way = list(self._eliminated())
@@ -175,7 +181,7 @@ class _Back(_Taping):
 
 
 class _Forward(_Taping):
-    """Tape with readings carried forward as weights by motion slot and reading, which loads meet on the way."""
+    """Writer of a tape with readings carried forward as weights, which the loads meet on the way."""
 
     def tape(self, n_read: int) -> Tape:
         self.carried: dict[int, dict[int, TapeQuantity]] = {}
@@ -206,7 +212,7 @@ class _Forward(_Taping):
         self._add(self.carried.setdefault(slot, {}), reading, weight)
 
     def _taken(self, slot: int) -> list[tuple[int, TapeQuantity]]:
-        """Weights of a motion, including those of reactions that depend on the motion."""
+        """Weights by reading with which the motion of this number counts, reactions that depend on it included."""
         for number, reaction in enumerate(self.plan.reactions, len(self.plan.outputs)):
             for law, factor, motion in reaction.laws:
                 if motion == slot:

@@ -1,4 +1,4 @@
-"""Transfer requests: names of outputs, inputs and excitations resolved to readings, or refused with the reason."""
+"""Named outputs, inputs and excitations of a transfer function, resolved to readings or refused with the reason."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from torsionnet.model.imposed_twist import twist_fault
 from torsionnet.solve.dynamic_stiffness.reading_problem import ReadingProblem, make_reading_problem
 
 NO_CHANNELS_MESSAGE = "name at least one output and one input"
-"""Message for a request without outputs or without inputs."""
+"""Message of the error for a request of transfer functions without outputs or without inputs."""
 
 
 @dataclass(frozen=True)
 class TransferRequest:
-    """Transfer request: outputs over measured inputs, or over the excitations themselves.
+    """Outputs and inputs of transfer functions, where inputs are measured ones or the excitations themselves.
 
     ``assembly`` is one in which the names were looked up; others with the same rows may be asked the same.
     """
@@ -37,23 +37,23 @@ class TransferRequest:
 
     @property
     def names(self) -> str:
-        """Names of the measured inputs, joined by "and"."""
+        """Names of the measured inputs of the request, joined by "and"."""
         return " and ".join(reading.name for reading in self.measured)
 
     @property
     def sensors(self) -> tuple[Sensor, ...]:
-        """Sensors of the outputs, then of the measured inputs."""
+        """Sensors of the outputs, then of the measured inputs, without readings that have no sensor."""
         return tuple(one.sensor for one in (*self.outputs, *self.measured) if one.sensor is not None)
 
     @cached_property
     def reading_problem(self) -> ReadingProblem:
-        """Response problem of the request in rows."""
+        """Response problem in rows for the outputs and measured inputs of the request, made once and kept."""
         return make_reading_problem(
             self.assembly, self.outputs, self.measured if self.is_measured else (), self.excitations
         )
 
     def require_reached_inputs(self) -> None:
-        """Refuse measured inputs that stay zero whatever the values.
+        """Raise UsageError for measured inputs that stay zero whatever the parameter values.
 
         Raises
         ------
@@ -78,7 +78,7 @@ class TransferRequest:
                 raise UsageError(f"{self.names} stay zero {where}; they cannot be its measured inputs")
 
     def dependent_inputs_error(self) -> UsageError:
-        """Error for measured inputs that depend on each other under the excitations at all frequencies."""
+        """Error to raise for measured inputs that depend on each other under the excitations at all frequencies."""
         names, driven = self.names, " and ".join(str(excitation) for excitation in self.excitations)
         if len(self.measured) == 1:
             return UsageError(f"{names} stays zero under a {driven} at every frequency; it cannot be a measured input")
@@ -91,7 +91,7 @@ def cached_request(
     input: str | Sensor | Input | Sequence[str | Sensor | Input],
     excitation: str | Input | Sequence[str | Input] | None,
 ) -> TransferRequest:
-    """Transfer request resolved once for all configurations with the same rows and the same shaft sections."""
+    """Request of transfer functions, resolved once for all configurations with the same rows and shaft sections."""
     parts = tuple(tuple(entry) if isinstance(entry, list) else entry for entry in (output, input, excitation))
 
     def asked() -> TransferRequest:
@@ -108,7 +108,7 @@ def cached_request(
 
 
 def request_for_model(drivetrain: AssembledModel, request: TransferRequest) -> TransferRequest:
-    """Transfer request for another model, such as a variant with rows of its own.
+    """Request of the same transfer functions for another model, such as a variant with rows of its own.
 
     Raises
     ------
@@ -131,7 +131,7 @@ def request_for_model(drivetrain: AssembledModel, request: TransferRequest) -> T
 def stress_section_moduli(
     drivetrain: AssembledModel, entries: Iterable[str | Sensor | Input | Sequence[str | Sensor | Input]]
 ) -> tuple[Any, ...]:
-    """Section moduli of the shafts whose stress is requested, on which a reading depends besides the rows."""
+    """Section moduli in m^3 of the shafts whose stress is requested, on which a reading depends besides the rows."""
     found = []
     for entry in entries:
         for one in entry if isinstance(entry, list | tuple) else [entry]:
@@ -147,7 +147,7 @@ def resolve_request(
     input: str | Sensor | Input | Sequence[str | Sensor | Input],
     excitation: str | Input | Sequence[str | Input] | None,
 ) -> TransferRequest:
-    """Transfer request with the names of outputs, inputs and excitations resolved.
+    """Request of transfer functions from the names or objects of outputs, inputs and excitation.
 
     Raises
     ------
@@ -165,7 +165,10 @@ def resolve_inputs(
     input: str | Sensor | Input | Sequence[str | Sensor | Input],
     excitation: str | Input | Sequence[str | Input] | None,
 ) -> TransferRequest:
-    """Transfer request of inputs and excitations without outputs, see :func:`resolve_request`."""
+    """Request of transfer functions with inputs and excitations resolved, and with no outputs yet.
+
+    See :func:`resolve_request`.
+    """
     entries = _listed(input, "an input", (str, Sensor, Input))
     if not entries:
         raise UsageError(NO_CHANNELS_MESSAGE)
@@ -216,7 +219,7 @@ def _default(drivetrain: AssembledModel) -> tuple[Input, ...]:
 
 
 def _torque_on(drivetrain: AssembledModel, channel: Input) -> Input:
-    """Torque input on nodes that can move; refused on others, where every response would silently be zero."""
+    """The given torque input if it acts on nodes that can move, else UsageError, as every response would be zero."""
     kinematics, where = drivetrain.assembly.kinematics, named_nodes(channel)
     same = (name for name, one in drivetrain.inputs.items() if one.quantity == "angle" and one.nodes == channel.nodes)
     if (driven := next(same, None)) is not None:
@@ -229,7 +232,7 @@ def _torque_on(drivetrain: AssembledModel, channel: Input) -> Input:
 
 
 def _torque_on_nodes(drivetrain: AssembledModel, name: Any) -> Input | None:
-    """Torque input on a node by name, or between two nodes as ``pulley-block``; None where no node is meant."""
+    """Torque input on the named node, or between two nodes as ``pulley-block``, or None where no node is meant."""
     if name in drivetrain.nodes:
         return _torque_on(drivetrain, Input("torque", str(name)))
     pair = parse_pair(str(name))
@@ -277,7 +280,10 @@ def _named_input(drivetrain: AssembledModel, name: Any) -> Input:
 
 
 def _given(drivetrain: AssembledModel, channel: Input) -> Input:
-    """Excitation given as an object: a torque or twist anywhere, an imposed angle where the model declares one."""
+    """Excitation given as an object, returned if it can act in this drivetrain, else UsageError.
+
+    It is a torque or twist anywhere, or an imposed angle where the model declares one.
+    """
     if channel.is_on_element:
         return _twist_in(drivetrain, channel)
     if channel.quantity == "torque" and set(channel.nodes) <= set(drivetrain.nodes):
@@ -291,7 +297,7 @@ def _given(drivetrain: AssembledModel, channel: Input) -> Input:
 
 
 def _twist_in(drivetrain: AssembledModel, channel: Input) -> Input:
-    """Twist imposed in an element, which must be compliant."""
+    """The twist input itself if its element can be twisted (a compliant one), else UsageError."""
     if channel.of not in drivetrain.elements:
         raise UsageError(f'no element is named "{channel.of}"{did_you_mean(channel.of, drivetrain.elements)}')
     element = drivetrain.elements[channel.of]
@@ -302,7 +308,7 @@ def _twist_in(drivetrain: AssembledModel, channel: Input) -> Input:
 
 
 def _listed(names: Any, what: str, kinds: tuple[type, ...]) -> list[Any]:
-    """List of one name or several; other types are refused with a message."""
+    """List of names or channels that were given singly or as a list, where other types are refused."""
     entries = [names] if isinstance(names, kinds) else list(names) if isinstance(names, list | tuple) else [None]
     for entry in entries:
         if not isinstance(entry, kinds):
@@ -311,7 +317,7 @@ def _listed(names: Any, what: str, kinds: tuple[type, ...]) -> list[Any]:
 
 
 def named_output(drivetrain: AssembledModel, entry: str | Sensor) -> Functional:
-    """Functional of an output given as sensor, sensor name or node name."""
+    """Reading of an output given as sensor, sensor name or node name, as a linear expression of the motion."""
     sensor = named_sensor(entry, drivetrain.sensors)
     if sensor is None and entry in drivetrain.nodes:
         sensor = Sensor("angle", str(entry))
@@ -325,7 +331,7 @@ def named_output(drivetrain: AssembledModel, entry: str | Sensor) -> Functional:
 
 
 def usable_channels(drivetrain: AssembledModel) -> tuple[list[str], list[str]]:
-    """Names of the inputs and of the sensors on parts that are present and not locked.
+    """Names of the inputs, and of the sensors, on parts that are present and not locked.
 
     >>> import torsionnet as tn
     >>> usable_channels(tn.load("dmf_rig"))
@@ -344,7 +350,10 @@ def usable_channels(drivetrain: AssembledModel) -> tuple[list[str], list[str]]:
 
 
 def _read(drivetrain: AssembledModel, sensor: Sensor, name: str) -> Functional:
-    """Functional of a sensor; a declared sensor on a locked node is refused, a node given by name reads zero there."""
+    """Reading of a sensor as a linear expression of the motion, refused for a declared sensor on a locked node.
+
+    A node given by name reads zero there.
+    """
     of_node = name in drivetrain.sensors and not sensor.is_on_element
     if of_node and set(sensor.nodes) <= set(drivetrain.nodes) and drivetrain.assembly.kinematics.holds_row(sensor.row):
         which = f'"{sensor.of}" is locked' if sensor.against is None else immobility_text(sensor)

@@ -1,4 +1,4 @@
-"""Block-diagonal form of x' = A x + B u with triangular blocks, which are easy to step exactly.
+"""State equations x' = A x + B u split into uncoupled triangular blocks, which are easy to step exactly.
 
 The states of rigid rotation, whose poles at zero are multiple and have no eigenvectors of their own, are a block by
 themselves. The rest is diagonal where its eigenvectors are well conditioned, with one of each conjugate pair only, and
@@ -16,14 +16,15 @@ from scipy import linalg
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 
 REST_POLE_RATIO = 1e-7
-"""Ratio to the largest pole below which poles are grouped with those at zero."""
+"""Size of a pole, over the largest pole, below which it is grouped with the poles at zero, as rounding moves those of
+rigid rotation that far."""
 MOST_EIGENVECTOR_CONDITION = 1e7
-"""Condition number of the eigenvectors up to which the block is diagonalised; beyond, too many digits are lost."""
+"""Condition number of the eigenvectors up to which a block is made diagonal, as too many digits are lost beyond it."""
 
 
 @dataclass(frozen=True)
 class DiagonalBlock:
-    """Block z' = T z + B u with T upper triangular, and its share Re(C z) of the outputs."""
+    """Uncoupled block z' = T z + B u with T upper triangular, which adds Re(C z) to the outputs."""
 
     T: ComplexArray
     B: ComplexArray
@@ -35,7 +36,10 @@ class DiagonalBlock:
 
 
 def blocks(A: FloatArray, B: FloatArray, C: FloatArray) -> list[DiagonalBlock]:
-    """Uncoupled blocks whose outputs add up to those of the system (A (n, n), B (n, n_in), C (n_out, n))."""
+    """Uncoupled blocks whose outputs add up to those of x' = A x + B u, y = C x.
+
+    The shapes are A (n, n), B (n, n_in) and C (n_out, n).
+    """
     if not len(A):
         return []
     balanced, (scale, _) = linalg.matrix_balance(A, permute=False, separate=True)
@@ -53,7 +57,7 @@ def blocks(A: FloatArray, B: FloatArray, C: FloatArray) -> list[DiagonalBlock]:
 
 
 def _diagonal(block: DiagonalBlock) -> DiagonalBlock:
-    """Block in its eigenvectors, if these are well conditioned; else unchanged."""
+    """Block made diagonal by its eigenvectors where these are well conditioned, else the block unchanged."""
     poles, vectors = np.linalg.eig(block.T)
     if np.linalg.cond(vectors) > MOST_EIGENVECTOR_CONDITION:
         return block

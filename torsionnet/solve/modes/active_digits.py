@@ -12,15 +12,17 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.solve.dynamic_stiffness.many_digits import in_many_digits
 
 DIGITS = 60
-"""Decimal digits of all sums, against cancellation between stiff and soft springs; more take longer."""
+"""Decimal digits of all sums in a root's equation, enough against cancellation between stiff and soft springs."""
 MOST_ITERATIONS = 20
-"""Steps of inverse iteration at most; a start with some right digits needs a few."""
+"""Most steps of inverse iteration for a pole in many digits, as a start with some right digits needs a few."""
 CONVERGED = 1e-15
-"""Relative step at which a root counts as found: the result is rounded to double precision."""
+"""Relative step at which a pole in many digits counts as found, since the result is rounded to double precision."""
 
 
 class ManyDigitPencil:
-    """Matrix P(s) of :class:`~torsionnet.solve.modes.active_pencil.ActivePencil` in mpmath numbers.
+    """Matrix P(s) of a controlled drivetrain's characteristic equation det P(s) = 0, in mpmath numbers.
+
+    It is that of :class:`~torsionnet.solve.modes.active_pencil.ActivePencil`.
 
     To be used within ``mpmath.workdps(DIGITS)``.
     """
@@ -41,7 +43,7 @@ class ManyDigitPencil:
                         power[i, j] += in_many_digits(value) * a * b
 
     def at(self, s: Any, rate: bool = False) -> Any:
-        """Matrix P(s), or its derivative dP/ds, as an mpmath matrix."""
+        """Matrix P(s) of the characteristic equation, or its derivative dP/ds, as an mpmath matrix."""
         import mpmath
 
         K, C, M = self.powers
@@ -65,7 +67,7 @@ class ManyDigitPencil:
         return whole
 
     def root_near(self, start: complex, vector: ComplexArray) -> tuple[complex, ComplexArray] | None:
-        """Root near a start (rad/s) and its vector, to double precision; None where iteration does not converge."""
+        """Pole near a start in rad/s with its vector, right to double precision, or None without convergence."""
         import mpmath
 
         s, w = mpmath.mpmathify(start), mpmath.matrix([mpmath.mpmathify(complex(value)) for value in vector])

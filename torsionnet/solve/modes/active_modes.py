@@ -1,4 +1,4 @@
-"""Modes of a drivetrain with controllers or negative damping, poles of the controllers included.
+"""Poles in rad/s and mode shapes of a drivetrain with controllers or negative damping, with the controllers' poles.
 
 Starts come from the states of drivetrain and controllers together; each pole is then a root of the exact characteristic
 equation, delays included, with a bound on its rounding.
@@ -34,39 +34,43 @@ from torsionnet.solve.modes.eigen import (
 )
 
 LARGEST_SOLVED_EXACTLY = 150
-"""Coordinates and controllers up to which every pole is solved on the characteristic equation, and counted."""
+"""Number of coordinates and controllers up to which every pole is solved on the characteristic equation and counted, as
+time allows."""
 LARGEST_COUNTED = 200
-"""Coordinates and controllers up to which poles in a circle are counted; counting takes their number cubed."""
+"""Number of coordinates and controllers up to which poles in a circle are counted, since counting takes their number
+cubed."""
 LARGEST_UNCERTAIN = 1e-3
-"""Size of an uncertain start, over the radius, up to which slow poles are sought near it.
+"""Size of an uncertain start, over the radius of the circle, up to which slow poles are sought near it, as larger ones
+stem from the delay.
 
 Larger uncertain starts are poles of the delay that its points do not resolve.
 """
 MOST_POINTS = 160
-"""Points by which a delay is approximated for starts at most: each adds a state per controller."""
+"""Most points by which a delay is approximated for start values, as each adds a state per controller."""
 FEWEST_POINTS = 20
-"""Points by which a delay is approximated for starts at least."""
+"""Fewest points by which a delay is approximated for start values, so that slow poles have good starts."""
 POINTS_PER_RADIAN = 0.75
-"""Points of a delay per radian of phase of the fastest motion in the time of the delay."""
+"""Points of a delay per radian by which the fastest motion turns in the time of the delay."""
 SAME_POLE = 1e-7
-"""Relative distance below which two poles are one: roots are far more accurate, distinct poles hardly as near."""
+"""Relative distance below which two poles are one, as roots are far more accurate and distinct poles hardly as near."""
 REAL_BELOW = 1e-10
-"""Imaginary part of a pole, over its size, up to which the pole is real."""
+"""Imaginary part of a pole, over its size, up to which the pole counts as real."""
 SOLVED_IN_MANY_DIGITS = 1e-11
 """Relative error of a pole above which the pole is solved in many digits."""
 MOST_WORK = 3e5
-"""Cube of the coordinates times number of poles solved in many digits at most, which bounds the time."""
+"""Most coordinates cubed times poles that are solved in many digits, which bounds the time."""
 LOSS_STEPS = 8
-"""Equal steps in which loss factors grow from 0 while poles are followed; more follow larger losses more safely."""
+"""Number of equal steps in which loss factors grow from 0 while poles are followed, as more steps follow larger losses
+more safely."""
 
 
 def is_active(system: RowSystem) -> bool:
-    """Whether controllers or negative damping may feed energy into the drivetrain, so that poles may be unstable."""
+    """Whether controllers or negative damping may feed energy into a drivetrain, so that it may be unstable."""
     return bool(system.actions) or bool((system.damping < 0).any())
 
 
 def active_modes(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...], tuple[str, ...]]:
-    """Modes of a drivetrain with controllers, texts of warnings about uncertain modes, and notes.
+    """Modes of a drivetrain with controllers (eigenvalues in rad/s, shapes), texts of warnings, and notes.
 
     Raises
     ------
@@ -87,7 +91,7 @@ def active_modes(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...], tu
 
 
 def _with_hysteresis(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...], tuple[str, ...]]:
-    """Modes, warnings and notes with loss factors of springs, which damp vibrations only.
+    """Modes, warnings and notes of a drivetrain with controllers, where springs have loss factors.
 
     Raises
     ------
@@ -124,7 +128,7 @@ def _with_hysteresis(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...]
 
 
 def _led(elastic: Assembly, loss: FloatArray, pole: Pole) -> Pole | None:
-    """Pole that a pole without losses becomes as the losses k eta (n_laws,) of all laws grow; None where lost."""
+    """Pole in rad/s that one without losses becomes as all laws get losses k eta (n_laws,), or None where lost."""
     value, vector, error = pole.value, pole.vector, pole.error
     for share in np.linspace(0, 1, LOSS_STEPS + 1)[1:]:
         met = ActivePencil(elastic, share * loss).root_near(value, vector)
@@ -135,7 +139,7 @@ def _led(elastic: Assembly, loss: FloatArray, pole: Pole) -> Pole | None:
 
 
 def _distinct_poles(poles: Sequence[Pole]) -> list[Pole]:
-    """Poles without repetitions of one pole with one shape."""
+    """Poles without those that repeat another one together with its mode shape."""
     found: list[Pole] = []
     for pole in poles:
         if all(abs(pole.value - other.value) > SAME_POLE * abs(pole.value) or _differ(pole, other) for other in found):
@@ -149,7 +153,7 @@ def _differ(one: Pole, other: Pole) -> bool:
 
 
 def _rational(pencil: ActivePencil) -> tuple[list[Pole], tuple[str, ...], tuple[str, ...]]:
-    """All nonzero poles of a drivetrain without delays, warnings and notes."""
+    """All nonzero poles in rad/s of a drivetrain with controllers without delays, texts of warnings, and notes."""
     starts = state_eigenvalues(pencil, 0)
     total = sum(pole.count for pole in starts)
     small = pencil.size <= LARGEST_SOLVED_EXACTLY
@@ -182,7 +186,7 @@ def _count_warning(counted: int, found: int, where: str = "") -> tuple[str, ...]
 
 
 def _on_exact_equation(pencil: ActivePencil, pole: Pole) -> Pole | None:
-    """Pole on the exact characteristic equation near a start; None where the iteration leaves the start."""
+    """Pole in rad/s on the exact characteristic equation near a start, or None where the iteration leaves it."""
     found = pencil.root_near(pole.value, pole.vector)
     if found is None or abs(found[0] - pole.value) > max(1e-3, 100 * pole.error) * abs(pole.value):
         return None
@@ -191,7 +195,7 @@ def _on_exact_equation(pencil: ActivePencil, pole: Pole) -> Pole | None:
 
 
 def _in_many_digits(assembly: Assembly, poles: Sequence[Pole]) -> list[Pole]:
-    """Poles with the uncertain ones, as slow poles of stiff drivetrains, solved in many digits as time allows."""
+    """Poles of which the uncertain ones are solved in many digits as time allows, as slow ones of stiff drivetrains."""
     size = assembly.system.n_coordinates + len(assembly.system.actions)
     most = int(MOST_WORK // max(size, 1) ** 3)
     blurred = sorted((pole.error, place) for place, pole in enumerate(poles) if pole.error > SOLVED_IN_MANY_DIGITS)[
@@ -217,7 +221,7 @@ def _in_many_digits(assembly: Assembly, poles: Sequence[Pole]) -> list[Pole]:
 
 
 def _delayed(pencil: ActivePencil, delay: float) -> tuple[list[Pole], tuple[str, ...], tuple[str, ...]]:
-    """Poles of a drivetrain with delays, warnings and notes: all within a circle, outside those near modes.
+    """Poles of a drivetrain with delays, all in a circle and those near modes outside, warnings, and notes.
 
     The circle holds the modes without control and the poles of controllers, as far as the delay is resolved there.
     """
@@ -256,7 +260,7 @@ def _delayed(pencil: ActivePencil, delay: float) -> tuple[list[Pole], tuple[str,
 
 
 def _corner(pencil: ActivePencil) -> list[float]:
-    """Magnitudes in rad/s of the poles of the controllers themselves."""
+    """Magnitudes in rad/s of the poles that the controllers have by themselves."""
     found = []
     for action in pencil.assembly.system.actions:
         roots = np.roots([float(value) for value in reversed(action.denominator)])
@@ -265,7 +269,7 @@ def _corner(pencil: ActivePencil) -> list[float]:
 
 
 def _distinct(pencil: ActivePencil, starts: Sequence[Pole]) -> list[Pole]:
-    """Poles to which the iteration leads from the starts, each once."""
+    """Poles in rad/s with Im >= 0 to which inverse iteration leads from the starts, each once."""
     found: list[Pole] = []
     for start in starts:
         met = pencil.root_near(start.value, start.vector)
@@ -281,14 +285,14 @@ def _distinct(pencil: ActivePencil, starts: Sequence[Pole]) -> list[Pole]:
 
 
 def _between(radius: float, sizes: Sequence[float]) -> float:
-    """Radius near the given one in the widest gap between magnitudes of poles."""
+    """Radius in rad/s, from 0.8 to 1 times the given one, in the widest gap between magnitudes of poles."""
     marks = sorted([0.8 * radius, *(size for size in sizes if 0.8 * radius < size < radius), radius])
     gaps = [(b / a, math.sqrt(a * b)) for a, b in pairwise(marks)]
     return max(gaps)[1]
 
 
 def _beyond(pencil: ActivePencil, free: EigenSolution, radius: float) -> list[Pole]:
-    """Poles outside the circle to which the iteration leads from modes without control."""
+    """Poles outside the circle of this radius (rad/s), which inverse iteration finds from modes without control."""
     n_act = pencil.size - pencil.n_coordinates
     starts = [
         Pole(complex(value), np.concatenate([free.vectors[:, number], np.zeros(n_act)]), 0.0)
@@ -327,7 +331,10 @@ def _real_shapes(shapes: ComplexArray) -> ComplexArray:
 
 
 def _scaled(shapes: Any) -> Any:
-    """Shapes scaled to 1 at their largest angle; shapes of zeros, where a controller alone oscillates, stay."""
+    """Shapes (n_q, n_modes) scaled to 1 at their largest angle, while shapes of zeros stay.
+
+    The pole of a controller that oscillates alone has such a shape.
+    """
     moving = np.abs(shapes).max(axis=0, initial=0.0) > 0
     found = np.array(shapes)
     found[:, moving] = unit_shapes(found[:, moving])

@@ -1,4 +1,4 @@
-"""Characteristic equation of a drivetrain with controllers, exact also with delays.
+"""Characteristic equation det P(s) = 0 of a drivetrain with controllers, exact also with delays.
 
     P(s) = [ D(s)                 -B    ]
            [ -N(s) e^(-s tau) L    E(s) ]    over coordinates q and torques T of the actions with laws N/E e^(-s tau)
@@ -26,22 +26,26 @@ from torsionnet.solve.modes.exact_pencil import ExactPencil
 from torsionnet.solve.modes.zero_chains import deflated_coefficient, null_vectors
 
 MOST_ITERATIONS = 30
-"""Steps of inverse iteration at most; a start with some right digits needs a few."""
+"""Most steps of inverse iteration for a pole in double precision, as a start with some right digits needs a few."""
 CONVERGED = 1e-9
-"""Relative step below which a root counts as found; ten times its error where rounding moves it by more."""
+"""Relative step below which a pole counts as found, unless rounding moves it by more and ten times its error is the
+limit."""
 EPS = float(np.finfo(float).eps)
-"""Rounding of double precision."""
+"""Relative rounding of a number in double precision, 2.2e-16."""
 POINTS_ON_CIRCLE, POINTS_PER_ROW = 64, 8
-"""Fewest points on half a circle along which the phase is followed: in all, and for each row of P."""
+"""Fewest points on half a circle along which the phase of det P is followed, in all, and for each row of the matrix."""
 POINTS_PER_DELAY_RADIAN = 4
-"""Points on half a circle per radian by which delays turn the phase on the radius: fewer could miss whole turns."""
+"""Points on half a circle per radian by which delays turn the phase of det P(s), as fewer could miss whole turns."""
 MOST_HALVINGS = 1 << 16
-"""Halvings of steps of the phase, at most: a root on the circle would need infinitely many."""
+"""Most halvings of steps while the phase of det P is followed, since a root on the circle would need infinitely
+many."""
 
 
 @dataclass(frozen=True, eq=False)
 class ActivePencil:
-    """Matrix P(s) of an assembly with actions and constant coefficients, with its roots.
+    """Characteristic equation det P(s) = 0 of a drivetrain with controllers, and its roots (poles) in rad/s.
+
+    Coefficients are constant.
 
     ``loss`` (n_laws,) are the k eta of hysteretic laws, for roots with Im s > 0.
     """
@@ -56,7 +60,7 @@ class ActivePencil:
 
     @cached_property
     def _rows(self) -> tuple[FloatArray, FloatArray]:
-        """Rows (n_act, n_q) on which the actions act, and rows that they sense."""
+        """Coefficients (n_act, n_q) of the motions that controllers drive, and of those that they sense."""
         actions, n = self.assembly.system.actions, self.n_coordinates
         driven = [over_coordinates(self.assembly, one.row) for one in actions]
         sensed = [over_coordinates(self.assembly, one.sensed) for one in actions]
@@ -64,16 +68,16 @@ class ActivePencil:
 
     @property
     def n_coordinates(self) -> int:
-        """Number of coordinates; the torques of the actions come after them."""
+        """Number of coordinates in the characteristic equation, after which come the torques of the actions."""
         return self.assembly.system.n_coordinates
 
     @property
     def size(self) -> int:
-        """Number of coordinates and actions."""
+        """Number of rows of the characteristic equation, which is that of coordinates and controllers together."""
         return self.n_coordinates + len(self.assembly.system.actions)
 
     def at(self, s: complex) -> ComplexArray:
-        """Matrix P(s) with its roots at zero taken out, (size, size)."""
+        """Matrix P(s) of the characteristic equation at s in rad/s, (size, size), with roots at zero taken out."""
         whole = self._whole(s)
         for column in self.columns:
             whole[:, column.place] = column.at(s)
@@ -83,7 +87,7 @@ class ActivePencil:
         return whole
 
     def _whole(self, s: complex) -> ComplexArray:
-        """Matrix P(s) with its roots at zero, (size, size)."""
+        """Matrix P(s) of the characteristic equation at s in rad/s, (size, size), with roots at zero left in."""
         K, C, M = self._laws
         laws = K + s * (C + s * M)
         if self.loss is not None:
@@ -92,7 +96,7 @@ class ActivePencil:
         return self._with(laws, [self._law(s, number) for number in range(len(self._rows[0]))], -1.0)
 
     def derivative(self, s: complex) -> ComplexArray:
-        """Derivative of :meth:`at` by s, (size, size)."""
+        """Derivative of the characteristic equation's matrix :meth:`at` by s in rad/s, shape (size, size)."""
         _, C, M = self._laws
         whole = self._with(C + 2 * s * M, [self._law_rate(s, number) for number in range(len(self._rows[0]))], 0.0)
         for column in self.columns:
@@ -100,7 +104,7 @@ class ActivePencil:
         return whole
 
     def term_sizes(self, s: complex) -> FloatArray:
-        """Sums of the magnitudes of the terms of :meth:`at`, (size, size), of which rounding is a share."""
+        """Sums (size, size) of the magnitudes of the terms in the matrix :meth:`at`, to estimate rounding by."""
         whole = self._term_sizes(s)
         for column in self.columns:
             whole[:, column.place] = column.size(s)
@@ -126,12 +130,12 @@ class ActivePencil:
 
     @cached_property
     def exact(self) -> ExactPencil:
-        """Matrix P(s) in rational numbers."""
+        """Matrix P(s) of the characteristic equation with rational coefficients."""
         return ExactPencil.of(self.assembly)
 
     @cached_property
     def columns(self) -> tuple[DeflatedColumn, ...]:
-        """Columns of P that roots at zero are taken out of."""
+        """Columns of the characteristic equation's matrix with roots at zero taken out, as functions of s."""
         _, right = equilibrated(self._term_sizes(complex(self._typical)))
         return deflated_columns(self.assembly, self.exact, 1 / right)
 
@@ -144,12 +148,12 @@ class ActivePencil:
 
     @property
     def zeros(self) -> int:
-        """Number of roots at zero, with multiplicity."""
+        """Number of roots of the characteristic equation at zero, with multiplicity."""
         return sum(column.order for column in self.columns)
 
     @cached_property
     def static_shapes(self) -> FloatArray:
-        """Basis (n_q, count) of the shapes other than zero that can stand still, also under torques of actions."""
+        """Basis (n_q, count) of shapes other than zero that can stand still, also under torques of actions."""
         found, n = [], self.n_coordinates
         for vector in null_vectors(self.exact.coefficient_rows(0)) if self.columns else ():
             basis = np.zeros(self.size)
@@ -160,7 +164,7 @@ class ActivePencil:
 
     @np.errstate(all="ignore")  # exponentials of delays overflow far to the left
     def slow_roots(self) -> ComplexArray:
-        """Approximate slow roots, by magnitude, from the first three terms of the series of :meth:`at` at zero."""
+        """Slow roots (n,) in rad/s, approximate and by magnitude, from the first three terms of P(s) at zero."""
         chains, n = {column.place: column.chain for column in self.columns}, self.size
         terms = np.zeros((3, n, n))
         for power, term in enumerate(terms):
@@ -179,7 +183,7 @@ class ActivePencil:
 
     @np.errstate(all="ignore")  # exponentials of delays overflow far to the left
     def null_vector(self, s: complex) -> ComplexArray:
-        """Null vector of P(s), coordinates and torques (size,), for s next to a root."""
+        """Coordinates and torques (size,) of the mode shape at a pole, from the matrix at an s next to the pole."""
         P = self.at(s)
         left, right = equilibrated(np.abs(P))
         start = np.cos(np.arange(self.size) + 1.0)
@@ -189,7 +193,7 @@ class ActivePencil:
             return self._from_columns(s, start.astype(complex))
 
     def _from_columns(self, s: complex, vector: ComplexArray) -> ComplexArray:
-        """Coordinates and torques (size,) of a vector over the columns of :meth:`at`."""
+        """Coordinates and action torques (size,) that a vector over the columns of :meth:`at` stands for."""
         found = np.array(vector, dtype=complex)
         found[[column.place for column in self.columns]] = 0.0
         for column in self.columns:
@@ -197,7 +201,10 @@ class ActivePencil:
         return found
 
     def _over_columns(self, s: complex, vector: ComplexArray) -> ComplexArray:
-        """Vector over the columns of :meth:`at` of coordinates and torques: the inverse of :meth:`_from_columns`."""
+        """Vector over the columns of :meth:`at` (size,) that stands for these coordinates and torques.
+
+        It is the inverse of :meth:`_from_columns`.
+        """
         found, places = np.array(vector, dtype=complex), [column.place for column in self.columns]
         if places:
             motions = np.array([column.motion_at(s) for column in self.columns]).T
@@ -237,7 +244,7 @@ class ActivePencil:
             return slope * np.exp(-s * tau), polynomial(_derivative(below), s)
 
     def with_torques(self, s: complex, shape: ComplexArray) -> ComplexArray:
-        """Shape over coordinates, with the torques of the actions after them, (n + n_act,)."""
+        """Shape (n_q,) with the torques of the actions in N m appended, shape (n_q + n_act,)."""
         torques = []
         for number, sensed in enumerate(self._rows[1]):
             above, below = self._law(s, number)
@@ -248,7 +255,7 @@ class ActivePencil:
 
     @np.errstate(all="ignore")  # exponentials of delays overflow far to the left
     def root_near(self, start: complex, vector: ComplexArray) -> tuple[complex, ComplexArray, float] | None:
-        """Root near a start (rad/s), its vector (n + n_act,) and relative rounding error; None where there is none.
+        """Pole near a start in rad/s, its vector (n + n_act,) and relative rounding error, or None where there is none.
 
         By nonlinear inverse iteration in coordinates that make the largest entry of every row and column one.
         """
@@ -281,7 +288,7 @@ class ActivePencil:
         return (s, self._from_columns(s, w), max(error, last / abs(s))) if kept else None
 
     def _error(self, s: complex, w: ComplexArray) -> float:
-        """Relative error of a root: rounding of all terms times the condition of the root."""
+        """Relative error of a pole, as rounding of all terms of its equation times the condition of the pole."""
         for beside in (s, s * (1 + 8 * EPS)):
             P, rate = self.at(beside), self.derivative(beside)
             left, right = equilibrated(np.abs(P) + abs(s) * np.abs(rate))
@@ -298,12 +305,12 @@ class ActivePencil:
     # --- counting ---------------------------------------------------------------------------------------------------
 
     def counts(self) -> tuple[int, int]:
-        """Number of roots without delays, and of these at zero, counted modulo a large prime."""
+        """Number of poles without delays, and of those at zero, counted exactly modulo a large prime."""
         return self.exact.counts(self.zeros + 1)
 
     @np.errstate(all="ignore")  # exponentials of delays overflow far to the left
     def count_within(self, radius: float) -> int | None:
-        """Number of roots within a circle around zero, zeros included; None where a root is on the circle."""
+        """Number of poles within a circle of this radius in rad/s, zeros included, or None with a pole on it."""
         delays = sum(float(one.delay) for one in self.assembly.system.actions)
         n = max(POINTS_ON_CIRCLE, POINTS_PER_ROW * self.size, math.ceil(POINTS_PER_DELAY_RADIAN * radius * delays))
         first = self._phase(radius, 0.0)
@@ -338,7 +345,7 @@ def _derivative(coefficients: list[float]) -> list[float]:
 
 
 def equilibrated(sizes: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Factors of rows and columns, powers of two, that bring the largest entry of each to about one."""
+    """Factors (n,) of rows and of columns, powers of two, that bring the largest entry of each to about one."""
     left, right = np.ones(len(sizes)), np.ones(len(sizes))
     sizes = np.maximum(sizes, 1e-40 * sizes.max(initial=1e-200))
     for _ in range(3):

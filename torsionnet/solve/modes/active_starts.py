@@ -1,4 +1,4 @@
-"""Start values for poles of a drivetrain with controllers: eigenvalues of its state matrix, and slow roots.
+"""Start values for poles of a drivetrain with controllers, from its state matrix and from slow roots.
 
 Rounding turns a double root at zero into a pair of small eigenvalues, which hides slow poles. These are taken from the
 characteristic equation without its roots at zero instead.
@@ -15,14 +15,14 @@ from torsionnet.solve.dynamic_stiffness.state_space import first_order
 from torsionnet.solve.modes.active_pencil import EPS, ActivePencil
 
 LARGEST_START_ERROR = 1e-3
-"""Relative error up to which an eigenvalue of the state matrix is a pole; with more it may be a rounded zero."""
+"""Relative error up to which an eigenvalue of the state matrix is a pole, as one with more may be a rounded zero."""
 SLOW_RANGE = 10.0
-"""Slow roots are taken up to so many times the largest uncertain eigenvalue, which may be wrong by its size."""
+"""Range of slow roots that serve as starts, over the largest uncertain eigenvalue, which may be wrong by its size."""
 
 
 @dataclass(frozen=True)
 class Pole:
-    """Root of the characteristic equation with Im >= 0 (rad/s), with its vector over coordinates and action torques."""
+    """Pole with Im >= 0 in rad/s, its vector over coordinates and action torques, and its relative error."""
 
     value: complex
     vector: ComplexArray
@@ -31,17 +31,20 @@ class Pole:
 
     @property
     def is_real(self) -> bool:
-        """Whether the pole is real, so that there is no conjugate."""
+        """Whether the pole is real, so that it has no conjugate."""
         return self.value.imag == 0
 
     @property
     def count(self) -> int:
-        """Number of roots: 2 for a pole and its conjugate, 1 for a real pole."""
+        """Number of roots that the pole stands for, 2 for a pole and its conjugate, 1 for a real pole."""
         return 1 if self.is_real else 2
 
 
 def state_eigenvalues(pencil: ActivePencil, points: int) -> list[Pole]:
-    """Eigenvalues of the state matrix with Im >= 0, by magnitude, with estimated errors; delays have ``points``."""
+    """Eigenvalues of the state matrix as poles in rad/s, Im >= 0, by magnitude, with estimated relative errors.
+
+    Delays have ``points``.
+    """
     from scipy import linalg
 
     form = first_order(pencil.assembly, (), points)
@@ -71,7 +74,7 @@ def state_eigenvalues(pencil: ActivePencil, points: int) -> list[Pole]:
 
 
 def slow_starts(pencil: ActivePencil, loose: list[Pole]) -> list[Pole]:
-    """Slow roots as starts, in the range of the uncertain starts ``loose``, without rounded zeros."""
+    """Slow poles in rad/s as start values, in the range of the uncertain starts ``loose``, without rounded zeros."""
     fastest = max((abs(pole.value) for pole in loose), default=0.0)
     values = [complex(value) for value in pencil.slow_roots() if abs(value) <= SLOW_RANGE * fastest and value.imag >= 0]
     return [Pole(value, pencil.null_vector(value), 0.1) for value in values]

@@ -1,4 +1,4 @@
-"""Poles of transfer functions against any measured inputs: rates s at which these can stay zero.
+"""Poles of transfer functions against any measured inputs, that is rates s at which these can stay zero.
 
 The poles are the roots of det P(s) of the bordered system. As many approximations as there are roots come from a
 generalised eigenvalue problem in (q, s q, u); uncertain roots are refined in mpmath.
@@ -30,15 +30,17 @@ from torsionnet.solve.modes.mode_descriptions import accuracy_warnings
 from torsionnet.solve.modes.spectrum import MAX_OPERATIONS, REFINE_ABOVE, has_pairs, most_uncertain, on_real_axis
 
 BALANCING_ROUNDS = 10
-"""Rounds that bring the largest entries of rows and columns to one; each takes the root of the distance."""
+"""Number of rounds that bring the largest entries of rows and columns to one, as each takes the root of the
+distance."""
 ERROR_FACTOR = 10.0
-"""Backward error of the eigenvalue problem in units of rounding; a larger value refines more roots in mpmath."""
+"""Assumed backward error of the eigenvalue problem in units of rounding, a larger value of which refines more roots in
+mpmath."""
 _EPS = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
 class Roots:
-    """Nonzero roots of det P(s) in rad/s, conjugates included, with vectors (q, u) and estimated relative errors."""
+    """Nonzero roots of det P(s) in rad/s with conjugates, vectors (q, u), and estimated relative errors."""
 
     values: ComplexArray
     vectors: ComplexArray
@@ -46,7 +48,7 @@ class Roots:
 
 
 def measured_poles(drivetrain: AssembledModel, request: TransferRequest) -> tuple[Modes, tuple[str, ...]]:
-    """Poles against measured inputs that do not cut the drivetrain in two, and texts of warnings.
+    """Modes whose poles let the measured inputs stay zero, where these cut no drivetrain in two, and warnings.
 
     Raises
     ------
@@ -100,7 +102,7 @@ def measured_poles(drivetrain: AssembledModel, request: TransferRequest) -> tupl
 
 
 def _rate(assembly: Assembly) -> float:
-    """Frequency in rad/s amid those of the drivetrain, to balance inertia against stiffness."""
+    """Frequency in rad/s typical of the drivetrain, which balances inertia against stiffness."""
     system = assembly.system
     lengths = np.array([sum(value * value for value in row.values()) for row in system.sparse_rows])
     stiff, heavy = float(system.stiffness @ lengths), float(system.inertia @ lengths)
@@ -108,7 +110,7 @@ def _rate(assembly: Assembly) -> float:
 
 
 def _still(bordered: Bordered) -> FloatArray:
-    """Exact basis of the null space of P_0: motions and torques at rest that leave the readings at zero."""
+    """Basis (size, n) of motions and torques at rest that leave the measured inputs at zero, found exactly."""
     solved = reduce_rows([row for row in bordered.powers[0] if row], {i: i for i in range(bordered.size)}).solved
     free = [column for column in range(bordered.size) if column not in solved]
     basis = np.zeros((bordered.size, len(free)))
@@ -127,7 +129,7 @@ def _dense(block: list[dict[int, Fraction]]) -> FloatArray:
 
 
 def _approximate(bordered: Bordered, rate: float, count: int, zeros: int) -> Roots:
-    """Approximate roots in double precision: ``count`` eigenvalues of a balanced pencil after the smallest ones."""
+    """Approximate nonzero roots of det P(s) in rad/s, ``count`` of them, in double precision with estimated errors."""
     import scipy.linalg
 
     powers = [_dense(block) * rate**power for power, block in enumerate(bordered.powers)]
@@ -154,7 +156,7 @@ def _approximate(bordered: Bordered, rate: float, count: int, zeros: int) -> Roo
 
 
 def _balance(sizes: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Factors of rows and of columns that bring the largest entry of each to about one."""
+    """Factors (n,) of rows and of columns that bring the largest entry of each to about one."""
     left, right = np.ones(len(sizes)), np.ones(len(sizes))
     for _ in range(BALANCING_ROUNDS):
         scaled_sizes = left[:, None] * sizes * right
@@ -164,7 +166,7 @@ def _balance(sizes: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _refined(bordered: Bordered, roots: Roots, zeros: int) -> Roots:
-    """Roots with the uncertain ones solved in mpmath, as far as the limit on work allows."""
+    """Roots of det P(s) in rad/s with the uncertain ones solved in mpmath, as far as the limit on work allows."""
     if not np.any(roots.errors > REFINE_ABOVE):
         return roots
     repeated = bordered.repeated()
@@ -189,7 +191,7 @@ def _refined(bordered: Bordered, roots: Roots, zeros: int) -> Roots:
 
 
 def _repeated(values: ComplexArray, repeated: dict[int, list[Fraction]]) -> tuple[ComplexArray, NDArray[np.bool_]]:
-    """Values with the nearest ones replaced by exact repeated roots, and a mask of the replaced values."""
+    """Roots in rad/s with the nearest ones replaced by exact repeated roots, and a mask of those replaced."""
     values, known = values.copy(), np.zeros(len(values), dtype=bool)
     for multiplicity, polynomial in repeated.items():
         for root in ehrlich_aberth.polynomial_roots(polynomial):

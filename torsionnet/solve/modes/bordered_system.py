@@ -1,4 +1,4 @@
-"""Bordered system of measured-input poles in rational numbers, with exact counts of its roots.
+"""Bordered matrix P(s) for poles against measured inputs, in rational numbers, with exact counts of its roots.
 
 With unknown excitations u, the rates s at which the readings L(s) q + d u can stay zero are the roots of det P(s),
 
@@ -34,21 +34,24 @@ from torsionnet.solve.modes.modular_arithmetic import (
 )
 
 MAX_PRIMES = 40
-"""Primes of 61 bits that are joined at most: enough for coefficients of repeated factors of some 700 digits."""
+"""Most primes of 61 bits that are joined, enough for coefficients of repeated factors of some 700 digits."""
 
 ExactRow: TypeAlias = dict[int, Fraction]
 
 
 @dataclass(frozen=True)
 class Bordered:
-    """Bordered matrix polynomial: P_0, P_1, P_2 as sparse exact rows over (q, u), of which ``n_coordinates`` are q."""
+    """Bordered matrix P_0 + P_1 s + P_2 s^2 in exact rows over coordinates q and unknown excitations u.
+
+    The first ``n_coordinates`` columns are q.
+    """
 
     powers: tuple[list[ExactRow], list[ExactRow], list[ExactRow]]
     n_coordinates: int
 
     @classmethod
     def of(cls, assembly: Assembly, request: TransferRequest) -> Bordered:
-        """Bordered system of an assembly, its excitations and measured inputs."""
+        """Bordered matrix P(s) for the poles of an assembly against the measured inputs of a request."""
         index = {name: number for number, name in enumerate(assembly.kinematics.coordinates)}
         n, m = len(index), len(request.excitations)
         powers: tuple[list[ExactRow], ...] = tuple([{} for _ in range(n + m)] for _ in range(3))
@@ -75,17 +78,17 @@ class Bordered:
 
     @property
     def size(self) -> int:
-        """Number of coordinates and excitations."""
+        """Number of rows of the bordered matrix, which is that of coordinates and excitations together."""
         return len(self.powers[0])
 
     @property
     def entries(self) -> dict[tuple[int, int], tuple[Fraction, ...]]:
-        """Coefficients of s^0, s^1 and s^2 of every entry of P."""
+        """Coefficients of s^0, s^1 and s^2 of every nonzero entry of the bordered matrix, by row and column."""
         places = dict.fromkeys((i, j) for block in self.powers for i, row in enumerate(block) for j in row)
         return {(i, j): tuple(block[i].get(j, Fraction(0)) for block in self.powers) for i, j in places}
 
     def determinant(self, prime: int) -> Coefficients:
-        """Coefficients of det P(s) modulo a prime, ascending."""
+        """Coefficients of the bordered matrix's determinant, a polynomial in s, modulo a prime, ascending."""
         order, _ = minimum_degree_order(self.size, self.entries)
         blocks = [[{order[j]: residue(x, prime) for j, x in row.items()} for row in block] for block in self.powers]
         return interpolating_polynomial(
@@ -93,12 +96,14 @@ class Bordered:
         )
 
     def roots(self) -> tuple[int, int] | None:
-        """Number of roots of det P(s) with multiplicity, and of these at zero; None where det P vanishes."""
+        """Number of poles against the measured inputs, and of these at zero, or None if the determinant vanishes."""
         coefficients = self.determinant(next(primes()))
         return (len(coefficients) - 1, _zeros(coefficients)) if coefficients else None
 
     def repeated(self) -> dict[int, list[Fraction]] | None:
-        """Exact monic polynomials of the repeated nonzero roots, by multiplicity; None where primes do not suffice.
+        """Polynomials of the poles that are repeated and not zero, exact and monic, by multiplicity, or None.
+
+        It is None where primes do not suffice.
 
         The polynomials modulo several primes are joined until one prime more does not change them.
         """

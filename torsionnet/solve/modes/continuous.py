@@ -24,24 +24,24 @@ from torsionnet.solve.modes.wittrick_williams import ModeCount
 Mask: TypeAlias = NDArray[np.bool_]
 
 DEFAULT_COUNT = 20
-"""Modes that are calculated where the caller gives no number."""
+"""Number of modes with continuous shafts that are calculated where the caller gives no number."""
 SAME_FREQUENCY = 1e-10
-"""Relative difference below which natural frequencies are one repeated frequency: bisection ends at rounding."""
+"""Relative difference below which natural frequencies are one repeated frequency, as bisection ends at rounding."""
 SLOWEST_VIBRATION = 1e-9
-"""Lowest frequency at which vibrations are sought, over the first frequency of a shaft by itself."""
+"""Lowest frequency at which vibrations are sought, over the lowest natural frequency of any shaft by itself."""
 BISECTIONS = 110
-"""Halvings of a bracket: more than the digits of double precision need over all decades of frequency."""
+"""Most halvings of a bracket, more than the digits of double precision need over all decades of frequency."""
 OFF_CLAMPED = 1.0123
 """Factor on trial frequencies, to keep off natural frequencies of shafts with both ends held, where D is infinite."""
 
 
 def is_continuous(system: RowSystem) -> bool:
-    """Whether the system has infinitely many modes."""
+    """Whether a system has infinitely many modes, because a shaft in it is continuous."""
     return any(table.is_continuous for _, table in system.dynamic)
 
 
 def elastic(system: RowSystem) -> Mask:
-    """Mask (n_laws,) of the laws that resist a slow motion."""
+    """Mask (n_laws,) of the laws that resist a slow motion, that is of springs and elastic shafts."""
     found = system.stiffness > 0
     found[[law for law, table in system.dynamic if table.is_elastic]] = True
     return np.asarray(found)
@@ -53,14 +53,14 @@ def rigid_motions(system: RowSystem) -> FloatArray:
 
 
 def number_below(system: RowSystem, omega: float) -> int:
-    """Number of modes without damping below omega in rad/s, rigid bodies included."""
+    """Number of natural frequencies without damping below omega in rad/s, rigid bodies included."""
     system = without_empty_laws(system)
     system = without_empty_laws(restrict_to(system, resisted_coordinates(system)))
     return max(int(ModeCount(system).below(np.array([omega])).item()), int(rigid_motions(system).shape[1]))
 
 
 def natural_rates(system: RowSystem, count: int) -> FloatArray:
-    """Lowest natural frequencies in rad/s, rigid bodies as 0, shape (count,)."""
+    """Lowest natural frequencies without damping in rad/s, rigid bodies as 0, shape (count,)."""
     modes = ModeCount(system)
     rigid = rigid_motions(system).shape[1]
     if count <= rigid:
@@ -84,7 +84,7 @@ def natural_rates(system: RowSystem, count: int) -> FloatArray:
 
 
 def first_rate(system: RowSystem) -> float:
-    """Lowest natural frequency in rad/s of any continuous shaft by itself."""
+    """Lowest natural frequency in rad/s of any continuous shaft by itself, with both ends free."""
     rates = []
     for _, table in system.dynamic:
         if table.is_continuous:
@@ -115,7 +115,7 @@ def _undamped_modes(system: RowSystem, count: int) -> tuple[FloatArray, FloatArr
 
 
 def equal_rates(rates: FloatArray) -> list[list[int]]:
-    """Groups of indices of rising natural frequencies that are equal."""
+    """Groups of indices of rising natural frequencies that are equal within rounding."""
     found: list[list[int]] = []
     for place, rate in enumerate(rates):
         if found and rate - rates[found[-1][0]] <= SAME_FREQUENCY * rate:
@@ -126,7 +126,7 @@ def equal_rates(rates: FloatArray) -> list[list[int]]:
 
 
 def _null_vectors(system: RowSystem, modes: ModeCount, omega: float, count: int) -> FloatArray:
-    """Shapes (n_q, count) that D(omega) resists least: its null vectors at a natural frequency."""
+    """Shapes (n_q, count) of the modes at a natural frequency in rad/s, which D(omega) resists least."""
     kappa = modes.real_stiffness(np.array([omega]))[:, 0]
     rows = system.rows
     D = rows.T @ (kappa[:, None] * rows)

@@ -1,4 +1,4 @@
-"""Modes of a drivetrain with continuous shafts and damping.
+"""Poles in rad/s and mode shapes of a drivetrain with continuous shafts and damping.
 
 Each mode without damping is followed while the damping grows to its value, by Newton steps on D(s) q = 0 with the exact
 D(s). Real poles are where the number of negative pivots of the real D(s) changes along the negative real
@@ -26,13 +26,15 @@ from torsionnet.solve.modes.frozen_stiffness import Eigenpairs, Mode
 from torsionnet.solve.modes.wittrick_williams import negative_pivots
 
 NEWTON_STEPS, CONVERGED = 30, 1e-14
-"""Newton steps at most, and the relative step at which these end."""
+"""Most Newton steps for a damped mode, and the relative step, near rounding, at which these end."""
 SMALLEST_DAMPING_STEP = 2.0**-12
-"""Share of the damping that is added at a time at least; a mode that needs smaller steps counts as lost."""
+"""Smallest share of the damping that is added at a time, so that a mode which needs smaller steps counts as lost."""
 LEAST_MAC, LARGEST_MOVE = 0.5, 0.5
-"""MAC of the shapes before and after a step of damping at least, and move of a pole over its distance to others."""
+"""Least MAC of the shapes before and after a step of damping, and largest move of a pole over its distance to
+others."""
 REAL_GRID, REAL_DECADES = 900, (-9, 3)
-"""Points on the negative real axis, and their range in decades around the frequency of the modes.
+"""Number of points on the negative real axis, and their range in decades around the modes, so that real poles 3 % apart
+are told apart.
 
 Two real poles between neighbouring points, 3 % apart, are missed.
 """
@@ -41,17 +43,17 @@ ON_AXIS = 1e-9
 LEAST_CHANGE = 1e-9
 """Change of the torques of a shape across a real pole, over their size, below which there is rounding and no pole."""
 BISECTIONS = 60
-"""Halvings of a bracket: more than the digits of double precision need between two points."""
+"""Most halvings of a bracket of a real pole, more than the digits of double precision need between two points."""
 
 
 @dataclass(frozen=True)
 class DampedSystem:
-    """Dynamic stiffness D(s) of a system with a share of its damping."""
+    """Dynamic stiffness D(s) in N m/rad of a system of which only a share of the damping acts."""
 
     system: RowSystem
 
     def stiffness(self, s: complex, share: float) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-        """Stiffness (n_laws,) of the laws at s, and its derivatives by Re s and by Im s.
+        """Dynamic stiffness (n_laws,) of the laws in N m/rad at s, and its derivatives by Re s and by Im s.
 
         There are two derivatives because losses depend on |Im s|.
         """
@@ -68,14 +70,17 @@ class DampedSystem:
         return kappa, rate, across + 1j * rate
 
     def matrices(self, s: complex, share: float) -> tuple[ComplexArray, ComplexArray, ComplexArray, FloatArray]:
-        """Matrix D(s), its derivatives by Re s and Im s, and scales (n_q,) that make the terms of D of one size."""
+        """Matrix D(s) in N m/rad, (n_q, n_q), its derivatives by Re s and Im s, and scales (n_q,) for its terms.
+
+        The scales make the terms of one size.
+        """
         rows = self.system.rows
         kappa, along, across = (part[:, None] for part in self.stiffness(s, share))
         scale = 1 / np.sqrt(rows.T**2 @ np.abs(kappa[:, 0]) + 1e-300)
         return rows.T @ (kappa * rows), rows.T @ (along * rows), rows.T @ (across * rows), np.asarray(scale)
 
     def newton(self, s: complex, shape: ComplexArray, share: float) -> Mode:
-        """Mode by Newton steps from a pole and shape nearby, with Re s and Im s as two real unknowns."""
+        """Mode (pole in rad/s, shape) by Newton steps from one nearby, with Re s and Im s as two real unknowns."""
         q, previous = shape / np.linalg.norm(shape), np.inf
         for iteration in range(1, NEWTON_STEPS + 1):
             D, along, across, scale = self.matrices(s, share)
@@ -98,7 +103,7 @@ class DampedSystem:
 
 
 def damped_modes(system: RowSystem, count: int) -> tuple[FloatArray, Eigenpairs, int]:
-    """Shapes of rigid motions, the other modes, and the number of vibrations that could not be followed.
+    """Shapes (n_q, n_rigid) of rigid motions, all other modes found, and the number of vibrations that were lost.
 
     The lowest ``count`` modes without damping are followed; real poles up to their frequencies are added.
     """
@@ -141,7 +146,7 @@ def _followed(
 
 
 def _without_repetitions(found: list[Mode]) -> int:
-    """Number of repetitions among the modes, which are taken out of ``found``."""
+    """Number of modes that were found twice, after the repetitions are taken out of the list ``found``."""
     kept: list[Mode] = []
     for mode in found:
         same = [one.shape for one in kept if abs(one.value - mode.value) <= SAME_FREQUENCY * abs(mode.value)]
@@ -155,7 +160,7 @@ def _without_repetitions(found: list[Mode]) -> int:
 
 
 def _split_by_damping(damped: DampedSystem, rate: float, shapes: ComplexArray) -> list[tuple[complex, ComplexArray]]:
-    """Starts (pole, shape) from shapes of one frequency, combined so that damping separates them."""
+    """Starts (pole in rad/s, shape) from shapes of one frequency, combined so that damping separates them."""
     if shapes.shape[1] == 1:
         return [(1j * rate, shapes[:, 0])]
     (free, _, slope, _), (whole, *_) = damped.matrices(1j * rate, 0.0), damped.matrices(1j * rate, 1.0)
@@ -165,7 +170,10 @@ def _split_by_damping(damped: DampedSystem, rate: float, shapes: ComplexArray) -
 
 
 def _follow(damped: DampedSystem, start: complex, shape: ComplexArray, room: float) -> Mode | None:
-    """Mode with full damping that a mode without damping becomes; None where lost, as on the real axis."""
+    """Mode (pole in rad/s, shape) with full damping that an undamped one becomes, or None where lost.
+
+    It is lost also on the real axis.
+    """
     mode, share, step = Mode(start, shape), 0.0, 1.0
     while share < 1:
         trial = damped.newton(mode.value, mode.shape, min(1.0, share + step))
@@ -182,7 +190,7 @@ def _follow(damped: DampedSystem, start: complex, shape: ComplexArray, room: flo
 
 
 def _real_poles(system: RowSystem, rate: float) -> list[Mode]:
-    """Modes of the poles on the negative real axis, with stiffnesses at rest."""
+    """Modes (pole in rad/s, shape) on the negative real axis, with the stiffnesses that springs have at rest."""
     low, high = REAL_DECADES
     sizes = rate * np.logspace(low, high, REAL_GRID)
     counts = _negative_on_axis(system, sizes)
@@ -199,7 +207,7 @@ def _real_poles(system: RowSystem, rate: float) -> list[Mode]:
 
 
 def _is_crossed(system: RowSystem, size: float, shape: ComplexArray) -> bool:
-    """Whether D changes sign at a real pole by more than rounding.
+    """Whether the dynamic stiffness changes sign at a real pole (its size in rad/s) by more than rounding.
 
     No pole is there where a damper absorbs all waves that arrive.
     """

@@ -1,4 +1,4 @@
-"""Poles of transfer functions against a measured input.
+"""Poles of transfer functions against a measured input, mostly of the drivetrain cut at a transducer.
 
 The reading of a torque transducer contains all that happens upstream. The poles of theta/T are therefore the poles of
 the drivetrain cut at the transducer, without everything on the side of the excitation, if the cut separates the two
@@ -25,13 +25,13 @@ from torsionnet.solve.dynamic_stiffness.reduction import require_resistance
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 
 ModesAndWarnings: TypeAlias = tuple[Modes, tuple[str, ...]]
-"""Modes, and texts of warnings about uncertain modes."""
+"""Modes of a drivetrain, and texts of warnings about uncertain ones."""
 
 
 def poles_against_measured(
     drivetrain: AssembledModel, request: TransferRequest, natural_modes: Callable[[AssembledModel], ModesAndWarnings]
 ) -> ModesAndWarnings:
-    """Modes of the drivetrain cut at a measured input, and texts of warnings about uncertain modes.
+    """Modes of a drivetrain cut at its measured input, and texts of warnings about uncertain modes.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def poles_against_measured(
 
 
 def elements_beyond_cut(drivetrain: AssembledModel, request: TransferRequest) -> tuple[str, ...] | None:
-    """Names of the elements left when the drivetrain is cut at the measured torque, on the side without excitation.
+    """Names of the elements left without the excited side when the drivetrain is cut at the measured torque.
 
     None if more than one torque is measured, the cut does not separate the drivetrain, or excitations act on both
     sides. The torque at a port flows between the element and its node there; elements join their other nodes, as does
@@ -81,7 +81,7 @@ def elements_beyond_cut(drivetrain: AssembledModel, request: TransferRequest) ->
 
 
 def cut_definition(definition: Definition, kept: Sequence[str]) -> Definition:
-    """Definition with only some elements, and the inputs and sensors whose nodes and elements are left."""
+    """Definition with only the elements ``kept``, and the inputs and sensors whose nodes and elements are left."""
     elements: dict[str, Element] = {name: definition.elements[name] for name in kept}
     nodes = set(all_nodes(elements.values()))
     inputs = {

@@ -23,12 +23,14 @@ from torsionnet.solve.modes.exact_pencil import DelayedRow, ExactPencil
 from torsionnet.solve.modes.zero_chains import ZeroChain, zero_chains
 
 SERIES_TERMS = 40
-"""Terms of the series of phi_r for arguments up to r + 1: the last ones are far below rounding."""
+"""Number of terms in the series of phi_r for arguments up to r + 1, the last of which are far below rounding."""
 
 
 @dataclass(frozen=True)
 class DelayedSum:
-    """Delayed part of one row of a column: -sum of p_m s^(m - k) e^(-s delay), without terms that cancel.
+    """Delayed terms in one row of the column for a controller, -sum of p_m s^(m - k) e^(-s delay).
+
+    Terms that cancel are left out.
 
     ``terms`` are m - k and p_m.
     """
@@ -38,11 +40,11 @@ class DelayedSum:
     delay: float
 
     def at(self, s: complex) -> complex:
-        """Value of the delayed terms at the Laplace variable s in rad/s."""
+        """Value of the delayed part at the Laplace variable s in rad/s."""
         return -sum(value * self._factor(power, s) for power, value in self.terms)
 
     def derivative(self, s: complex) -> complex:
-        """Derivative of the delayed terms by the Laplace variable, at s in rad/s."""
+        """Derivative of the delayed part by the Laplace variable s, at s in rad/s."""
         total = 0j
         for power, value in self.terms:
             slope = -self.delay * _phi(0, -s * self.delay) * s**power if power >= 0 else 0j
@@ -64,7 +66,7 @@ class DelayedSum:
 
 
 def _phi(r: int, z: complex) -> complex:
-    """Function phi_r(z) = (e^z - sum of z^m/m! for m < r) / z^r."""
+    """Value phi_r(z) = (e^z - sum of z^m/m! for m < r) / z^r, without cancellation for small z."""
     if r == 0:
         with np.errstate(all="ignore"):  # e^z overflows far to the left
             return complex(np.exp(z))
@@ -79,7 +81,7 @@ def _phi(r: int, z: complex) -> complex:
 
 @dataclass(frozen=True)
 class DeflatedColumn:
-    """Column P(s) x(s)/s^k that replaces the column of one coordinate or torque.
+    """Column P(s) x(s)/s^k that replaces the column of one coordinate or torque in the characteristic equation.
 
     Attributes
     ----------
@@ -105,23 +107,23 @@ class DeflatedColumn:
 
     @property
     def order(self) -> int:
-        """Number k of roots at zero that the column takes out."""
+        """Number k of roots at zero that the column takes out of the characteristic equation."""
         return self.chain.order
 
     def motion_at(self, s: complex) -> ComplexArray:
-        """Motion x(s)/s^k over coordinates and torques, (n,)."""
+        """Motion x(s)/s^k over coordinates and torques (n,) at s in rad/s, for which the column stands."""
         powers = np.complex128(s) ** (np.arange(len(self.motion)) - self.order)
         return np.asarray(powers @ self.motion)
 
     def at(self, s: complex) -> ComplexArray:
-        """Column without loss factors at s, (n,)."""
+        """Entries (n,) of the column at s in rad/s, without loss factors."""
         found = np.asarray(polynomial(list(self.undelayed), s), dtype=complex)
         for one in self.delayed:
             found[one.row] += one.at(s)
         return found
 
     def derivative(self, s: complex) -> ComplexArray:
-        """Derivative of the column by s, (n,)."""
+        """Derivatives (n,) of the column's entries by s, at s in rad/s."""
         found = np.asarray(polynomial([m * row for m, row in enumerate(self.undelayed)][1:], s), dtype=complex)
         found = found + np.zeros(self.undelayed.shape[1])
         for one in self.delayed:
@@ -129,20 +131,23 @@ class DeflatedColumn:
         return found
 
     def size(self, s: complex) -> FloatArray:
-        """Sums of the magnitudes of the terms of the column, (n,)."""
+        """Sums (n,) of the magnitudes of the terms in the column's entries at s, to judge rounding by."""
         found = np.asarray(polynomial(list(np.abs(self.undelayed)), abs(s)), dtype=float)
         for one in self.delayed:
             found[one.row] += one.size(s)
         return found
 
     def strain(self, s: complex) -> ComplexArray:
-        """Motions (n_laws,) of the laws in x(s)/s^k, which loss factors resist; may hold negative powers of s."""
+        """Twists (n_laws,) of the laws in x(s)/s^k, which loss factors resist. They may hold negative powers of s."""
         powers = np.complex128(s) ** (np.arange(len(self.strains)) - self.order)
         return np.asarray(powers @ self.strains)
 
 
 def deflated_columns(assembly: Assembly, exact: ExactPencil, weights: FloatArray) -> tuple[DeflatedColumn, ...]:
-    """Deflated columns of all chains of roots at zero; ``weights`` choose the replaced columns."""
+    """Columns of the characteristic equation with roots at zero taken out, one for every chain of roots.
+
+    The ``weights`` (n,) choose the columns that are replaced.
+    """
     chains = zero_chains(exact, weights.tolist())
     return tuple(_column(assembly, exact, place, chain) for place, chain in chains.items())
 

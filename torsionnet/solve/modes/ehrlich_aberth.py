@@ -1,4 +1,6 @@
-"""Eigenvalues in many digits: Ehrlich-Aberth iteration for all roots of det D(z) in mpmath.
+"""Eigenvalues in many digits, as all roots of det P(z) by Ehrlich-Aberth iteration in mpmath.
+
+Ehrlich-Aberth iteration for all roots of det D(z) in mpmath.
 
 Double precision leaves an absolute error of about 1e-16 ||A||; with stiffnesses from 1e2 to 1e10 the slow modes are
 noise. Here the Ehrlich-Aberth iteration (D. A. Bini, V. Noferini, "Solving polynomial eigenvalue problems by means of
@@ -24,15 +26,16 @@ from numpy.typing import NDArray
 from torsionnet.assembly.rows import ComplexArray, FloatArray, Rows
 
 DIGITS = 80
-"""Decimal digits of all sums, of which the numerical derivative over `STEP` loses 24."""
+"""Decimal digits of all sums in the iteration, of which the numerical derivative over `STEP` loses 24."""
 STEP = 1e-24
-"""Relative step of the numerical derivative; far above the working precision, far below the wanted accuracy."""
+"""Relative step of the numerical derivative of det P, far above the working precision, far below the wanted
+accuracy."""
 CONVERGED = 1e-15
-"""Relative step at which a root counts as found: the result is rounded to double precision."""
+"""Relative step at which a root counts as found, since the result is rounded to double precision."""
 RESTART_DISTANCE = 1e-6
-"""Relative distance from a collision of approximations at which a root starts again."""
+"""Relative distance at which a root starts again after it has met another approximation."""
 MAX_ITERATIONS = 120
-"""Steps for each root at most: clusters converge slowly, other roots in a few."""
+"""Most steps of the iteration for each root, as clusters converge slowly and other roots in a few."""
 ZERO_START = 1e-16
 """Start value, over the largest root, for a nonzero root that double precision has rounded to zero."""
 
@@ -42,7 +45,7 @@ Entry = tuple[int, int, tuple[Any, ...]]
 
 @dataclass(frozen=True)
 class MatrixPolynomial:
-    """Sparse matrix polynomial sum_d rows^T diag(coefficients[d]) rows z^d in mpmath numbers.
+    """Sparse matrix polynomial P(z) in mpmath numbers, by entries with ascending coefficients.
 
     The coordinates are renumbered in the order of elimination; `place[j]` is the new number of coordinate j.
     `operations` counts the multiplications of one elimination without pivoting.
@@ -54,7 +57,7 @@ class MatrixPolynomial:
     operations: int
 
     def at(self, z: Any) -> list[dict[int, Any]]:
-        """Rows of the matrix at z, as {column: value}."""
+        """Rows of the matrix polynomial at z, each as a map from column to mpmath number."""
         matrix: list[dict[int, Any]] = [{} for _ in range(self.size)]
         for i, j, coefficients in self.entries:
             value = coefficients[-1]
@@ -64,7 +67,7 @@ class MatrixPolynomial:
         return matrix
 
     def slope(self, z: Any, vector: Sequence[Any]) -> list[Any]:
-        """Product P'(z) @ vector of the derivative at z and a vector."""
+        """Derivative of the matrix polynomial at z times a vector, as a list of mpmath numbers."""
         result = [z * 0] * self.size
         for i, j, coefficients in self.entries:
             value = sum(d * c * z ** (d - 1) for d, c in enumerate(coefficients) if d)
@@ -91,7 +94,7 @@ def polynomial(rows: Rows, coefficients: Sequence[NDArray[np.generic]]) -> Matri
 
 
 def exact_polynomial(size: int, entries: Mapping[tuple[int, int], Sequence[Fraction]]) -> MatrixPolynomial:
-    """Matrix polynomial from the rational coefficients of its entries, not necessarily symmetric."""
+    """Matrix polynomial in mpmath numbers from the rational coefficients of its entries, perhaps unsymmetric."""
     import mpmath
 
     with mpmath.workdps(DIGITS):
@@ -129,7 +132,7 @@ def minimum_degree_order(size: int, pattern: Iterable[tuple[int, int]]) -> tuple
 
 
 def polynomial_roots(coefficients: Sequence[Fraction]) -> list[complex]:
-    """Roots of a polynomial with ascending coefficients and without repeated roots."""
+    """Roots, as complex doubles, of a polynomial with ascending coefficients and without repeated roots."""
     import mpmath
 
     with mpmath.workdps(DIGITS):
@@ -185,7 +188,7 @@ def _is_even(order: Sequence[int]) -> bool:
 
 
 def size_of(value: Any) -> Any:
-    """Sum of the magnitudes of real and imaginary part, as a cheap size of a number."""
+    """Sum of the magnitudes of real and imaginary part of a number, as a cheap measure of its size."""
     return abs(value.real) + abs(value.imag)
 
 
@@ -208,7 +211,7 @@ def _substitute(matrix: list[dict[int, Any]], right: list[Any], order: list[int]
 
 
 def _inverse_newton(p: MatrixPolynomial, z: Any) -> Any:
-    """Inverse Newton step p'(z)/p(z), or None exactly on a root."""
+    """Inverse Newton step p'(z)/p(z) of the determinant p = det P at z, or None exactly on a root."""
     here, _ = eliminate(p.at(z))
     if here == 0:
         return None
@@ -224,7 +227,7 @@ def refine_roots(
     zeros: int,
     spread: FloatArray,
 ) -> tuple[list[Any], bool]:
-    """Roots of det P with the uncertain ones iterated to convergence, and whether all converged.
+    """Roots of det P as mpmath numbers, the uncertain ones iterated to convergence, and whether all converged.
 
     Parameters
     ----------
@@ -259,7 +262,7 @@ def refine_roots(
 
 
 def _move(p: MatrixPolynomial, z: list[Any], j: int, zeros: int) -> bool:
-    """Move root j by one Ehrlich-Aberth step; True when the root no longer moves."""
+    """Move root j by one Ehrlich-Aberth step, and return True when it no longer moves."""
     newton = _inverse_newton(p, z[j])
     if newton is None:
         return True
@@ -276,7 +279,7 @@ def _move(p: MatrixPolynomial, z: list[Any], j: int, zeros: int) -> bool:
 def _set_apart(
     roots: NDArray[np.float64] | ComplexArray, uncertain: NDArray[np.bool_], spread: FloatArray
 ) -> NDArray[np.generic]:
-    """Start values that are pairwise distinct and, in the complex case, not symmetric to the real axis."""
+    """Start values (n,) of roots, pairwise distinct and, if complex, not symmetric to the real axis."""
     angles = 0.7 + np.arange(len(roots)) * 2.4
     turn = np.cos(angles) if np.isrealobj(roots) else np.exp(1j * angles)
     nonzero = np.where(roots == 0, -ZERO_START * np.max(np.abs(roots)), roots)
@@ -284,7 +287,10 @@ def _set_apart(
 
 
 def refine_vector(p: MatrixPolynomial, z: Any, vector: ComplexArray) -> ComplexArray:
-    """Null vector of P at a root z, by inverse iteration P(z (1 + tiny)) q' = P'(z) q, scaled to max |q'| = 1."""
+    """Null vector (n,) of P at a root z, scaled to a largest component of 1, by inverse iteration.
+
+    One step solves P(z (1 + tiny)) q' = P'(z) q.
+    """
     import mpmath
 
     with mpmath.workdps(DIGITS):
@@ -297,7 +303,7 @@ def refine_vector(p: MatrixPolynomial, z: Any, vector: ComplexArray) -> ComplexA
 
 
 def to_complex(roots: Sequence[Any], *, square_root: bool) -> ComplexArray:
-    """Roots in double precision: z, or j sqrt(z) for z = omega^2."""
+    """Eigenvalues (n,) in double precision from roots in mpmath, z itself, or j sqrt(z) where z = omega^2."""
     import mpmath
 
     with mpmath.workdps(DIGITS):

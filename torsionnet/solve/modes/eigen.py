@@ -1,4 +1,6 @@
-"""Modes of a row system: complex eigenvalues with damping, natural frequencies without.
+"""Eigenvalues in rad/s and mode shapes of a drivetrain, complex with damping, natural frequencies without.
+
+Complex eigenvalues with damping, natural frequencies without.
 
     (s^2 M + s C + K) q = 0,    lambda = -zeta omega_0 +- j omega_0 sqrt(1 - zeta^2)
 
@@ -37,16 +39,16 @@ from torsionnet.solve.modes.lowest_modes import RigidMotions, lowest_vibrations
 from torsionnet.solve.modes.spectrum import one_per_pair, refined_spectrum, solve_spectrum
 
 LEAST_IMAGINARY_PART = 1e-6
-"""Imaginary part of a shape scaled to 1 above which it is no rounding."""
+"""Imaginary part of a shape scaled to 1 above which it is more than rounding."""
 LEAST_DAMPING_RATIO = 1e-14
 """Damping ratio below which double precision does not tell growth from decay."""
 RIGID, REAL, OSCILLATORY = "rigid body", "real pole", "oscillatory"
-"""Kinds of modes."""
+"""Names of the kinds of modes, which are rigid-body motion, overdamped motion (a real pole) and vibration."""
 
 
 @dataclass(frozen=True)
 class EigenSolution:
-    """Eigenvalues and shapes of the modes, rigid bodies first, then by |lambda| ascending.
+    """Eigenvalues (n_modes,) in rad/s and shapes of the modes, rigid bodies first, then by |lambda| ascending.
 
     Attributes
     ----------
@@ -76,7 +78,7 @@ class EigenSolution:
     missing: int = 0
 
     def first(self, count: int | None) -> EigenSolution:
-        """Copy of the solution with only its first ``count`` modes; None: all."""
+        """Copy of the modes with only the first ``count`` of them, or with all of them for None."""
         whole = ("kinds", "missing")
         parts = {part.name: getattr(self, part.name)[..., :count] for part in fields(self) if part.name not in whole}
         return replace(self, kinds=self.kinds[:count], **parts)
@@ -85,7 +87,9 @@ class EigenSolution:
 def complex_modes(
     system: RowSystem, lowest: int | None = None, undamped: tuple[FloatArray, FloatArray] | None = None
 ) -> EigenSolution:
-    """Modes with damping, all or the ``lowest`` so many; an undamped system gets purely imaginary eigenvalues.
+    """Eigenvalues in rad/s and shapes of a system with damping, all or the ``lowest`` so many modes.
+
+    An undamped system gets purely imaginary eigenvalues.
 
     With frequency-dependent laws the search starts from the modes without damping, ``undamped`` or calculated here.
 
@@ -129,7 +133,7 @@ def _of_continuous(system: RowSystem, count: int) -> EigenSolution:
 
 
 def _few_modes(system: RowSystem, stiff: NDArray[np.bool_], lowest: int) -> EigenSolution | None:
-    """Lowest modes of a large system by sparse methods, or None where these do not apply."""
+    """Eigenvalues and shapes of the lowest modes of a large system by sparse methods, or None if these fail."""
     if system.n_coordinates <= LARGE_SYSTEM or system.dynamic:
         return None
     damped = system.damping != 0
@@ -139,12 +143,12 @@ def _few_modes(system: RowSystem, stiff: NDArray[np.bool_], lowest: int) -> Eige
 
 
 def dissipates(system: RowSystem) -> bool:
-    """Whether no constant damping is negative, so that none feeds energy into vibrations."""
+    """Whether no constant damping is negative, so that no damper feeds energy into vibrations."""
     return not np.any(system.damping < 0)
 
 
 def is_passive(system: RowSystem, eigenvalues: ComplexArray) -> bool:
-    """Whether no law feeds energy into vibrations at the frequencies of the eigenvalues."""
+    """Whether no law feeds energy into vibrations at the frequencies of the eigenvalues (rad/s)."""
     omega = np.abs(eigenvalues.imag)
     return dissipates(system) and all(bool(np.all(law.kappa(omega).imag >= 0)) for _, law in system.dynamic)
 
@@ -167,7 +171,10 @@ def _sorted_solution(rigid: FloatArray, found: frozen_stiffness.Eigenpairs, *, p
 
 
 def _real_shapes(shapes: AnyArray, values: ComplexArray, real: NDArray[np.bool_]) -> AnyArray:
-    """Shapes with real ones for real eigenvalues; a pair on the axis gets real and imaginary part of its shape."""
+    """Mode shapes (n_q, n_modes), made real where eigenvalues are real.
+
+    A pair on the axis gets real and imaginary part of its shape.
+    """
     found = shapes.copy()
     found[:, real] = shapes[:, real].real
     second = real & (values.imag < 0) & (np.abs(shapes.imag).max(axis=0, initial=0) > LEAST_IMAGINARY_PART)
@@ -176,13 +183,16 @@ def _real_shapes(shapes: AnyArray, values: ComplexArray, real: NDArray[np.bool_]
 
 
 def with_zero_damping(values: ComplexArray, errors: FloatArray) -> ComplexArray:
-    """Eigenvalues with real parts set to zero where these are within the relative errors: neither growth nor decay."""
+    """Eigenvalues (n,) in rad/s with real parts set to 0 where these are within the relative errors.
+
+    Such a mode neither grows nor decays.
+    """
     blurred = np.abs(values.real) <= np.maximum(errors, LEAST_DAMPING_RATIO) * np.abs(values)
     return np.asarray(np.where(blurred, 1j * values.imag, values))
 
 
 def unit_shapes(shapes: AnyArray) -> AnyArray:
-    """Shapes, columns of an array, scaled so that the largest component is 1; of equal ones the first."""
+    """Mode shapes (n, n_modes) scaled so that the largest component of each is 1, the first of equal ones."""
     if not shapes.size:
         return shapes
     size = np.abs(shapes)
@@ -194,7 +204,7 @@ def unit_shapes(shapes: AnyArray) -> AnyArray:
 
 
 def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatArray, FloatArray]:
-    """Natural frequencies and shapes without damping, all or the ``lowest`` so many.
+    """Natural frequencies (n,) in rad/s and shapes (n_q, n) without damping, all or the ``lowest`` so many.
 
     Damping is ignored; a frequency-dependent law counts with the real part of its stiffness at the mode's own
     frequency. With continuous shafts, which have infinitely many modes, ``lowest`` is 20 by default.

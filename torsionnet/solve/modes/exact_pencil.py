@@ -23,7 +23,10 @@ ExactVector: TypeAlias = Mapping[int, Fraction]
 
 @dataclass(frozen=True)
 class DelayedRow:
-    """Delayed terms -N(s) e^(-s delay) L in the row of one action; ``sensed`` is L, ``numerator`` N, ascending."""
+    """Delayed terms -N(s) e^(-s delay) L in one action's row of P(s), with rational coefficients.
+
+    ``sensed`` is L, ``numerator`` N, ascending.
+    """
 
     row: int
     numerator: tuple[Fraction, ...]
@@ -31,7 +34,7 @@ class DelayedRow:
     delay: Fraction
 
     def coefficient(self, power: int) -> Fraction:
-        """Coefficient of s^power in the series of N(s) e^(-s delay)."""
+        """Coefficient, a rational, of s^power in the series of a controller's N(s) e^(-s delay)."""
         total = Fraction(0)
         for m, value in enumerate(self.numerator[: power + 1]):
             total += value * (-self.delay) ** (power - m) / factorial(power - m)
@@ -40,7 +43,10 @@ class DelayedRow:
 
 @dataclass(frozen=True, eq=False)
 class ExactPencil:
-    """Matrix P(s) in rational numbers: polynomials by row and column, ascending, and delayed rows of actions."""
+    """Matrix P(s) of the characteristic equation in rational numbers, by entries and delayed rows of actions.
+
+    Polynomials are ascending.
+    """
 
     size: int
     undelayed: Mapping[tuple[int, int], tuple[Fraction, ...]]
@@ -49,7 +55,7 @@ class ExactPencil:
 
     @classmethod
     def of(cls, assembly: Assembly) -> ExactPencil:
-        """Exact pencil of an assembly, over coordinates and, after them, torques of actions."""
+        """Matrix P(s) of an assembly with controllers, exact, over coordinates and then torques of actions."""
         index = {name: place for place, name in enumerate(assembly.kinematics.coordinates)}
         entries: dict[tuple[int, int], list[Fraction]] = {}
 
@@ -77,7 +83,7 @@ class ExactPencil:
         return cls(len(index) + len(assembly.system.actions), found, tuple(delayed))
 
     def coefficient_rows(self, k: int) -> list[dict[int, Fraction]]:
-        """Rows of the matrix coefficient of s^k, as column -> value."""
+        """Rows of the coefficient matrix of s^k in the exact P(s), each as a map from column to rational."""
         if k not in self._powers:
             rows: list[dict[int, Fraction]] = [{} for _ in range(self.size)]
             for (i, j), values in self.undelayed.items():
@@ -91,7 +97,7 @@ class ExactPencil:
         return self._powers[k]
 
     def coefficient_times(self, k: int, vector: ExactVector) -> dict[int, Fraction]:
-        """Product of the matrix coefficient of s^k and a vector, as row -> value."""
+        """Coefficient matrix of s^k in the exact P(s) times a vector, as a map from row to rational."""
         found = {}
         for i, row in enumerate(self.coefficient_rows(k)):
             shorter, longer = (row, vector) if len(row) < len(vector) else (vector, row)
@@ -101,7 +107,7 @@ class ExactPencil:
         return found
 
     def counts(self, most: int) -> tuple[int, int]:
-        """Number of roots of det P, and of these at zero up to ``most``, with multiplicity.
+        """Number of poles of a controlled drivetrain, and of these at zero up to ``most``, with multiplicity.
 
         With delays only the number at zero has a meaning.
         """
@@ -134,7 +140,10 @@ class ExactPencil:
 
 
 def is_singular(rows: Sequence[ExactVector]) -> bool:
-    """Whether a matrix of rationals is singular: "no" is certain, "yes" wrong for one prime in about 1e16."""
+    """Whether a square matrix of rationals is singular, where "no" is certain and "yes" wrong about once in 1e16.
+
+    It depends on one prime.
+    """
     prime = next(primes())
     order, _ = minimum_degree_order(len(rows), [(i, j) for i, row in enumerate(rows) for j in row])
     return not determinant([{order[j]: residue(value, prime) for j, value in row.items()} for row in rows], prime)

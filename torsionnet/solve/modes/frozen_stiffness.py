@@ -1,4 +1,6 @@
-"""Modes with frequency-dependent stiffness: frozen at the frequency of the mode, solved, and repeated.
+"""Modes with frequency-dependent stiffness, which is frozen at the frequency of the mode, solved, and repeated.
+
+Frozen at the frequency of the mode, solved, and repeated.
 
 Each mode is a fixed point omega = |Im lambda(omega)| of the eigenvalue problem with kappa frozen at omega.
 The mode is followed from one problem to the next by the modal assurance criterion of the inertia-weighted shapes,
@@ -20,15 +22,17 @@ from torsionnet.solve.dynamic_stiffness.reduction import AnyArray, Subspaces
 from torsionnet.solve.modes.spectrum import Spectrum, one_per_pair, refined_spectrum, solve_spectrum
 
 FREQUENCY_TOLERANCE = 1e-12
-"""Relative change of the frequency of a mode at which the iteration has converged."""
+"""Relative change of the frequency of a mode at which the iteration over its frozen stiffness has converged."""
 REFINED_BELOW = 1e-6
-"""Relative change of the frequency, or error of the eigenvalue, below which an uncertain eigenvalue is refined."""
+"""Relative change of a mode's frequency, or error of its eigenvalue if larger, below which the eigenvalue is refined in
+many digits."""
 MAX_ITERATIONS = 60
-"""Eigenvalue problems for a mode at most; secant steps converge in a few unless the frequency jumps."""
+"""Most eigenvalue problems for a mode, as secant steps converge in a few unless the frequency jumps."""
 SAME_EIGENVALUE = 1e-8
 """Relative difference below which eigenvalues are one multiple eigenvalue, or one mode found twice."""
 LEAST_SLOPE = 0.05
-"""Least slope, downwards, of (frequency found - frequency assumed) for a secant step: flatter ones lead too far."""
+"""Least slope, downwards, of (frequency found - frequency assumed) for a secant step, since flatter ones lead too
+far."""
 
 Start: TypeAlias = tuple[float, ComplexArray]
 """Frequency in rad/s and shape (n_q,) from which a mode is tracked."""
@@ -36,7 +40,7 @@ Start: TypeAlias = tuple[float, ComplexArray]
 
 @dataclass(frozen=True)
 class Eigenpairs:
-    """Nonzero eigenvalues with shapes, errors and convergence, one per conjugate pair."""
+    """Nonzero eigenvalues (n,) in rad/s, one per conjugate pair, with shapes (n_q, n), errors and convergence."""
 
     values: ComplexArray
     shapes: ComplexArray
@@ -47,7 +51,7 @@ class Eigenpairs:
 
     @classmethod
     def all_converged(cls, spectrum: Spectrum, kept: NDArray[np.intp], real: NDArray[np.bool_]) -> Eigenpairs:
-        """Eigenpairs of a spectrum without frequency dependence, at the indices ``kept``."""
+        """Eigenvalues (rad/s) and shapes of a spectrum at the indices ``kept``, all marked as converged."""
         count = len(kept)
         return cls(
             spectrum.values[kept],
@@ -61,7 +65,7 @@ class Eigenpairs:
 
 @dataclass(frozen=True)
 class Mode:
-    """Eigenvalue in rad/s of one mode, with shape (n_q,), relative error and convergence."""
+    """Eigenvalue in rad/s of one mode, with its shape (n_q,), relative error and convergence."""
 
     value: complex
     shape: ComplexArray
@@ -72,7 +76,7 @@ class Mode:
 
 @dataclass(frozen=True)
 class FrozenProblem:
-    """Eigenvalue problem with the stiffness of dynamic laws frozen at a frequency; solutions are kept."""
+    """Eigenvalue problem of a system with frequency-dependent stiffness frozen at a frequency. Solutions are kept."""
 
     system: RowSystem
     spaces: Subspaces
@@ -80,7 +84,7 @@ class FrozenProblem:
     known: dict[bytes, Spectrum] = field(default_factory=dict)
 
     def stiffness(self, omega: float) -> AnyArray:
-        """Stiffness (n_laws,) of all laws at omega in rad/s, real where there are no losses."""
+        """Stiffness (n_laws,) of all laws in N m/rad at omega in rad/s, real where there are no losses."""
         total = self.system.stiffness + self.system.kappa(omega)
         if not np.all(np.isfinite(total)):
             raise SolveError(
@@ -93,7 +97,10 @@ class FrozenProblem:
         return np.asarray(total.real) if lossless else np.asarray(total)
 
     def at(self, omega: float) -> Spectrum:
-        """Spectrum with the laws frozen at omega; equal stiffnesses are solved once."""
+        """Eigenvalues in rad/s and shapes with stiffness frozen at omega in rad/s.
+
+        Equal stiffnesses are solved only once.
+        """
         stiffness = self.stiffness(omega)
         key = stiffness.tobytes()
         if key not in self.known:
@@ -102,7 +109,10 @@ class FrozenProblem:
         return self.known[key]
 
     def resemblance(self, shapes: ComplexArray, shape: ComplexArray) -> FloatArray:
-        """Modal assurance criterion |a^H M b|^2 / (a^H M a  b^H M b) of each of the shapes with one shape."""
+        """Modal assurance criterion (n,), weighted with inertia, of each of n shapes with one shape.
+
+        It is |a^H M b|^2 / (a^H M a  b^H M b).
+        """
         heavy = self.system.inertia > 0
         weighted = np.sqrt(self.system.inertia[heavy])[:, None] * self.system.rows[heavy]
         a, b = weighted @ shapes, weighted @ shape
@@ -113,7 +123,7 @@ class FrozenProblem:
 def modes(
     system: RowSystem, spaces: Subspaces, starts: Iterable[Start] | None = None, *, undamped: bool = False
 ) -> Eigenpairs:
-    """Eigenpairs of all nonzero modes of a system with dynamic laws.
+    """Eigenvalues in rad/s and shapes of all nonzero modes of a system with frequency-dependent stiffness.
 
     Real poles are those of the stiffness at rest, Re kappa(0+); other modes are oscillatory. Each is tracked from a
     start (frequency, shape), by default the undamped modes at rest, and where two starts lead to one mode, from the
@@ -157,7 +167,7 @@ def _all_starts(problem: FrozenProblem, starts: Iterable[Start], count: int) -> 
 
 
 def _candidates(spectrum: Spectrum, count: int) -> NDArray[np.intp]:
-    """Indices of the least damped eigenvalues with Im > 0.
+    """Indices of the ``count`` least damped eigenvalues with Im > 0, by rising damping.
 
     A real pole leaves the real axis under a complex stiffness; the count keeps it out.
     """
@@ -168,7 +178,10 @@ def _candidates(spectrum: Spectrum, count: int) -> NDArray[np.intp]:
 
 
 def _track(problem: FrozenProblem, omega: float, shape: ComplexArray, count: int) -> list[Mode]:
-    """Mode at the fixed point of omega = |Im lambda(omega)| near a start; of a multiple eigenvalue all modes."""
+    """Mode whose stiffness is frozen at its own frequency, found from a start, or several of equal frequency.
+
+    Its frequency is the fixed point of omega = |Im lambda(omega)|.
+    """
     last: tuple[float, float] | None = None
     group: list[Mode] = []
     for iteration in range(1, MAX_ITERATIONS + 1):
@@ -190,7 +203,7 @@ def _track(problem: FrozenProblem, omega: float, shape: ComplexArray, count: int
 
 
 def _next_frequency(omega: float, found: float, last: tuple[float, float] | None) -> float:
-    """Next frequency in rad/s: secant step towards found(omega) = omega, or ``found`` where that step is unsafe."""
+    """Frequency in rad/s to freeze the stiffness at next, by a secant step where safe, else ``found`` itself."""
     if last is None or last[0] == omega:
         return found
     slope = (found - omega - last[1]) / (omega - last[0])

@@ -21,7 +21,7 @@ from torsionnet.solve.modes.holzer_lines import HolzerLine, Neighbours, holzer_l
 from torsionnet.solve.modes.mode_pairs import undamped_place
 
 LEAST_AMPLITUDE = 1e-9
-"""Amplitude of the first station, over the largest, up to which the table cannot be scaled to 1 there."""
+"""Amplitude of the first station, over the largest, up to which a Holzer table cannot be scaled to 1 there."""
 
 
 def holzer_table(
@@ -33,7 +33,10 @@ def holzer_table(
     amplitude: float = 1.0,
     referred_to: str | None = None,
 ) -> HolzerTable:
-    """See :meth:`torsionnet.Drivetrain.holzer_table`."""
+    """Holzer table of an undamped mode or of a trial frequency in Hz, line by line.
+
+    See :meth:`torsionnet.Drivetrain.holzer_table`.
+    """
     if (mode is None) == (at is None):
         raise UsageError("a Holzer table is of a mode (mode=1) or of a trial frequency (at=12.0 in Hz), one of the two")
     if not 0 < amplitude < math.inf:
@@ -68,7 +71,10 @@ def _trial_rate(at: float | None) -> float:
 
 
 def _mode(drivetrain: AssembledModel, mode: int, start: str) -> tuple[float, FloatArray, tuple[str, ...]]:
-    """Frequency in rad/s, angles (n_nodes,) and notes of an undamped mode, 1 at the first station if that moves."""
+    """Frequency in rad/s, angles (n_nodes,) and notes of an undamped mode, 1 at a first station that moves.
+
+    Else it is 1 at the station that moves most.
+    """
     assembly = drivetrain.assembly
     rates, shapes = undamped_modes(assembly.system)
     at, pair = undamped_place(drivetrain, mode)
@@ -85,23 +91,26 @@ def _mode(drivetrain: AssembledModel, mode: int, start: str) -> tuple[float, Flo
 
 @dataclass
 class _HolzerWalk:
-    """Summation of torques along the lines of a Holzer table."""
+    """Summation of torques in N m, station by station, along the lines of a Holzer table."""
 
     drivetrain: AssembledModel
     balance: HolzerBalance
     tree: Neighbours
     ratios: Mapping[str, float]
     branch_torques: dict[str, float] = field(default_factory=dict)
-    """Torques in N m that branches bring to the node they join."""
+    """Torques in N m that branches bring to the node they join, by node."""
 
     def branches(self, order: Sequence[HolzerLine]) -> list[HolzerBranch]:
-        """Branches of the table in the given order; each is summed before the line that it joins."""
+        """Branches of the Holzer table, with angles and torques by station, in the order of the lines.
+
+        Each is summed before the line that it joins.
+        """
         self._add_other_torques()
         found = {line: self._branch(line) for line in reversed(order)}
         return [found[line] for line in order]
 
     def _add_other_torques(self) -> None:
-        """Add torques of connections outside the lines: springs to ground, locks, planetary sets, closed loops."""
+        """Add the torques of connections outside the lines, as springs to ground, locks, planetary sets, loops."""
         followed = {id(load) for ends in self.tree.values() for loads in ends.values() for load in loads}
         for load in self.balance.loads:
             passed = load.ends if id(load) in followed else ()
@@ -145,7 +154,7 @@ class _HolzerWalk:
         return HolzerLink(tuple(dict.fromkeys(load.element for load in loads)), stiffness, twist, stress, ratio)
 
     def _stress(self, load: NodeLoad, node: str, torque: float, stiffness: float) -> float:
-        """Nominal shear stress in Pa of a shaft by its share of the torque."""
+        """Nominal shear stress in Pa of a shaft by its share of the torque in N m, nan for other elements."""
         shaft = self.drivetrain.elements[load.element]
         if not isinstance(shaft, Shaft):
             return math.nan

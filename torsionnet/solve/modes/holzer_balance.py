@@ -1,4 +1,4 @@
-"""Torques of inertias, springs and rigid connections on all nodes at one frequency without damping.
+"""Torques of inertias, springs and rigid connections on all nodes, at one frequency without damping.
 
 The motion is the shape of a mode, or that of a Holzer trial: amplitude 1 at the first station, equilibrium everywhere
 but at the last station, where a torque remains.
@@ -20,12 +20,14 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import SolveError
 
 Coefficients = Mapping[str, float]
-"""Node -> coefficient in a row."""
+"""Coefficients of the angles in one spring's twist or one rigid connection, by node."""
 
 
 @dataclass(frozen=True)
 class NodeLoad:
-    """Torque of one law or constraint; each node of its row loses ``torque`` times the coefficient there.
+    """Torque of a spring or rigid connection on the nodes of its row, ``torque`` in N m times the coefficient there.
+
+    Each node of its row loses that much.
 
     ``stiffness`` is infinite for a constraint; ``housing`` is the node that takes the reaction torque of a gear stage,
     if that node moves.
@@ -39,22 +41,22 @@ class NodeLoad:
 
     @property
     def ends(self) -> tuple[str, ...]:
-        """Nodes between which the torque passes."""
+        """Nodes between which the torque passes, without the housing that takes a reaction."""
         return tuple(node for node in self.row if node != self.housing)
 
     @property
     def rigid(self) -> bool:
-        """Whether the load is that of a rigid connection."""
+        """Whether the torque is that of a rigid connection, which has no finite stiffness."""
         return math.isinf(self.stiffness)
 
     def stiffness_at(self, node: str) -> float:
-        """Stiffness in N m/rad referred to a node, all other nodes held."""
+        """Stiffness in N m/rad referred to a node, with all other nodes held."""
         return self.stiffness * self.row[node] ** 2
 
 
 @dataclass(frozen=True, eq=False)
 class HolzerBalance:
-    """Angles, inertias and inertia torques by node, and the loads of springs and rigid connections."""
+    """Angles (rad), inertias (kg m^2), inertia torques (N m) by node, and torques of springs and rigid links."""
 
     angles: Mapping[str, float]
     inertias: Mapping[str, float]
@@ -63,7 +65,7 @@ class HolzerBalance:
 
 
 def trial_angles(drivetrain: AssembledModel, omega: float, first: str, last: str) -> FloatArray:
-    """Angles (n_nodes,) in equilibrium at omega in rad/s under a torque on ``last`` that turns ``first`` by 1 rad.
+    """Angles (n_nodes,) in rad at omega in rad/s under a torque on ``last`` that turns ``first`` by 1 rad.
 
     Raises
     ------
@@ -87,7 +89,10 @@ def trial_angles(drivetrain: AssembledModel, omega: float, first: str, last: str
 
 
 def balance_of(drivetrain: AssembledModel, omega: float, angles: FloatArray, last: str | None = None) -> HolzerBalance:
-    """Torques of all inertias and connections in a motion with given angles; one may remain on ``last``."""
+    """Angles, inertias and torques by node in a motion with these angles (n_nodes,) in rad, at omega in rad/s.
+
+    One torque may remain on ``last``.
+    """
     assembly = drivetrain.assembly
     refuse_actions(assembly.system.actions, "a Holzer table is")
     angle = dict(zip(assembly.nodes, angles.tolist(), strict=True))
@@ -123,7 +128,7 @@ def _housing(element: Any) -> str | None:
 def _of_constraints(
     assembly: Assembly, rest: Mapping[str, float], last: str | None
 ) -> list[tuple[str, Coefficients, float]]:
-    """Owner, row and torque of each rigid connection, from the balance of all other torques at the nodes."""
+    """Owner, row and torque in N m of each rigid connection, from the balance of all other torques at the nodes."""
     rows = [
         (owner, {node: float(value) for node, value in row.items() if node in rest})
         for owner, row in assembly.kinematics.constraints
@@ -143,7 +148,10 @@ def _of_constraints(
 
 
 def _coefficients(assembly: Assembly, omega: float) -> tuple[FloatArray, FloatArray]:
-    """Real stiffness and inertia (n_laws,) at omega in rad/s; the ends of a continuous shaft count as inertias."""
+    """Stiffness in N m/rad and inertia in kg m^2 of all laws, (n_laws,), real, at omega in rad/s.
+
+    The ends of a continuous shaft count as inertias.
+    """
     stiffness, inertia = assembly.system.stiffness.copy(), assembly.system.inertia.copy()
     for law, table in assembly.system.dynamic:
         kappa = table.with_loss(0).kappa(np.array([omega])).real.item()

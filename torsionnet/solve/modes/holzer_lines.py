@@ -1,4 +1,4 @@
-"""Lines of a Holzer table through a drivetrain: a main line, and branches that join it.
+"""Lines of a Holzer table through a drivetrain, a main line, and branches that join it.
 
 Two nodes with a spring, a shaft, a gear or a rigid coupling between them follow each other. Elements that close a loop
 or tie three nodes, as planetary sets do, are not followed: their torques count at their nodes.
@@ -12,12 +12,15 @@ from dataclasses import dataclass
 from torsionnet.solve.modes.holzer_balance import NodeLoad
 
 Neighbours = Mapping[str, Mapping[str, tuple[NodeLoad, ...]]]
-"""Node -> neighbouring node -> loads of the elements between."""
+"""Torques of the elements between two neighbouring nodes, by node and neighbour."""
 
 
 @dataclass(frozen=True)
 class HolzerLine:
-    """Nodes of a line from a free end; ``joins`` is the node that a branch joins, empty for a main line."""
+    """Names of the nodes on a line of a Holzer table from its free end, and of the node that a branch joins.
+
+    ``joins`` is empty for a main line.
+    """
 
     nodes: tuple[str, ...]
     joins: str = ""
@@ -30,7 +33,7 @@ class HolzerLine:
 def holzer_lines(
     nodes: Sequence[str], loads: Iterable[NodeLoad], first: str | None
 ) -> tuple[list[HolzerLine], Neighbours]:
-    """Main lines and branches, each branch after the line it joins, and the loads between neighbouring nodes."""
+    """Main lines and branches of a Holzer table, each branch after its line, and torques between neighbours."""
     tree = _tree(nodes, loads)
     found: list[HolzerLine] = []
     seen: set[str] = set()
@@ -44,7 +47,7 @@ def holzer_lines(
 
 
 def _tree(nodes: Sequence[str], loads: Iterable[NodeLoad]) -> dict[str, dict[str, tuple[NodeLoad, ...]]]:
-    """Loads between neighbouring nodes, without loads that would close a loop."""
+    """Torques between neighbouring nodes, by node and neighbour, without elements that would close a loop."""
     tree: dict[str, dict[str, tuple[NodeLoad, ...]]] = {node: {} for node in nodes}
     home = {node: node for node in nodes}
     for load in loads:
@@ -67,7 +70,7 @@ def _root(home: dict[str, str], node: str) -> str:
 
 
 def _first_end(tree: Neighbours, node: str, nodes: Sequence[str]) -> str:
-    """First free end in the order of the model, of the nodes connected to a node."""
+    """Name of the first free end, in the order of the model, among the nodes connected to a node."""
     there = set(_connected(tree, node))
     return next((one for one in nodes if one in there and len(tree[one]) == 1), node)
 
@@ -81,7 +84,7 @@ def _connected(tree: Neighbours, node: str) -> Iterator[str]:
 
 
 def _farthest(tree: Neighbours, start: str, barred: set[str]) -> list[str]:
-    """Nodes of the longest path from a node that passes no barred node."""
+    """Names of the nodes on the longest path from a node that passes no barred node."""
     before = {start: ""}
     order = [start]
     for node in order:

@@ -1,4 +1,4 @@
-"""Lowest modes of large systems: shift-invert on sparse matrices, then inverse iteration for each mode.
+"""Lowest modes of large drivetrains, by shift-invert on sparse matrices and inverse iteration for each mode.
 
 The shift sigma > 0 lies where a passive system has no pole, so D(sigma) = sigma^2 M + sigma C + K is positive
 definite, massless coordinates included. Without damping the operator is S D^-1 S^T with S = diag(sqrt(J)) B, which is
@@ -38,17 +38,17 @@ MODES_PER_SPARSE_MODE = 4
 SPARSE_TOLERANCE = 1e-10
 """Estimated relative error of an eigenvalue up to which the sparse result is used."""
 LARGEST_DENSE = 2000
-"""Coordinates beyond which arrays of n by n cost hours and gigabytes."""
+"""Number of coordinates beyond which dense arrays of n by n cost hours and gigabytes."""
 _RIGID_ECHO, _LARGEST_REFINED_ERROR = 1e-6, 1e-3
-"""Polished eigenvalue over its start up to which that was a rigid body; relative error of starts for many digits."""
+"""Polished over started eigenvalue up to which a mode was a rigid body, and largest start error for many digits."""
 _KRYLOV_TOLERANCE = 1e-13
-"""Relative accuracy asked of ARPACK; polishing adds the last digits."""
+"""Relative accuracy of eigenvalues that is asked of ARPACK, which leaves the last digits to polishing."""
 _SAME_EIGENVALUE, _MISSED_MARGIN = 1e-6, 1e-9
-"""Relative distance of eigenvalues that are polished together; of a later one that counts as missed before."""
+"""Relative distance of eigenvalues polished together, and tolerance by which a later one counts as missed before."""
 _POLISHED, _POLISHING_STEPS = 1e-14, 4
-"""Relative change of an eigenvalue at which polishing ends, and most steps; each squares the error."""
+"""Relative change of an eigenvalue at which polishing ends, and most steps, few since each squares the error."""
 _BESIDE = (1e-13, 1e-11, 1e-9, 1e-7, 1e-5, 1e-3)
-"""Relative distances from an eigenvalue at which D is factored."""
+"""Relative distances from an eigenvalue at which D is factored in turn, until it is not singular."""
 _RESOLVED, _SHIFT_ROUNDS = 0.1, 8
 """Slowest pole over the shift below which poles are not separated, and most changes of shift or number of modes."""
 _EPS = float(np.finfo(float).eps)
@@ -60,7 +60,7 @@ class _NotFoundError(Exception):
 
 @dataclass(frozen=True)
 class RigidMotions:
-    """Rigid-body shapes (n_q, n): motions without springs, and of these the motions without dampers; rank of M."""
+    """Rigid-body shapes (n_q, n) without springs, those of them without dampers, and rank of the mass matrix."""
 
     rigid: FloatArray
     undamped: FloatArray
@@ -68,7 +68,7 @@ class RigidMotions:
 
     @classmethod
     def of(cls, system: RowSystem, stiff: NDArray[np.bool_], damped: NDArray[np.bool_], count: int) -> RigidMotions:
-        """Rigid-body shapes of a system, at most ``count`` of each kind.
+        """Rigid-body shapes (n_q, n) of a system without springs and without dampers, at most ``count`` of each kind.
 
         Raises
         ------
@@ -83,7 +83,7 @@ class RigidMotions:
 
 
 def lowest_vibrations(system: RowSystem, motions: RigidMotions, count: int, *, undamped: bool) -> Eigenpairs | None:
-    """Lowest modes by |lambda| without rigid bodies, at least ``count``, or None where sparse methods fail.
+    """Eigenvalues (rad/s) and shapes of at least ``count`` lowest vibrations, or None where sparse methods fail.
 
     None with too few degrees of freedom for so many modes, or where the sparse search is not accurate to within
     `SPARSE_TOLERANCE`; beyond `LARGEST_DENSE` uncertain modes are returned with their errors.
@@ -133,7 +133,7 @@ def _search(system: RowSystem, motions: RigidMotions, count: int, *, undamped: b
 def _refined(
     system: RowSystem, values: Any, shapes: Any, errors: FloatArray, *, undamped: bool
 ) -> tuple[Any, Any, Any]:
-    """Values, shapes and errors with the uncertain modes solved in many digits, as far as time allows."""
+    """Eigenvalues, shapes and relative errors, the uncertain modes solved in many digits as far as time allows."""
     import torsionnet.solve.modes.ehrlich_aberth as ehrlich_aberth
     from torsionnet.solve.modes.rayleigh_quotient import isolated_root
 
@@ -159,7 +159,7 @@ def _eigenpairs(values: ComplexArray, shapes: AnyArray, errors: FloatArray) -> E
 
 @dataclass(frozen=True)
 class _Pencil:
-    """Sparse rows and coefficients of D(z) over scaled coordinates, q = scale * (coordinates used here).
+    """Sparse matrix D(z) of a system over scaled coordinates, q = scale * (those used here).
 
     Without damping the variable is z = omega^2 and D = K - z M, else z = s and D = z^2 M + z C + K.
     """
@@ -173,7 +173,7 @@ class _Pencil:
 
     @classmethod
     def of(cls, system: RowSystem, *, undamped: bool, at: float | None = None) -> _Pencil:
-        """Pencil of a system with coordinates scaled so that the diagonal of D(at) is about 1."""
+        """Sparse matrix D(z) of a system, in coordinates scaled so that the diagonal of D(at) is about 1."""
         from scipy import sparse
 
         damping = np.zeros_like(system.damping) if undamped else system.damping
@@ -188,7 +188,7 @@ class _Pencil:
 
     @cached_property
     def _pattern(self) -> tuple[Any, NDArray[np.intp], NDArray[np.intp]]:
-        """Matrix from coefficients to entries of rows^T diag(coefficients) rows, with rows and starts of columns."""
+        """Map from coefficients to entries of rows^T diag(coefficients) rows, row numbers, and starts of columns."""
         from scipy import sparse
 
         rows = sparse.csr_array(self.rows)
@@ -207,7 +207,7 @@ class _Pencil:
         return sums, place % n, np.searchsorted(place // n, np.arange(n + 1))
 
     def gram(self, coefficients: AnyArray) -> Any:
-        """Sparse matrix rows^T diag(coefficients) rows."""
+        """Sparse matrix (n_q, n_q) rows^T diag(coefficients) rows, such as the mass or damping matrix."""
         from scipy import sparse
 
         sums, rows, starts = self._pattern
@@ -237,7 +237,7 @@ class _Pencil:
         return np.asarray(self.stiffness + size * self.damping + size**2 * self.inertia)
 
     def factor(self, z: Any, *, definite: bool = False) -> Any:
-        """LU factors of D(z)."""
+        """LU factors of the sparse matrix D(z), with which linear systems are solved."""
         from scipy.sparse.linalg import splu
 
         options = {"SymmetricMode": True} if definite else {}
@@ -245,7 +245,7 @@ class _Pencil:
         return splu(self.gram(self.laws(z)), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=threshold, options=options)
 
     def value(self, shape: AnyArray, near: Any) -> Any:
-        """Root z of q^T D(z) q near a given z; its error is quadratic in that of the shape."""
+        """Eigenvalue z near a given one from a shape, as root of q^T D(z) q, with the square of the shape's error."""
         squares = (self.rows @ shape) ** 2
         m, c, k = self.inertia @ squares, self.damping @ squares, self.stiffness @ squares
         if self.undamped:
@@ -256,7 +256,7 @@ class _Pencil:
         return min(roots, key=lambda z: abs(z - near))
 
     def split(self, shapes: AnyArray, center: Any) -> tuple[AnyArray, AnyArray]:
-        """Steps from ``center`` to the eigenvalues of a cluster, and the combinations of shapes that are theirs."""
+        """Steps in z from ``center`` to the eigenvalues of a cluster, and combinations of shapes that are theirs."""
         motion = self.rows @ shapes
         here, slope = (motion.T @ (law[:, None] * motion) for law in (self.laws(center), self.slopes(center)))
         steps, mixed = np.linalg.eig(-np.linalg.solve(slope, here))
@@ -274,7 +274,7 @@ def _inertia_rows(pencil: _Pencil) -> Any:
 
 
 def _slowest_undamped(system: RowSystem, motions: RigidMotions) -> float:
-    """Rough lowest nonzero natural frequency in rad/s, without damping."""
+    """Rough lowest nonzero natural frequency in rad/s of a system without damping."""
     kept = resisted_coordinates(system)
     if len(kept) == system.n_coordinates:
         return _slowest(_Pencil.of(system, undamped=True), motions.rigid)
@@ -297,7 +297,7 @@ def _slowest(pencil: _Pencil, rigid: FloatArray) -> float:
 
 
 class _Symmetric:
-    """Symmetric operator y -> P S (K + sigma M)^-1 S^T P y, with eigenvalues 1/(omega^2 + sigma)."""
+    """Symmetric operator P S (K + sigma M)^-1 S^T P for undamped modes, with eigenvalues 1/(omega^2 + sigma)."""
 
     def __init__(self, pencil: _Pencil, rigid: FloatArray, sigma: float) -> None:
         self.rows, self.sigma = _inertia_rows(pencil), sigma
@@ -305,7 +305,7 @@ class _Symmetric:
         self.known = np.linalg.qr(self.rows @ (rigid / pencil.scale[:, None]))[0]
 
     def run(self, count: int, tolerance: float = _KRYLOV_TOLERANCE) -> tuple[FloatArray, FloatArray]:
-        """Largest eigenvalues and their vectors y orthogonal to the known vectors."""
+        """Largest ``count`` eigenvalues in s^2 of the operator, and their vectors y orthogonal to the known ones."""
         from scipy.sparse.linalg import eigsh
 
         def project(y: FloatArray) -> FloatArray:
@@ -329,7 +329,7 @@ def _operator(apply: Apply, size: int) -> Any:
 
 
 def _undamped(pencil: _Pencil, motions: RigidMotions, count: int, slowest: float) -> tuple[FloatArray, FloatArray]:
-    """Squares omega^2 of natural frequencies and shapes, at least ``count``."""
+    """Squares omega^2 in (rad/s)^2 of the lowest natural frequencies and shapes (n_q, n), at least ``count``."""
     problem = _Symmetric(pencil, motions.rigid, slowest**2 / 2)
     values, vectors = problem.run(count + 1)
     for _ in range(count):
@@ -347,7 +347,7 @@ def _undamped(pencil: _Pencil, motions: RigidMotions, count: int, slowest: float
 
 
 class _Companion:
-    """Operator x = (q, s q / unit) -> (A - sigma E)^-1 E x, with eigenvalues 1/(lambda - sigma).
+    """Operator (A - sigma E)^-1 E on x = (q, s q / unit) for damped modes, with eigenvalues 1/(lambda - sigma).
 
     Eigenvectors are orthogonal in the symmetric form x^T G x with G = [[C, M], [M, 0]].
     """
@@ -373,7 +373,7 @@ class _Companion:
         return np.concatenate([self.pencil.C @ x[:n] + self.unit * (M @ x[n:]), self.unit * (M @ x[:n])])
 
     def run(self, count: int) -> tuple[ComplexArray, ComplexArray]:
-        """Eigenvalues next to sigma and their vectors x outside the known ones, conjugates included."""
+        """Eigenvalues in rad/s next to sigma and their vectors x outside the known ones, conjugates included."""
         from scipy.sparse.linalg import eigs
 
         left = self.form(self.known)
@@ -391,7 +391,7 @@ class _Companion:
         return self.sigma + 1 / values, vectors
 
     def add_known(self, values: ComplexArray, vectors: ComplexArray) -> None:
-        """Add vectors to those that are projected out."""
+        """Add vectors x to the known modes, which are projected out of the operator."""
         with_pair = vectors[:, values.imag > 0]
         real = vectors[:, values.imag == 0].real
         known = np.hstack([self.known, with_pair.real, with_pair.imag, real])
@@ -399,7 +399,7 @@ class _Companion:
 
 
 def _damped(pencil: _Pencil, motions: RigidMotions, count: int, slowest: float) -> tuple[ComplexArray, ComplexArray]:
-    """Lowest eigenvalues and shapes, at least ``count``, one of each conjugate pair."""
+    """Lowest eigenvalues in rad/s and shapes (n_q, n), at least ``count``, one of each conjugate pair."""
     wanted, sigma, n = 2 * count + 8, slowest / 20, len(pencil.scale)
     for _ in range(_SHIFT_ROUNDS):
         if wanted > motions.dynamic:
@@ -432,7 +432,7 @@ def _damped(pencil: _Pencil, motions: RigidMotions, count: int, slowest: float) 
 
 
 def _polished(pencil: _Pencil, values: Any, shapes: Any) -> tuple[Any, Any, FloatArray]:
-    """Values, shapes and errors after inverse iteration for every cluster of values until these no longer change."""
+    """Eigenvalues, shapes and relative errors after inverse iteration on every cluster until nothing changes."""
     values, shapes = values.copy(), shapes.astype(complex)
     distance = np.abs(values[:, None] - values)
     errors = np.zeros(len(values))
@@ -450,7 +450,7 @@ def _polished(pencil: _Pencil, values: Any, shapes: Any) -> tuple[Any, Any, Floa
 
 
 def _inverse_iteration(pencil: _Pencil, values: Any, shapes: Any) -> tuple[Any, Any, FloatArray]:
-    """Values, shapes and errors of a cluster after inverse iteration on all its shapes at once."""
+    """Eigenvalues, shapes and relative errors of a cluster after inverse iteration on all its shapes at once."""
     alone = len(values) == 1
     if pencil.undamped or np.all(values.imag == 0):
         values, shapes = values.real, shapes.real
@@ -482,7 +482,7 @@ def _beside(pencil: _Pencil, z: Any) -> Any:
 
 
 def _rounding(pencil: _Pencil, values: AnyArray, shapes: AnyArray) -> FloatArray:
-    """Relative error of each value by rounding in its sums and, squared, in its shape."""
+    """Relative error (n,) of each eigenvalue by rounding in its sums and, squared, in its shape."""
     motion = pencil.rows @ shapes
     terms = np.abs(motion) ** 2 + _EPS * (abs(pencil.rows) @ np.abs(shapes)) ** 2
     sizes = np.stack([pencil.magnitudes(z) for z in values], axis=1)
@@ -492,7 +492,7 @@ def _rounding(pencil: _Pencil, values: AnyArray, shapes: AnyArray) -> FloatArray
 
 
 def _residual(pencil: _Pencil, values: AnyArray, shapes: AnyArray) -> FloatArray:
-    """Residual D(z) q of each shape, over its change by a change of z by its own size."""
+    """Residual D(z) q of each shape, over its change if z changed by its own size, shape (n,)."""
     motion = pencil.rows @ shapes
     laws = np.stack([pencil.laws(z) for z in values], axis=1)
     slopes = np.stack([pencil.slopes(z) for z in values], axis=1)

@@ -1,4 +1,4 @@
-"""Descriptions of modes in words: elements under strain, nodes of vibration, dampers; warnings about accuracy."""
+"""Descriptions of modes in words, by elements under strain, vibration nodes and dampers, and accuracy warnings."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.solve.modes.eigen import EigenSolution
 
 LEAST_SHARE = 0.1
-"""Share of the energy of a mode from which on a description names an element; a smaller one makes it longer."""
+"""Share of the energy of a mode from which on a description names an element, so that the description stays short."""
 STILL_NODE = 1e-6
 """Angle of a node, over its neighbours or the largest, up to which the node stands still."""
 LARGEST_ERROR = 1e-6
-"""Relative error of an eigenvalue above which a warning is given."""
+"""Relative error of an eigenvalue above which a warning about its accuracy is given."""
 UNSTABLE = "unstable, it grows"
-"""Description of a mode with a positive real part."""
+"""Words with which the description of a mode begins if its real part is positive."""
 ROUNDED_ANGLE = 1e-10
-"""Angle, over the largest, below which it is rounding and has no sign."""
+"""Angle of a node, over the largest, below which it is rounding and has no sign."""
 
 
 def describe(
@@ -32,7 +32,10 @@ def describe(
     strain: FloatArray,
     dissipated: FloatArray,
 ) -> tuple[str, ...]:
-    """Description of each mode; ``shapes`` (n_nodes, n_modes), ``strain``, ``dissipated`` (n_elements, n_modes)."""
+    """Description in words of each mode, from its shape and the shares of elements in its energies.
+
+    Shapes are (n_nodes, n_modes), ``strain`` and ``dissipated`` (n_elements, n_modes).
+    """
     sentences = []
     links = Links.of(assembly)
     for index, kind in enumerate(solution.kinds):
@@ -62,7 +65,7 @@ def convergence_warnings(solution: EigenSolution) -> tuple[str, ...]:
 
 
 def accuracy_warnings(errors: FloatArray) -> tuple[str, ...]:
-    """Warning about the number and the worst error of uncertain eigenvalues; empty where all are accurate."""
+    """Warning with the number and worst error of uncertain eigenvalues, empty where all are accurate."""
     count = int(np.count_nonzero(errors > LARGEST_ERROR))
     if not count:
         return ()
@@ -109,7 +112,9 @@ def _vibration(elements: tuple[str, ...], strain: FloatArray, crossings: list[st
 
 @dataclass(frozen=True)
 class Links:
-    """Elastic laws between two coordinates a * first and -b * second, for counting nodes of vibration.
+    """Elastic elements between two coordinates, by whose twist the vibration nodes of a mode are counted.
+
+    They twist by a * first - b * second.
 
     Nodes that are rigidly geared together are one coordinate. ``wide`` says that a law ties three coordinates, or that
     a continuous shaft has nodes of vibration inside.
@@ -123,7 +128,7 @@ class Links:
 
     @classmethod
     def of(cls, assembly: Assembly) -> Links:
-        """Elastic links of an assembly."""
+        """Elastic elements of an assembly between two coordinates each."""
         laws = zip(assembly.owners, assembly.laws, assembly.system.sparse_rows, strict=True)
         elastic = [(owner, row) for owner, law, row in laws if law.is_elastic and len(row) > 1]
         pairs = [(owner, row) for owner, row in elastic if len(row) == 2]
@@ -135,7 +140,7 @@ class Links:
         return cls(names, owners, ends, factors * [1.0, -1.0], wide=len(pairs) < len(elastic) or waves)
 
     def vibration_nodes(self, motion: ComplexArray) -> list[str] | None:
-        """Nodes of vibration of a motion (n_q,) in words: ``in shaft``, or ``at wheel`` where a wheel stands still.
+        """Vibration nodes of a motion (n_q,) in words, ``in shaft``, or ``at wheel`` where a wheel stands still.
 
         Angles at both ends of an elastic element are compared over its ratio, after a complex shape was rotated to its
         main phase. None where they cannot be counted: an element ties three coordinates, or is a continuous shaft.

@@ -1,4 +1,4 @@
-"""Pairs of undamped and damped modes with the most similar strain.
+"""Pairs of undamped and damped modes of a drivetrain with the most similar strain.
 
 Strong dampers move frequencies so far that their order says nothing, and the mode of a damper may have most of the
 motion. Shafts fail by strain: pairs are chosen for the most similar strain, by the modal assurance criterion weighted
@@ -23,9 +23,10 @@ from torsionnet.solve.modes.eigen import undamped_modes, unit_shapes
 from torsionnet.solve.modes.modes import modes as damped_modes
 
 LEAST_SIMILARITY = 0.5
-"""Similarity of strain below which an undamped and a damped mode are no pair."""
+"""Similarity of strain, from 0 to 1, below which an undamped and a damped mode are no pair."""
 REPEATED_FREQUENCY = 1e-6
-"""Relative difference below which natural frequencies are one repeated frequency."""
+"""Relative difference below which natural frequencies are one repeated frequency, whose shapes may be mixed in any
+way."""
 
 
 def vibration_modes(drivetrain: AssembledModel, modes: Modes) -> tuple[VibrationMode, ...]:
@@ -55,7 +56,7 @@ def vibration_modes(drivetrain: AssembledModel, modes: Modes) -> tuple[Vibration
 
 
 def undamped_place(drivetrain: AssembledModel, number: int) -> tuple[int, VibrationMode]:
-    """Index among the undamped vibrations, by rising frequency, of the mode with a number, and the mode itself.
+    """Index among undamped vibrations, by rising frequency, of the mode with this number, and the mode itself.
 
     Raises
     ------
@@ -74,7 +75,10 @@ def undamped_place(drivetrain: AssembledModel, number: int) -> tuple[int, Vibrat
 
 
 def _in_order(partners: Mapping[int, int], rates: FloatArray) -> dict[int, int]:
-    """Damped partner of each undamped mode; among undamped modes of one frequency partners are sorted."""
+    """Index of the damped partner by index of the undamped mode.
+
+    Among undamped modes of one frequency partners are sorted.
+    """
     found: dict[int, int] = {}
     for group in _groups(rates):
         paired = [place for place in group if place in partners]
@@ -97,7 +101,7 @@ def _mode(
 
 
 def _similarity(system: RowSystem, rates: FloatArray, shapes: FloatArray, damped: ComplexArray) -> FloatArray:
-    """Share of the strain energy of each damped mode (columns) in the shapes of each undamped mode (rows)."""
+    """Share (n_undamped, n_damped) of each damped mode's strain energy that lies in each undamped mode's shape."""
     found = np.zeros((len(rates), damped.shape[1]))
     rows = system.rows
     for group in _groups(rates):
@@ -113,7 +117,7 @@ def _similarity(system: RowSystem, rates: FloatArray, shapes: FloatArray, damped
 
 
 def _groups(rates: FloatArray) -> Iterator[list[int]]:
-    """Yield groups of indices of equal frequencies."""
+    """Yield groups of indices of rising natural frequencies that are equal within rounding."""
     group: list[int] = []
     for place, rate in enumerate(rates):
         if group and rate - rates[group[0]] > REPEATED_FREQUENCY * rate:
@@ -125,7 +129,7 @@ def _groups(rates: FloatArray) -> Iterator[list[int]]:
 
 
 def _assigned(similarity: FloatArray) -> Iterator[tuple[int, int]]:
-    """Yield pairs (undamped, damped) with the largest sum of similarities, without pairs that are not similar."""
+    """Yield index pairs (undamped, damped) of modes with the largest sum of strain similarities, similar ones only."""
     from scipy.optimize import linear_sum_assignment
 
     clear = np.where(similarity >= LEAST_SIMILARITY, similarity, 0)

@@ -1,4 +1,4 @@
-"""Modes of a drivetrain as a result: eigenvalues, shapes at all nodes, energy shares, descriptions."""
+"""Modes of a drivetrain as a result, with eigenvalues, shapes at all nodes, energy shares and descriptions."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ from torsionnet.solve.modes.mode_descriptions import accuracy_warnings, converge
 from torsionnet.solve.modes.repeated_eigenvalues import with_chosen_shapes
 
 CONTINUOUS = "a continuous shaft has infinitely many modes, of which the lowest"
-"""Beginning of the note on modes with continuous shafts."""
+"""Beginning of the note on modes of drivetrains with continuous shafts."""
 EXTRA_MODES = 2
-"""Modes above a frequency limit without damping that are calculated too: damping may lower them below the limit."""
+"""Number of modes above a frequency limit that are calculated too, as damping may lower them below the limit."""
 
 
 def modes(
@@ -42,7 +42,10 @@ def modes(
     lowest: int | None = None,
     up_to: float | None = None,
 ) -> Modes:
-    """See :meth:`torsionnet.Drivetrain.modes`."""
+    """Eigenvalues in rad/s, shapes, energy shares and descriptions of the modes of a drivetrain.
+
+    See :meth:`torsionnet.Drivetrain.modes`.
+    """
     if up_to is not None and not 0 < up_to < math.inf:
         raise UsageError(f"up_to={up_to}: modes are asked for up to a frequency above 0 Hz")
     if lowest is not None and lowest < 1:
@@ -56,7 +59,7 @@ def modes(
 def modes_against(
     drivetrain: AssembledModel, request: TransferRequest | None, lowest: int | None = None, up_to: float | None = None
 ) -> Modes:
-    """Modes of the drivetrain, or poles against the measured inputs of a request, with warnings if uncertain."""
+    """Modes of a drivetrain, or its poles against the measured inputs of a request, warning if they are uncertain."""
     if request is None:
         found, texts = natural_modes(drivetrain, lowest, up_to)
     else:
@@ -73,7 +76,10 @@ def modes_against(
 def natural_modes(
     drivetrain: AssembledModel, lowest: int | None = None, up_to: float | None = None
 ) -> tuple[Modes, tuple[str, ...]]:
-    """Modes of the whole drivetrain, and texts of warnings; nodes with an imposed angle are held."""
+    """Eigenvalues, shapes and energy shares of the whole drivetrain's modes, and texts of warnings.
+
+    Nodes with an imposed angle are held.
+    """
     assembly = drivetrain.assembly
     system = assembly.system
     passive = replace(system, actions=()) if system.actions else system
@@ -110,14 +116,17 @@ def natural_modes(
 
 
 def _motion(rows: Rows, vectors: ComplexArray) -> ComplexArray:
-    """Product of rows and vectors, sparse where that pays for the import of scipy."""
+    """Motions (n_rows, n_modes) of rows, such as node angles, in mode shapes over coordinates.
+
+    They are sparse products where that pays for the import of scipy.
+    """
     return np.asarray((rows.csr if rows.n_columns > LARGE_SYSTEM else rows.dense) @ vectors)
 
 
 def _undamped_rates(
     system: RowSystem, solution: EigenSolution, undamped: tuple[FloatArray, FloatArray] | None, lowest: int | None
 ) -> FloatArray:
-    """Natural frequencies in rad/s without damping; of the solution itself where there is no damping."""
+    """Natural frequencies (n,) in rad/s without damping, those of the solution itself where there is none."""
     if undamped is not None:
         return undamped[0][:lowest]
     return undamped_modes(system, lowest)[0] if system.damping.any() else np.abs(solution.eigenvalues)
@@ -126,7 +135,7 @@ def _undamped_rates(
 def energies(
     assembly: Assembly, solution: EigenSolution, elements: tuple[str, ...]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Shares (n_elements, n_modes) of the elements in the energies of each mode.
+    """Shares (n_elements, n_modes) of the elements in the kinetic, strain and dissipated energy of each mode.
 
     Kinetic J |lambda|^2 |gamma|^2, strain Re(k) |gamma|^2, dissipated (c |lambda| + Im(k)) |lambda| |gamma|^2; tables
     over frequency give their own energies. A torque T that follows the motion dissipates
@@ -159,7 +168,7 @@ def energies(
 
 
 def _drawn(assembly: Assembly, action: ActionLaw, solution: EigenSolution) -> FloatArray:
-    """Power (n_modes,) that an action takes out of each mode."""
+    """Power (n_modes,) that an action takes out of each mode, twice its mean in W for shapes in rad."""
     row, sensed = (over_coordinates(assembly, part) @ solution.vectors for part in (action.row, action.sensed))
     with np.errstate(all="ignore"):
         power = -(action.kappa(solution.eigenvalues) * sensed * np.conj(solution.eigenvalues * row)).real
@@ -173,6 +182,6 @@ def _summed(parts: FloatArray, owner: NDArray[np.int_], count: int) -> FloatArra
 
 
 def _shares(parts: FloatArray) -> FloatArray:
-    """Shares of the sum of magnitudes, by column; negative where an element drives the vibration."""
+    """Shares (n_elements, n_modes) of the magnitudes' sum in each column, negative where an element drives the mode."""
     total = np.abs(parts).sum(axis=0)
     return np.asarray(np.divide(parts, total, out=np.zeros_like(parts), where=total != 0))

@@ -23,7 +23,7 @@ Coefficients: TypeAlias = list[int]
 
 
 def primes() -> Iterator[int]:
-    """Yield the primes below 2^61, descending."""
+    """Yield the primes up to 2^61 - 1 in descending order."""
     number = 2**61 - 1
     while True:
         if _is_prime(number):
@@ -32,7 +32,7 @@ def primes() -> Iterator[int]:
 
 
 def _is_prime(number: int) -> bool:
-    """Whether a number is prime, by Miller-Rabin with bases that decide every number below 3e24."""
+    """Whether an odd number is prime, by Miller-Rabin with bases that decide every number below 3e24."""
     odd, halvings = number - 1, 0
     while odd % 2 == 0:
         odd, halvings = odd // 2, halvings + 1
@@ -44,12 +44,12 @@ def _is_prime(number: int) -> bool:
 
 
 def residue(value: Fraction, prime: int) -> int:
-    """Residue of a rational number modulo a prime."""
+    """Residue of a rational number modulo a prime, from 0 to prime - 1."""
     return value.numerator * pow(value.denominator, -1, prime) % prime
 
 
 def rational_from_residue(value: int, modulus: int) -> Fraction | None:
-    """Rational number with small numerator and denominator that has a residue; None where there is none."""
+    """Rational number with small numerator and denominator that has this residue, or None without one."""
     bound = isqrt(modulus // 2)
     r, s = (modulus, value % modulus), (0, 1)
     while r[1] > bound:
@@ -92,7 +92,7 @@ def _subtract(row: dict[int, int], other: dict[int, int], factor: int, prime: in
 
 
 def interpolating_polynomial(values: list[int], prime: int) -> Coefficients:
-    """Coefficients modulo a prime of the polynomial with these values at 0, 1, 2, ..."""
+    """Coefficients modulo a prime, ascending, of the polynomial with these values at 0, 1, 2, ..."""
     differences = list(values)
     for order in range(1, len(values)):
         inverse = pow(order, -1, prime)
@@ -110,7 +110,10 @@ def interpolating_polynomial(values: list[int], prime: int) -> Coefficients:
 
 
 def square_free(polynomial: Coefficients, prime: int) -> dict[int, Coefficients]:
-    """Multiplicity -> monic polynomial of the roots with that multiplicity (square-free; D. Y. Y. Yun, 1976)."""
+    """Monic polynomials of the roots of each multiplicity, modulo a prime, by that multiplicity.
+
+    The square-free factorisation is that of D. Y. Y. Yun, 1976.
+    """
     found: dict[int, Coefficients] = {}
     slope = _derivative(polynomial, prime)
     common = _greatest_divisor(polynomial, slope, prime)
@@ -143,7 +146,7 @@ def _difference(a: Coefficients, b: Coefficients, prime: int) -> Coefficients:
 
 
 def _divided(a: Coefficients, b: Coefficients, prime: int) -> tuple[Coefficients, Coefficients]:
-    """Quotient and remainder of two polynomials modulo a prime."""
+    """Quotient and remainder of two polynomials modulo a prime, with ascending coefficients."""
     rest, inverse = list(a), pow(b[-1], -1, prime)
     quotient = [0] * max(len(a) - len(b) + 1, 0)
     for power in range(len(quotient) - 1, -1, -1):
@@ -154,7 +157,7 @@ def _divided(a: Coefficients, b: Coefficients, prime: int) -> tuple[Coefficients
 
 
 def _greatest_divisor(a: Coefficients, b: Coefficients, prime: int) -> Coefficients:
-    """Monic greatest common divisor of two polynomials modulo a prime."""
+    """Monic greatest common divisor of two polynomials modulo a prime, with ascending coefficients."""
     while b:
         a, b = b, _divided(a, b, prime)[1]
     inverse = pow(a[-1], -1, prime)

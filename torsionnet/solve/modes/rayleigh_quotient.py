@@ -19,13 +19,17 @@ from torsionnet.solve.dynamic_stiffness.reduction import AnyArray
 from torsionnet.solve.modes.ehrlich_aberth import CONVERGED, DIGITS, MatrixPolynomial, eliminate, size_of
 
 ISOLATION = 1e3
-"""Distance of an isolated root from every other root, zero included, in uncertainties of either at least."""
+"""Least distance of an isolated root from every other root, zero included, in uncertainties of either, so that the
+others do not disturb it."""
 MOST_STEPS = 6
-"""Steps of the iteration: each triples the number of right digits, so that more mean a wrong start."""
+"""Most steps of the iteration for an isolated root, since each triples the number of right digits and more mean a wrong
+start."""
 
 
 def isolation_radii(roots: AnyArray, errors: FloatArray) -> FloatArray:
-    """Radius (n,) around each root that certainly holds no other; 0 where the uncertainty of the root is near that.
+    """Radius (n,) in rad/s around each root that certainly holds no other, 0 where the root is too uncertain.
+
+    That is where its uncertainty is near the distance.
 
     Parameters
     ----------
@@ -45,7 +49,10 @@ def isolation_radii(roots: AnyArray, errors: FloatArray) -> FloatArray:
 def isolated_root(
     p: MatrixPolynomial, start: complex, shape: ComplexArray, space: float
 ) -> tuple[Any, ComplexArray] | None:
-    """Root of a symmetric P near a start, alone within ``space``, and its shape; None where not reached."""
+    """Root of det P, as an mpmath number, near a start and alone within ``space``, and its shape (n,), or None.
+
+    It is None where not reached. P is symmetric.
+    """
     import mpmath
 
     with mpmath.workdps(DIGITS):
@@ -66,7 +73,7 @@ def isolated_root(
 
 
 def _quotient(p: MatrixPolynomial, vector: list[Any], z: Any) -> Any:
-    """Root of q^T P(z) q next to z by Newton's iteration, or None."""
+    """Root of q^T P(z) q next to z by Newton's iteration, as an mpmath number, or None without convergence."""
     powers: list[Any] = [0] * max(len(coefficients) for _, _, coefficients in p.entries)
     for i, j, coefficients in p.entries:
         product = vector[i] * vector[j]

@@ -15,7 +15,7 @@ from torsionnet.solve.modes.eigen import unit_shapes
 
 
 def referred_shapes(drivetrain: AssembledModel, modes: Modes, referred_to: str) -> Modes:
-    """Modes with shapes referred to a shaft: angles times speed of the shaft over speed of the node, largest 1.
+    """Modes with angles times speed of a shaft over speed of the node, scaled to a largest angle of 1.
 
     Nodes to which no ratio leads, as a block on its mounts, keep their own angles; a note names them.
 

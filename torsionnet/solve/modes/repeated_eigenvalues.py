@@ -1,4 +1,4 @@
-"""Choice of shapes for modes with one eigenvalue, of which every combination is a mode shape as well.
+"""Choice of shapes for modes that share one eigenvalue, of which every combination is a mode shape as well.
 
 For m modes the m nodes that move most are chosen, and each shape is 1 at one of these nodes and 0 at the others, in the
 order of the nodes. The shapes are real wherever real ones exist.
@@ -15,17 +15,18 @@ from torsionnet.assembly.rows import ComplexArray
 from torsionnet.solve.modes.eigen import RIGID, EigenSolution
 
 EQUAL_EIGENVALUES = 1e-9
-"""Relative difference of eigenvalues below which they are one repeated eigenvalue."""
+"""Relative difference of eigenvalues below which they are one repeated eigenvalue, as rounding splits them that far."""
 LEAST_INDEPENDENCE = 1e-6
-"""Ratio of singular values below which shapes are linearly dependent: a repeated pole with too few shapes."""
+"""Ratio of singular values below which mode shapes are linearly dependent, as of a repeated pole with too few
+shapes."""
 EQUAL_MOTION = 1 - 1e-9
-"""Motion of a node, over the largest, from which on nodes move equally; the first in the model is then chosen."""
+"""Motion of a node, over the largest, from which on nodes move equally, so that the first in the model is chosen."""
 
 
 def with_chosen_shapes(
     solution: EigenSolution, motion: ComplexArray, nodes: Sequence[str]
 ) -> tuple[EigenSolution, tuple[str, ...]]:
-    """Solution with the chosen shapes of modes that share an eigenvalue, and a note for every such eigenvalue.
+    """Modes with chosen shapes where several share an eigenvalue, and a note for every such eigenvalue.
 
     Parameters
     ----------
@@ -62,7 +63,7 @@ def _groups(solution: EigenSolution) -> Iterator[list[int]]:
 
 
 def _nodes_apart(shapes: ComplexArray) -> list[int] | None:
-    """Indices of the m nodes at which shapes (n_nodes, m) are most independent; None where they are dependent."""
+    """Indices of the m nodes at which shapes (n_nodes, m) are most independent, or None if these are dependent."""
     # All orthonormal bases of the shapes give the same choice, whichever combination the solver returned.
     left, sizes, _ = np.linalg.svd(shapes, full_matrices=False)
     if len(sizes) < shapes.shape[1] or sizes[-1] <= LEAST_INDEPENDENCE * sizes[0]:

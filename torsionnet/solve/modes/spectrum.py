@@ -1,4 +1,4 @@
-"""All nonzero eigenvalues and shapes of a row system with fixed coefficients, each with a bound on its error."""
+"""All nonzero eigenvalues in rad/s and shapes of a system with fixed coefficients, each with an error bound."""
 
 from __future__ import annotations
 
@@ -15,20 +15,22 @@ if TYPE_CHECKING:
     from torsionnet.solve.modes.ehrlich_aberth import MatrixPolynomial
 
 REFINE_ABOVE = 1e-10
-"""Eigenvalues whose estimated relative error is larger are refined in mpmath."""
+"""Estimated relative error of an eigenvalue above which it is refined in mpmath, well below what results promise."""
 POLISH_ABOVE = 1e-11
-"""Shapes whose forces balance worse than this, relative to their sum of magnitudes, are recomputed in mpmath."""
+"""Residual torque of a shape, over the sum of magnitudes of its terms, above which the shape is recomputed in
+mpmath."""
 REAL_BELOW = 1e-13
-"""Eigenvalues with |Im| <= this |lambda| are real: double precision cannot decide, and several equal ones may be
-calculated as pairs. Rounding splits a double root with one shape by the square root of its size."""
+"""Imaginary part of an eigenvalue, over its size, up to which it is real, since double precision cannot decide there.
+Several equal ones may be calculated as pairs. Rounding splits a double root with one shape by the square root of its
+size."""
 MAX_OPERATIONS = 60_000
-"""Multiplications of one sparse elimination times roots to refine; about ten seconds of mpmath."""
+"""Most multiplications of one sparse elimination times roots to refine, about ten seconds of mpmath."""
 _EPS = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
 class Spectrum:
-    """Nonzero eigenvalues and shapes of a system with one set of stiffnesses, with errors.
+    """Nonzero eigenvalues (n,) in rad/s and shapes (n_q, n) of a system with one set of stiffnesses, with errors.
 
     Attributes
     ----------
@@ -52,7 +54,9 @@ class Spectrum:
 
 
 def solve_spectrum(system: RowSystem, spaces: Subspaces, stiffness: AnyArray, *, undamped: bool) -> Spectrum:
-    """Spectrum in double precision: by singular values if undamped, else by eigenvalues of the first-order form.
+    """Nonzero eigenvalues (n,) in rad/s and shapes (n_q, n) of a system, in double precision, with errors.
+
+    They come from singular values if undamped, else from eigenvalues of the first-order form.
 
     The error estimate of an eigenvalue is eps ||A|| / |lambda| times its condition number.
     """
@@ -85,7 +89,7 @@ def _standard(form: FirstOrder) -> tuple[ComplexArray, ComplexArray, FloatArray]
 
 
 def refined_spectrum(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None) -> Spectrum:
-    """Spectrum with the uncertain ones of the wanted eigenvalues solved in mpmath, as far as work allows."""
+    """Eigenvalues and shapes with the uncertain ones of the wanted solved in mpmath, as far as work allows."""
     squared = spectrum.undamped
     starts, coefficients = _polynomial_problem(spectrum)
     wanted = np.ones(len(starts), dtype=bool) if wanted is None else wanted
@@ -118,7 +122,7 @@ def refined_spectrum(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None
 def _with_isolated_roots(
     spectrum: Spectrum, p: MatrixPolynomial, some: NDArray[np.intp]
 ) -> tuple[Spectrum, NDArray[np.bool_]]:
-    """Spectrum with the isolated ones of ``some`` eigenvalues exact to double precision, and a mask of these."""
+    """Spectrum with isolated ones of ``some`` eigenvalues exact to double precision, and mask (n,) of these."""
     from torsionnet.solve.modes.ehrlich_aberth import CONVERGED, to_complex
     from torsionnet.solve.modes.rayleigh_quotient import isolated_root, isolation_radii
 
@@ -142,18 +146,18 @@ def _with_isolated_roots(
 
 
 def has_pairs(values: ComplexArray) -> bool:
-    """Whether as many eigenvalues lie above the real axis as below."""
+    """Whether as many eigenvalues lie above the real axis as below, as those of a real system do."""
     sides = np.sign(values.imag)[~on_real_axis(values)]
     return bool(np.sum(sides) == 0)
 
 
 def on_real_axis(values: ComplexArray) -> NDArray[np.bool_]:
-    """Mask of the eigenvalues that are real within rounding."""
+    """Mask (n,) of the eigenvalues that are real within rounding."""
     return np.asarray(np.abs(values.imag) <= REAL_BELOW * np.abs(values))
 
 
 def _polynomial_problem(spectrum: Spectrum) -> tuple[AnyArray, list[AnyArray]]:
-    """Roots z and coefficients of the laws: z = lambda with (k, c, J), or z = omega^2 with (k, -J)."""
+    """Roots z and coefficients (n_laws,) of laws, z = lambda with (k, c, J), or omega^2 with (k, -J) undamped."""
     system = spectrum.system
     if spectrum.undamped:
         return spectrum.values.imag**2, [spectrum.stiffness, -system.inertia]
@@ -161,7 +165,7 @@ def _polynomial_problem(spectrum: Spectrum) -> tuple[AnyArray, list[AnyArray]]:
 
 
 def _residuals(spectrum: Spectrum, z: AnyArray, coefficients: list[AnyArray]) -> FloatArray:
-    """Residual |D q| of each shape, over the sum of the magnitudes of its terms."""
+    """Residual torque |D q| (n,) of each shape, over the sum of the magnitudes of its terms."""
     rows, sizes = spectrum.system.rows, np.abs(spectrum.system.rows)
     powers = [z**d for d in range(len(coefficients))]
     laws = sum(np.multiply.outer(c, power) for c, power in zip(coefficients, powers, strict=True))
@@ -172,7 +176,10 @@ def _residuals(spectrum: Spectrum, z: AnyArray, coefficients: list[AnyArray]) ->
 
 
 def most_uncertain(chosen: NDArray[np.bool_], errors: FloatArray, count: int) -> NDArray[np.bool_]:
-    """Mask of the ``count`` most uncertain of the chosen eigenvalues; equal errors, as of conjugates, go together."""
+    """Mask (n,) of the ``count`` most uncertain of the chosen eigenvalues.
+
+    Eigenvalues with equal errors, as conjugates, go together.
+    """
     if np.count_nonzero(chosen) <= count:
         return chosen
     limit = np.sort(errors[chosen])[::-1][count] if count else np.inf
@@ -180,7 +187,7 @@ def most_uncertain(chosen: NDArray[np.bool_], errors: FloatArray, count: int) ->
 
 
 def one_per_pair(spectrum: Spectrum) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """Indices of one eigenvalue per conjugate pair and of all real ones, and which of these are real."""
+    """Indices of one eigenvalue per conjugate pair and of every real one, and mask of the real ones among them."""
     real = on_real_axis(spectrum.values)
     kept = np.flatnonzero(real | (spectrum.values.imag > 0))
     return kept, np.asarray(real[kept])

@@ -16,7 +16,7 @@ _NEGATIVE_DAMPING_ADVICE = "other damping has to exceed what it feeds, or its wo
 
 
 def unstable_modes(drivetrain: AssembledModel) -> tuple[Fault, ...]:
-    """Warnings about every unstable mode, at the element that feeds the mode most.
+    """Warnings about every unstable mode of a drivetrain, at the element that feeds the mode most.
 
     Examples
     --------

@@ -18,15 +18,15 @@ import numpy as np
 from torsionnet.assembly.rows import FloatArray, RowSystem
 
 Laws: TypeAlias = list[tuple[dict[int, float], FloatArray]]
-"""Row and stiffnesses (n_points,) of each law."""
+"""Row of each law with its stiffnesses (n_points,) in N m/rad."""
 ZERO_PIVOT = 1e-30
-"""Value over the size of the terms that replaces a pivot of zero, which has no sign and cannot be divided by."""
+"""Value, over the size of its terms, that replaces a pivot of zero, which has no sign and cannot be divided by."""
 PARALLEL = 1e-12
 """Relative difference of squared coefficients below which two rows are parallel and their laws are added."""
 
 
 def negative_pivots(rows: Sequence[dict[int, float]], kappa: FloatArray, n_coordinates: int) -> FloatArray:
-    """Number of negative eigenvalues (n_points,) of sum_i kappa_i a_i a_i^T, with kappa (n_laws, n_points).
+    """Number (n_points,) of negative eigenvalues of sum_i kappa_i a_i a_i^T, with kappa (n_laws, n_points).
 
     Eliminating v with S = sum_e kappa_e a_ev^2 leaves sum_{e<f} kappa_e kappa_f / S b b^T with b = a_fv a_e - a_ev a_f,
     which is a congruence: S has the sign of one eigenvalue.
@@ -57,7 +57,7 @@ def negative_pivots(rows: Sequence[dict[int, float]], kappa: FloatArray, n_coord
 
 
 def _negative_eigenvalues(rows: Sequence[dict[int, float]], kappa: FloatArray, n_coordinates: int) -> FloatArray:
-    """Number of negative eigenvalues (n_points,) from all eigenvalues, for laws that tie three coordinates."""
+    """Number (n_points,) of negative eigenvalues, from all eigenvalues, for laws that tie three coordinates."""
     dense = np.zeros((len(rows), n_coordinates))
     for place, row in enumerate(rows):
         dense[place, list(row)] = list(row.values())
@@ -68,7 +68,7 @@ def _negative_eigenvalues(rows: Sequence[dict[int, float]], kappa: FloatArray, n
 
 
 def _eliminated(acting: Laws, v: int, pivot: FloatArray) -> Laws:
-    """Laws on the other coordinates that replace the laws on v when v is eliminated."""
+    """Laws (row, stiffness in N m/rad) on other coordinates that replace those on v when v is eliminated."""
     found: Laws = []
     for place, (first, kappa) in enumerate(acting):
         for second, other in acting[place + 1 :]:
@@ -79,7 +79,7 @@ def _eliminated(acting: Laws, v: int, pivot: FloatArray) -> Laws:
 
 
 def _merged(laws: Laws) -> Laws:
-    """Laws merged to one on each coordinate and one between any two.
+    """Laws (row, stiffness in N m/rad) merged to one on each coordinate and one between any two.
 
     Beside an edge on the row (a_i, a_j) a law y on (b_i, b_j) is t y on that row, t = b_i b_j / (a_i a_j), and
     y (b^2 - t a^2) on each of both coordinates.
@@ -104,21 +104,21 @@ def _merged(laws: Laws) -> Laws:
 
 
 class ModeCount:
-    """Count N(omega) of the natural frequencies below omega of a system without damping."""
+    """Count of the natural frequencies below omega in rad/s of a system without damping."""
 
     def __init__(self, system: RowSystem) -> None:
         self.system = system
         self.members = [(law, table.with_loss(0)) for law, table in system.dynamic]
 
     def real_stiffness(self, omega: FloatArray) -> FloatArray:
-        """Real dynamic stiffness (n_laws, n_points) of every law without damping."""
+        """Dynamic stiffness (n_laws, n_points) of every law in N m/rad, real, at omega in rad/s without damping."""
         kappa = self.system.stiffness[:, None] - self.system.inertia[:, None] * omega**2
         for law, table in self.members:
             kappa[law] += table.kappa(omega).real
         return np.asarray(kappa)
 
     def below(self, omega: FloatArray) -> FloatArray:
-        """Number of modes below each omega > 0 in rad/s, rigid bodies included, (n_points,)."""
+        """Number (n_points,) of natural frequencies below each omega > 0 in rad/s, rigid bodies included."""
         clamped = sum((table.clamped_modes(omega) for _, table in self.members), start=np.zeros(len(omega)))
         kappa = self.real_stiffness(omega)
         return clamped + negative_pivots(self.system.sparse_rows, kappa, self.system.n_coordinates)

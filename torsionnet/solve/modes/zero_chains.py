@@ -1,4 +1,4 @@
-"""Chains of motions for roots at s = 0, by which these are taken out of the characteristic equation.
+"""Chains of motions for poles at zero, by which these are taken out of the characteristic equation.
 
 A motion x(s) = x_0 + s x_1 + .. for which P(s) x(s) begins with s^k (a root polynomial; its coefficients are a Jordan
 chain: I. Gohberg, P. Lancaster and L. Rodman, "Matrix polynomials", 1982, section 1.5) replaces a coordinate,
@@ -22,14 +22,16 @@ from torsionnet.solve.modes.exact_pencil import ExactPencil, ExactVector, is_sin
 
 @dataclass(frozen=True)
 class ZeroChain:
-    """Motion x(s), as ascending vectors over coordinates and torques, and the power k with which P(s) x(s) begins."""
+    """Motion x(s) of a root at zero, as vectors by power of s, and the power k with which P(s) x(s) begins."""
 
     motion: tuple[ExactVector, ...]
     order: int
 
 
 def zero_chains(pencil: ExactPencil, weights: Sequence[float]) -> dict[int, ZeroChain]:
-    """Chains by the index of the column that they replace; the sum of their orders is the number of roots at zero.
+    """Chains of motions for poles at zero, by the index of the column of P(s) that each replaces.
+
+    The sum of their orders is the number of roots at zero.
 
     Each replaces the column whose entry in a null vector is largest by ``weights`` (n,).
 
@@ -56,7 +58,7 @@ def zero_chains(pencil: ExactPencil, weights: Sequence[float]) -> dict[int, Zero
 
 
 def deflated_coefficient(pencil: ExactPencil, chains: Mapping[int, ZeroChain], power: int) -> list[dict[int, Fraction]]:
-    """Rows of the coefficient of s^power in P(s) with columns replaced by chains."""
+    """Rows (column -> rational) of the s^power coefficient in P(s), with some poles at zero taken out."""
     rows = [{j: value for j, value in row.items() if j not in chains} for row in pencil.coefficient_rows(power)]
     for j, chain in chains.items():
         for m, vector in enumerate(chain.motion):
@@ -67,7 +69,7 @@ def deflated_coefficient(pencil: ExactPencil, chains: Mapping[int, ZeroChain], p
 
 
 def null_vectors(rows: Sequence[ExactVector]) -> list[dict[int, Fraction]]:
-    """Exact basis of the null space of a square matrix, as column -> value."""
+    """Vectors (column -> rational) that span the null space of a square matrix of rationals, exactly."""
     size = len(rows)
     solved = reduce_rows([row for row in rows if row], {i: i for i in range(size)}).solved
     found = {column: {column: Fraction(1)} for column in range(size) if column not in solved}
@@ -81,7 +83,7 @@ def null_vectors(rows: Sequence[ExactVector]) -> list[dict[int, Fraction]]:
 def _next_chain(
     vector: ExactVector, chains: Mapping[int, ZeroChain], weights: Sequence[float]
 ) -> tuple[int, ZeroChain]:
-    """Index of the column that a null vector replaces, and the chain that replaces the column."""
+    """Index of the column of P(s) that a null vector replaces, and the chain of motions that replaces it."""
     orders = {i: chains[i].order if i in chains else 0 for i in vector}
     highest = max(orders.values())
     column = max((i for i in vector if orders[i] == highest), key=lambda i: abs(float(vector[i])) * weights[i])

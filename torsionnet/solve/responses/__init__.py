@@ -1,1 +1,1 @@
-"""Frequency responses between inputs and sensors, over frequencies and for many inputs."""
+"""Frequency responses between inputs and sensors of a drivetrain, with their peaks and stability margins."""

@@ -1,4 +1,4 @@
-"""Time response of drivetrains with frequency-dependent laws: frequency response times the spectrum of the torques."""
+"""Motion over time of drivetrains with frequency-dependent stiffness, by frequency response and torque spectrum."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from torsionnet.solve.responses.transfer import responses
 def by_spectrum(
     drivetrain: AssembledModel, request: TransferRequest, torques: FloatArray, sampling_rate: float
 ) -> FloatArray:
-    """Readings (n_out, n) over time under torques (n_in, n) that are zero before and after.
+    """Readings (n_out, n) in SI units over time under torques (n_in, n) in N m that are zero before and after.
 
     The record is followed by as much silence, in which the motion dies away. A hysteretic law is no system that knows
     only the past, so a response begins faintly before its cause; torques count as band-limited, not as straight from

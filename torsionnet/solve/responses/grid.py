@@ -1,4 +1,4 @@
-"""Frequency grids that resolve every peak: equal steps of phase across each resonance, between evenly spaced points."""
+"""Frequencies for a response, dense enough around every resonance to show its peak."""
 
 from __future__ import annotations
 
@@ -12,22 +12,24 @@ from torsionnet.core.errors import UsageError
 from torsionnet.response import Modes
 
 PEAK_PHASE_RANGE = 85.0
-"""Degrees of phase to either side of a resonance that get dense points; beyond, the flanks are smooth."""
+"""Phase in degrees to either side of a resonance that gets dense points, beyond which the flanks of a peak are
+smooth."""
 UNDAMPED_HALF_WIDTH = 1e-6
-"""Half-width of a peak without damping, as a share of its frequency."""
+"""Half width given to a peak without damping, as a share of its frequency, so that points stand on both sides of it."""
 RANGE_BELOW, RANGE_ABOVE = 10.0, 2.0
-"""Factors of the range below the lowest and above the highest vibration, so that the asymptotes show."""
+"""Factors of a frequency range below the lowest and above the highest vibration, so that the asymptotes show."""
 FIRST_SEEN, MARGIN_BELOW, MARGIN_ABOVE = 6, 3.0, 1.5
-"""Number of vibrations in the first view, and factors of its range below and above them."""
+"""Number of vibrations in the first view of a response, and factors of its range below and above them."""
 RANGE_WITHOUT_MODES = (0.1, 100.0)
-"""Frequency range in Hz of a drivetrain without vibrations."""
+"""Frequency range in Hz that is shown of a drivetrain without vibrations, where no mode says which."""
 EQUAL_FREQUENCY_DISTANCE = 1e-10
-"""Relative distance of frequencies below which two points count as one: rounding would show as peaks between them."""
+"""Relative distance of frequencies below which two points count as one, since rounding would show as peaks between
+them."""
 
 
 @dataclass(frozen=True)
 class Adaptive:
-    """Frequency range with as many points as its peaks need; pass it as ``frequencies=``.
+    """Frequency range in Hz that gets as many points as the peaks of a response need. Pass it as ``frequencies=``.
 
     Parameters
     ----------
@@ -57,7 +59,7 @@ class Adaptive:
             raise UsageError(f"a range of frequencies needs 0 <= start < stop and points, got {self}")
 
     def frequencies(self, *modes: Modes) -> FloatArray:
-        """Frequencies in Hz, ascending, that resolve the peaks of these modes."""
+        """Frequencies (n,) in Hz, rising, that resolve the peaks of these modes."""
         spaced = np.geomspace if 0 < 10 * self.start <= self.stop else np.linspace
         phase = np.radians(np.linspace(-PEAK_PHASE_RANGE, PEAK_PHASE_RANGE, self.per_peak))
         found = [np.asarray(spaced(self.start, self.stop, self.points))]
@@ -73,7 +75,9 @@ class Adaptive:
 
 
 def vibration_range(*modes: Modes) -> tuple[float, float]:
-    """Frequency range in Hz from a tenth of the lowest to twice the highest vibration of all modes, on round numbers.
+    """Frequency range in Hz from a tenth of the lowest to twice the highest vibration of all modes.
+
+    Both ends are round numbers.
 
     >>> import torsionnet as tn
     >>> vibration_range(tn.load("dmf_rig").modes())
@@ -86,7 +90,9 @@ def vibration_range(*modes: Modes) -> tuple[float, float]:
 
 
 def opening_range(*modes: Modes) -> tuple[float, float]:
-    """Frequency range in Hz to be shown first, around the lowest few vibrations of each drivetrain, on round numbers.
+    """Frequency range in Hz to show first, around the lowest few vibrations of each drivetrain.
+
+    Both ends are round numbers.
 
     >>> import torsionnet as tn
     >>> opening_range(tn.load("six_cylinder_diesel").modes())

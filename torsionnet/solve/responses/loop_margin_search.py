@@ -19,13 +19,18 @@ from torsionnet.solve.dynamic_stiffness.starmesh import respond
 from torsionnet.solve.modes.modes import natural_modes
 
 GRID_POINTS, POINTS_BESIDE_MARK = 2000, 60
-"""Frequencies over the whole range, and to each side of every resonance: more find narrower crossings."""
+"""Number of frequencies of the open loop over its range, and to each side of a resonance, enough to find narrow
+crossings."""
 BISECTIONS = 50
-"""Bisections of an interval in which the loop crosses a margin: 50 reach the spacing of double precision."""
+"""Number of bisections of an interval in which the loop crosses a margin, 50 to reach the spacing of double
+precision."""
 
 
 def loop_margins(drivetrain: AssembledModel, controller: str | None = None) -> LoopMargins:
-    """Stability margins of a controller's loop; see :meth:`torsionnet.Drivetrain.loop_margins`."""
+    """Gain, phase, delay and modulus margins of a controller's loop, with the loop over frequency.
+
+    See :meth:`torsionnet.Drivetrain.loop_margins`.
+    """
     actions = drivetrain.assembly.system.actions
     name = _chosen(drivetrain, controller, actions)
     place = [one.owner for one in actions].index(name)
@@ -69,7 +74,10 @@ def _chosen(drivetrain: AssembledModel, name: str | None, actions: tuple[ActionL
 
 
 def open_loop(drivetrain: AssembledModel, place: int, frequencies: FloatArray) -> ComplexArray:
-    """Open loop L (n_f,) at the action of this number, with all other loops closed."""
+    """Open loop L (n_f,), a pure number, at the action of this number for frequencies in Hz.
+
+    All other loops are closed.
+    """
     assembly = drivetrain.assembly
     reading_problem = make_reading_problem(assembly, (), (), ())
     kappa = law_stiffness([assembly.system], 2 * np.pi * frequencies)
@@ -87,7 +95,7 @@ def open_loop(drivetrain: AssembledModel, place: int, frequencies: FloatArray) -
 
 
 def _frequencies(undamped: FloatArray, damped: FloatArray, actions: tuple[ActionLaw, ...]) -> FloatArray:
-    """Frequencies in Hz for the open loop, dense around every resonance of the drivetrain with and without loops."""
+    """Frequencies (n,) in Hz for an open loop, dense around every resonance with and without loops closed."""
     marks = [float(f) for f in (*undamped, *damped) if f > 0]
     for one in actions:
         roots = np.roots([float(value) for value in reversed(one.denominator)])
@@ -105,7 +113,7 @@ def _met(
     at: Callable[[FloatArray], ComplexArray], f: FloatArray, loop: ComplexArray,
     what: Callable[[ComplexArray], NDArray[np.float64]],
 ) -> FloatArray:  # fmt: skip
-    """Frequencies at which a property of the loop changes its sign, by bisection of all brackets at once."""
+    """Frequencies (n,) in Hz at which a real property of the open loop changes its sign, by bisection."""
     sign = np.sign(what(loop))
     places = np.flatnonzero(sign[:-1] * sign[1:] < 0)
     low, high, below = f[places], f[places + 1], sign[places]
@@ -125,7 +133,7 @@ def _gains(f: FloatArray, loop: ComplexArray) -> tuple[Margin, Margin]:
 
 
 def _phases(f: FloatArray, loop: ComplexArray) -> tuple[Margin, Margin]:
-    """Phase margin, the smallest angle, and delay margin, the shortest delay, that turn L of magnitude one into -1."""
+    """Phase margin in degrees and delay margin in s, the least that turn a loop of magnitude one into -1."""
     every = np.isclose(np.abs(loop), 1, rtol=1e-6)
     angle = np.degrees(np.angle(-loop))
     with np.errstate(all="ignore"):
@@ -145,7 +153,7 @@ def _best(
 
 
 def _modulus(at: Callable[[FloatArray], ComplexArray], f: FloatArray, loop: ComplexArray) -> Margin:
-    """Modulus margin, the smallest distance of L from -1, refined between the neighbours of the closest point."""
+    """Modulus margin, the smallest distance of L from -1, and its frequency in Hz, refined around the closest point."""
     place = int(np.argmin(np.abs(1 + loop)))
     low, high = f[max(place - 1, 0)], f[min(place + 1, len(f) - 1)]
     for _ in range(6):

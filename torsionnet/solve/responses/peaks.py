@@ -1,4 +1,4 @@
-"""Static value and peaks of a frequency response."""
+"""Static value and peaks of a frequency response of one output to one input."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from torsionnet.response import FrequencyResponse
 from torsionnet.response.frequency_response import FloatArray
 
 Solver: TypeAlias = Callable[[FloatArray], FrequencyResponse]
-"""Function that returns the frequency response at frequencies in Hz."""
+"""Function that returns the frequency response of a drivetrain at given frequencies in Hz."""
 
 REFINEMENT_ROUNDS, REFINEMENT_POINTS = 3, 41
-"""Rounds of refinement of a peak and points in each: every round divides the interval by twenty."""
+"""Number of rounds that refine a peak, and points in each, so that every round divides the interval by twenty."""
 PEAK_PROMINENCE = 1e-9
-"""Share of a magnitude by which a peak must exceed the valleys beside it: less may be rounding."""
+"""Share of a magnitude by which a peak must exceed the valleys beside it, since less may be rounding."""
 
 
 @dataclass(frozen=True)
 class Peak:
-    """Local maximum of the magnitude: frequency in Hz, SI value and phase in degrees."""
+    """Local maximum of a response's magnitude, as frequency in Hz, magnitude in SI units and phase in degrees."""
 
     frequency: float
     magnitude: float
@@ -32,7 +32,7 @@ class Peak:
 
 
 def peaks(response: FrequencyResponse, solve: Solver, output: int, input: int) -> Iterator[Peak]:
-    """Yield local maxima of the magnitude inside the frequency range, each refined on ever finer grids."""
+    """Yield local maxima of a response's magnitude inside its frequency range, each refined on ever finer grids."""
     magnitude = response.magnitude[:, output, input]
     for index in _standing_out(magnitude):
         low, high = response.frequencies[index - 1], response.frequencies[index + 1]
@@ -46,7 +46,7 @@ def peaks(response: FrequencyResponse, solve: Solver, output: int, input: int) -
 
 
 def inner_maxima(values: FloatArray) -> list[int]:
-    """Indices of values above the one before and not below the one after; the ends do not count.
+    """Indices of values above the one before and not below the one after, where the ends do not count.
 
     >>> inner_maxima(np.array([3.0, 1.0, 2.0, 2.0, 1.0, 4.0]))
     [2]
@@ -56,7 +56,7 @@ def inner_maxima(values: FloatArray) -> list[int]:
 
 
 def _standing_out(values: FloatArray) -> list[int]:
-    """Indices of inner maxima that are more than rounding: a constant has none.
+    """Indices of inner maxima that are more than rounding. A constant has none.
 
     >>> _standing_out(np.array([1.0, 1 + 2e-16, 1.0, 1 + 4e-16, 1.0, 2.0, 1.5]))
     [5]
@@ -73,7 +73,7 @@ def _standing_out(values: FloatArray) -> list[int]:
 
 
 def static_value(solve: Solver, output: int, input: int) -> complex:
-    """Value of the response at 0 Hz; nan where the request has no answer there."""
+    """Complex value of the response at 0 Hz in SI units, nan where the request has no answer there."""
     try:
         return complex(solve(np.zeros(1)).values[0, output, input])
     except UsageError:

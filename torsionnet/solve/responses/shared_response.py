@@ -1,4 +1,4 @@
-"""Results shared by conditions that change excitations and nothing else: a misfire changes torques, not the rows."""
+"""Results that conditions share which differ in excitations alone, since a misfire changes torques and not the rows."""
 
 from __future__ import annotations
 
@@ -17,7 +17,10 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, eq=False)
 class _Same:
-    """Wrapper of an object for use in a key, equal only to that of the same object; it need not be hashable."""
+    """Wrapper of an object for a key of results, equal only to wrappers of the very same object.
+
+    The object need not be hashable.
+    """
 
     entry: object
 
@@ -29,7 +32,7 @@ class _Same:
 
 
 def mechanics_key(drivetrain: AssembledModel) -> Hashable:
-    """Key of all that rows and their coefficients depend on, equal in conditions that differ in excitations alone."""
+    """Key of all that the equations of motion depend on, equal in conditions that differ only in excitations."""
     definition = drivetrain.definition
     return (
         tuple(map(_Same, definition.active)),
@@ -43,7 +46,7 @@ def mechanics_key(drivetrain: AssembledModel) -> Hashable:
 def shared_by_conditions(
     drivetrain: AssembledModel, kind: type[T], question: Hashable, answer: Callable[[], T], size: Callable[[T], int]
 ) -> T:
-    """Answer of this type to a question about the drivetrain without its excitations, worked out once.
+    """Answer to a question about a drivetrain without its excitations, worked out once for all such conditions.
 
     ``question`` holds all that the answer depends on besides, what excitations contribute included; ``size`` gives
     the bytes of an answer.
@@ -53,7 +56,7 @@ def shared_by_conditions(
 
 
 def named(outputs: str | Sensor | Sequence[str | Sensor]) -> Hashable:
-    """Outputs of a request, one or several, as a hashable part of the key of its result."""
+    """Output, or outputs as a tuple, of a request, which can be part of the key of its result."""
     return outputs if isinstance(outputs, str | Sensor) else tuple(outputs)
 
 
@@ -63,7 +66,7 @@ def shared_response(
     inputs: Sequence[Any],
     frequencies: FloatArray,
 ) -> FrequencyResponse:
-    """Frequency response, solved once for repeated requests with the same values."""
+    """Frequency response in SI units at frequencies (n_f,) in Hz, solved once for repeated requests of equal values."""
 
     def solved() -> FrequencyResponse:
         return frequency_response(drivetrain, outputs, inputs, frequencies)

@@ -1,4 +1,4 @@
-"""Transfer functions between sensors, inputs and nodes, also against measured inputs.
+"""Transfer functions between inputs, nodes and sensors of a drivetrain, also against measured inputs.
 
 For excitations u every reading is y = L(s) q + direct u. Against measured inputs m under the same excitations the
 transfer function is Y_out Y_in^-1, equations (8)-(13) and (20) of Galvagno et al. (2015) for any sensor anywhere.
@@ -29,7 +29,7 @@ from torsionnet.solve.responses.uncertain import refine_uncertain_points
 from torsionnet.solve.responses.zero import at_zero
 
 VANISHING_INPUT_RATIO = 1e-10
-"""Ratio of a measured input to the sum of its terms' magnitudes below which it all but vanishes and is warned of."""
+"""Ratio of a measured input to the sum of its terms' magnitudes below which a warning says that it all but vanishes."""
 
 
 def frequency_response(
@@ -41,7 +41,10 @@ def frequency_response(
     excitation: str | Sequence[str] | None = None,
     method: str = "auto",
 ) -> FrequencyResponse:
-    """Frequency response of a drivetrain; see :meth:`torsionnet.Drivetrain.frequency_response`."""
+    """Frequency response in SI units between inputs and outputs of a drivetrain.
+
+    See :meth:`torsionnet.Drivetrain.frequency_response`.
+    """
     known_method(method)
     request = cached_request(drivetrain, output, input, excitation)
     f = chosen_frequencies(drivetrain, frequencies, request)
@@ -59,7 +62,7 @@ def frequency_response(
 
 
 def known_method(method: str) -> None:
-    """Refuse a solver method that does not exist."""
+    """Raise UsageError for the name of a solver method that does not exist."""
     if method not in METHODS:
         raise UsageError(f'no method is named "{method}"; choose {", ".join(METHODS)}')
 
@@ -67,19 +70,19 @@ def known_method(method: str) -> None:
 def chosen_frequencies(
     drivetrain: AssembledModel, frequencies: ArrayLike | Adaptive, request: TransferRequest
 ) -> FloatArray:
-    """Frequencies (n_f,) in Hz of a request, as given or as an adaptive range resolves them."""
+    """Frequencies (n_f,) in Hz of a request, as given, or as an adaptive range resolves them."""
     return _resolving(drivetrain, frequencies, request) if isinstance(frequencies, Adaptive) else _checked(frequencies)
 
 
 class Evaluated(NamedTuple):
-    """Transfer functions (n_variants, n_f, n_out, n_in), and the conditioning (n_variants, n_f) of measured inputs."""
+    """Transfer functions (n_variants, n_f, n_out, n_in), and conditioning (n_variants, n_f) of measured inputs."""
 
     values: ComplexArray
     conditioning: FloatArray
 
 
 def responses(drivetrains: Sequence[AssembledModel], request: TransferRequest, f: FloatArray, method: str) -> Evaluated:
-    """Transfer functions in SI of drivetrains with the same rows at frequencies f >= 0 in Hz."""
+    """Transfer functions (n, n_f, n_out, n_in) in SI units of n drivetrains with the same rows at f >= 0 in Hz."""
     assemblies, moving = [drivetrain.assembly for drivetrain in drivetrains], f > 0
     if moving.all():
         return evaluate(assemblies, request, f, method)
@@ -93,7 +96,7 @@ def responses(drivetrains: Sequence[AssembledModel], request: TransferRequest, f
 
 
 def _static(drivetrain: AssembledModel, request: TransferRequest, method: str) -> ComplexArray:
-    """Transfer functions (n_out, n_in) in SI at 0 Hz: the static solution where finite and certain, else the limit."""
+    """Transfer functions (n_out, n_in) in SI units at 0 Hz, static if finite and certain, else as a limit."""
     if not rigid_motions(drivetrain.assembly.kinematics):
         found = transfer_functions(request, law_stiffness([drivetrain.assembly.system], np.zeros(1)), method)
         if np.isfinite(found.values).all() and not found.uncertain[0]:
@@ -102,7 +105,7 @@ def _static(drivetrain: AssembledModel, request: TransferRequest, method: str) -
 
 
 def _resolving(drivetrain: AssembledModel, wanted: Adaptive, request: TransferRequest) -> FloatArray:
-    """Frequencies (n_f,) in Hz that resolve the peaks of the drivetrain and, for a measured input, of its poles."""
+    """Frequencies (n_f,) in Hz that resolve the peaks of a drivetrain and the poles against a measured input."""
     found = [modes_against(drivetrain, None)]
     if request.is_measured and len(request.measured) == 1:
         found.append(modes_against(drivetrain, request))
@@ -122,7 +125,7 @@ def _checked(frequencies: ArrayLike) -> FloatArray:
 def evaluate(
     assemblies: Sequence[Assembly], request: TransferRequest, frequencies: FloatArray, method: str = "auto"
 ) -> Evaluated:
-    """Transfer functions (n_variants, n_f, n_out, n_in) in SI at frequencies > 0, and conditioning of measured inputs.
+    """Transfer functions (n_variants, n_f, n_out, n_in) in SI units at frequencies > 0, with conditioning.
 
     Parameters
     ----------
@@ -144,7 +147,7 @@ def evaluate_laws(
     frequencies: FloatArray,
     method: str = "auto",
 ) -> Evaluated:
-    """Transfer functions (n_variants, n_f, n_out, n_in) in SI for given dynamic stiffnesses of the laws.
+    """Transfer functions (n_variants, n_f, n_out, n_in) in SI units for given dynamic stiffnesses of the laws.
 
     Assemblies are used for uncertain points.
     """
@@ -167,7 +170,7 @@ def _warn_poor(conditioning: FloatArray, request: TransferRequest, frequencies: 
 
 
 def warn_infinite(values: ComplexArray, conditioning: FloatArray, f: FloatArray) -> None:
-    """Warn of infinite responses that rounding of a vanishing measured input does not explain."""
+    """Warn of infinite responses where rounding of a vanishing measured input does not explain them."""
     finite = np.isfinite(values).all(axis=(2, 3))
     if finite.all():
         return

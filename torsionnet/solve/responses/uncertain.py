@@ -1,4 +1,4 @@
-"""Error estimates of uncertain points, and their values in many digits where rounding would show."""
+"""Error estimates of uncertain frequency points, and their responses in many digits where rounding would show."""
 
 from __future__ import annotations
 
@@ -17,15 +17,16 @@ from torsionnet.solve.dynamic_stiffness.quotient import FrequencyPoints, transfe
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 
 PROMISED_ERROR = 1e-9
-"""Largest relative error of values that are returned without a warning."""
+"""Largest relative error of response values that are returned without a warning."""
 ACCEPTED_ERROR = PROMISED_ERROR / 5
-"""Estimated relative error up to which a value is kept: a fifth of the promised one, as the estimate is statistical."""
+"""Estimated relative error up to which a value is kept, a fifth of the promised one as the estimate is statistical."""
 PERTURBATIONS, PERTURBATION = 4, 8 * float(np.finfo(float).eps)
-"""Number of perturbed solutions, and relative perturbation of the stiffnesses in them: a few roundings."""
+"""Number of perturbed solutions for an error estimate, and relative perturbation of the stiffnesses, a few
+roundings."""
 SURE_PERTURBATIONS, SURE_ERROR = 2, ACCEPTED_ERROR / 100
-"""Number of perturbed solutions, one in each order of elimination, after which points with less error are known."""
+"""Number of perturbed solutions, one in each elimination order, and error below which a point needs no more of them."""
 MOST_WORK = 20_000
-"""Largest number of laws times points that are solved in many digits: a few seconds."""
+"""Most laws times points that are solved in many digits for one response, which takes a few seconds."""
 
 
 def refine_uncertain_points(
@@ -36,7 +37,7 @@ def refine_uncertain_points(
     found: FrequencyPoints,
     method: str = "auto",
 ) -> FrequencyPoints:
-    """Transfer functions with uncertain points estimated, and solved in many digits where rounding would show.
+    """Transfer functions whose uncertain points are checked, and solved in many digits where rounding shows.
 
     Parameters
     ----------
@@ -84,7 +85,7 @@ def refine_uncertain_points(
 def expected_errors(
     evaluate: Callable[[LawStiffness, bool], ComplexArray], kappa: LawStiffness, values: ComplexArray
 ) -> FloatArray:
-    """Relative errors of ``values`` (n_points, ...), from repeated solutions with stiffnesses changed by roundings.
+    """Relative errors of ``values`` (n_points, ...), from solutions with stiffnesses changed by roundings.
 
     All stiffnesses are moved by a few roundings, with signs by chance. That shows how a value depends on them. Every
     later rounding falls out differently too, the more so in another order of elimination (``True``), which shows what
@@ -113,7 +114,7 @@ def expected_errors(
 
 
 class _ManyPoints:
-    """Transfer functions of single points in many digits."""
+    """Transfer functions (n_out, n_in) of single frequency points of some variants, in many digits."""
 
     def __init__(self, assemblies: Sequence[Assembly], request: TransferRequest, frequencies: FloatArray) -> None:
         self.assemblies, self.request = assemblies, request
@@ -121,7 +122,7 @@ class _ManyPoints:
         self.asked: dict[int, ManyDigits] = {}
 
     def transfer_function(self, point: int) -> ComplexArray | None:
-        """Transfer functions (n_out, n_in) exact to double precision; None where even many digits are not enough.
+        """Transfer functions (n_out, n_in) of a point, exact to double precision, or None if digits run out.
 
         Raises
         ------

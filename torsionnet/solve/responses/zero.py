@@ -17,13 +17,14 @@ from torsionnet.solve.dynamic_stiffness.many_digits import ManyDigits
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 
 LIMIT_DIGITS = 400
-"""Decimal digits of the calculation, enough for several measured inputs at s of 10^-25 to its fifth power and more."""
+"""Decimal digits for limits at 0 Hz, enough for several measured inputs at s of 10^-25 to its fifth power and more."""
 LIMIT_POWER = 25
-"""Power of ten by which s lies below the slowest rate of the system; several inputs may differ by its fifth power."""
+"""Power of ten by which s for a limit lies below the slowest rate, where several inputs may differ by its fifth
+power."""
 
 
 def at_zero(drivetrain: AssembledModel, request: TransferRequest) -> ComplexArray:
-    """Limit (n_out, n_in) of the transfer functions for s -> 0; inf where there is none.
+    """Limits (n_out, n_in) of the transfer functions in SI units for s -> 0, inf where there is none.
 
     Raises
     ------
@@ -46,7 +47,10 @@ def at_zero(drivetrain: AssembledModel, request: TransferRequest) -> ComplexArra
 
 
 def _limit(first: Any, second: Any) -> complex:
-    """Limit from values at s and s / 10: ten times larger is a pole, ten times smaller a zero."""
+    """Limit of a response for s -> 0, judged from values at s and s / 10.
+
+    Ten times larger is a pole, ten times smaller a zero.
+    """
     if abs(second) > 5 * abs(first):
         return complex(np.inf, 0.0)
     return 0j if abs(second) < abs(first) / 5 else complex(second)

@@ -1,1 +1,1 @@
-"""Running machinery: motion over time, orders over speed, critical speeds, limits."""
+"""Vibration of running machinery, as motion over time, orders over speed, critical speeds and limits."""

@@ -1,4 +1,4 @@
-"""Critical speeds: crossings of every order of every excitation with every mode."""
+"""Critical speeds at which an order of an excitation meets a natural frequency of a mode."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from torsionnet.solve.running.order_response import input_senses, order_response
 from torsionnet.solve.running.speed_peaks import with_speed_peaks
 
 LINE_FREQUENCY = "line frequency"
-"""Name of the excitation of order lines at 1 and 2 times the frequency of the electric grid."""
+"""Name of the excitation under which lines at 1 and 2 times the frequency of the electric grid are listed."""
 
 
 def critical_speeds(
@@ -46,7 +46,10 @@ def critical_speeds(
     dampers: str = AS_MODELLED,
     damper_names: Iterable[str] | None = None,
 ) -> CriticalSpeeds:
-    """See :meth:`torsionnet.Drivetrain.critical_speeds`."""
+    """Critical speeds of a drivetrain near its operating range, with margins, forces and peaks.
+
+    See :meth:`torsionnet.Drivetrain.critical_speeds`.
+    """
     if not 0 <= reach < 1:
         raise UsageError(f"reach is a share of the speeds, 0 or more and below 1, got {reach}")
     if line_frequency is not None and not 0 < line_frequency < math.inf:
@@ -89,7 +92,7 @@ def critical_speeds(
 def order_margins(
     drivetrain: AssembledModel, *, speeds: ArrayLike | None = None, excitations: Iterable[str] | None = None
 ) -> tuple[CriticalSpeed, ...]:
-    """Margin of every order line to every mode, however far away; without forces and peaks."""
+    """Crossings of every order line with every mode, however far away, with margins but no forces or peaks."""
     lines, reference, speed_range = excited_lines(drivetrain, speeds, None, excitations)
     held = with_motions_held(drivetrain, {name: drivetrain.definition.excitations[name] for name in lines})
     search = _CrossingSearch(held, drivetrain.title, reference, speed_range, None, 0.0, None)
@@ -97,7 +100,7 @@ def order_margins(
 
 
 def excited_frequencies(line: OrderLine, speed_range: tuple[float, float]) -> tuple[float, float]:
-    """Lowest and highest frequency of a line over a range of speeds, Hz >= 0."""
+    """Lowest and highest frequency in Hz, 0 or more, of an order line over a range of speeds in rad/s."""
     ends = line.frequency(np.array(speed_range))
     return (0.0 if ends[0] * ends[1] < 0 else float(np.abs(ends).min())), float(np.abs(ends).max())
 
@@ -105,7 +108,7 @@ def excited_frequencies(line: OrderLine, speed_range: tuple[float, float]) -> tu
 def excited_lines(
     drivetrain: AssembledModel, speeds: ArrayLike | None, speed_of: str | None, excitations: Iterable[str] | None
 ) -> tuple[dict[str, list[OrderLine]], str, tuple[float, float]]:
-    """Order lines by excitation, the reference node, and the operating range in rad/s.
+    """Order lines by excitation, name of the reference node, and the operating range of its speed in rad/s.
 
     All are read from an order response at the ends of the range, which also refuses excitations that cannot act.
     """
@@ -126,7 +129,7 @@ def _with_dampers(drivetrain: AssembledModel, state: str, names: Iterable[str] |
 
 
 class _CrossingSearch:
-    """Modes of a drivetrain and rules for their crossings with order lines: operating range, margin, reach."""
+    """Search for critical speeds of a drivetrain's modes, with operating range in rad/s, margin and reach."""
 
     def __init__(
         self,
@@ -152,18 +155,18 @@ class _CrossingSearch:
         }
 
     def crossings(self, name: str, lines: Sequence[OrderLine]) -> list[CriticalSpeed]:
-        """Crossings of the lines of one excitation with every mode, near the operating range."""
+        """Critical speeds at which order lines of one excitation meet modes, near the operating range."""
         blank = [self.met(mode, line) for mode in self.modes for line in lines]
         near = [one for one in blank if self._is_near(one)]
         excitation = self.drivetrain.definition.excitations.get(name)
         return near if excitation is None else list(self._with_forces(near, excitation, self.known[name]))
 
     def met(self, mode: VibrationMode, line: OrderLine) -> CriticalSpeed:
-        """Crossing of a line with a mode, near the operating range or not."""
+        """Critical speed at which an order line meets a mode, near the operating range or not."""
         return self._settled(self._crossing(mode, line), line)
 
     def known_speeds(self, name: str, ratio: float) -> tuple[float, float]:
-        """Lowest and highest speed in rad/s, widened by ``reach`` where the data of the excitation cover that."""
+        """Lowest and highest operating speed in rad/s, widened by ``reach`` where the excitation's data cover that."""
         excitation = self.drivetrain.definition.excitations[name]
         low, high = (
             beyond if _has_torques(excitation, beyond * ratio) else end
@@ -187,14 +190,17 @@ class _CrossingSearch:
         return CriticalSpeed(mode, line.excitation, line.order, line.ratio, line.fixed, margin, required)
 
     def _settled(self, one: CriticalSpeed, line: OrderLine) -> CriticalSpeed:
-        """Crossing with the mode at the critical speed itself, where parameters follow the operating point."""
+        """Crossing of an order line with a mode, by the mode at the critical speed itself if that depends on speed.
+
+        It does where parameters follow the operating point.
+        """
         if not self.over_speed.is_speed_dependent or not one.order:
             return one
         return self._crossing(self.over_speed.at_critical_speed(one.mode, self._natural(one)), line)
 
     @staticmethod
     def _natural(one: CriticalSpeed) -> Callable[[VibrationMode], float]:
-        """Critical speed in rad/s as a function of the mode, by ``|lambda|/2pi``, else by the undamped frequency."""
+        """Function from a mode to its critical speed in rad/s, by ``|lambda|/2pi``, else by undamped frequency."""
         which = "undamped" if math.isnan(one.mode.natural_frequency) else "natural"
         return lambda mode: replace(one, mode=mode).speed(which)
 
@@ -246,13 +252,13 @@ class _CrossingSearch:
         )
 
     def _acting_speed(self, one: CriticalSpeed) -> float:
-        """Critical speed in rad/s at which torques are taken: of the natural frequency where that is in range."""
+        """Critical speed in rad/s at which torques are taken, by natural frequency where that is in range."""
         low, high = self.limits
         found = [one.speed(which) for which in ("natural", "undamped", "damped")]
         return next((speed for speed in found if low <= speed <= high), self.speed_range[1])
 
     def _largest(self, shape: Mapping[str, complex], shaft: str) -> float:
-        """Largest angle of a mode shape, referred to a shaft by the mean speeds."""
+        """Largest magnitude of a mode shape's angles, each referred to a shaft by the ratio of mean speeds."""
         own = self.turning.get(shaft)
         if own is None:
             return abs(shape[shaft])
@@ -269,7 +275,7 @@ def _has_torques(excitation: OrderExcitation, speed: float) -> bool:
 
 
 def _distance(natural: float, low: float, high: float) -> float:
-    """Distance of a natural frequency from the range low to high, over its nearer end; 0 inside."""
+    """Distance of a natural frequency in Hz from the range low to high, over the range's nearer end; 0 inside."""
     if natural < low:
         return 1 - natural / low
     return natural / high - 1 if natural > high else 0.0

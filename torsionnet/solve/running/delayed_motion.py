@@ -1,4 +1,4 @@
-"""Motion over time where torques of controllers act with a delay.
+"""Motion over time of a drivetrain where torques of controllers act with a delay.
 
 The torque of a delayed controller follows from the motion one delay ago, so that it is known in advance and acts like
 a torque from outside (the method of steps). States go from point to point by the exact transition for torques
@@ -28,18 +28,23 @@ from torsionnet.solve.dynamic_stiffness.state_space import (
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 
 MOST_TIME_STEPS = 400_000
-"""Points in time of all passes together, which bounds the time of a simulation: steps run one by one in Python."""
+"""Most time steps of all passes of a simulation with delays together, which bounds its duration since steps run one by
+one in Python."""
 FEWEST_STEPS_PER_DELAY = 3
-"""Fewest time steps in the shortest delay: the cubic that reads a delayed torque ends before the current point."""
+"""Fewest time steps in the shortest delay, so that the cubic that reads a delayed torque ends before the current
+point."""
 ERROR_TOLERANCE = 1e-6
-"""Estimated error, over the largest reading, at which the step is halved no more."""
+"""Estimated error of a simulation with delays, over the largest reading, at which the time step is halved no more."""
 ERROR_WARNED = 1e-4
-"""Estimated error, over the largest reading, above which a warning gives it."""
+"""Estimated error of a simulation with delays, over the largest reading, above which a warning gives it."""
 
 
 @dataclass(frozen=True)
 class DelayedForm:
-    """State space with delayed torques T: x' = A x + B [u, T], y = C x + D [u, T], T(t + delay) = E x + F [u, T]."""
+    """State space in SI with delayed torques T, x' = A x + B [u, T], y = C x + D [u, T], and the matrices for T itself.
+
+    These give T(t + delay) = E x + F [u, T].
+    """
 
     A: FloatArray
     B: FloatArray
@@ -53,7 +58,7 @@ class DelayedForm:
 def delayed_response(
     drivetrain: AssembledModel, request: TransferRequest, torques: FloatArray, sampling_rate: float
 ) -> FloatArray:
-    """Readings (n_out, n) over time under torques (n_in, n) in N m, with delayed controllers.
+    """Readings (n_out, n) in SI units over time under torques (n_in, n) in N m, with delayed controllers.
 
     Raises
     ------
@@ -113,7 +118,7 @@ def _form(drivetrain: AssembledModel, request: TransferRequest) -> DelayedForm:
 
 
 def _sensed(law: LawStates, form: StateSpaceForm) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Matrices of the motion that a controller senses, and of its rate: each over states and over torques."""
+    """Sensed angle y and its rate y' of a controller, as rows over states and over torques (y_x, y_u, y'_x, y'_u)."""
     y, direct = law.sensed @ form.X, law.sensed @ form.U
     uses_rate = law.at_once[1] or law.G[:, 1].any()
     if uses_rate and np.abs(direct).max(initial=0.0) > NEGLIGIBLE_COEFFICIENT * np.abs(form.U).max(initial=0.0):
@@ -123,7 +128,7 @@ def _sensed(law: LawStates, form: StateSpaceForm) -> tuple[FloatArray, FloatArra
 
 
 def _stepped(form: DelayedForm, torques: FloatArray, h: float, fineness: int) -> FloatArray:
-    """Readings (n_out, n) at the samples, with ``fineness`` time steps from each sample to the next."""
+    """Readings (n_out, n) in SI units at the samples, with ``fineness`` time steps from each to the next."""
     n_in, n = torques.shape
     count, step = (n - 1) * fineness + 1, h / fineness
     places = np.arange(count) / fineness
@@ -145,7 +150,10 @@ def _stepped(form: DelayedForm, torques: FloatArray, h: float, fineness: int) ->
 
 
 class _Between:
-    """Interpolator of a signal ``ago`` points back, by the cubic through four points; zero before the first point."""
+    """Interpolator of a signal ``ago`` points back in time, by the cubic through four points.
+
+    The signal is zero before the first point.
+    """
 
     def __init__(self, ago: float) -> None:
         whole = math.ceil(ago - 1e-9)
@@ -162,7 +170,7 @@ class _Between:
 
 
 def _lagrange(x: float) -> FloatArray:
-    """Weights of values at 0, 1, 2 and 3 in the interpolated value at x."""
+    """Weights (4,) of the values at 0, 1, 2 and 3 in the value at x, interpolated by a cubic."""
     return np.array([
         -(x - 1) * (x - 2) * (x - 3) / 6,
         x * (x - 2) * (x - 3) / 2,
@@ -174,7 +182,7 @@ def _lagrange(x: float) -> FloatArray:
 def first_order_hold(
     A: FloatArray | ComplexArray, B: FloatArray | ComplexArray, h: float
 ) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-    """Matrices exp(A h), G_0 and G_1 of a step h, for torques that run straight from one sample to the next."""
+    """Matrices exp(A h), G_0 and G_1 by which a state steps on by h seconds, under torques linear in between."""
     n, n_in = B.shape
     whole = np.zeros((n + 2 * n_in, n + 2 * n_in), dtype=complex)
     whole[:n, :n], whole[:n, n : n + n_in] = A * h, B * h

@@ -1,4 +1,4 @@
-"""Power that vibration dissipates in elements: torque times rate, summed over frequencies.
+"""Mean power in W that vibration dissipates in elements, as torque times rate summed over frequencies.
 
 Power is quadratic: orders of one frequency are added as complex amplitudes first, then the mean powers of all
 frequencies are added.
@@ -27,7 +27,10 @@ def dissipated_power(
     speed_of: str | None = None,
     excitations: Iterable[str] | None = None,
 ) -> DissipatedPower:
-    """See :meth:`torsionnet.Drivetrain.dissipated_power`."""
+    """Mean power in W that vibration dissipates in elements, over speed.
+
+    See :meth:`torsionnet.Drivetrain.dissipated_power`.
+    """
     names = [elements] if isinstance(elements, str) else list(elements)
     for name in names:
         if name not in drivetrain.elements:

@@ -1,4 +1,4 @@
-"""Speeds at which running machinery is examined first, and whether speeds are added between them."""
+"""Speeds at which a running drivetrain is examined first, and whether speeds are added between them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from torsionnet.solve.running.resonant_speeds import around_resonances
 
 @dataclass(frozen=True, eq=False)
 class ExaminedSpeeds:
-    """Speeds of a reference shaft that are examined, and whether more are added between them.
+    """Speeds in rad/s of a reference shaft that are examined, and whether more are added between them.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class ExaminedSpeeds:
         excitations: Iterable[str] | None = None,
         refine: bool | None = None,
     ) -> ExaminedSpeeds:
-        """Speeds to examine, taken from the arguments of an order response and else from the model.
+        """Speeds in rad/s to examine, taken from the arguments of an order response and else from the model.
 
         ``refine`` None: speeds are added between them unless the model lists speeds.
         """
@@ -52,16 +52,19 @@ class ExaminedSpeeds:
 
     @property
     def reference(self) -> str:
-        """Name of the node to which the examined speeds belong."""
+        """Name of the node whose speeds are examined."""
         return self.request.reference
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Lowest and highest examined speed, rad/s."""
+        """Lowest and highest speed of the reference shaft that is examined, in rad/s."""
         return float(self.request.speeds.min()), float(self.request.speeds.max())
 
     def first(self, breaks: FloatArray) -> FloatArray:
-        """Speeds (n_speeds,) of the first pass in rad/s: gaps filled, more near narrow resonances, and ``breaks``."""
+        """Speeds (n_speeds,) of the first pass in rad/s, rising, with more near narrow resonances, and ``breaks``.
+
+        Gaps are filled.
+        """
         if not self.refine:
             return self.request.speeds
         speeds = fill_speed_gaps(self.request.speeds)

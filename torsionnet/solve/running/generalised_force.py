@@ -1,4 +1,4 @@
-"""Generalised forces: torques of all cylinders at one order summed on a mode shape, with their phases."""
+"""Generalised force of an order on a mode, torques of all cylinders summed on its shape with their phases."""
 
 from __future__ import annotations
 
@@ -14,17 +14,18 @@ from torsionnet.solve.running.worst_case import contributions
 from torsionnet.solve.running.worst_combination import Contributions, largest_amplitudes
 
 NOT_EXCITED = 0.01
-"""Generalised force, over that of one cylinder at the largest angle of the shape, below which a mode is not excited.
+"""Generalised force, over that of one cylinder at the largest angle of the shape, below which a mode hardly responds
+and is not excited.
 
 A larger value hides weak crossings, a smaller one lists more that hardly respond.
 """
 CANCELLED = 1e-6
-"""Size of a sum of unit phase vectors below which these cancel; rounding leaves far less."""
+"""Size of a sum of unit phase vectors below which these count as cancelling, far above what rounding leaves."""
 
 
 @dataclass(frozen=True)
 class GeneralisedForce:
-    """Generalised force ``|sum_n phi_n T_n|`` in N m for a shape whose largest angle is 1, of the worst case.
+    """Generalised force ``|sum_n phi_n T_n|`` in N m on a mode shape scaled to a largest angle of 1, worst case.
 
     ``relative`` is this force over the torque of one cylinder at the largest amplitude of the shape, all angles
     referred to the shaft of the excitation. ``case`` names the worst case and ``part`` the part out of action in it,
@@ -38,14 +39,17 @@ class GeneralisedForce:
 
     @property
     def acts(self) -> bool:
-        """Whether the order excites the mode."""
+        """Whether the generalised force is large enough, over that of one cylinder, to excite the mode."""
         return self.relative >= NOT_EXCITED
 
 
 def star_diagram(
     excitation: OrderExcitation, name: str, order: float, shape: Mapping[str, complex], title: str = "", out: str = ""
 ) -> StarDiagram:
-    """Star diagram of one order: phase vectors of the cylinders on a mode shape; the part ``out`` is out of action."""
+    """Star diagram of one order, with phase vectors of the cylinders weighted by a mode shape.
+
+    The part ``out`` is out of action.
+    """
     found = {part: (node, 0j if part == out else v) for part, (node, v) in excitation.phase_vectors(order).items()}
     amplitudes = np.array([shape[node] for node, _ in found.values()])
     largest = np.abs(amplitudes).max(initial=0) or 1.0
@@ -60,7 +64,9 @@ def generalised_force(
     shape: Mapping[str, complex],
     largest: float,
 ) -> GeneralisedForce:
-    """Generalised force of the torques at one speed and line, each positive in the sense of its node.
+    """Generalised force in N m of an order's torques on a mode shape, in the worst case of misfire and spread.
+
+    Each torque is positive in the sense of its node.
 
     ``at`` are the indices of speed and line; ``largest`` is the largest angle of the shape, referred to the shaft of
     the excitation.
@@ -79,7 +85,7 @@ def generalised_force(
 
 
 def _cases(found: OrderTorques, at: tuple[int, int], shape: Mapping[str, complex]) -> list[tuple[float, str, str]]:
-    """Generalised force, label and part out of action of every case, each with the worst spread of cylinders."""
+    """Generalised force in N m, label and part out of action of every case, each at the worst cylinder spread."""
     speed, line = at
     gains = np.array([shape[node] for node in found.nodes])[None, None, None, :]
     columns = {node: (place, 1.0) for place, node in enumerate(found.nodes)}
@@ -101,7 +107,7 @@ def _cases(found: OrderTorques, at: tuple[int, int], shape: Mapping[str, complex
 
 
 def _single(excitation: OrderExcitation, order: float, torques: Mapping[str, complex]) -> float:
-    """Torque amplitude of one cylinder in N m: that of a node over the sum of unit vectors of its cylinders."""
+    """Torque amplitude in N m of one cylinder, which is that of a node over the sum of its cylinders' phase vectors."""
     units = dict.fromkeys(torques, 0j)
     for node, vector in excitation.phase_vectors(order).values():
         units[node] = units.get(node, 0j) + vector

@@ -36,9 +36,9 @@ from torsionnet.solve.running.order_response import order_response
 from torsionnet.solve.running.refined_response import merged_responses
 
 NO_CYCLE = "the shafts have no short common cycle: half ranges of the shafts are added"
-"""Note of a check whose orders repeat only after many revolutions."""
+"""Text of the note of a limit check whose orders repeat only after many revolutions, so that half ranges are added."""
 MISFIRING = "a cylinder misfires in this condition"
-"""Note of a check in a misfire condition."""
+"""Text of the note of a limit check in a condition with a misfiring cylinder."""
 
 
 def check_limits(
@@ -49,7 +49,10 @@ def check_limits(
     excitations: Iterable[str] | None = None,
     refine: bool | None = None,
 ) -> LimitCheck:
-    """See :meth:`torsionnet.Drivetrain.check_limits`."""
+    """Verdicts on the limits of a drivetrain in its present condition, over speed.
+
+    See :meth:`torsionnet.Drivetrain.check_limits`.
+    """
     chosen = {name: limit.fitted(drivetrain.definition.elements)
               for name, limit in _chosen(drivetrain.definition.limits, limits).items()}  # fmt: skip
     subject = limit_subject(drivetrain.definition, drivetrain.exact_values)
@@ -88,7 +91,7 @@ def _left_out(definition: Definition, limits: Iterable[str], excitations: Iterab
 
 @dataclass(frozen=True, eq=False)
 class _Examined:
-    """Order responses and means at some speeds, and the curves over speed of every limit."""
+    """Order responses and mean values at some speeds in rad/s, and from them each limit's curves over speed."""
 
     evidence: Evidence
     lines: tuple[tuple[LimitLine, ...], ...]
@@ -100,7 +103,7 @@ class _Examined:
 
 @dataclass(frozen=True, eq=False)
 class _Examination:
-    """Limits, excitations and drivetrain that are examined at every speed."""
+    """Drivetrain with the limits, excitations and speeds of a limit check."""
 
     drivetrain: AssembledModel
     subject: LimitSubject
@@ -109,7 +112,7 @@ class _Examination:
     speeds: ExaminedSpeeds
 
     def at(self, speeds: FloatArray) -> _Examined:
-        """Order responses and curves of the limits at speeds in rad/s, shape (n_speeds,)."""
+        """Order responses, mean values and limit curves over the speeds (n_speeds,) in rad/s of the reference shaft."""
         run = order_response(
             self.drivetrain, self._sensors, speeds=speeds, speed_of=self.speeds.reference, excitations=self.excitations
         )
@@ -119,7 +122,7 @@ class _Examination:
 
     @cached_property
     def _here(self) -> list[Limit]:
-        """Limits whose elements are not switched off in this condition."""
+        """Limits to check whose elements are not switched off in this condition."""
         return [limit for limit in self.limits.values() if not limit.switched_off(self.subject)]
 
     @cached_property
@@ -128,7 +131,7 @@ class _Examination:
 
     @cached_property
     def _rated(self) -> dict[Sensor, float]:
-        """Mean values at the rated speed by sensor; empty where the examined speeds leave that out."""
+        """Mean value in SI units at the rated speed by sensor, empty where that speed is not examined."""
         rated, (low, high) = self.subject.rated, self.speeds.ends
         if rated is None or not low * (1 - 1e-9) <= rated <= high * (1 + 1e-9):
             return {}
@@ -136,7 +139,7 @@ class _Examination:
         return {sensor: float(values[0]) for sensor, values in means.items()}
 
     def wanted(self, found: _Examined) -> FloatArray:
-        """Speeds in rad/s at which the curves of the limits are not resolved yet."""
+        """Speeds (n,) in rad/s to add where the curves of the limits are not resolved yet."""
         lines = [line for group in found.lines for line in group if not line.why_not]
         used = np.stack([line.utilisation for line in lines], axis=1) if lines else np.empty((len(found.run.speeds), 0))
         tops = [column for line in lines for column in _tops(found.run.speeds, line)]
@@ -145,7 +148,7 @@ class _Examination:
         return np.unique(np.concatenate([by_level, by_top]))
 
     def with_more(self, found: _Examined, speeds: FloatArray) -> _Examined:
-        """Responses and curves at the speeds examined before and at further speeds, sorted by speed."""
+        """Responses and limit curves at the speeds known so far and at further ``speeds`` in rad/s, sorted by speed."""
         more = self.at(speeds)
         run, order = merged_responses(found.run, more.run)
         means = {
@@ -161,7 +164,7 @@ class _Examination:
 
 
 def _tops(speeds: FloatArray, line: LimitLine) -> list[FloatArray]:
-    """Curves of a limit inside each range of speeds where they exceed the allowed value, NaN elsewhere."""
+    """Curves (n_speeds,) of a limit, one for each range of speeds above the allowed value, NaN outside that range."""
     if line.in_passing:
         return []
     return [
@@ -186,7 +189,7 @@ def _chosen(known: Mapping[str, Limit], names: str | Iterable[str] | None) -> di
 
 
 def _seen(subject: LimitSubject, limits: Sequence[Limit]) -> list[Sensor]:
-    """Sensors that the limits need, each once."""
+    """Sensors of torques, twists and stresses that the limits need, each once."""
     found = [sensor for limit in limits for sensor in limit.order_sensors(subject)]
     for limit in limits:
         for name in limit.power_elements():
@@ -200,7 +203,7 @@ def _seen(subject: LimitSubject, limits: Sequence[Limit]) -> list[Sensor]:
 def _means(
     drivetrain: AssembledModel, subject: LimitSubject, limits: Sequence[Limit], speeds: FloatArray
 ) -> tuple[dict[Sensor, FloatArray], str]:
-    """Mean values (n_speeds,) by sensor that the limits need, and why some are unknown ("" if none is)."""
+    """Mean values (n_speeds,) in SI units by sensor that the limits need, and why some are unknown ("" if none is)."""
     sensors = list(dict.fromkeys(sensor for limit in limits for sensor in limit.mean_sensors(subject)))
     try:
         values = mean_response(drivetrain, sensors, speeds).values if sensors else np.empty((0, 0))
@@ -214,7 +217,10 @@ def _means(
 def _one_by_one(
     drivetrain: AssembledModel, sensors: Sequence[Sensor], speeds: FloatArray
 ) -> tuple[dict[Sensor, FloatArray], str]:
-    """Mean values sensor by sensor, for sensors of which some have no mean; see :func:`_means`."""
+    """Mean values (n_speeds,) in SI units by sensor, and why some are unknown, asked sensor by sensor.
+
+    See :func:`_means`.
+    """
     found: dict[Sensor, FloatArray] = {}
     why = ""
     for sensor in sensors:

@@ -1,4 +1,4 @@
-"""Mean torques and twists: the static solution under the torques from outside.
+"""Mean torques and twists of a drivetrain, from its stiffness and the torques from outside.
 
 Only stiffness counts, its real part at 0 Hz where it depends on frequency: at steady speed inertias and dampers take no
 mean torque, and controllers act by angles, not by rates. Motions that no spring resists are held at one node each. The
@@ -38,15 +38,18 @@ from torsionnet.solve.running.operating_groups import (
 )
 
 SUM_ROUNDING = 1e-13
-"""Size of a sum, over the sizes of its terms, below which the sum is rounding and counts as 0."""
+"""Size of a sum of mean torques, over the sizes of its terms, below which the sum is rounding and counts as 0."""
 HELD_BYTES = 1_000_000
-"""Size at which a drivetrain with its assembly is counted among results that are kept, with a margin."""
+"""Size in bytes at which a kept drivetrain with its assembly is counted against the memory limit, with a margin."""
 
 
 def mean_response(
     drivetrain: AssembledModel, outputs: str | Sensor | Sequence[str | Sensor], speeds: ArrayLike | None = None
 ) -> MeanResponse:
-    """See :meth:`torsionnet.Drivetrain.mean_response`."""
+    """Mean torques, twists or stresses of a drivetrain in SI units, over speed.
+
+    See :meth:`torsionnet.Drivetrain.mean_response`.
+    """
     reference, at, torques = external_torques(drivetrain, speeds)
     nodes = [node for node in torques if node in drivetrain.nodes]
     if not nodes:
@@ -80,7 +83,7 @@ def mean_response(
 def _solved(
     held: AssembledModel, reference: str, at: FloatArray, wanted: Sequence[Functional], nodes: Sequence[str]
 ) -> Iterator[tuple[FloatArray, SpeedIndices]]:
-    """Yield readings per torque on a node, (n, n_readings, n_nodes), and the indices of the speeds they are for."""
+    """Yield readings in SI units per N m on a node (n, n_readings, n_nodes), and indices of their speeds."""
     everywhere = np.arange(len(at))
     if held.definition.load is None:  # the one speed at which the parameters have their values already
         groups: Iterable[tuple[AssembledModel, SpeedIndices]] = [(held, everywhere)]
@@ -101,7 +104,7 @@ def _solved(
 def external_torques(
     drivetrain: AssembledModel, speeds: ArrayLike | None
 ) -> tuple[str, FloatArray, Mapping[str, FloatArray]]:
-    """Reference node, its speeds in rad/s, and torques from outside (n_speeds,) by node in N m."""
+    """Name of the reference node, its speeds (n_speeds,) in rad/s, and outside torques (n_speeds,) by node in N m."""
     definition = drivetrain.definition
     external = drivetrain.external_torques
     if definition.load is None:
@@ -119,7 +122,10 @@ def external_torques(
 def _stated(
     drivetrain: AssembledModel, speeds: ArrayLike | None, reference: str
 ) -> tuple[str, FloatArray, Mapping[str, FloatArray]]:
-    """Reference node, speed and torques by node of the operating point; there is no other speed."""
+    """Name of the reference node, its speed (1,) in rad/s and torques (1,) in N m by node, at the operating point.
+
+    There is no other speed.
+    """
     definition, values = drivetrain.definition, drivetrain.exact_values
     torques = {node: torque for node, torque in stated_torques(definition, values).items() if torque}
     if not torques:
@@ -135,7 +141,7 @@ def _stated(
 
 
 def _require_determined(drivetrain: AssembledModel, outputs: Sequence[Functional]) -> None:
-    """Refuse readings that mean torques do not determine."""
+    """Raise UsageError for readings that mean torques do not determine, such as angles of a free drivetrain."""
     for output in outputs:
         reason = reason_undetermined(drivetrain, output)
         if reason:
@@ -143,7 +149,7 @@ def _require_determined(drivetrain: AssembledModel, outputs: Sequence[Functional
 
 
 def reason_undetermined(drivetrain: AssembledModel, output: Functional) -> str | None:
-    """Reason why mean torques do not determine a reading, or None where they do."""
+    """Reason in words why mean torques do not determine a reading, or None where they do."""
     motions = [term for term in output.terms if term.law is None]
     if any(term.power for term in motions):
         return "torques do not determine it"
@@ -152,7 +158,7 @@ def reason_undetermined(drivetrain: AssembledModel, output: Functional) -> str |
 
 
 def _held(drivetrain: AssembledModel) -> AssembledModel:
-    """Drivetrain with every motion that no spring resists held at one node."""
+    """Copy of a drivetrain in which one node is clamped for each motion that no spring resists."""
     definition = drivetrain.definition
     holders = _holders(definition.elements, rigid_motions(drivetrain.assembly.kinematics))
     elements = {**definition.elements, **{one.name: one for one in holders}}
@@ -160,7 +166,7 @@ def _held(drivetrain: AssembledModel) -> AssembledModel:
 
 
 def _request(held: AssembledModel, outputs: Sequence[Functional], nodes: Sequence[str]) -> TransferRequest:
-    """Request for the outputs and, after them, the torques on the held nodes, per torque on each node."""
+    """Request for responses per torque on each node, of the outputs and then of torques on clamped nodes."""
     sensors = [one.sensor for one in outputs if one.sensor]
     sensors += [Sensor("torque", name) for name in _held_in(held)]
     readings = tuple(functional(held, sensor) for sensor in sensors)
@@ -177,7 +183,10 @@ def _refuse_actions(rig: AssembledModel) -> None:
 
 
 def _per_torque(kappa: LawStiffness, request: TransferRequest) -> FloatArray:
-    """Readings (n_variants, n_readings, n_nodes) per torque on a node; variants of equal stiffness are solved once."""
+    """Readings (n_variants, n_readings, n_nodes) in SI units at 0 Hz, per N m on a node.
+
+    Variants of equal stiffness are solved once.
+    """
     resting = _at_rest(kappa)
     _, first, which = np.unique(resting.stiffness, axis=0, return_index=True, return_inverse=True)
     found = transfer_functions(request, resting.variants(first), "graph")
@@ -186,7 +195,7 @@ def _per_torque(kappa: LawStiffness, request: TransferRequest) -> FloatArray:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class _Holder(Element):
-    """Clamp on any node, also on an inner node of an element."""
+    """Clamp on any node of a drivetrain, also on an inner node of an element."""
 
     held: str = field(kw_only=True)
 
@@ -208,7 +217,7 @@ def _holders(elements: Mapping[str, Element], nodes: Sequence[str]) -> list[_Hol
 
 
 def _at_rest(kappa: LawStiffness) -> LawStiffness:
-    """Copy of the stiffnesses at 0 Hz without inertias and dampers."""
+    """Copy of the stiffnesses (n_variants, n_laws) at 0 Hz, real and in N m/rad, without inertias and dampers."""
     stiffness = kappa.stiffness.copy()
     for law, values in kappa.sampled:
         stiffness[:, law] += values[:, 0].real
@@ -218,7 +227,10 @@ def _at_rest(kappa: LawStiffness) -> LawStiffness:
 
 
 def _require_balance(left_over: FloatArray, sizes: FloatArray) -> None:
-    """Refuse mean torques out of balance by more than rounded figures; ``sizes`` are sums of their magnitudes."""
+    """Raise UsageError for mean torques (N m) out of balance by more than rounded figures explain.
+
+    The ``sizes`` are sums of their magnitudes.
+    """
     over = np.abs(left_over) > UNBALANCED_SHARE * sizes
     if over.any():
         text = f"the mean torques leave {np.abs(left_over[over]).max():.4g} N*m over"
@@ -226,7 +238,7 @@ def _require_balance(left_over: FloatArray, sizes: FloatArray) -> None:
 
 
 def _rest(drivetrain: AssembledModel, left_over: FloatArray) -> tuple[str, ...]:
-    """Note on the torque that rounded figures leave over, if any."""
+    """Note, if needed, on the mean torque in N m that rounded figures leave over, and at which nodes it is taken."""
     largest = np.abs(left_over).max(initial=0.0)
     if not largest:
         return ()

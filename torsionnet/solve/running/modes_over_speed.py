@@ -1,4 +1,4 @@
-"""Modes at any speed of a drivetrain whose parameters follow the operating point."""
+"""Natural frequencies and mode shapes at any speed, where parameters follow the operating point."""
 
 from __future__ import annotations
 
@@ -19,15 +19,16 @@ from torsionnet.solve.responses.shared_response import shared_by_conditions
 from torsionnet.solve.running.operating_groups import drivetrains_at_speeds, values_at_speeds
 
 SPEED_TOLERANCE = 1e-6
-"""Relative difference up to which a critical speed agrees with the speed at which its mode was calculated.
+"""Relative difference up to which a critical speed agrees with the speed at which its mode was calculated, as speeds
+are shown in six figures.
 
 A smaller value costs more sets of modes; speeds are shown in six figures.
 """
 MOST_ITERATIONS = 60
-"""Iterations for a critical speed before it is bracketed instead; more only delay that."""
+"""Most iterations for a critical speed before it is bracketed instead, which more iterations would only delay."""
 
 MODE_BYTES = 100
-"""Size of a mode per node, with shape and texts, as it counts among results that are kept."""
+"""Size in bytes of a mode per node, with shape and texts, as counted against the memory for kept results."""
 
 BRACKET_FACTOR = 1.2
 """Ratio of each trial speed to the one before while a bracket of a critical speed is sought.
@@ -37,7 +38,7 @@ A larger ratio may step over two crossings at once, a smaller one needs more set
 
 
 class ModesOverSpeed:
-    """Vibration modes at any speed of a reference node; outside the range of speeds the modes of its ends.
+    """Vibration modes at any speed of a reference node, beyond the range of speeds those at its ends.
 
     Where no parameter follows the operating point there is one set of modes. ``numbers`` are the numbers of the modes
     at the operating point, by rising undamped frequency: a mode keeps its number at every speed.
@@ -54,11 +55,11 @@ class ModesOverSpeed:
 
     @cached_property
     def is_speed_dependent(self) -> bool:
-        """Whether modes differ from speed to speed."""
+        """Whether modes differ from speed to speed, because parameters follow the operating point."""
         return bool(self.drivetrain.definition.following)
 
     def at(self, speed: float) -> tuple[VibrationMode, ...]:
-        """Modes at a speed in rad/s, by rising undamped frequency."""
+        """Vibration modes at a speed of the reference node in rad/s, numbered, by rising undamped frequency."""
         inside = min(max(speed, self.speed_range[0]), self.speed_range[1])
         if inside not in self._found:
             known = [*self.numbers, *range(len(self.numbers) + 1, len(self._unnumbered(inside)) + 1)]
@@ -68,7 +69,7 @@ class ModesOverSpeed:
         return self._found[inside]
 
     def _unnumbered(self, speed: float) -> tuple[VibrationMode, ...]:
-        """Vibration modes at a speed in rad/s, by rising undamped frequency."""
+        """Vibration modes at a speed in rad/s, by rising undamped frequency, before they are numbered."""
 
         def found() -> tuple[VibrationMode, ...]:
             ((rig, _),) = drivetrains_at_speeds(self.drivetrain, self.reference, np.array([speed]))
@@ -81,7 +82,7 @@ class ModesOverSpeed:
         return shared_by_conditions(self.drivetrain, tuple, tuple(values.items()), found, lambda _: size)
 
     def at_critical_speed(self, mode: VibrationMode, speed_of: Callable[[VibrationMode], float]) -> VibrationMode:
-        """Mode of the same number at its own critical speed, which ``speed_of`` gives in rad/s for a mode.
+        """Vibration mode of the same number at its own critical speed, which ``speed_of`` gives in rad/s for a mode.
 
         Raises
         ------
@@ -111,7 +112,9 @@ class ModesOverSpeed:
     def _bracketed(
         self, mode: VibrationMode, speed: float, speed_of: Callable[[VibrationMode], float]
     ) -> VibrationMode:
-        """Mode at its own critical speed, by bracketing: for modes that rise nearly with the line, as of pendulums.
+        """Vibration mode at its own critical speed, found by bracketing where iteration fails.
+
+        Modes may rise nearly with the line, as those of pendulums do.
 
         Beyond the range of speeds modes stay as they are, so that there always are speeds on both sides.
         """

@@ -23,12 +23,12 @@ from torsionnet.solve.responses.shared_response import shared_by_conditions
 from torsionnet.solve.running.total_ratios import cached_total_ratio
 
 IteratedValues: TypeAlias = Mapping[str, FloatArray]
-"""Parameter -> values (n_speeds,) that were iterated with the vibration."""
+"""Values (n_speeds,) by parameter, in SI units, that were iterated together with the vibration they depend on."""
 SpeedIndices: TypeAlias = NDArray[np.intp]
-"""Indices of speeds in the array of all speeds."""
+"""Indices of some speeds in the array of all speeds."""
 Model = TypeVar("Model", bound=AssembledModel)
 PLAN_BYTES = 1_000_000
-"""Size at which a plan with its drivetrain is counted among results that are kept, with a margin."""
+"""Size in bytes at which a kept batch plan with its drivetrain is counted against the memory limit, with a margin."""
 
 
 def drivetrains_at_speeds(
@@ -65,7 +65,7 @@ def drivetrains_at_speeds(
 def values_at_speeds(
     drivetrain: AssembledModel, reference: str, speeds: FloatArray, settled: IteratedValues = MappingProxyType({})
 ) -> list[dict[str, float]]:
-    """Values by name, one mapping per speed, of the parameters that follow the operating point."""
+    """Values in SI units by parameter, one mapping per speed, of the parameters that follow the operating point."""
     points = OperatingPoints(drivetrain.external_torques)
     own = reference_node(drivetrain.definition) or reference
     ratio = 1.0 if own == reference else abs(float(cached_total_ratio(drivetrain, own, reference)))
@@ -79,7 +79,7 @@ def values_at_speeds(
 def batch_over_speeds(
     drivetrain: AssembledModel, reference: str, speeds: FloatArray, settled: IteratedValues = MappingProxyType({})
 ) -> Batch | None:
-    """Batch with one variant per speed, on the rows of the drivetrain.
+    """Batch with one variant of the drivetrain per speed, or None if operating values change more than coefficients.
 
     None where no parameter follows the operating point, or where these change more than coefficients of laws.
     """
@@ -97,7 +97,7 @@ def batch_over_speeds(
 
 
 SPEEDS_PER_BLOCK = 500
-"""Speeds that are solved in one call, which bounds the memory; a larger value makes fewer calls."""
+"""Number of speeds that are solved in one call, which bounds the memory."""
 
 
 def _nothing(_: AssembledModel) -> Hashable:
@@ -107,7 +107,7 @@ def _nothing(_: AssembledModel) -> Hashable:
 def blocks_of_speeds(
     groups: Iterable[tuple[Model, SpeedIndices]], apart: Callable[[Model], Hashable] = _nothing
 ) -> Iterator[tuple[Sequence[Model], SpeedIndices]]:
-    """Yield blocks of speeds with their drivetrains: one for all, or one per speed, all of the same rows.
+    """Yield blocks of drivetrains with the same rows, one for all speeds or one per speed, and indices of speeds.
 
     ``groups`` are those of :func:`drivetrains_at_speeds`; drivetrains whose ``apart`` differs are never in one block.
     """

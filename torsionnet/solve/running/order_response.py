@@ -1,4 +1,4 @@
-"""Order responses: receptances at the frequencies of all order lines, times the amplitudes of the lines."""
+"""Torsional vibration by orders, receptances at the frequencies of all order lines times their amplitudes."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ from torsionnet.solve.running.worst_case import contributions, worst_case
 from torsionnet.solve.running.worst_combination import Contributions
 
 ZERO_FREQUENCY = 1e-9
-"""Frequency of a line, over its part that follows the speed, below which the line stands at 0 Hz.
+"""Frequency of an order line, over its part that follows the speed, below which the line stands at 0 Hz.
 
 Slip at synchronous speed is the difference of two equal frequencies, of which rounding leaves some 1e-16.
 """
@@ -54,7 +54,10 @@ def order_response(
     speed_of: str | None = None,
     excitations: Iterable[str] | None = None,
 ) -> OrderResponse:
-    """See :meth:`torsionnet.Drivetrain.order_response`."""
+    """Complex amplitudes of outputs over speed for every order line of the excitations of a drivetrain.
+
+    See :meth:`torsionnet.Drivetrain.order_response`.
+    """
     request = OrderRequest.of(drivetrain, speeds, speed_of, excitations)
     at = request.speeds
 
@@ -120,7 +123,7 @@ class OrderRequest:
         speed_of: str | None = None,
         excitations: Iterable[str] | None = None,
     ) -> OrderRequest:
-        """Request from the arguments of :func:`order_response`, refused where these cannot be answered."""
+        """Order request made from the arguments of :func:`order_response`, or UsageError if it cannot be answered."""
         reference, at = _speeds(drivetrain, speeds, speed_of)
         acting = _acting(drivetrain.definition.excitations, excitations)
         for name, one in acting.items():
@@ -132,7 +135,7 @@ class OrderRequest:
         return cls(held, reference, at, acting, ratios, senses, engines)
 
     def loads(self, at: FloatArray) -> OrderLoads:
-        """Amplitudes and frequencies of all order lines at speeds in rad/s, shape (n_speeds,)."""
+        """Complex amplitudes (N m or rad) and frequencies (Hz) of all order lines at speeds (n_speeds,) in rad/s."""
         found = tuple(
             _acts(
                 OrderLine(name, 0.0, abs(self.ratios[name]), engine=self.engines.get(name, "")),
@@ -157,7 +160,7 @@ class OrderRequest:
 
 
 def shaft_speeds(drivetrain: AssembledModel, excitation: str) -> tuple[float, float]:
-    """Speeds in rad/s of the reference shaft and of the shaft of an excitation: rated, or the highest examined."""
+    """Speed in rad/s of the reference shaft and that of an excitation's shaft, rated or else the highest examined."""
     given = drivetrain.definition.speeds
     reference, at = _speeds(drivetrain, None, None)
     speed = float(given.rated) if given and given.rated else float(at[-1])
@@ -166,7 +169,10 @@ def shaft_speeds(drivetrain: AssembledModel, excitation: str) -> tuple[float, fl
 
 
 def with_motions_held(drivetrain: AssembledModel, acting: Mapping[str, OrderExcitation]) -> AssembledModel:
-    """Drivetrain with the imposed motions as inputs: each response is to one motion with the others held at zero."""
+    """Copy of a drivetrain in which the motions that excitations impose are inputs.
+
+    Each response is to one motion with the others held at zero.
+    """
     inputs = dict(drivetrain.inputs)
     known = {channel for channel in inputs.values() if channel.quantity == "angle"}
     for name, one in acting.items():
@@ -187,11 +193,11 @@ def _unused(name: str, known: Iterable[str]) -> str:
 
 
 Senses = Mapping[str, float]
-"""Input per unit of an excitation, by the node or element on which the excitation acts: mostly a sign, +1 or -1."""
+"""Factors from an excitation to its inputs, mostly +1 or -1, by the node or element on which it acts."""
 
 
 def input_senses(drivetrain: AssembledModel, one: OrderExcitation, reference: str) -> Senses:
-    """Input per unit of an excitation, by node or element; positive is the sense in which its shaft turns.
+    """Factors from an excitation to its inputs by node or element, positive in the sense in which its shaft turns.
 
     Nodes that are held still are left out.
     """
@@ -209,18 +215,21 @@ def _sense(drivetrain: AssembledModel, node: str, reference: str) -> float:
 
 @dataclass(frozen=True, eq=False)
 class ExcitationLines:
-    """Order lines of one excitation, and their amplitudes by input, shape (n_speeds, n_lines), N m or rad."""
+    """Order lines of one excitation, and amplitudes (n_speeds, n_lines) by input, in N m or rad."""
 
     name: str
     lines: tuple[OrderLine, ...]
     loads: Mapping[Input, ComplexArray]
     torques: OrderTorques
     inputs: Mapping[str, tuple[Input, float]]
-    """Node -> input, and the sign with which a torque acts there."""
+    """Input, and the sign with which a torque acts there, by node."""
 
 
 def _acts(line: OrderLine, one: OrderExcitation, senses: Senses, found: OrderTorques) -> ExcitationLines:
-    """Order lines and amplitudes of an excitation; ``line`` is the template of its lines, without an order."""
+    """Order lines of an excitation and their complex amplitudes in N m or rad, made from a template ``line``.
+
+    The template is without an order.
+    """
     fixed = np.zeros(len(found.orders)) if found.fixed is None else found.fixed
     pairs = zip(found.orders.tolist(), fixed.tolist(), strict=True)
     lines = tuple(replace(line, order=order, fixed=frequency) for order, frequency in pairs)
@@ -236,7 +245,7 @@ def _acts(line: OrderLine, one: OrderExcitation, senses: Senses, found: OrderTor
 
 @dataclass(frozen=True, eq=False)
 class OrderLoads:
-    """Amplitudes of all order lines at some speeds, by input.
+    """Complex amplitudes (N m or rad) and frequencies (Hz) of all order lines at some speeds, by input.
 
     Attributes
     ----------
@@ -262,7 +271,7 @@ class OrderLoads:
     hertz: FloatArray
 
     def response(self, gains: ComplexArray, channels: tuple[Channel, ...]) -> OrderResponse:
-        """Order response by superposition of responses to unit inputs, (n_speeds, n_lines, n_out, n_inputs)."""
+        """Order response, by superposition of unit-input responses ``gains`` (n_speeds, n_lines, n_out, n_inputs)."""
         values = np.einsum("slon,sln->slo", gains, self.loads)
         return _worst(
             OrderResponse(self.speeds, self.reference, self.lines, values, channels),
@@ -273,11 +282,11 @@ class OrderLoads:
 
     @property
     def frequencies(self) -> FloatArray:
-        """Magnitudes in Hz of the frequencies of all lines, sorted, each once, shape (n_f,)."""
+        """Magnitudes in Hz of the frequencies of all order lines, sorted, each once, shape (n_f,)."""
         return np.unique(np.abs(self.hertz))
 
     def at_lines(self, frequencies: FloatArray, values: ComplexArray) -> ComplexArray:
-        """Responses (n_speeds, n_lines, ...) of each speed and line, picked from ``values`` (n_f, ...)."""
+        """Responses (n_speeds, n_lines, ...) at each speed and order line, picked from ``values`` (n_f, ...)."""
         where = np.searchsorted(frequencies, np.abs(self.hertz))
         return _forward(values[where], self.hertz)
 
@@ -285,14 +294,14 @@ class OrderLoads:
 def _block(
     rigs: Sequence[AssembledModel], outputs: str | Sensor | Sequence[str | Sensor], loads: OrderLoads
 ) -> OrderResponse:
-    """Order response at some speeds, of one drivetrain for all speeds or one drivetrain per speed."""
+    """Order response at the speeds of ``loads``, from one drivetrain for all speeds or one for each speed."""
     inputs = list(loads.inputs)
     gains, channels = _gains(rigs[0], outputs, loads) if len(rigs) == 1 else _each(rigs, outputs, inputs, loads.hertz)
     return loads.response(gains, channels)
 
 
 def _of_batch(batch: Batch, outputs: str | Sensor | Sequence[str | Sensor], loads: OrderLoads) -> OrderResponse:
-    """Order response at some speeds, of a batch with one variant per speed."""
+    """Order response at the speeds of ``loads``, from a batch that has one variant per speed."""
 
     def solved(request: TransferRequest, frequencies: FloatArray) -> ComplexArray:
         values = tuple((name, column.tobytes()) for name, column in batch.values.items())
@@ -312,7 +321,7 @@ def _of_batch(batch: Batch, outputs: str | Sensor | Sequence[str | Sensor], load
 def _worst(
     nominal: OrderResponse, acting: Sequence[ExcitationLines], gains: ComplexArray, inputs: Sequence[Input]
 ) -> OrderResponse:
-    """Order response with the worst misfire and the worst spread between cylinders that the excitations allow."""
+    """Order response with the worst misfire and the worst spread between cylinders that excitations allow."""
     alternatives: list[Contributions] = []
     scatter: list[Contributions] = []
     first = 0
@@ -328,7 +337,7 @@ def _worst(
 def _gains(
     drivetrain: AssembledModel, outputs: str | Sensor | Sequence[str | Sensor], loads: OrderLoads
 ) -> tuple[ComplexArray, tuple[Channel, ...]]:
-    """Responses (n_speeds, n_lines, n_out, n_inputs) at frequencies (n_speeds, n_lines) of either sign.
+    """Responses per unit input (n_speeds, n_lines, n_out, n_inputs) at every order line, and output channels.
 
     A line at 0 Hz, as that of the slip at synchronous speed, has the response 0.
     """
@@ -346,7 +355,10 @@ def _each(
     inputs: Sequence[Any],
     hertz: FloatArray,
 ) -> tuple[ComplexArray, tuple[Channel, ...]]:
-    """Responses as of :func:`_gains`, of one drivetrain per speed; all drivetrains have the same rows."""
+    """Responses per unit input at every order line, as :func:`_gains` gives them, of one drivetrain per speed.
+
+    All drivetrains have the same rows.
+    """
 
     def solved(request: TransferRequest, frequencies: FloatArray) -> ComplexArray:
         return evaluate([rig.assembly for rig in rigs], request, frequencies).values
@@ -357,7 +369,10 @@ def _each(
 def _at_own(
     solved: Callable[[TransferRequest, FloatArray], ComplexArray], request: TransferRequest, hertz: FloatArray
 ) -> tuple[ComplexArray, tuple[Channel, ...]]:
-    """Responses as of :func:`_gains`; ``solved`` takes Hz (n_speeds, n_f), returns (n_speeds, n_f, n_out, n_inputs)."""
+    """Responses per unit input (n_speeds, n_lines, n_out, n_inputs) at lines whose frequencies differ by speed.
+
+    The function ``solved`` takes Hz (n_speeds, n_f) and returns (n_speeds, n_f, n_out, n_inputs).
+    """
     frequencies, where = np.unique(np.abs(hertz), axis=1, return_inverse=True)
     still = frequencies == 0
     frequencies[still] = 1.0  # any value: the response there is set to 0 below
@@ -368,7 +383,7 @@ def _at_own(
 
 
 def _forward(gains: ComplexArray, hertz: FloatArray) -> ComplexArray:
-    """Responses at frequencies of either sign, from the responses at their magnitudes (conjugate if negative)."""
+    """Responses at line frequencies of either sign, conjugates of those at the magnitude where it is negative."""
     backward = hertz < 0
     if backward.any():
         gains[backward] = gains[backward].conj()
@@ -376,7 +391,7 @@ def _forward(gains: ComplexArray, hertz: FloatArray) -> ComplexArray:
 
 
 def _require_moving(drivetrain: AssembledModel, name: str, excitation: OrderExcitation) -> None:
-    """Refuse an excitation on a node or element that is locked or switched off in this configuration."""
+    """Raise UsageError for an excitation on a node or element that is locked or switched off here."""
     if excitation.element_entry is not None and excitation.element_entry[1] not in drivetrain.elements:
         off = f"{excitation.element_entry[1]}, which is switched off in this configuration"
         raise UsageError(f"{name} acts in {off}; leave this excitation out")
@@ -392,7 +407,7 @@ def _require_moving(drivetrain: AssembledModel, name: str, excitation: OrderExci
 
 
 def _speeds(drivetrain: AssembledModel, speeds: ArrayLike | None, speed_of: str | None) -> tuple[str, FloatArray]:
-    """Reference node, and its speeds in rad/s, shape (n_speeds,)."""
+    """Name of the reference node, and its speeds (n_speeds,) in rad/s."""
     given = drivetrain.definition.speeds
     if given is None and (speeds is None or speed_of is None):
         raise UsageError("the model has no entry speeds: {of: node, range: 300..800 rpm, step: 5 rpm}")
@@ -420,7 +435,7 @@ def _acting(known: Mapping[str, OrderExcitation], names: Iterable[str] | None) -
 
 
 def _turning(drivetrain: AssembledModel, node: str, reference: str) -> Fraction:
-    """Revolutions of a shaft per revolution of the reference."""
+    """Revolutions of a shaft per revolution of the reference shaft, negative if it turns the other way."""
     if node not in drivetrain.nodes:
         raise UsageError(
             f'"{node}" is not part of this configuration, so that its orders have no speed; name another shaft'

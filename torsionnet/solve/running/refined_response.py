@@ -50,7 +50,7 @@ def refined_response(
 
 
 def merged_responses(first: OrderResponse, second: OrderResponse) -> tuple[OrderResponse, NDArray[np.intp]]:
-    """Order response joined from two, sorted by speed, and the order in which speeds of the two in turn were sorted."""
+    """Order response joined from two and sorted by speed, and the indices (n_speeds,) that sort both speeds."""
     both = np.concatenate([first.speeds, second.speeds])
     order = np.argsort(both, kind="stable")
     places = np.argsort(order, kind="stable")
@@ -60,14 +60,14 @@ def merged_responses(first: OrderResponse, second: OrderResponse) -> tuple[Order
 
 @dataclass(frozen=True, eq=False)
 class _Sized:
-    """Order response, its half ranges (n_speeds, n_out), and amplitudes (n_speeds, n, n_out) of lines and sums."""
+    """Order response with half ranges (n_speeds, n_out) and amplitudes (n_speeds, n, n_out) of lines and sums."""
 
     run: OrderResponse
     half_range: FloatArray
     sizes: FloatArray
 
     def with_more(self, other: _Sized) -> _Sized:
-        """Order response at the speeds of both, sorted by speed, with half ranges and amplitudes."""
+        """Order response at the speeds of both, sorted by speed, with its half ranges and amplitudes."""
         run, order = merged_responses(self.run, other.run)
         half_range, sizes = (
             np.concatenate([getattr(one, name) for one in (self, other)])[order] for name in ("half_range", "sizes")

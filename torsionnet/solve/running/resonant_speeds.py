@@ -1,4 +1,4 @@
-"""Speeds around resonances of order lines with modes that are narrower than a step of the speeds."""
+"""Speeds to add around resonances of order lines with modes that are narrower than a step of the speeds."""
 
 from __future__ import annotations
 
@@ -21,27 +21,28 @@ HALF_WIDTHS_AROUND = (-3.0, -1.0, 0.0, 1.0, 3.0)
 The sum of a resonance and of all else is largest where their phases agree, up to a few half widths away.
 """
 WIDEST_REFINED = 1.5
-"""Half width, in steps of speed, from which on a resonance needs no further speeds: several steps lie within.
+"""Half width, in steps of speed, from which on a resonance needs no further speeds, as several steps lie within.
 
 A larger value adds speeds around resonances that the steps show already.
 """
 SMALLEST_DAMPING_RATIO = 1e-7
-"""Damping ratio that a mode has at least: the half width of an undamped resonance would be 0."""
+"""Damping ratio that a mode is taken to have at least, since the half width of an undamped resonance would be 0."""
 MODE_SPEEDS = 9
-"""Speeds over the range at which modes that follow the speed are calculated; between two they are interpolated."""
+"""Number of speeds over the range at which modes that follow the speed are calculated, between two of which they are
+interpolated."""
 LARGEST_FREQUENCY_CHANGE = 0.005
-"""Relative change of a natural frequency between two such speeds up to which the interpolation is used.
+"""Relative change of a natural frequency between two neighbouring speeds up to which modes are interpolated.
 
 A larger value misplaces resonances, a smaller one needs more sets of modes.
 """
 Resonance = tuple[float, float]
-"""Critical speed and half width of a resonance, rad/s of the reference shaft."""
+"""Critical speed and half width of a resonance, both in rad/s of the reference shaft."""
 
 
 def around_resonances(
     drivetrain: AssembledModel, reference: str, lines: Sequence[OrderLine], speeds: FloatArray
 ) -> FloatArray:
-    """Speeds in rad/s to add around every resonance that is narrower than the steps of rising speeds."""
+    """Speeds (n,) in rad/s to add around every resonance that is narrower than a step of the rising ``speeds``."""
     limits = float(speeds[0]), float(speeds[-1])
     over_speed = ModesOverSpeed(drivetrain, reference, limits)
     if over_speed.is_speed_dependent:
@@ -50,7 +51,7 @@ def around_resonances(
 
 
 def around_poles(poles: ComplexArray, lines: Sequence[OrderLine], speeds: FloatArray) -> FloatArray:
-    """Speeds in rad/s to add around resonances with poles (rad/s) that are the same at every speed."""
+    """Speeds (n,) in rad/s to add around resonances with poles (rad/s) that are the same at every speed."""
     found = (
         resonance
         for pole in poles[poles.imag > 0].tolist()
@@ -75,7 +76,10 @@ def _around(resonances: Iterable[Resonance], speeds: FloatArray) -> FloatArray:
 
 
 def _met(line: OrderLine, damped: float, width: float, natural: float) -> Iterator[Resonance]:
-    """Resonances of a line with a mode of the given damped frequency, half width and natural frequency, in Hz."""
+    """Yield resonances of an order line with a mode of this damped frequency, half width, natural frequency, in Hz.
+
+    Each is a critical speed with a half width, in rad/s.
+    """
     rate = float(line.relative) / (2 * math.pi)
     for frequency in (damped, -damped) if rate else ():
         yield (frequency - line.fixed) / rate, max(abs(width), SMALLEST_DAMPING_RATIO * natural) / abs(rate)
@@ -84,7 +88,10 @@ def _met(line: OrderLine, damped: float, width: float, natural: float) -> Iterat
 def _following(
     over_speed: ModesOverSpeed, lines: Sequence[OrderLine], limits: tuple[float, float]
 ) -> Iterator[Resonance]:
-    """Resonances of lines with modes that follow the speed: interpolated where these change little, else iterated."""
+    """Yield resonances of order lines with modes that follow the speed, as speed and half width in rad/s.
+
+    Modes are interpolated where they change little, else iterated.
+    """
     at = np.linspace(*limits, MODE_SPEEDS)
     for modes_there in zip(*map(over_speed.at, at.tolist()), strict=False):
         damped, natural, width = (

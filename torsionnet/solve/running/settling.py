@@ -20,15 +20,15 @@ VALUE_TOLERANCE = 1e-8
 A larger value saves iterations and moves responses by about as much.
 """
 MOST_ITERATIONS = 100
-"""Iterations after which a speed counts as one without a solution; a larger value delays the refusal."""
+"""Most iterations of a parameter at one speed, after which that speed counts as one without a solution."""
 SLOW_CONVERGENCE = 0.7
-"""Change of an iteration, over the change before, from which on steps are halved: the iteration swings."""
+"""Change of an iteration, over the change before, from which on steps are halved because the iteration swings."""
 
 
 def values_by_vibration(
     definition: Definition, speeds: FloatArray, vibration: Callable[[Sequence[str], IteratedValues], FloatArray]
 ) -> IteratedValues:
-    """Values (n_speeds,) by name of the parameters that depend on the vibratory torque of an element.
+    """Values (n_speeds,) in SI units by name of the parameters that depend on an element's vibratory torque.
 
     Every speed is iterated from the smallest vibration in the table, with shorter steps where it swings, until no value
     moves by more than :data:`VALUE_TOLERANCE`. Where several vibrations agree with their values, the result is the

@@ -26,7 +26,7 @@ from torsionnet.solve.responses.by_spectrum import by_spectrum
 from torsionnet.solve.running.delayed_motion import delayed_response, first_order_hold
 
 QUANTITIES = {"N*m": "torque", "rad": "angle", "rad/s": "velocity", "rad/s^2": "acceleration", "Pa": "stress"}
-"""Quantity of a signal by the unit of its reading."""
+"""Quantity of a simulated signal, such as torque, by the unit of its reading."""
 
 
 def simulate(
@@ -35,7 +35,10 @@ def simulate(
     inputs: Mapping[str, ArrayLike],
     sampling_rate: float,
 ) -> Recording:
-    """See :meth:`torsionnet.Drivetrain.simulate`."""
+    """Recording of torques and simulated motions of a drivetrain, in SI units over time, from rest.
+
+    See :meth:`torsionnet.Drivetrain.simulate`.
+    """
     torques = _torques(inputs)
     asked = [outputs] if isinstance(outputs, str | Sensor) else list(outputs)
     request = resolve_request(drivetrain, asked, list(inputs), None)
@@ -68,7 +71,7 @@ def _torques(inputs: Mapping[str, ArrayLike]) -> FloatArray:
 def response_over_time(
     drivetrain: AssembledModel, request: TransferRequest, torques: FloatArray, sampling_rate: float
 ) -> FloatArray:
-    """Readings (n_out, n) over time under torques (n_in, n) in N m, from rest."""
+    """Readings (n_out, n) in SI units over time under sampled torques (n_in, n) in N m, from rest."""
     if drivetrain.assembly.system.dynamic:
         return by_spectrum(drivetrain, request, torques, sampling_rate)
     if any(one.delay for one in drivetrain.assembly.system.actions):
@@ -82,7 +85,7 @@ def response_over_time(
 
 
 def _stepped(block: DiagonalBlock, torques: FloatArray, h: float) -> FloatArray:
-    """Contribution of one triangular block to the outputs, shape (n_out, n)."""
+    """Contribution (n_out, n) of one uncoupled block of states to the outputs over time, in SI units."""
     from scipy.signal import lfilter
 
     step, before, after = first_order_hold(block.T, block.B, h)

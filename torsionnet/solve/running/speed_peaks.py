@@ -23,17 +23,18 @@ from torsionnet.solve.responses.peaks import inner_maxima
 from torsionnet.solve.running.order_response import order_response
 
 POINTS, FINER_POINTS, ROUNDS = 41, 11, 3
-"""Speeds of the first grid around a critical speed, of each finer grid, and the number of finer grids.
+"""Number of speeds of the first grid around a critical speed, of each finer grid, and number of finer grids.
 
 More of them place peaks more finely and solve more speeds.
 """
 WIDTHS, LEAST_WIDTH, MOST_WIDTH = 8.0, 0.03, 0.35
-"""Half width of the searched speeds over the critical speed: so many damping ratios, within these limits.
+"""Half width of the searched speeds, over the critical speed, in damping ratios, with its least and most value.
 
 Wider searches find peaks that the damping shifts far, and mistake peaks of other orders for them.
 """
 SAME_PEAK = 1e-3
-"""Relative distance of speeds below which peaks of two crossings are one peak; the search is finer than that."""
+"""Relative distance of speeds below which peaks of two crossings are one peak, as the search places peaks more finely
+than that."""
 
 
 def with_speed_peaks(
@@ -43,7 +44,7 @@ def with_speed_peaks(
     reference: str,
     limits: tuple[float, float],
 ) -> tuple[tuple[CriticalSpeed, ...], tuple[Channel, ...]]:
-    """Crossings with the peaks of their orders within the limits (rad/s), and the channels of the outputs.
+    """Critical speeds with the peaks of their orders within the speed limits (rad/s), and the output channels.
 
     A peak belongs only to the crossing nearest to it.
 
@@ -69,7 +70,10 @@ def with_speed_peaks(
 
 
 class _Search:
-    """Search for the peaks of the orders of one excitation; every step solves the speeds of all crossings together."""
+    """Search for the peaks over speed of the orders of one excitation.
+
+    Every step solves the speeds of all crossings together.
+    """
 
     def __init__(
         self,
@@ -85,7 +89,7 @@ class _Search:
         self.channels: tuple[Channel, ...] = ()
 
     def peaks(self) -> dict[int, tuple[SpeedPeak, ...]]:
-        """Peaks by ``id`` of the crossing, one for each output that has a peak."""
+        """Peaks (speed in rad/s and amplitude) by ``id`` of the critical speed, one for each output that has a peak."""
         grids = [self._around(one) for one in self.crossings]
         first = self._sizes(self.crossings, grids)
         found: dict[int, tuple[SpeedPeak, ...]] = {}
@@ -106,7 +110,7 @@ class _Search:
         return np.linspace(low, high, POINTS) if high > low else np.zeros(0)
 
     def _sizes(self, crossings: Sequence[CriticalSpeed], grids: Sequence[FloatArray]) -> list[FloatArray]:
-        """Amplitudes (n, n_out) of the order of each crossing at its speeds."""
+        """Amplitudes (n, n_out), in the unit of each output, of each crossing's order at its own speeds."""
         speeds = np.unique(np.concatenate(grids)) if grids else np.zeros(0)
         if not len(speeds):
             return [np.zeros((0, len(self.channels))) for _ in crossings]
@@ -122,7 +126,7 @@ class _Search:
 
     @staticmethod
     def _next_maximum(one: CriticalSpeed, grid: FloatArray, sizes: FloatArray) -> FloatArray | None:
-        """Finer speeds (rad/s) around the maximum nearest to the critical speed; None where there is no maximum."""
+        """Finer speeds (n,) in rad/s around the maximum nearest to the critical speed, or None without maximum."""
         inner = inner_maxima(sizes) if len(sizes) else []
         if not inner:
             return None
@@ -130,7 +134,7 @@ class _Search:
         return np.linspace(grid[best - 1], grid[best + 1], FINER_POINTS)
 
     def _refined(self, grids: dict[int, FloatArray], output: int) -> dict[int, tuple[float, float]]:
-        """Speed in rad/s and amplitude of each maximum, on ever finer grids."""
+        """Speed in rad/s and amplitude at each maximum, by number of its critical speed, found on ever finer grids."""
         found: dict[int, tuple[float, float]] = {}
         for _ in range(ROUNDS if grids else 0):
             sizes = self._sizes([self.crossings[number] for number in grids], list(grids.values()))
@@ -142,7 +146,10 @@ class _Search:
         return found
 
     def _claimed(self, peaks: Mapping[int, tuple[float, float]]) -> dict[int, tuple[float, float]]:
-        """Peaks that are not nearer to another critical speed of the same order."""
+        """Speed in rad/s and amplitude of peaks, by number of the critical speed to which each peak is nearest.
+
+        They are not nearer to another critical speed of the same order.
+        """
         kept = {}
         for number, (speed, size) in peaks.items():
             one = self.crossings[number]

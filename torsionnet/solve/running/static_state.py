@@ -1,4 +1,4 @@
-"""Static state: mean torques, twists and stresses of all elements at one speed."""
+"""Mean torques, twists and stresses of all elements of a drivetrain at one speed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,10 @@ from torsionnet.solve.running.mean_response import external_torques, mean_respon
 
 
 def static_state(drivetrain: AssembledModel, speed: float | None = None) -> StaticState:
-    """See :meth:`torsionnet.Drivetrain.static_state`."""
+    """Mean torque, twist and stress of every element of a drivetrain at one speed in rad/s.
+
+    See :meth:`torsionnet.Drivetrain.static_state`.
+    """
     values = drivetrain.exact_values
     external = drivetrain.external_torques
     if speed is None and drivetrain.definition.load is not None:
@@ -35,7 +38,10 @@ def static_state(drivetrain: AssembledModel, speed: float | None = None) -> Stat
 
 
 def _ports(element: Element, values: Mapping[str, Any]) -> list[str]:
-    """Nodes at which an element passes on a mean torque; of a spring the first end only, the second has the same."""
+    """Nodes at which an element passes on a mean torque, of a spring the first end only.
+
+    The torque at its second end is the same.
+    """
     parts = element.parts(Values(values))
     if not any(isinstance(part, Constraint) or (isinstance(part, Law) and part.is_elastic) for part in parts):
         return []
@@ -44,7 +50,7 @@ def _ports(element: Element, values: Mapping[str, Any]) -> list[str]:
 
 
 def _readable(drivetrain: AssembledModel, ports: Sequence[tuple[Element, str]]) -> tuple[list[Sensor], list[str]]:
-    """Sensors of torque, twist and stress that mean torques determine, and notes on the others."""
+    """Sensors of torque, twist and stress that mean torques determine, and notes on those that they do not."""
     sensors: list[Sensor] = []
     notes: list[str] = []
     for element, node in ports:

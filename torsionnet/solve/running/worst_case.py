@@ -1,4 +1,4 @@
-"""Worst of several cases of excitation by superposition: one solution, whatever the number of cases.
+"""Vibration in the worst of several cases of excitation, such as misfires, from one solution by superposition.
 
 A misfire of each cylinder, gas torques that differ by some per cent, engines at any angle to each other: only torques
 of single cylinders or their phases change, and the response is linear in them.
@@ -25,7 +25,7 @@ from torsionnet.response.worst_response import EQUAL_HALF_RANGE, EQUAL_SEARCHED_
 from torsionnet.solve.running.worst_combination import Contributions, largest_amplitudes, worst_combination
 
 MOST_CASES = 400
-"""Combinations of alternatives that are examined at most, which bounds time and memory: each is a full response."""
+"""Most combinations of alternatives that are examined, which bounds time and memory since each is a full response."""
 Entry = TypeVar("Entry", bound=np.generic)
 
 
@@ -36,7 +36,7 @@ def contributions(
     lines: slice,
     columns: Mapping[str, tuple[int, float]],
 ) -> Contributions:
-    """Contributions to the outputs of torques that are added to the nominal ones.
+    """Response amplitudes (n_shares, n_speeds, n_lines, n_out) that each deviation of torques adds to the nominal ones.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def contributions(
 def worst_case(
     nominal: OrderResponse, alternatives: Sequence[Contributions], scatter: Sequence[Contributions]
 ) -> OrderResponse:
-    """Response with, for each output and speed, the case, signs and engine angles that give the largest half range."""
+    """Order response with the case, signs and engine angles of the largest half range, by output and speed."""
     if not alternatives and not scatter and not has_unknown_angles(nominal.lines):
         return nominal
     cases = _cases(nominal, alternatives)
@@ -97,7 +97,10 @@ def worst_case(
 def _at_its_worst(
     case: OrderResponse, scatter: Sequence[Contributions]
 ) -> tuple[OrderResponse, NDArray[np.int8], tuple[EngineAngle, ...]]:
-    """Case with the worst contributions, their signs (n_speeds, n_out, n_contributions), and the engine angles."""
+    """Order response of a case with the worst deviations, their signs +1 or -1, and the worst engine angles.
+
+    The signs are (n_speeds, n_out, n_contributions).
+    """
     if not has_unknown_angles(case.lines):
         return *worst_combination(case, scatter), ()
     found = at_worst_angles(case.values, case.lines, [(one.lines, one.values) for one in scatter])
@@ -107,14 +110,14 @@ def _at_its_worst(
 
 
 def _named(one: Contributions, among: Sequence[Contributions]) -> list[str]:
-    """Labels of the contributions, with the name of the excitation where there are several."""
+    """Labels of the torque deviations, with the name of the excitation where there are several."""
     return [label if len(among) == 1 else f"{one.excitation}: {label}" for label in one.labels]
 
 
 def _cases(
     nominal: OrderResponse, alternatives: Sequence[Contributions]
 ) -> dict[str, tuple[OrderResponse, set[tuple[str, str]]]]:
-    """Label -> order response of every combination of one alternative per excitation, and what it changes.
+    """Order response of every combination of one alternative per excitation, by label, and the parts it changes.
 
     What it changes is a set of pairs of an excitation and its part, such as a cylinder.
     """
@@ -136,7 +139,7 @@ def _cases(
 
 
 def _picked_angles(several: Sequence[tuple[EngineAngle, ...]], chosen: NDArray[np.int64]) -> tuple[EngineAngle, ...]:
-    """Angle and period in rad of each engine in the worst case, each (n_speeds, n_out)."""
+    """Angle and period in rad of each engine in the worst case, each of shape (n_speeds, n_out)."""
     return tuple(
         replace(
             same[0],
@@ -148,5 +151,5 @@ def _picked_angles(several: Sequence[tuple[EngineAngle, ...]], chosen: NDArray[n
 
 
 def _picked(several: Sequence[NDArray[Entry]], chosen: NDArray[np.int64]) -> NDArray[Entry]:
-    """Rows (n_speeds, n_out, n), each from the array of the worst case at its speed and output."""
+    """Rows (n_speeds, n_out, n) that are each taken from the worst case's array at its speed and output."""
     return np.asarray(np.take_along_axis(np.array(several), chosen[None, :, :, None], axis=0)[0])

@@ -1,4 +1,4 @@
-"""Worst combination of contributions that may each add or subtract: the signs with the largest half range.
+"""Signs of deviations that may each add or subtract, with which the half range is largest.
 
 The half range is a convex function of the deviations, so that it is largest where each deviation is at one end.
 """
@@ -16,20 +16,24 @@ from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.order_response import OrderResponse
 
 POINTS_PER_PERIOD = 8
-"""Points per period of the highest order while signs are searched; the half range is then summed more finely."""
+"""Points per period of the highest order while signs are searched, coarse since the half range is then summed more
+finely."""
 START_STRIDE = 2
-"""Points from one start of the search to the next.
+"""Points along the cycle from one start of the search for signs to the next, with which half ranges are missed by less
+than 1 %.
 
 With a stride of 8 half ranges were missed by up to 7 %, with 2 by less than 1 %; a stride of 1 found no more.
 """
 ROUNDS = 3
-"""Rounds that improve the places of the highest and lowest value in turn; more cost time and may find more."""
+"""Rounds that improve the places of the highest and lowest value in turn, few since each costs time, though more may
+find more."""
 SPEEDS_PER_SEARCH = 50
-"""Speeds that are searched together, which bounds the memory."""
+"""Number of speeds for which signs are searched together, which bounds the memory."""
 PARALLEL = 1e-9
-"""Part of a contribution across an edge, over its size, below which the contribution is parallel to the edge."""
+"""Part of a deviation across an edge, over its size, below which the deviation counts as parallel to the edge."""
 LONGEST_CYCLE = 100
-"""Revolutions of a common cycle of all shafts beyond which signs are searched for each excitation alone.
+"""Most revolutions of a common cycle of all shafts for which signs are searched for all excitations together. Beyond it
+they are searched for each excitation alone.
 
 A larger value searches longer waveforms, which takes time and memory in proportion.
 """
@@ -37,7 +41,7 @@ A larger value searches longer waveforms, which takes time and memory in proport
 
 @dataclass(frozen=True, eq=False)
 class Contributions:
-    """Contributions to the outputs of torques that are added to the nominal ones, by share of an excitation.
+    """Response amplitudes (n_shares, n_speeds, n_lines, n_out) that deviations of an excitation's torques add.
 
     Attributes
     ----------
@@ -57,13 +61,13 @@ class Contributions:
     parts: tuple[str, ...]
 
     def without(self, parts: Container[tuple[str, str]]) -> Contributions:
-        """Copy in which the contributions of some parts, named by excitation and part, are zero."""
+        """Copy in which the amplitudes of parts, such as a cylinder, named by excitation and part, are zero."""
         kept = np.array([(self.excitation, part) not in parts for part in self.parts], dtype=float)
         return replace(self, values=self.values * kept[:, None, None, None])
 
 
 def largest_amplitudes(values: ComplexArray, scatter: Sequence[Contributions]) -> FloatArray:
-    """Largest amplitude of every line over all combinations, exactly; (n_speeds, n_lines, n_out).
+    """Largest amplitude of every order line over all signs of deviations, exactly, (n_speeds, n_lines, n_out).
 
     Combinations fill a polygon around the amplitude without deviations. One of its corners lies furthest out, and at
     every corner an edge begins: contributions along it have the sign of that edge, others that of their part across it.
@@ -82,7 +86,7 @@ def largest_amplitudes(values: ComplexArray, scatter: Sequence[Contributions]) -
 
 
 def worst_combination(case: OrderResponse, scatter: Sequence[Contributions]) -> tuple[OrderResponse, NDArray[np.int8]]:
-    """Response with the worst combination at each speed and output, and signs (n_speeds, n_out, n_contributions)."""
+    """Order response with the worst signs of deviations, and these signs (n_speeds, n_out, n_contributions)."""
     signs = [np.ones((len(case.speeds), len(case.outputs), 0), dtype=np.int8)]
     values = case.values.copy()
     for group in [list(scatter)] if _repeats_soon(case) and scatter else [[one] for one in scatter]:
@@ -101,7 +105,10 @@ def _repeats_soon(case: OrderResponse) -> bool:
 
 
 def _signs(case: OrderResponse, group: Sequence[Contributions], part: slice) -> NDArray[np.int8]:
-    """Worst signs (n_speeds, n_out, n) at some speeds, from values along the cycle of all lines or of one shaft."""
+    """Signs +1 or -1, (n_speeds, n_out, n), of the deviations with the largest half range, at ``part`` of the speeds.
+
+    They are found from values along the cycle of all lines or of one shaft.
+    """
     base, *shares = _waves(case, group, part)
     high, low = _highest_and_lowest(base, np.array(shares))
     ends = [np.take_along_axis(np.array(shares), at[None, :, :, None], axis=3)[..., 0] for at in (high, low)]
@@ -109,7 +116,7 @@ def _signs(case: OrderResponse, group: Sequence[Contributions], part: slice) -> 
 
 
 def _waves(case: OrderResponse, group: Sequence[Contributions], part: slice) -> list[FloatArray]:
-    """Waveforms along the cycle of the case, then of every contribution, each (n_speeds, n_out, n_points).
+    """Waveforms (n_speeds, n_out, n_points) along the cycle, of the case and then of every torque deviation.
 
     Where all lines have a short common cycle they all count, else only the lines of the shaft of the excitation.
     """
@@ -134,7 +141,7 @@ def _waves(case: OrderResponse, group: Sequence[Contributions], part: slice) -> 
 
 
 def _highest_and_lowest(base: FloatArray, shares: FloatArray) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Indices along the cycle of the highest and lowest value with the worst signs, each (n_speeds, n_out)."""
+    """Indices (n_speeds, n_out) along the cycle of the highest and of the lowest value with the worst signs."""
     best = np.full(base.shape[:2], -np.inf)
     high, low = np.zeros(base.shape[:2], dtype=np.int64), np.zeros(base.shape[:2], dtype=np.int64)
     for start in range(0, base.shape[2], START_STRIDE):
@@ -150,7 +157,7 @@ def _highest_and_lowest(base: FloatArray, shares: FloatArray) -> tuple[NDArray[n
 
 
 def _differences(base: FloatArray, shares: FloatArray, at: NDArray[np.int64]) -> FloatArray:
-    """Differences (n_speeds, n_out, n_points) of the value at ``at`` from every other value, under the best signs."""
+    """Differences (n_speeds, n_out, n_points) of the value at ``at`` from all others, under the worst signs."""
     found = np.take_along_axis(base, at[..., None], axis=2) - base
     for share in shares:
         found += np.abs(np.take_along_axis(share, at[..., None], axis=2) - share)

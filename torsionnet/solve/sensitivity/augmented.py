@@ -1,4 +1,4 @@
-"""Augmented equations of motion, before the constraints are solved, with derivatives to chosen parameters.
+"""Equations of motion of a drivetrain before its constraints are solved, with derivatives to chosen parameters.
 
 All node angles theta and the torques lambda of all rigid conditions are unknowns,
 
@@ -30,7 +30,7 @@ from torsionnet.solve.sensitivity.unknowns import Unknowns
 
 @dataclass(frozen=True, eq=False)
 class LawCoefficients:
-    """Coefficient of every law, such as the inertia: values (n_laws,) and derivatives (n_laws, n_p)."""
+    """Coefficient of every law in SI units, such as its inertia, as values (n_laws,) and derivatives (n_laws, n_p)."""
 
     values: FloatArray
     slopes: FloatArray
@@ -38,7 +38,9 @@ class LawCoefficients:
 
 @dataclass(frozen=True, eq=False)
 class Augmented:
-    """Augmented equations for one set of parameter values: coefficients and rows with their derivatives.
+    """Equations of motion with constraints for one set of parameter values, and derivatives of their entries.
+
+    Coefficients and rows with their derivatives.
 
     Attributes
     ----------
@@ -68,16 +70,16 @@ class Augmented:
 
     @cached_property
     def exact_laws(self) -> tuple[dict[str, Fraction], ...]:
-        """Rows of the laws as rationals."""
+        """Row of each law (spring, damper, inertia) as rational coefficients by node."""
         return tuple(map(_exact, self.law_rows))
 
     @cached_property
     def exact_conditions(self) -> tuple[dict[str, Fraction], ...]:
-        """Rows of the conditions as rationals."""
+        """Row of each rigid condition as rational coefficients, by node and imposed angle."""
         return tuple(map(_exact, self.condition_rows))
 
     def kappa(self, s: ComplexArray, at: FloatArray) -> ComplexArray:
-        """Dynamic stiffness of all laws, (n_laws, n_points).
+        """Dynamic stiffness (n_laws, n_points) of all laws in N m/rad, at s in rad/s.
 
         Parameters
         ----------
@@ -93,7 +95,7 @@ class Augmented:
         return kappa
 
     def kappa_rates(self, s: ComplexArray, at: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        """Derivatives of the dynamic stiffness of all laws to s, and to the frequency at which tables are read."""
+        """Derivatives (n_laws, n_points) of all dynamic stiffnesses to s, and to the frequency in tables."""
         rates = np.asarray(self.damping.values[:, None] + 2 * s * self.inertia.values[:, None], dtype=complex)
         followed = np.zeros_like(rates)
         for law, table in self.tables:
@@ -103,7 +105,7 @@ class Augmented:
 
     @cached_property
     def varied(self) -> tuple[int, ...]:
-        """Numbers of the laws that depend on a parameter."""
+        """Numbers of the springs, dampers and inertias (laws) that depend on a varied parameter."""
         slopes = (self.inertia.slopes, self.damping.slopes, self.stiffness.slopes, self.hysteretic.slopes)
         moved = np.any([slope.any(axis=1) for slope in slopes], axis=0) | self.law_slopes.any(axis=(1, 2))
         moved[[law for law, gradients in self._gradients.items() if gradients.any()]] = True
@@ -119,7 +121,7 @@ class Augmented:
         }
 
     def kappa_slopes(self, law: int, s: ComplexArray, at: FloatArray) -> Iterator[tuple[int, ComplexArray]]:
-        """Yield parameter number and derivative (n_points,) of a law's dynamic stiffness, for each parameter in it."""
+        """Yield number of a parameter, and derivative (n_points,) of a law's dynamic stiffness to it, if not zero."""
         J, c, k, loss = (part.slopes[law] for part in (self.inertia, self.damping, self.stiffness, self.hysteretic))
         table, gradients = dict(self.tables).get(law), self._gradients.get(law, np.zeros((0, len(J))))
         slopes = None if table is None else table.slopes(s, at)
@@ -129,7 +131,7 @@ class Augmented:
 
 
 def augmented(unknowns: Unknowns, at: Sequence[float], nodes: Sequence[str], redundant: Sequence[int]) -> Augmented:
-    """Augmented equations for these values of the unknowns, without redundant conditions."""
+    """Equations of motion with constraints at these parameter values, without conditions that follow from others."""
     parts = owned_parts(unknowns.definition, Values(unknowns.values(at), DUALS))
     acting = ", ".join(dict.fromkeys(part.element for part in parts if isinstance(part.part, Action)))
     if acting:
@@ -160,7 +162,7 @@ def _exact(row: Row) -> dict[str, Fraction]:
 
 
 def _conditions(unknowns: Unknowns, parts: Sequence[OwnedPart], nodes: Sequence[str]) -> tuple[list[Row], list[str]]:
-    """Rows of conditions over nodes with their owners: imposed angles first, then the elements' own."""
+    """Rows of rigid conditions by node and their owners, imposed angles first, then those of the elements."""
     imposed = imposed_rows(unknowns.definition, nodes)
     owned = constraints_of(parts)
     rows: list[Any] = [*imposed.values(), *(row for _, row in owned)]

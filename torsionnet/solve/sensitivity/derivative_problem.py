@@ -1,4 +1,4 @@
-"""Derivatives of readings from motions under loads and under readings, by elimination on the graph.
+"""Derivatives of readings to parameters, from motions under loads and under the readings taken for loads.
 
 A reading y = c . [theta, lambda] under a load has the derivative dc . [theta, lambda] - z . dK [theta, lambda], where K
 is the matrix of :mod:`torsionnet.solve.sensitivity.augmented` and K z = c: the motion under the reading taken for a
@@ -37,7 +37,7 @@ ExactRow = Mapping[str, Fraction]
 
 @dataclass(frozen=True)
 class GapDerivative:
-    """Gap of a torque that is read: the virtual motion that opens it, and the share of the element's own laws."""
+    """Virtual motion that opens a rigid connection whose torque is read, and the share of the element's own laws."""
 
     motion: ExactRow
     own: Mapping[int, Fraction] = field(default_factory=dict)
@@ -45,7 +45,7 @@ class GapDerivative:
 
 @dataclass(frozen=True)
 class SolvedReadings:
-    """Sensor in a derivative problem: row of motion or gap of its torque, derivatives, and number as a load."""
+    """Reading in a derivative problem, as row of motion or gap of its torque, derivatives, and number as a load."""
 
     power: int
     row: ExactRow | None
@@ -55,7 +55,7 @@ class SolvedReadings:
 
 
 class DerivativeProblem:
-    """Response problem for the derivatives of readings, for one set of rows.
+    """Response problem whose solution gives readings and their derivatives to parameters, for one set of rows.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ class DerivativeProblem:
         return len(self.gaps) - 1
 
     def _opened(self, condition: int) -> ExactRow:
-        """Motion that violates one condition by one and no other; driven nodes stand still."""
+        """Motion in rad by node that violates one rigid condition by one and no other. Driven nodes stand still."""
         rows = [dict(row) for row in self.system.exact_conditions]
         for name in self.driven:
             for row in rows:
@@ -140,7 +140,7 @@ class DerivativeProblem:
         return SolvedReadings(0, None, self._gap(GapDerivative(motion, own)), slopes, load)
 
     def _row(self, row: ExactRow, own: Mapping[int, Fraction] | None = None) -> Row:
-        """Row over columns from a row over nodes; ``own`` is subtracted in the columns of gaps."""
+        """Coefficients by column of the problem of a row over nodes, less ``own`` in the columns of gaps."""
         found = {self.columns[name]: float(a) for name, a in self.reduction.reduced(row).items()}
         for number, gap in enumerate(self.gaps):
             opened = sum((a * gap.motion[node] for node, a in row.items() if node in gap.motion), start=Fraction(0))
@@ -154,14 +154,17 @@ class DerivativeProblem:
         return self._row(self.system.exact_laws[law], own)
 
     def _slope_row(self, slopes: FloatArray, law: int = -1, p: int = -1) -> Row:
-        """Row over columns of the derivative (n_nodes,) of a row; for a law with its share in its own torque."""
+        """Row over columns of the derivative (n_nodes,) of a law's or condition's row to one parameter.
+
+        For a law it holds the share in its own torque too.
+        """
         own = {one.gap: exact(float(one.slopes.laws[law, p])) for one in self.readings if law >= 0 and one.gap >= 0}
         return self._row({self.nodes[i]: exact(float(slopes[i])) for i in np.flatnonzero(slopes).tolist()}, own)
 
     # --- the problem ------------------------------------------------------------------------------------------------
 
     def _place(self, loads: Sequence[Loading]) -> None:
-        """Set up the response problem and note the numbers of its outputs."""
+        """Set up the response problem, and note the numbers of twists, derivatives and motions among its outputs."""
         system, outputs = self.system, _Outputs()
         count = system.inertia.slopes.shape[1]
         laws = [self._law_row(law) for law in range(len(system.law_owners))]
@@ -205,7 +208,7 @@ class DerivativeProblem:
     # --- what its solution says -------------------------------------------------------------------------------------
 
     def values(self, solved: ComplexArray, s: ComplexArray) -> ComplexArray:
-        """Readings (n_f, n_readings, n_loads) from the solution of the problem."""
+        """Readings (n_f, n_readings, n_loads) in SI units per unit load, from the solution of the problem."""
         found = np.empty((len(s), len(self.readings), self.n_loads), dtype=complex)
         for number, one in enumerate(self.readings):
             motion = self.motions[number]
@@ -216,7 +219,10 @@ class DerivativeProblem:
     def slopes(
         self, solved: ComplexArray, system: Augmented, kappa: ComplexArray, s: ComplexArray, at: FloatArray
     ) -> ComplexArray:
-        """Derivatives of readings (n_f, n_readings, n_loads, n_p); the other arguments as for ``Augmented.kappa``."""
+        """Derivatives of readings (n_f, n_readings, n_loads, n_p) per SI unit of each parameter.
+
+        The other arguments are those of ``Augmented.kappa``.
+        """
         count = system.inertia.slopes.shape[1]
         stiffness = {law: list(system.kappa_slopes(law, s, at)) for law in system.varied}
         found = np.zeros((len(s), len(self.readings), self.n_loads, count), dtype=complex)
@@ -233,7 +239,7 @@ class DerivativeProblem:
         return found
 
     def slopes_along(self, solved: ComplexArray, rates: ComplexArray, s: ComplexArray) -> ComplexArray:
-        """Derivatives of readings (n_f, n_readings, n_loads) along given rates (n_laws, n_f) of the law stiffnesses."""
+        """Derivatives of readings (n_f, n_readings, n_loads) along ``rates`` (n_laws, n_f) of the stiffnesses."""
         twists = solved[[self.twists[law] for law in range(len(rates))]]
         adjoint, motion = twists[:, [one.load for one in self.readings]], twists[:, : self.n_loads]
         powers = np.array([s**one.power for one in self.readings])
@@ -247,10 +253,7 @@ class DerivativeProblem:
         z: ComplexArray,
         count: int,
     ) -> ComplexArray:
-        """Derivative of the equations, z . dK x, for every parameter, shape (n_f, n_p).
-
-        dK x for every parameter, (n_f, n_p).
-        """
+        """Derivatives (n_f, n_p) of the equations of motion to every parameter, z^T dK x for solutions x and z."""
         total = np.zeros((x.shape[1], count), dtype=complex)
         for law, slopes in stiffness.items():
             place = self.twists[law]
@@ -275,7 +278,7 @@ class _Outputs:
 
 
 def law_stiffness_of(system: Augmented, omega: FloatArray) -> LawStiffness:
-    """Dynamic stiffness of the laws of an augmented system at omega in rad/s."""
+    """Dynamic stiffness (n_laws, n_f) of an augmented system at omega (n_f,) in rad/s, as the solver takes it."""
     sampled: dict[int, ComplexArray] = {
         law: np.full((1, len(omega)), 1j * system.hysteretic.values[law])
         for law in np.flatnonzero(system.hysteretic.values).tolist()

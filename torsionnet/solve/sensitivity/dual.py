@@ -1,4 +1,4 @@
-"""Dual numbers that carry derivatives, with which elements evaluate the derivatives of their laws."""
+"""Dual numbers, which carry derivatives, so that elements evaluate the derivatives of their own laws."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ from torsionnet.core.expressions import Algebra
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Dual:
-    """Dual number, a value and its gradient (n_p,); equal to a plain number only if its gradient is zero.
+    """Dual number, which is a value and its gradient (n_p,) to the varied parameters.
+
+    It equals a plain number only if its gradient is zero.
 
     >>> x = Dual(3.0, np.array([1.0]))
     >>> y = 1 / x**2 - x
@@ -91,14 +93,14 @@ def _root(number: Any) -> Any:
 
 
 DUALS = Algebra(number=Fraction, sqrt=_root, pi=math.pi)
-"""Algebra of expressions in which some parameters are :class:`Dual`."""
+"""Arithmetic for expressions in which some parameters are a :class:`Dual`, so that results carry derivatives."""
 
 
 def gradient_of(number: Any, count: int) -> FloatArray:
-    """Derivatives of a dual, (count,); zeros for any other number."""
+    """Derivatives (count,) that a dual number carries, zeros for any other number."""
     return number.gradient if isinstance(number, Dual) else np.zeros(count)
 
 
 def value_of(number: Any) -> Any:
-    """Value of a number without its derivatives."""
+    """Value of a dual number without its derivatives, or any other number as it is."""
     return number.value if isinstance(number, Dual) else number

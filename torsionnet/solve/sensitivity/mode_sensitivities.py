@@ -1,4 +1,4 @@
-"""Derivatives of natural frequencies and damping ratios with respect to parameters."""
+"""Derivatives of natural frequencies and damping ratios of modes with respect to parameters."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from torsionnet.solve.sensitivity.pole_slopes import ResponsesAroundPoles, clear
 from torsionnet.solve.sensitivity.unknowns import unknowns
 
 REPEATED_POLE_DISTANCE = 1e-6
-"""Relative distance below which poles count as repeated, so that rounding does not split them."""
+"""Relative distance below which poles count as one repeated pole, so that rounding does not split them."""
 NAMED_EFFECT = 0.05
-"""Percent per percent of a parameter above which an effect is named in words."""
+"""Change of a mode in percent per percent of a parameter above which a sentence names the parameter."""
 
 
 @dataclass(frozen=True)
 class ModeEffect:
-    """Effect of one parameter on one mode, relative and per SI unit of the parameter."""
+    """Effect of one parameter on one mode's frequency and damping ratio, in % per % and per SI unit."""
 
     mode: Annotated[int | None, Out("mode")]
     natural_frequency: Annotated[float, Out("natural frequency", "Hz", digits=5)]
@@ -44,7 +44,7 @@ class ModeEffect:
 
 @dataclass(frozen=True, eq=False)
 class SensitivityRow:
-    """Effects of all parameters on one mode, arrays of shape (n_p,)."""
+    """Effects (n_p,) of all parameters on one mode's frequency and damping ratio, in % per % and per SI unit."""
 
     mode: Annotated[int | None, Out(schema=MODE_NUMBER)]
     natural_frequency: Annotated[float, Out(json="natural_frequency_Hz")]
@@ -57,7 +57,7 @@ class SensitivityRow:
 
 @dataclass(frozen=True, eq=False)
 class SensitivityRecord:
-    """Sensitivities of one configuration, as ``torsionnet sensitivity --json`` prints them."""
+    """Sensitivities of all modes in one configuration, as ``torsionnet sensitivity --json`` prints them."""
 
     title: str
     configuration: str
@@ -69,7 +69,7 @@ class SensitivityRecord:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ModeSensitivities(NotebookResult):
-    """Derivatives of poles, natural frequencies and damping ratios with respect to parameters.
+    """Derivatives of poles, natural frequencies and damping ratios of a drivetrain with respect to parameters.
 
     Attributes
     ----------
@@ -111,7 +111,7 @@ class ModeSensitivities(NotebookResult):
 
     @property
     def damping_slopes(self) -> FloatArray:
-        """Derivatives of damping ratios per SI unit of the parameter, shape (n_modes, n_p); 0 for real poles."""
+        """Derivatives of damping ratios per SI unit of the parameter, shape (n_modes, n_p), 0 for real poles."""
         size = np.abs(self.poles)[:, None]
         moved = -self.pole_slopes.real / size + self.poles.real[:, None] * self._size_slopes / size**2
         return np.asarray(np.where(self.poles.imag[:, None] == 0, 0.0, moved))
@@ -122,23 +122,23 @@ class ModeSensitivities(NotebookResult):
 
     @property
     def relative_frequencies(self) -> FloatArray:
-        """Relative sensitivities (n_modes, n_p): percent of natural frequency per percent of parameter."""
+        """Percent of natural frequency per percent of parameter, shape (n_modes, n_p)."""
         return np.asarray(self.frequency_slopes * self.values / self.natural_frequencies[:, None])
 
     @property
     def relative_dampings(self) -> FloatArray:
-        """Relative sensitivities (n_modes, n_p): percent of damping ratio per percent of parameter."""
+        """Percent of damping ratio per percent of parameter, shape (n_modes, n_p)."""
         ratios = self.damping_ratios[:, None]
         with np.errstate(divide="ignore", invalid="ignore"):
             found = self.damping_slopes * self.values / ratios
         return np.asarray(np.where(np.abs(ratios) > 0, found, 0.0))
 
     def number(self, index: int) -> int | None:
-        """Number of the mode at this index; None for a real pole."""
+        """Number of the mode at this index, counted from 1, or None for a real pole."""
         return self.numbers[index] if self.numbers else index + 1
 
     def name(self, index: int) -> str:
-        """Name of the mode at this index: "mode 1", or "real pole".
+        """Name of the mode at this index, such as "mode 1", or "real pole". "mode 1", or "real pole".
 
         >>> import torsionnet as tn
         >>> mode_sensitivities(tn.load("dmf_rig"), ["k_2"]).name(0)
@@ -148,7 +148,7 @@ class ModeSensitivities(NotebookResult):
         return "real pole" if number is None else f"mode {number}"
 
     def words(self, most: int = 3) -> tuple[str, ...]:
-        """Sentences, one per mode, on the parameters that change the mode most."""
+        """Sentences, one per mode, that name the ``most`` parameters which change the mode most."""
         found = []
         for mode, (f, z) in enumerate(zip(self.natural_frequencies, self.damping_ratios, strict=True)):
             if np.isnan(self.pole_slopes[mode]).any():
@@ -170,13 +170,13 @@ class ModeSensitivities(NotebookResult):
         return [COUNTING_NOTE] if None in self.numbers else []
 
     def table(self) -> Table:
-        """Table with a row for each mode and parameter."""
+        """Table of effects with a row for each mode and parameter, in % per % and per SI unit."""
         rows = [row for mode in range(len(self.poles)) for row in self.rows(mode)]
         notes = (*self.words(), *self._counting)
         return result_table(f"{self.title}: what moves the modes", rows, ModeEffect, notes=notes)
 
     def rows(self, mode: int) -> list[ModeEffect]:
-        """Effects of all parameters on the mode at this index."""
+        """Effects of all parameters, one by one, on the mode at this index."""
         about = self.number(mode), float(self.natural_frequencies[mode]), float(self.damping_ratios[mode])
         effects = [
             self.relative_frequencies[mode], self.relative_dampings[mode],
@@ -188,7 +188,7 @@ class ModeSensitivities(NotebookResult):
         ]
 
     def record(self, configuration: str = "", modes: Sequence[int] = ()) -> SensitivityRecord:
-        """Effects on all modes, or on those of some numbers, as plain data, for JSON."""
+        """Effects on all modes, or on those with the given numbers, as plain data that JSON can hold."""
         every = range(len(self.poles))
         rows = tuple(
             SensitivityRow(
@@ -213,7 +213,7 @@ def mode_sensitivities(
     measured_input: str | Sensor | None = None,
     excitation: str | None = None,
 ) -> ModeSensitivities:
-    """Derivatives of all poles with respect to parameters.
+    """Derivatives (n_modes, n_p) of all poles, natural frequencies and damping ratios with respect to parameters.
 
     Parameters
     ----------
@@ -262,7 +262,7 @@ def _basic(drivetrain: AssembledModel) -> list[str]:
 
 
 def _groups(poles: ComplexArray) -> list[list[int]]:
-    """Groups of indices of equal poles."""
+    """Groups of indices of poles that are equal within rounding."""
     groups: list[list[int]] = []
     for place, pole in enumerate(poles):
         near = [group for group in groups if abs(poles[group[0]] - pole) < REPEATED_POLE_DISTANCE * abs(pole)]

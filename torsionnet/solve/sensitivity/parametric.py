@@ -1,4 +1,4 @@
-"""Transfer functions of parameters, with exact derivatives."""
+"""Transfer functions of a drivetrain as functions of its parameters, with exact derivatives."""
 
 from __future__ import annotations
 
@@ -31,7 +31,10 @@ from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """Transfer functions (n_f, n_out, n_in) at one set of parameters, and derivatives (n_f, n_out, n_in, n_p)."""
+    """Transfer functions (n_f, n_out, n_in) for one set of parameters, and derivatives (n_f, n_out, n_in, n_p).
+
+    Both are in SI units.
+    """
 
     values: ComplexArray
     jacobian: ComplexArray
@@ -39,7 +42,7 @@ class Evaluation:
 
 @dataclass(frozen=True, eq=False)
 class ParametricResponse:
-    """Transfer functions of one drivetrain as functions of some of its parameters.
+    """Transfer functions of one drivetrain, with exact derivatives, as functions of some of its parameters.
 
     Nothing is checked again from one set of values to the next, so a fit can ask thousands of times.
 
@@ -67,7 +70,7 @@ class ParametricResponse:
 
     @property
     def start(self) -> FloatArray:
-        """Parameter values in the drivetrain as given, SI."""
+        """Parameter values (n_p,) of the drivetrain as given, in SI units."""
         return np.array(self.unknowns.start)
 
     @cached_property
@@ -75,7 +78,7 @@ class ParametricResponse:
         return self.drivetrain.assembly.kinematics.nodes
 
     def at(self, values: Sequence[float] | FloatArray) -> Evaluation:
-        """Transfer functions and derivatives for these values of the parameters.
+        """Transfer functions and derivatives, in SI units, for these parameter values (n_p,).
 
         Raises
         ------
@@ -103,7 +106,7 @@ class ParametricResponse:
         return found
 
     def _problem(self, system: Augmented, numbers: Sequence[float]) -> DerivativeProblem:
-        """Response problem for these rows, kept for all values where no parameter changes a row."""
+        """Response problem that gives readings and derivatives, kept while no parameter changes a row."""
         slopes = (system.law_slopes, system.condition_slopes)
         key = (system.exact_laws, system.exact_conditions, *(part.tobytes() for part in slopes))
         if self._known and self._known[0][0] == key:
@@ -120,7 +123,7 @@ class ParametricResponse:
     def _stressed(
         self, y: ComplexArray, dy: ComplexArray, numbers: Sequence[float]
     ) -> tuple[ComplexArray, ComplexArray]:
-        """Readings and derivatives converted from torque to stress or referred to another shaft where so requested.
+        """Readings and their derivatives, converted from torque to stress or referred to another shaft on request.
 
         The section is no law, nor is the shaft referred to: they move readings, and nothing in the equations.
         """
@@ -148,7 +151,7 @@ class ParametricResponse:
         points: NDArray[np.intp],
         numbers: Sequence[float],
     ) -> ComplexArray:
-        """Values of uncertain points, solved by the drivetrain itself where rounding would show."""
+        """Transfer functions (n, n_out, n_in) at uncertain points, by the drivetrain itself if rounding would show."""
 
         def evaluate(some: LawStiffness, other_order: bool) -> ComplexArray:
             problem = derivatives.problem.in_other_order if other_order else derivatives.problem
@@ -190,7 +193,7 @@ def parametric_response(
     *,
     excitation: str | Sequence[str] | None = None,
 ) -> ParametricResponse:
-    """Transfer functions of a drivetrain as a function of some of its parameters.
+    """Transfer functions of a drivetrain, ready to be evaluated with derivatives at any values of some parameters.
 
     Parameters
     ----------

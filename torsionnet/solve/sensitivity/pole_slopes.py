@@ -32,26 +32,27 @@ from torsionnet.solve.sensitivity.derivative_problem import DerivativeProblem
 from torsionnet.solve.sensitivity.unknowns import Unknowns
 
 CIRCLE_RADIUS, CIRCLE_RADIUS_MEASURED = 1e-6, 1e-4
-"""Radius of the circle around a pole on which responses are taken, as a share of the distance to the next pole.
+"""Radius of the circle around a pole on which responses are taken, over the distance to the next pole, larger against a
+measured input.
 
 Next to a pole small twists stand out best; what is left of a difference, as against a measured input, does farther off.
 """
 MEASURED_PROBES = 6
-"""Number of further nodes tried as probes against a measured input: more find the pole more surely, at more cost."""
+"""Number of further nodes tried as probes against a measured input, as more find the pole more surely, at more cost."""
 AXIS_ROUNDING = 1e-9
-"""Share of a slope below which its real or imaginary part is rounding where the other part alone is possible."""
+"""Share of a pole's derivative below which its real or imaginary part is rounding where only the other part can be."""
 DEFECTIVE_SHARE = 0.7
-"""Share of a response growing quicker than 1/x above which equal poles have fewer vectors than poles."""
+"""Share of a response growing quicker than 1/x near equal poles, above which they have too few mode shapes."""
 
 
 def clearance(poles: ComplexArray, group: Sequence[int]) -> float:
-    """Distance of a group of equal poles from all other poles."""
+    """Distance in rad/s of a group of equal poles from all other poles, conjugates and zero included."""
     others = np.concatenate([np.delete(poles, group), poles.conj()[poles.imag > 0], [0.0]])
     return float(np.abs(others - np.mean(poles[group])).min())
 
 
 class ResponsesAroundPoles:
-    """Responses of probes around poles, from which the derivatives of the poles follow."""
+    """Responses at probe nodes around the poles of a drivetrain, from which the derivatives of the poles follow."""
 
     def __init__(
         self, drivetrain: AssembledModel, chosen: Unknowns, sensors: Sequence[Sensor], loads: Sequence[Input]
@@ -67,7 +68,10 @@ class ResponsesAroundPoles:
 
     @classmethod
     def of(cls, drivetrain: AssembledModel, chosen: Unknowns, request: TransferRequest | None) -> ResponsesAroundPoles:
-        """Responses around the poles of a drivetrain, of one cut at a measured torque, or against a measured input."""
+        """Responses around the poles of a drivetrain, or around its poles against the measured input of a request.
+
+        A measured torque may cut the drivetrain.
+        """
         if request is None:
             return cls(drivetrain, chosen, (), ())
         kept = elements_beyond_cut(drivetrain, request)
@@ -79,7 +83,7 @@ class ResponsesAroundPoles:
         return cls(drivetrain.with_definition(chosen.definition), chosen, (), ())
 
     def slopes(self, poles: ComplexArray, shapes: ComplexArray, clearance: float) -> ComplexArray:
-        """Derivatives (multiplicity, n_p) of equal poles with these shapes (n_nodes, multiplicity)."""
+        """Derivatives (multiplicity, n_p) in rad/s per SI unit of equal poles with shapes (n_nodes, multiplicity)."""
         count, center = len(poles), complex(np.mean(poles))
         near = CIRCLE_RADIUS_MEASURED if self.sensors else CIRCLE_RADIUS
         apart = max(near * clearance, 3 * np.abs(poles - center).max()) * _circle(2 * count + 2)
@@ -109,7 +113,9 @@ class ResponsesAroundPoles:
         return np.stack([np.sort_complex(_on_axes(slopes, center)) for slopes in parted], axis=1)
 
     def _probes(self, shapes: ComplexArray) -> DerivativeProblem:
-        """Response problem with probes, loads and readings at nodes that move; few different ones serve all modes.
+        """Response problem with probes, that is loads and readings at nodes which move in the mode shapes.
+
+        Few different ones serve all modes.
 
         The motion that answers a drive which keeps a reading at zero is another one than that which it drives, so that
         some more nodes are tried there.
@@ -130,7 +136,7 @@ class ResponsesAroundPoles:
         return self.known[nodes]
 
     def _responses(self, probes: DerivativeProblem, s: ComplexArray, at: FloatArray) -> Responses:
-        """Responses of probes with derivatives to the parameters, to s and to the frequency at which tables are read.
+        """Responses (n_points, n, n) of probes at s, with derivatives to parameters, to s and to table frequency.
 
         A measured input is given, and its drive read.
         """
@@ -146,7 +152,7 @@ class ResponsesAroundPoles:
 
 
 def _on_axes(slopes: ComplexArray, pole: complex) -> ComplexArray:
-    """Slopes of an undamped pole without the rounding beside the real or the imaginary axis."""
+    """Derivatives of an undamped pole (rad/s per SI unit) without rounding beside the real or imaginary axis."""
     if pole.real:
         return slopes
     least = AXIS_ROUNDING * np.abs(slopes)
@@ -155,20 +161,23 @@ def _on_axes(slopes: ComplexArray, pole: complex) -> ComplexArray:
 
 
 def _circle(count: int) -> ComplexArray:
-    """Points on the unit circle, evenly spaced."""
+    """Points (count,) on the unit circle of the complex plane, evenly spaced."""
     return np.asarray(np.exp(2j * np.pi * (np.arange(count) + 0.5) / count))
 
 
 @dataclass(frozen=True)
 class Responses:
-    """Responses (n_points, n, n) of probes to loads, the size of their terms, and their derivatives."""
+    """Responses (n_points, n, n) of probes to loads, sizes of their terms, and derivatives to parameters and s.
+
+    The derivatives are (n_points, n, n, n_p + 2).
+    """
 
     values: ComplexArray
     sizes: FloatArray
     slopes: ComplexArray
 
     def with_imposed_reading(self) -> Responses:
-        """Responses with the first reading imposed in place of the first load, which becomes the first reading.
+        """Responses (n_points, n, n) with the first reading imposed and the torque for it read in place of it.
 
         With mu = y_00, u = (given - y_0l f_l) / mu, and every other reading is y_c0 u + y_cl f_l.
         """
@@ -187,7 +196,7 @@ class Responses:
 
 
 def _pivots(residues: ComplexArray, shares: FloatArray, count: int) -> tuple[list[int], list[int]]:
-    """Rows and columns of the largest pivots of residues, among entries in which the pole has a large share."""
+    """Indices of the rows and columns of the ``count`` largest pivots of residues, where the pole counts most."""
     left = np.where(shares > shares.max() / 10, residues, 0.0)
     for axis in (0, 1):
         largest = np.abs(left).max(axis=axis, keepdims=True)

@@ -1,4 +1,4 @@
-"""Derivatives of the rows of sensors with respect to parameters."""
+"""Derivatives of the coefficients of sensor readings with respect to parameters."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from torsionnet.solve.sensitivity.dual import DUALS, gradient_of
 
 @dataclass(frozen=True, eq=False)
 class ReadingDerivative:
-    """Derivatives of the coefficients of a reading with respect to parameters.
+    """Derivatives of the coefficients of a reading by node, law and condition, with respect to parameters.
 
     They are those of m, f and g in y = s^power (m . theta) + sum_i f_i kappa_i (a_i . theta) + sum_j g_j lambda_j.
 
@@ -31,7 +31,7 @@ class ReadingDerivative:
 
     @classmethod
     def nothing(cls, system: Augmented) -> ReadingDerivative:
-        """Zero derivatives of a reading that does not depend on parameters."""
+        """Derivatives of a reading that does not depend on parameters, which are all zero."""
         (_, n_nodes, count), n_conditions = system.law_slopes.shape, len(system.condition_owners)
         return cls(np.zeros((n_nodes, count)), np.zeros(system.inertia.slopes.shape), np.zeros((n_conditions, count)))
 
@@ -39,14 +39,14 @@ class ReadingDerivative:
 def reading_on_duals(
     sensor: Sensor, elements: Mapping[str, Element], system: Augmented, values: Mapping[str, Any]
 ) -> Reading:
-    """Reading of a sensor known to be present, with dual numbers that carry derivatives."""
+    """Reading of a sensor, known to be present, with coefficients that carry their derivatives."""
     laws = zip(system.law_owners, system.law_rows, strict=True)
     conditions = zip(system.condition_owners, system.condition_rows, strict=True)
     return reading(sensor, elements, Values(values, DUALS), laws, conditions)
 
 
 def derivative_of(read: Reading, system: Augmented, nodes: Sequence[str]) -> ReadingDerivative:
-    """Derivatives of a reading's coefficients as arrays."""
+    """Derivatives of a reading's coefficients by node, law and condition to parameters, from dual numbers."""
     new, count = ReadingDerivative.nothing(system), system.inertia.slopes.shape[1]
     places = {node: place for place, node in enumerate(nodes)}
     motion = {places[node]: number for node, number in (read.row or {}).items() if node in places}

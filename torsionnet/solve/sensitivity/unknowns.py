@@ -1,4 +1,4 @@
-"""Unknowns of a drivetrain: named parameters, or scalar fields of elements such as ``oil.damping``."""
+"""Unknowns of a calculation, which are named parameters or fields of elements such as ``oil.damping``."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from torsionnet.solve.sensitivity.dual import DUALS, Dual
 
 @dataclass(frozen=True)
 class Unknowns:
-    """Parameters and fields of elements of a drivetrain that are varied, with their present values in SI.
+    """Parameters and fields of elements of a drivetrain that are varied, with their present values in SI units.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Unknowns:
     definition: Definition
 
     def values(self, at: Sequence[float]) -> dict[str, Any]:
-        """Parameter -> value in SI, with its derivatives by the unknowns (a dual number) where it depends on them.
+        """Values in SI units of all parameters by name, as dual numbers where they depend on the unknowns.
 
         Raises
         ------
@@ -65,7 +65,7 @@ class Unknowns:
 
 
 def unknowns(drivetrain: AssembledModel, names: Sequence[str]) -> Unknowns:
-    """Unknowns of a drivetrain from the names of parameters or fields.
+    """Unknowns of a drivetrain, with present values in SI units, from names of parameters or fields.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def unknowns(drivetrain: AssembledModel, names: Sequence[str]) -> Unknowns:
 
 
 def _with_parameter(definition: Definition, name: str, drivetrain: AssembledModel) -> tuple[Definition, str]:
-    """Definition with a parameter in place of ``element.field``, and the parameter's name."""
+    """Definition with a parameter in place of the number ``element.field``, and the parameter's name."""
     element_name, _, field = name.rpartition(".")
     if element_name not in definition.elements:
         known = [*definition.parameters, *(f"{e}.{f}" for e in definition.elements for f in _fields(drivetrain, e))]
@@ -129,6 +129,6 @@ def _with_parameter(definition: Definition, name: str, drivetrain: AssembledMode
 
 
 def _fields(drivetrain: AssembledModel, element: str) -> list[str]:
-    """Names of the scalar fields of an element that have a value."""
+    """Names of the fields of an element that hold a single number and have a value."""
     scalars = drivetrain.definition.elements[element].scalars()
     return [name for name, (spec, _) in scalars.items() if isinstance(spec, QuantityKind)]
