@@ -88,7 +88,7 @@ class Conclusion(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class StudyAnswer(Declared):
-    """Base class of a study's answers, one subclass for each ``type`` in a file, registered by :func:`register_answer`."""
+    """Base class of a study's answers, one subclass for each ``type`` in a file (:func:`register_answer`)."""
 
     article: ClassVar[str] = "an answer"
     of_variants: ClassVar[bool] = True

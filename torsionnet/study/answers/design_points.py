@@ -16,7 +16,7 @@ MOST_ITERATIONS = 25
 FARTHEST = 12.0
 """Largest distance of a design point from the median in standard deviations, since failure beyond is below 1e-32."""
 STEP_SHARES = 0.5 ** np.arange(8)
-"""Shares of a step tried together, down to 1/128, as a search of a curved limit state may diverge without small ones."""
+"""Shares of a step tried together, down to 1/128, as without small ones searches of a curved limit state may diverge."""
 SAME_DIRECTION = 0.9
 """Cosine between the directions of two starts of searches above which one is left out, as both lead to one point."""
 SAME_PLACE = 0.3
@@ -29,12 +29,12 @@ RAY = np.unique(
 All along the ray, and close to the end, where a region of failures thinner than the steps along the ray begins.
 """
 FARTHER_THAN_NEAREST = 3.0
-"""Standard deviations beyond the nearest design point up to which others are kept, as farther ones add hardly anything."""
+"""Standard deviations beyond the nearest design point up to which others count, as farther ones add hardly anything."""
 
 
 @dataclass(frozen=True, eq=False)
 class DesignPoints:
-    """Design points (m, d) in standard normal space, nearest first, and the number of variants that their search took."""
+    """Design points (m, d) in standard normal space, nearest first, and the number of variants their search took."""
 
     points: FloatArray
     evaluations: int
@@ -77,7 +77,7 @@ def values_and_slopes(margin: OfPoints, points: FloatArray) -> tuple[FloatArray,
 
 
 def _towards(points: FloatArray, values: FloatArray, slopes: FloatArray) -> FloatArray:
-    """Steps (m, d) of the searches to the nearest points of their linearised limit states, 0 where there is no slope."""
+    """Steps (m, d) of the searches to the nearest points of their linearised limit states, 0 if there is no slope."""
     steep = (slopes**2).sum(axis=1)
     level = ~(steep > 0) | ~np.isfinite(values)
     lengths = ((slopes * points).sum(axis=1) - values) / np.where(level, 1.0, steep)
@@ -89,7 +89,7 @@ def _towards(points: FloatArray, values: FloatArray, slopes: FloatArray) -> Floa
 def _shortened(
     margin: OfPoints, points: FloatArray, values: FloatArray, slopes: FloatArray, steps: FloatArray
 ) -> FloatArray:
-    """Points (m, d) after the longest of eight steps that lessens the merit function, else after the best of the eight."""
+    """Points (m, d) after the longest of eight steps that lessens the merit function, else after the best of them."""
     tried = points + STEP_SHARES[:, None, None] * steps
     reached = margin(tried.reshape(-1, points.shape[1])).reshape(tried.shape[:2])
     steep = np.maximum(np.linalg.norm(slopes, axis=1), 1e-300)

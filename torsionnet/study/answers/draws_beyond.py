@@ -23,7 +23,7 @@ ROUNDING_SPREAD = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class LimitedValues:
-    """Histogram of a limited quantity in one configuration, ``edges`` (n + 1,) in SI, ``counts`` (n,), and the limits."""
+    """Histogram of a limited quantity in one configuration, ``edges`` (n + 1,) in SI, ``counts`` (n,), and limits."""
 
     configuration: str
     quantity: str
@@ -33,7 +33,7 @@ class LimitedValues:
     below: float | None
     above: float | None
     curve: str = field(default="", metadata=IN_WORDS)
-    """Name of the curve of which the histogram counts the largest or smallest values, empty if the quantity is a number."""
+    """Name of the curve whose largest or smallest values the histogram counts, empty if the quantity is a number."""
 
     @property
     def constant(self) -> float | None:
@@ -101,7 +101,7 @@ class KeptBeyond:
         return _draws(self._each(names).any(axis=0))
 
     def on_average(self, names: Sequence[str], weights: Weights) -> float:
-        """Weighted mean over configurations of the number of draws beyond any of the limits of the quantities ``names``."""
+        """Weighted mean over configurations of the number of draws beyond any of the limits of ``names``."""
         shares = np.array([weights.get(case, 0.0) for case in self.beyond])
         return _draws(np.tensordot(shares / shares.sum(), self._each(names), axes=1))
 
@@ -136,6 +136,6 @@ class CountedBeyond:
         return self.totals.beyond_in_any(names) / self.n_grid
 
     def on_average(self, names: Sequence[str], weights: Weights) -> float:
-        """Weighted mean over configurations of the number of draws beyond any of the limits of the quantities ``names``."""
+        """Weighted mean over configurations of the number of draws beyond any of the limits of ``names``."""
         total = sum(weight * self.in_case(names, case) for case, weight in weights.items())
         return total / sum(weights.values())

@@ -15,7 +15,7 @@ from torsionnet.study.answers.share_interval import counted_share
 from torsionnet.study.answers.subset_sampling import SubsetLevels, subset_levels
 
 WIDE_SHARE = 0.15
-"""Share of variants drawn wide around the median, as more find missed failures sooner and fewer give a smaller error."""
+"""Share of variants drawn wide around the median, as more find missed failures sooner, fewer give a smaller error."""
 LEAST_CENTRE_SHARE = 0.05
 """Smallest weight of a design point relative to that of the most likely one, so that none is sampled too rarely."""
 
@@ -28,7 +28,7 @@ class Mixture:
 
     @property
     def spread(self) -> float:
-        """Standard deviation of the wide distribution, such that about as many of its variants lie beyond a centre as within."""
+        """Standard deviation of the wide distribution, which puts as many variants beyond the nearest centre as within."""
         return (
             max(1.0, float(np.linalg.norm(self.centres[0])) / self.centres.shape[1] ** 0.5)
             if len(self.centres)
@@ -87,7 +87,7 @@ FEWEST_EFFECTIVE, HEAVIEST = 100, 0.05
 MOST_MISSED = 0.05
 """Share of the failure probability far from all design points above which the result is called uncertain."""
 TANGENT_SLACK = 0.5
-"""Standard deviations by which a failure may lie before a design point's tangent plane and still belong to the point."""
+"""Standard deviations by which a failure may lie before a design point's tangent plane and still belong to it."""
 FREQUENT_PROBABILITY = 0.02
 """Failure probability above which plain sampling is as good as importance sampling."""
 

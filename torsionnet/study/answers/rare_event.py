@@ -34,7 +34,7 @@ class RareEvent:
 
     @property
     def index(self) -> float:
-        """Reliability index beta, with which the failure probability is Phi(-beta), the normal distribution function."""
+        """Reliability index beta, with which the failure probability is Phi(-beta), of the normal distribution."""
         from scipy.special import ndtri
 
         return float(-ndtri(self.probability))

@@ -82,7 +82,7 @@ def sobol_estimates(
 
 
 def sobol_points(n_parameters: int, base: int, seed: int) -> FloatArray:
-    """Sampling points (base (d + 2), d) of the unit cube in the blocks A, B, and A with one column after another from B."""
+    """Sampling points (base (d + 2), d) of the unit cube, A, B, and A with one column after another from B."""
     from scipy.stats import qmc
 
     if base < FEWEST_BASE_POINTS or base & (base - 1):
@@ -116,7 +116,7 @@ def estimates_of(at_points: FloatArray, base: int, seed: int, confidence: float 
 
 
 def _terms(values: FloatArray) -> FloatArray:
-    """Terms (n, 2 d + 2) of n base points whose means give the indices, numerators first, then the moments of A and B."""
+    """Terms (n, 2 d + 2) of n base points whose means give the indices, numerators first, then moments of A and B."""
     a, b = values[:2] - values[:2].mean()
     if np.ptp(values[:2]) <= 1e-12 * np.abs(values[:2]).max():
         raise SolveError("the quantity does not vary, so that nothing has a share in its variance")

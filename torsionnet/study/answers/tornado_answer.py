@@ -41,7 +41,7 @@ class Swings:
 
 
 def one_at_a_time(function: OfPoints, middle: FloatArray, low: FloatArray, high: FloatArray) -> Swings:
-    """Values of a function at a middle point (d,) and with each coordinate at either end of its span, at 2 d + 1 points.
+    """Values of a function at a middle point (d,) and with each coordinate at either end of its span (2 d + 1 points).
 
     Examples
     --------

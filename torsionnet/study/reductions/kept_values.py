@@ -44,7 +44,7 @@ class KeptValues:
 
 
 def kept_indices(start: int, stop: int, every: int) -> slice:
-    """Slice that picks the kept ones, whose indices are multiples of ``every``, among variants ``start`` to ``stop - 1``.
+    """Slice of the kept variants, those with multiples of ``every`` as index, among ``start`` to ``stop - 1``.
 
     >>> list(range(10, 20))[kept_indices(10, 20, 4)]
     [12, 16]

@@ -38,7 +38,7 @@ class LimitBits:
 
     @classmethod
     def of(cls, beyond: NDArray[np.bool_], missing: NDArray[np.int64]) -> Self:
-        """Bits from a boolean array (n_limits, n), true where a variant is beyond a limit, and counts of missing values."""
+        """Bits from a boolean array (n_limits, n), true where a variant is beyond a limit, and missing values."""
         return cls(np.packbits(beyond, axis=1), missing)
 
     @classmethod

@@ -43,7 +43,7 @@ class QuantityRow:
 
 @dataclass(frozen=True, eq=False)
 class Summary:
-    """Statistics of a quantity over all variants of one configuration, ``measure`` (unit, points), moments and histogram."""
+    """Statistics of a quantity over all variants of one configuration, ``measure`` being its unit and points."""
 
     measure: QuantityForm
     moments: Moments
