@@ -82,7 +82,7 @@ class Study(NotebookResult):
 
     @property
     def method(self) -> str:
-        """Method of the response solver for all variants, "compiled" where numba works and variants are many, or "graph".
+        """Method of the response solver for all variants, "compiled" where numba works and they are many, else "graph".
 
         Compiled where numba works, and for many.
         """

@@ -16,7 +16,7 @@ MOST_ITERATIONS = 25
 FARTHEST = 12.0
 """Largest distance of a design point from the median in standard deviations, since failure beyond is below 1e-32."""
 STEP_SHARES = 0.5 ** np.arange(8)
-"""Shares of a step tried together, down to 1/128, as without small ones searches of a curved limit state may diverge."""
+"""Shares of a step tried together, down to 1/128, without which searches of a curved limit state may diverge."""
 SAME_DIRECTION = 0.9
 """Cosine between the directions of two starts of searches above which one is left out, as both lead to one point."""
 SAME_PLACE = 0.3

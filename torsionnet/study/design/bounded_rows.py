@@ -33,7 +33,7 @@ def objective(problem: DesignProblem, found: Found) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class BoundedPoints:
-    """Columns of the objective, limits, and points of curves over frequency that are active in a nonlinear programme."""
+    """Columns of the objective, limits, and points of curves over frequency, active in a nonlinear programme."""
 
     columns: Chosen
     limits: Chosen
@@ -50,7 +50,7 @@ class BoundedPoints:
         )
 
     def with_curve_points(self, problem: DesignProblem, place: FloatArray) -> BoundedPoints:
-        """Active points together with some all over each curve, so that a search sees the whole curve from its first step."""
+        """Active points together with some all over each curve, so that a search sees all of it from its first step."""
         grids = {name: problem.curves[name].grid(problem.box.inside(place)) for name in self.peaks}
         spread = {name: grid[:: max(len(grid) // INITIAL_CURVE_POINTS, 1)] for name, grid in grids.items()}
         return self.joined(BoundedPoints(self.columns, self.limits, spread))
@@ -70,7 +70,7 @@ def _maxima(values: FloatArray, among: Chosen) -> Chosen:
 
 
 def _smooth_columns(problem: DesignProblem, found: Found) -> Chosen:
-    """Whether each column of the objective, (n_columns,), is not a peak with a curve, whose kinks the curve replaces."""
+    """Whether each column of the objective, (n_columns,), is not a peak with a curve that replaces its kinks."""
     if problem.goals.targets:
         return np.ones(1, dtype=bool)
     names = problem.goals.objectives[0].quantities

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class DamperInCondition:
-    """Largest levels in one operating condition with the damper as given, the one for all conditions, and its own best."""
+    """Largest levels in one operating condition with the damper as given, with the one for all, and with its own best."""
 
     condition: str
     before: LevelPeak
@@ -84,7 +84,7 @@ class DamperOverConditions:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Result of the damper search in sentences, on levels before and after, bounds reached, cost of one damper for all."""
+        """Result of the damper search in sentences, on levels before and after, bounds reached, cost of one for all."""
         before, after = self.worst_before, self.worst
         said = [
             f"the largest {self.channel.name} of all conditions goes from {before.before.level:.5g} "

@@ -26,7 +26,7 @@ def with_unit(value: float, unit: str) -> str:
 
 @dataclass(frozen=True)
 class DesignTarget:
-    """Target value of a quantity in SI, from which deviations count relative to it, unless it is 0, times ``weight``."""
+    """Target value of a quantity in SI, with the weight of deviations, which are relative to it, unless it is 0."""
 
     quantity: str
     value: float
@@ -146,7 +146,7 @@ class DesignGoals:
                 yield name, -1.0, limit.above
 
     def merit(self, found: Found) -> FloatArray:
-        """Merit (n,) of n designs, which is minimised, the sum of squared deviations, or the worst of the first objective."""
+        """Merit (n,) of n designs, to be minimised, the sum of squared deviations, or the worst of the objective."""
         if self.targets:
             size = np.sum(self.deviations(found) ** 2, axis=1)
         else:

@@ -26,7 +26,7 @@ DECIBELS_PER_NEPER = 20 / np.log(10)
 
 @dataclass(frozen=True, eq=False)
 class ExactSlopes:
-    """Function to the exact derivatives of those quantities of an evaluator that have them (``Slopes`` of a problem)."""
+    """Function to the exact derivatives of those quantities of an evaluator that have them (:data:`Slopes`)."""
 
     evaluator: Evaluator
     wanted: tuple[str, ...]

@@ -55,7 +55,7 @@ class DrawnTolerances(Protocol):
         ...
 
     def around(self, designs: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Values (n * count,) in SI of each parameter, by its name, around n designs, the first design's samples first."""
+        """Values (n * count,) in SI of each parameter, by name, around n designs, the first design's samples first."""
         ...
 
 
@@ -92,7 +92,7 @@ class IndependentDraws:
         return len(self.shares)
 
     def around(self, designs: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Values (n * count,) in SI of each parameter, by its name, around n designs, the first design's samples first."""
+        """Values (n * count,) in SI of each parameter, by name, around n designs, the first design's samples first."""
         size = len(next(iter(designs.values())))
         found = {name: np.repeat(values, self.count) for name, values in designs.items()}
         for one, shares in zip(self.each, self.shares.T, strict=True):

@@ -81,7 +81,7 @@ class ParetoFront:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Result of the search in sentences, on the size of the Pareto front, best designs, compromise and verification."""
+        """Result of the search in sentences, on the size of the front, best designs, compromise and verification."""
         said = [f"{len(self.designs)} designs by {self.method}, {self.evaluations} calculated, seed {self.seed}"]
         if len(self.designs) == 1:
             return (*said, "one design is the best in every objective: they do not contradict each other")

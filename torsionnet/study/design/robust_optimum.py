@@ -42,7 +42,7 @@ class SpaceDraws:
         return len(next(iter(self.drawn.values())))
 
     def around(self, designs: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Values (n * count,) in SI of each parameter, by its name, around n designs, the first design's samples first."""
+        """Values (n * count,) in SI of each parameter, by name, around n designs, the first design's samples first."""
         size = len(next(iter(designs.values())))
         found = {name: np.repeat(values, self.count) for name, values in designs.items()}
         for name, drawn in self.drawn.items():

@@ -119,7 +119,7 @@ class RobustQuantities:
         return measured
 
     def samples(self, designs: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Worst values (n, count) in SI over the points of objectives, deviations and limits in the samples of n designs."""
+        """Worst values (n, count) in SI over the points of objectives, deviations and limits in n designs' samples."""
         goals, count = self.problem.goals, self.tolerances.count
         found = self._found(designs)
         worst: dict[str, FloatArray] = {}

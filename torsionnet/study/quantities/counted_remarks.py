@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 
 MOST_REMARKS, OTHERS = 50, "other remarks, which differ in numbers or names"
-"""Most different texts of warnings that are counted, as texts with numbers could be millions, and the text for the rest."""
+"""Most different texts of warnings counted, as texts with numbers could be millions, and the text for the rest."""
 
 
 def remark(known: Counter[str], text: str, count: int = 1) -> None:

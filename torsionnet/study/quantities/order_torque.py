@@ -108,7 +108,7 @@ class OrderTorque(SpeedQuantity):
         return SIZES[self.size or "half_range"](run) if self.order is None else self._of_one(run)
 
     def _of_one(self, run: OrderResponse) -> FloatArray:
-        """Largest amplitude of one order at each speed (n_speeds,) in SI, over all cases of phases between excitations."""
+        """Largest amplitude of one order at each speed (n_speeds,) in SI, over all phases between excitations."""
         assert self.order is not None
         cases = [case.amplitude_of_order(self.order) for case in run.case_responses]
         lines = [place for place, line in enumerate(run.lines) if not line.fixed and isclose(line.order, self.order)]

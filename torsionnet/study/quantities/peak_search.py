@@ -75,7 +75,7 @@ def largest(magnitude: Callable[[FloatArray], FloatArray], grid: FloatArray) -> 
 
 
 class _Look(NamedTuple):
-    """Frequencies in Hz and magnitudes in brackets (n, n_intervals, POINTS), and index of the largest (n, n_intervals)."""
+    """Frequencies in Hz and magnitudes in brackets (n, n_intervals, POINTS), index of the largest (n, n_intervals)."""
 
     at: FloatArray
     values: FloatArray

@@ -66,7 +66,7 @@ class TorqueHistoryEntry(Composite[TorqueHistory]):
         return (None if faults else TorqueHistory(not_none(rate), values)), faults
 
     def plain(self, value: Any) -> Json:
-        """Sampling rate in Hz and torques in N m as JSON data, so that a written study can be read without the recording."""
+        """Sampling rate in Hz and torques in N m as JSON data, so that a study can be read without the recording."""
         return {"rate": value.rate, "values": list(value.values)}
 
     def schema(self) -> Schema:

@@ -104,7 +104,7 @@ class UserFunction(StudyQuantity):
             raise UsageError(f"{self.function_name} cannot be handed to other processes ({error}); {where}") from None
 
     def to_data(self) -> dict[str, Json]:
-        """Identity of the user's function as JSON data, its name, a digest of its code and of the values it was made with.
+        """Identity of the user's function as JSON data, its name, a digest of its code and of its captured values.
 
         Functions that it calls, and variables of its module that it reads, are not part of it.
         """
@@ -138,7 +138,7 @@ def _essence(code: CodeType) -> tuple[Any, ...]:
 
 
 def _in_order(constant: Any) -> Any:
-    """Constant of a function in a fixed order, because a set of texts is ordered differently at every start of Python."""
+    """Constant of a function in a fixed order, because a set of texts has another order at every start of Python."""
     return sorted(constant, key=repr) if isinstance(constant, frozenset) else constant
 
 

@@ -120,7 +120,7 @@ class VariantBlock:
         return np.zeros(len(self), dtype=bool) if self.batch is None else self.batch.impossible
 
     def parts(self, values_each: int) -> Iterator[tuple[slice, VariantBlock]]:
-        """Yield slices of variants and their blocks, small enough for memory with ``values_each`` complex values each."""
+        """Yield slices of variants and their blocks that fit in memory with ``values_each`` complex values each."""
         together = max(1, MOST_VALUES // max(values_each, 1))
         if together >= len(self):
             yield slice(0, len(self)), self

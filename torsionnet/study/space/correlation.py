@@ -1,4 +1,4 @@
-"""The ``correlation:`` entry: which parameters vary together."""
+"""Correlation entry of a study file, which says which parameters vary together."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Correlation(Declared):
 
 
 def name_faults(correlations: Sequence[Correlation], random: Sequence[str], grid: Sequence[str]) -> list[Fault]:
-    """Faults of names without a distribution, and of pairs that are given twice."""
+    """Faults of correlations that name a parameter without distribution, or a pair twice."""
     faults = []
     seen: dict[frozenset[str], int] = {}
     for index, one in enumerate(correlations):

@@ -1,4 +1,4 @@
-"""The ``sampling:`` entry: number and method of the random draws."""
+"""Sampling entry of a study file, the number and method of the random draws."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Samples(Declared):
         return []
 
     def points(self, names: tuple[str, ...]) -> UnitPoints:
-        """Sequence of points in the unit cube with a coordinate for each name."""
+        """Sequence of points in the unit cube with a coordinate for each name of a parameter."""
         if self.method == SOBOL:
             return SobolPoints(len(names), self.count, self.seed)
         if self.method == LATIN:

@@ -1,4 +1,4 @@
-"""The variation ``type: lognormal``: values above 0 whose logarithms are normally distributed."""
+"""Lognormal variation of a parameter, with values above 0 whose logarithms are normally distributed."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class LognormalMarginal(Marginal):
 @register_variation
 @dataclass(frozen=True, kw_only=True)
 class Lognormal(Variation):
-    """Lognormal distribution; mean and deviation are those of the values themselves, not of their logarithms.
+    """Lognormal variation of a parameter, by mean and deviation of the values themselves, not of their logarithms.
 
     With limits, values beyond them are left out and the rest keeps its proportions.
 
