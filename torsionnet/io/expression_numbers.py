@@ -15,7 +15,7 @@ from torsionnet.model.elements import Values
 
 @dataclass(frozen=True, eq=False)
 class ExpressionNumber:
-    """Number with its expression; comparisons use its present value.
+    """Number with its expression in the model's parameters, compared by its present value.
 
     Elements run on such numbers as they do on fractions.
 
@@ -111,7 +111,7 @@ def _square_root(number: ExpressionNumber) -> ExpressionNumber:
 
 
 def _made(value: Fraction | float, expression: Expression) -> ExpressionNumber:
-    """Result of an operation, without an expression where it is exact and depends on no parameter."""
+    """Result of an operation as a number with its expression, or a plain one where it is exact and has no parameter."""
     value = float_if_long(value)
     is_plain = isinstance(value, Fraction | int) and not expression.names
     return ExpressionNumber(value, Number(value) if is_plain else expression)

@@ -41,7 +41,7 @@ PLATFORMS = (
     Platform("x86_64-darwin", "x86_64-macos", "darwin64", ".dylib"),
     Platform("aarch64-darwin", "aarch64-macos", "darwin64", ".dylib"),
 )
-"""Platforms that Zig compiles libraries for."""
+"""Platforms that Zig compiles an FMU's libraries for."""
 
 
 def this_machine() -> Platform:
@@ -55,13 +55,13 @@ def this_machine() -> Platform:
 
 
 _ALIGNMENT = 14
-"""Binary logarithm of the size of a page on Macs with ARM processors."""
+"""Binary logarithm of the size in bytes of a page on Macs with ARM processors."""
 _PROCESSORS = {"x86_64": (0x01000007, 3), "aarch64": (0x0100000C, 0)}
 """Type and subtype of processors in a universal binary of macOS (``mach/machine.h``)."""
 
 
 def universal_binary(libraries: Mapping[str, bytes]) -> bytes:
-    """Bytes of one macOS library for several processors: a header, then the library of each on pages of its own."""
+    """Bytes of one macOS library for several processors, a header, then the library of each on pages of its own."""
     page = 1 << _ALIGNMENT
     header, body, start = struct.pack(">II", 0xCAFEBABE, len(libraries)), b"", page
     for processor, library in libraries.items():

@@ -18,7 +18,7 @@ def load() -> None:
 
 @contextlib.contextmanager
 def open_content(path: Path) -> Iterator[Content]:
-    """Channels of numbers of an MDF file, then the time stamps of the first channel; the comment is the file's."""
+    """Yield the channels of numbers of an MDF file, then the time stamps of the first channel in s, and the comment."""
     import asammdf
     import numpy as np
 

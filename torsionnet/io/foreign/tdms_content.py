@@ -20,7 +20,7 @@ def load() -> None:
 
 @contextlib.contextmanager
 def open_content(path: Path) -> Iterator[Content]:
-    """Channels of numbers of a TDMS file with their properties, and ``group`` where there are several groups."""
+    """Yield the channels of numbers of a TDMS file with their properties, and ``group`` if there are several."""
     import nptdms
     import numpy as np
 

@@ -1,4 +1,4 @@
-"""One configuration of a study with its evaluator and space, for answers that choose their variants themselves."""
+"""Case of an answer, a configuration of a study with its evaluator and space, for answers that choose variants."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ OfVariants = Callable[[Mapping[str, FloatArray]], FloatArray]
 
 @dataclass(frozen=True, eq=False)
 class AnswerCase:
-    """One configuration of a study with the evaluator of its variants and the space of its varied parameters.
+    """Configuration of a study with the evaluator of its variants and the space of its varied parameters.
 
     Parameters that take the values of a list or range keep that of the model where an answer draws at random.
     """

@@ -14,7 +14,7 @@ SLOPE_STEP = 1e-3
 MOST_ITERATIONS = 25
 """Most steps of a search for a design point, since more would take variants from the sampling."""
 FARTHEST = 12.0
-"""Largest distance of a design point from the median in standard deviations, since failure beyond is below 1e-32."""
+"""Largest distance of a design point in standard deviations, as failures beyond have a probability below 1e-32."""
 STEP_SHARES = 0.5 ** np.arange(8)
 """Shares of a step tried together, down to 1/128, without which searches of a curved limit state may diverge."""
 SAME_DIRECTION = 0.9
@@ -128,7 +128,7 @@ def distinct_points(points: FloatArray) -> FloatArray:
 
 
 def distinct_directions(points: FloatArray, most: int) -> FloatArray:
-    """At most ``most`` of m points (k, d), nearest first, whose directions from the origin differ."""
+    """Points (k, d) of m whose directions from the origin differ, the nearest ones first, ``most`` of them at most."""
     away = np.linalg.norm(points, axis=1)
     taken: list[int] = []
     for index in np.argsort(away, kind="stable").tolist():

@@ -119,7 +119,7 @@ def _draws(beyond: Any) -> float:
 
 @dataclass(frozen=True, eq=False)
 class CountedBeyond:
-    """Counter of draws by the number of variants beyond limits, for studies too large to keep all values.
+    """Counter of draws by the number of variants beyond limits, each draw being ``n_grid`` variants.
 
     Each draw is ``n_grid`` variants.
     """

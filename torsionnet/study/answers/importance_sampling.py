@@ -28,7 +28,7 @@ class Mixture:
 
     @property
     def spread(self) -> float:
-        """Standard deviation of the wide distribution, with half of its variants or more within the nearest centre."""
+        """Standard deviation of the wide distribution, with half of its variants or more beyond the nearest centre."""
         return (
             max(1.0, float(np.linalg.norm(self.centres[0])) / self.centres.shape[1] ** 0.5)
             if len(self.centres)

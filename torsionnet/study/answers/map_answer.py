@@ -34,14 +34,14 @@ AGGREGATES: Mapping[str, Callable[..., FloatArray]] = {
 
 @dataclass(frozen=True, eq=False)
 class ParameterMap:
-    """Values (n_x, n_y) in SI of a quantity over two parameters ``x`` (n_x,) and ``y`` (n_y,)."""
+    """Values (n_x, n_y) in SI of a quantity over two parameters ``x`` (n_x,) and ``y`` (n_y,), NaN where missing."""
 
     x: FloatArray
     y: FloatArray
     values: FloatArray
 
     def where(self, *, largest: bool) -> tuple[float, float, float]:
-        """Both parameters and the quantity, three numbers in SI, where the quantity is largest or smallest."""
+        """Values in SI of the two parameters and of the quantity where the quantity is largest or smallest."""
         flat = np.nanargmax(self.values) if largest else np.nanargmin(self.values)
         i, j = np.unravel_index(flat, self.values.shape)
         return float(self.x[i]), float(self.y[j]), float(self.values[i, j])

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class DamperInCondition:
-    """Largest levels in one operating condition with the damper as given, with the one for all, and with its own best."""
+    """Largest levels in one operating condition with the damper as given, with the one for all, with its own best."""
 
     condition: str
     before: LevelPeak

@@ -26,7 +26,7 @@ def with_unit(value: float, unit: str) -> str:
 
 @dataclass(frozen=True)
 class DesignTarget:
-    """Target value of a quantity in SI, with the weight of deviations, which are relative to it, unless it is 0."""
+    """Target value in SI of a quantity, with ``weight``, for deviations relative to the value, unless it is 0."""
 
     quantity: str
     value: float

@@ -76,7 +76,7 @@ class StudyQuantity(Declared):
         return self.measure(model)
 
     def evaluate(self, block: VariantBlock) -> FloatArray:
-        """Values (n_variants, n_points) of the quantity in SI."""
+        """Values (n_variants, n_points) of the quantity in SI, NaN where a variant has none."""
         raise NotImplementedError
 
 

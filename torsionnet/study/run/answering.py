@@ -38,7 +38,7 @@ class SharedStudy(Study):
     calculator: BlockCalculator | None = None
 
     def evaluator(self, configuration: str = "", names: tuple[str, ...] = (), method: str = "") -> Evaluator:
-        """Evaluator of the study's quantities in one configuration, which leaves blocks of variants to the calculator."""
+        """Evaluator of the study's quantities in one configuration, which leaves blocks of variants to others."""
         return replace(super().evaluator(configuration, names, method), calculator=self.calculator)
 
 

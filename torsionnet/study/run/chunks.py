@@ -10,7 +10,7 @@ from torsionnet.study.quantities.quantity_limit import QuantityLimit
 from torsionnet.study.study import Study
 
 KEPT_VALUES = 10_000_000
-"""Largest number of values that a study keeps, 80 MB."""
+"""Largest number of values that a study keeps, 80 MB, those of a part of the variants where it has more."""
 
 
 def kept_every(study: Study) -> int:

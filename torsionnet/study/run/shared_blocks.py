@@ -23,7 +23,7 @@ from torsionnet.study.run.executor import Executor
 
 @dataclass(frozen=True, eq=False)
 class AskedBlock:
-    """Block of variants that an answer asks for, with its place among those asked together, parameter values and key."""
+    """Block of variants that an answer asks for, with its place among those asked together, its values and key."""
 
     place: int
     values: Values

@@ -144,7 +144,7 @@ class Space:
 
     @property
     def nominal(self) -> Mapping[str, float]:
-        """Value in SI of each varied parameter in the model, by its name."""
+        """Value in SI of each varied parameter in the model, by name, NaN where it follows the operating point."""
         return MappingProxyType(self._bound.nominal)
 
     @cached_property
@@ -171,7 +171,7 @@ class Space:
         return {name: found[name] for name in self.names}
 
     def _on_grid(self, point: int, further: Any) -> dict[str, FloatArray]:
-        """Values (n,) in SI of each grid parameter at points ``further`` (n,) steps than that with the index ``point``."""
+        """Values (n,) in SI of each grid parameter at points ``further`` (n,) steps after the point with an index."""
         found = {}
         for name, axis in reversed(list(self.grid.items())):
             point, digit = divmod(point, axis.count)
@@ -197,7 +197,7 @@ class Space:
         return self._bound.joint.from_unit(shares)
 
     def from_standard_normal(self, normal: FloatArray) -> dict[str, FloatArray]:
-        """Values (n,) in SI of each of the :attr:`random_names` at independent standard normal variables (n, n_random)."""
+        """Values (n,) in SI of each of the :attr:`random_names` at standard normal variables (n, n_random)."""
         return self._bound.joint.from_standard_normal(normal)
 
     def to_standard_normal(self, values: Mapping[str, FloatArray]) -> FloatArray:

@@ -80,7 +80,9 @@ SETTINGS = {
 
 @contextmanager
 def local_workers(count: int | None = None) -> Iterator[str]:
-    """Start ``count`` workers of one thread each (default: one for each core) and yield their scheduler's address.
+    """Start ``count`` workers of one thread each, by default one for each core, and yield their scheduler's address.
+
+    One for each core) and yield their scheduler's address.
 
     One for each core) and yield their scheduler's address.
 

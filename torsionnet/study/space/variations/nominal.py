@@ -23,7 +23,7 @@ class ParameterUse:
 
 
 def parameter_uses(model: Model) -> dict[str, list[ParameterUse]]:
-    """Uses of every parameter, by its name, as the value of an element's entry, alone and without an expression.
+    """Uses of every parameter, by name, as the value of an element's entry without an expression, one of each kind.
 
     Entries of the same kind once.
     """

@@ -65,7 +65,7 @@ class NormalMarginal(Marginal):
 @register_variation
 @dataclass(frozen=True, kw_only=True)
 class Normal(Variation):
-    """Normal variation of a parameter, truncated if limits are given, beyond which values are left out.
+    """Normal variation of a parameter, with limits beyond which values are left out and the rest keeps its proportions.
 
     Mean and deviation are those before anything is left out.
 

@@ -139,7 +139,7 @@ class Variation(Declared):
         raise NotImplementedError
 
     def bound(self, reader: NominalReader) -> Marginal | GridAxis | None:
-        """Distribution or axis of the parameter's values in SI."""
+        """Distribution or axis of the parameter's values in SI, None where the reader found faults."""
         raise NotImplementedError
 
 
