@@ -88,7 +88,7 @@ class ExpressionNumber:
         return float(self.value)
 
     def is_constantly(self, number: int) -> bool:
-        """Whether the number equals ``number`` whatever the values of the parameters."""
+        """Whether the number equals ``number`` for all values of the model's parameters."""
         return isinstance(self.expression, Number) and self.value == number
 
     def _with(self, sign: str, right: ExpressionNumber, value: Fraction | float) -> ExpressionNumber:
@@ -101,7 +101,7 @@ def expression_number(value: Any) -> ExpressionNumber:
 
 
 def expression_values(parameters: Mapping[str, Any]) -> Values:
-    """Evaluator of an element's scalars that gives numbers with their expressions in these parameters."""
+    """Evaluator of an element's entries that gives numbers with their expressions in these parameters."""
     named = {name: ExpressionNumber(value, Name(name)) for name, value in parameters.items()}
     return Values(named, Algebra(expression_number, _square_root, ExpressionNumber(pi, Compound("pi"))))
 

@@ -153,7 +153,7 @@ def _named(connections: list[Connection]) -> Iterator[Connection]:
 
 
 def _ratios(graph: MassElasticGraph, reference: str) -> dict[str, Any]:
-    """Speed of every node over that of the reference, by node; UsageError where nothing or two things tell it."""
+    """Speed of every node over that of the reference, by node, or UsageError where nothing or two things tell it."""
     ratios: dict[str, Any] = {reference: Fraction(1)}
     at, waiting = graph.connections_at, deque([reference])
     while waiting:

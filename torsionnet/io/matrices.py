@@ -96,7 +96,7 @@ def _refuse(drivetrain: Drivetrain, assembly: Assembly) -> None:
 
 
 def _motion(assembly: Assembly, reading: Functional) -> FloatArray:
-    """Coefficients (3, n_q) of q, q' and q'' in a sensor's reading."""
+    """Coefficients (3, n_q) in SI of q, q' and q'' in a sensor's reading."""
     found = np.zeros((3, assembly.system.n_coordinates))
     for term in reading.terms:
         factors = [float(factor) for factor in powers_of_s(assembly, term)]

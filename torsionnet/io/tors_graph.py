@@ -46,7 +46,7 @@ class Graph:
 
     @cached_property
     def at(self) -> dict[str, list[Edge]]:
-        """Shafts and gears at every node, in the order of the elements."""
+        """Shafts and gears at every node, by node, in the order of the elements."""
         found: dict[str, list[Edge]] = {node: [] for node in self.disks}
         for edge in self.edges:
             for node in (edge.first, edge.second):
@@ -97,7 +97,7 @@ class _GraphWriter:
         return self._law(element, part) if isinstance(part, Law) else self._constraint(element, part.row)
 
     def _law(self, element: Element, law: Law) -> bool:
-        """Write an inertia, damping, spring or damper and return whether the law is one of these."""
+        """Write an inertia, damping, spring or damper into the graph and return whether the law is one of these."""
         factor = next(iter(law.row.values()), 0) ** 2
         inertia, damping, stiffness = (float(size * factor) for size in (law.inertia, law.damping, law.stiffness))
         nodes = [self.home.get(node, node) for node in law.row]
@@ -122,7 +122,7 @@ class _GraphWriter:
         self.edges.append(Edge(*_two(ends), [name], [{"name": name, "type": "ShaftDiscrete", **numbers}]))
 
     def _constraint(self, element: Element, row: Row) -> bool:
-        """Write a rigid connection or a gear and return whether the constraint is one of these."""
+        """Write a rigid connection or a gear into the graph and return whether the constraint is one of these."""
         if _is_joint(element, row):
             return True
         if len(row) != 2:

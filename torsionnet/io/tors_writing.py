@@ -57,7 +57,7 @@ def write_tors(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None:
 
 
 def _laid_out(graph: Graph) -> _Layout:
-    """Layout of the graph as chains of elements, from the first end from which that is possible."""
+    """Layout of the graph as chains of elements, begun at the first end of the drivetrain where that is possible."""
     nodes = list(graph.disks)
     ends = [node for node in nodes if len(graph.at[node]) <= 1] or nodes[:1]
     refusals: list[UsageError] = []

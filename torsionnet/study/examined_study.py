@@ -67,7 +67,7 @@ def _typical(space: Space, name: str) -> tuple[float, ...]:
 
 @dataclass(frozen=True, eq=False)
 class ExaminedStudy:
-    """The sound entries of a study and all its faults, so that a fault in one place hides none in another.
+    """Sound entries of a study and all its faults, so that a fault in one place hides none in another.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ def table_names(given: Mapping[str, Any], key: str) -> list[str]:
 
 
 def examine_study(model: Drivetrain, given: Mapping[str, Any]) -> ExaminedStudy:
-    """Read the entries of a study and check them against its model."""
+    """Check of the entries of a study against its model, which returns the sound entries and all faults."""
     values, faults = StudyEntries.read_entries(given)
     model = model.with_entries_named(values.get("vary") or ())
     configurations, found = chosen_configurations(values.get("configurations") or (), model)
@@ -164,7 +164,7 @@ def _sound_quantities(asked: Mapping[str, StudyQuantity], faults: list[Fault]) -
 
 
 def _not_about(faults: list[Fault], names: list[str]) -> list[Fault]:
-    """Faults of a study without those that call a quantity unknown which is in the file but could not be read."""
+    """Faults of a study without those that call a quantity unknown although the file has one that cannot be read."""
     return [fault for fault in faults if fault.kind != "unknown name" or fault.about not in names]
 
 

@@ -19,7 +19,7 @@ from torsionnet.study.study_file import StudyEntries
 
 
 def load_study(path: str | os.PathLike[str]) -> Study:
-    """Load a study from a file, or from the library by its name.
+    """Load a study from a file, or from the library by its name, and return it.
 
     Parameters
     ----------

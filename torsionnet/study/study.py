@@ -113,7 +113,7 @@ class Study(NotebookResult):
         )
 
     def model_in(self, configuration: str) -> Drivetrain:
-        """Model of the study in one of its configurations."""
+        """Model of the study in one of its configurations, or as it stands for an empty name."""
         return self.model.configured(configuration) if configuration else self.model
 
     def evaluator(self, configuration: str = "", names: tuple[str, ...] = (), method: str = "") -> Evaluator:

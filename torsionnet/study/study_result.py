@@ -37,7 +37,7 @@ CSV_BLOCK_LINES = 20_000
 
 @dataclass(frozen=True, eq=False)
 class StatisticsRecord:
-    """Statistics in SI of all quantities of a study, as they are written to JSON."""
+    """Statistics of all quantities of a study in SI, as they are written to JSON."""
 
     count: int
     seed: int | None

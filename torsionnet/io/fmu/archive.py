@@ -58,7 +58,7 @@ HIGHEST_EXCITED = 1000.0
 def write_fmu(
     drivetrain: Drivetrain, path: str | os.PathLike[str], step: float | None = None, *, version: str = "2.0"
 ) -> tuple[str, ...]:
-    """Write a drivetrain as an FMU for co-simulation and model exchange.
+    """Write a drivetrain as an FMU for co-simulation and model exchange, and return the names of its platforms.
 
     Inputs of the FMU are the torque inputs of the model in N m, outputs its sensors in SI units, parameters those of
     the model; angles and speeds at the start are zero unless they are set. In co-simulation, steps of any size are

@@ -97,7 +97,7 @@ class _Code:
     numbers: Mapping[str, int]
 
     def steps(self, wanted: Iterable[Traced]) -> list[str]:
-        """C statements that calculate the numbers, each once."""
+        """Lines of C that calculate the numbers on the tape, each once."""
         places = self.system.motion.tape.needed(wanted)
         return [f"const double {self._place(place)} = {self._operation(place)};" for place in places]
 

@@ -58,7 +58,7 @@ def _commands() -> dict[Platform, list[str]]:
 
 
 def _compiler() -> str | None:
-    """Path of the installed C compiler; ``CC`` says which is taken, None if there is none."""
+    """Path of the installed C compiler, the one that ``CC`` names first, None if there is none."""
     named = (os.environ.get("CC", ""), *COMPILERS)
     return next((found for name in named if name and (found := shutil.which(name))), None)
 

@@ -17,7 +17,7 @@ Pattern: TypeAlias = NDArray[np.bool_]
 
 
 def dependencies(system: System) -> dict[int, tuple[int, ...]]:
-    """References of the states and inputs that an output or rate depends on, by the reference of that variable."""
+    """References of the states and inputs that an output or state derivative depends on, by the reference of it."""
     rates, outputs = _patterns(system)
     n_u, n_y, n_x = len(system.inputs), len(outputs), len(rates)
     first = 1 + n_u + n_y
@@ -28,7 +28,7 @@ def dependencies(system: System) -> dict[int, tuple[int, ...]]:
 
 
 def _patterns(system: System) -> tuple[Pattern, Pattern]:
-    """Patterns (true where nonzero) of (A, B) and (C, D), with the columns of states before those of inputs."""
+    """Patterns (n_x, n_x + n_u) of (A, B) and (n_y, n_x + n_u) of (C, D), true where an entry is not always 0."""
     motion, n_u = system.motion, len(system.inputs)
     n_h, n_b, n = len(motion.heavy), len(motion.damped), len(system.coordinates)
     n_x = 2 * n_h + n_b

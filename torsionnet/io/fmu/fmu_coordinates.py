@@ -100,7 +100,7 @@ class _Kinds:
         self.relative: set[str] = set()
 
     def found(self) -> tuple[tuple[dict[str, Any], ...], _Names, _Names, _Names, frozenset[str]]:
-        """Changes of coordinates, names of those with inertia, massless damped, static, and of relative ones."""
+        """Changes of coordinates, and names of heavy ones, massless damped ones, static ones, and relative ones."""
         inertial = [row for law, row in self.laws if self._is_there(law.inertia, row)]
         massless = self._separated(inertial, self.coordinates)
         heavy = tuple(name for name in self.coordinates if name not in massless)
@@ -142,7 +142,7 @@ class _Kinds:
 def _parameters(
     tape: NumberTape, definitions: Mapping[str, Parameter], values: Mapping[str, Any], settled: Iterable[str]
 ) -> dict[str, Traced]:
-    """Parameters by name as traced numbers; derived ones follow from others, settled ones are constants."""
+    """Parameters of a model by name as traced numbers; derived ones follow from others, settled ones are constants."""
     traced: dict[str, Traced] = {}
     for name in evaluation_order(definitions)[0]:
         expression = definitions[name].value

@@ -45,7 +45,7 @@ PLATFORMS = (
 
 
 def this_machine() -> Platform:
-    """Platform that this program runs on."""
+    """Platform (processor and system) that this program runs on."""
     system = {"Windows": "windows", "Darwin": "darwin"}.get(platform.system(), "linux")
     processor = "aarch64" if platform.machine().lower() in ("aarch64", "arm64") else "x86_64"
     return next(
@@ -55,7 +55,7 @@ def this_machine() -> Platform:
 
 
 _ALIGNMENT = 14
-"""Binary logarithm of the size in bytes of a page on Macs with ARM processors."""
+"""Binary logarithm of the size in bytes of a memory page on Macs with ARM processors, 16 KiB."""
 _PROCESSORS = {"x86_64": (0x01000007, 3), "aarch64": (0x0100000C, 0)}
 """Type and subtype of processors in a universal binary of macOS (``mach/machine.h``)."""
 

@@ -40,7 +40,7 @@ class Entries:
 
 @dataclass(frozen=True)
 class System:
-    """Matrices, inputs and outputs of a drivetrain as its FMU calculates with them.
+    """Matrices in SI, inputs and outputs of a drivetrain as its FMU calculates with them.
 
     Attributes
     ----------

@@ -97,7 +97,7 @@ class Traced:
 
     @property
     def vanishes(self) -> bool:
-        """Whether the number is zero for any values of the parameters."""
+        """Whether the traced number is zero for any values of the parameters."""
         return self.value == 0 and self.other == 0
 
     def __eq__(self, right: object) -> bool:
@@ -184,7 +184,7 @@ class NumberTape:
         return Algebra(number=self.number, sqrt=self.sqrt, pi=self.number(pi))
 
     def operation(self, sign: str, left: Traced, right: Traced, value: Fraction, other: int) -> Traced:
-        """Traced result of an operation on two numbers."""
+        """Traced result of an arithmetic operation on two traced numbers."""
         if left.is_constant and right.is_constant:
             return self.number(float_if_long(value))
         if sign != "/" and _order(right) < _order(left):
@@ -199,7 +199,7 @@ class NumberTape:
         return self._known[key]
 
     def settle(self, *numbers: Traced) -> None:
-        """Record that a decision rests on the parameters behind these numbers."""
+        """Record that a decision on the model's structure rests on the parameters behind these numbers."""
         self.settled |= {self.operations[place][1] for place in self.needed(numbers) if self._is_parameter(place)}
 
     def _is_parameter(self, place: int) -> bool:

@@ -28,7 +28,7 @@ FMI_UNITS = {
     "Pa": {"kg": 1, "m": -1, "s": -2},
     "s": {"s": 1},
 }
-"""Units of FMI with their powers of base units."""
+"""Units of FMI by name, with their powers of base units (kg, m, s, rad)."""
 DIMENSION_UNITS = {
     "inertia": "kg.m2",
     "stiffness": "N.m/rad",
@@ -45,7 +45,7 @@ SETTLED = "cannot be changed here: the structure of the model rests on its value
 
 @dataclass(frozen=True)
 class Variable:
-    """Variable of an FMU with name, unit, start value in SI, and ``role`` (time, input, output, state, parameter, ...)."""
+    """Variable of an FMU with name, unit, start value in SI, and ``role`` (time, input, output, state, flag, ...)."""
 
     name: str
     role: str

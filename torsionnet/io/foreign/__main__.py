@@ -58,7 +58,7 @@ def main(folder: Path, questions: TextIO, answers: TextIO) -> None:
 
 
 def error_line(error: BaseException) -> str:
-    """Message of an error on one line of printable characters."""
+    """Message of an error on one line of printable characters, shortened to :data:`LONGEST_MESSAGE`."""
     if isinstance(error, MemoryError):
         return "it asks for more memory than a file of its size may take; it is damaged"
     words = _CLASS.sub(r"\1", (str(error).splitlines() or [""])[0].strip())

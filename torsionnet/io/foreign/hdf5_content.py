@@ -30,7 +30,7 @@ HERE = "."
 
 
 def load() -> None:
-    """Import h5py before the limits of memory and time begin."""
+    """Import h5py for HDF5 files before the limits of memory and time begin."""
     import h5py  # noqa: F401
 
 

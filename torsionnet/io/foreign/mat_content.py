@@ -39,7 +39,7 @@ _TOO_MUCH = "says that it holds more than there is; the file is damaged or ends 
 
 
 def load() -> None:
-    """Import scipy.io before the limits of memory and time begin."""
+    """Import scipy.io for MAT files before the limits of memory and time begin."""
     import scipy.io  # noqa: F401
 
 

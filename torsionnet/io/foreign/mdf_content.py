@@ -12,7 +12,7 @@ from torsionnet.io.foreign.content import Content, Plain, memory_content
 
 
 def load() -> None:
-    """Import asammdf before the limits of memory and time begin."""
+    """Import asammdf for MDF files before the limits of memory and time begin."""
     import asammdf  # noqa: F401
 
 

@@ -20,7 +20,7 @@ SECONDS_PER_UNIT = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 
 def load() -> None:
-    """Import pyarrow.parquet before the limits of memory and time begin."""
+    """Import pyarrow.parquet for Parquet files before the limits of memory and time begin."""
     import pyarrow.parquet  # noqa: F401
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def load() -> None:
-    """Import nptdms before the limits of memory and time begin."""
+    """Import nptdms for TDMS files before the limits of memory and time begin."""
     import nptdms  # noqa: F401
 
 

@@ -20,7 +20,7 @@ _SEQUENCE = slice(15, 20)
 
 
 def load() -> None:
-    """Import pyuff before the limits of memory and time begin."""
+    """Import pyuff for universal files before the limits of memory and time begin."""
     import pyuff  # noqa: F401
 
 

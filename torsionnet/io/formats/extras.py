@@ -1,4 +1,4 @@
-"""Optional packages that only one file format needs, and reading of files with them."""
+"""Optional packages that only one file format needs, and reading of files of that format with them."""
 
 from __future__ import annotations
 

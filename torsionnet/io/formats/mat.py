@@ -103,7 +103,7 @@ def write_response(response: FrequencyResponse, path: Path) -> None:
 
 
 def mat_bytes(content: Mapping[str, Any]) -> memoryview:
-    """Bytes of a MAT v5 file with these variables; equal content gives equal bytes."""
+    """Bytes of a MAT v5 file with these variables by name; equal content gives equal bytes."""
     from scipy.io import savemat
 
     buffer = io.BytesIO()

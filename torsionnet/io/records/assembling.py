@@ -51,7 +51,7 @@ def with_given_clock(source: Source, options: ReadOptions) -> tuple[Source, Read
 
 
 def recordings(source: Source, options: ReadOptions, file: str, seconds: float | None = None) -> Iterator[Recording]:
-    """Yield recordings of ``seconds`` each in SI, one after the other, or one of the whole file, or raise ModelError."""
+    """Yield recordings of ``seconds`` each in SI, one after the other, or one of the whole file; raise ModelError."""
     stamps = source.time.name if source.time else ""
     units = {name: unit for name, unit in options.units.items() if name != stamps}
     choices, faults = choose(source, options.names, options.quantities, units)

@@ -14,7 +14,7 @@ from torsionnet.response.recording import FloatArray
 UNIFORM_TOLERANCE = 0.01
 """Share of a sampling interval by which uniform time stamps may be off, as rounded decimals are."""
 SAME_RATE_TOLERANCE = 1e-3
-"""Relative difference up to which a given sampling rate agrees with the time stamps."""
+"""Relative difference up to which a given sampling rate agrees with the time stamps, which may be rounded."""
 SAME_INTERVAL_TOLERANCE = 5e-3
 """Relative difference up to which an interval in a header, perhaps of few digits, agrees with the time stamps."""
 FEWEST_EQUAL_STAMPS, EQUAL_STAMPS_SHARE = 3, 0.01
@@ -86,7 +86,9 @@ def _fault(text: str, source: Source, row: int) -> Fault:
 
 
 def clock_of(stamps: FloatArray, rate: float | None, *, stamped: bool = False) -> Clock:
-    """Clock of increasing time stamps (n,) in s; a known ``rate`` in Hz is kept where it agrees with them.
+    """Clock (sampling rate in Hz, start in s, or all stamps) from increasing time stamps (n,) in s.
+
+    A known ``rate`` in Hz is kept where it agrees with them.
 
     >>> clock_of(np.array([1.0, 1.1, 1.2]), None).rate.__round__(9)
     10.0

@@ -11,7 +11,7 @@ from torsionnet.core.units import DIMENSIONS, UnitError, parse_unit
 from torsionnet.io.foreign.content import Blocks
 
 TIME_NAMES = frozenset({"time", "times", "zeit", "tid", "temps", "timestamp", "timestamps", "time stamp", "x-time"})
-"""Names of channels that are taken for time stamps, in lower case."""
+"""Names of channels that are taken for time stamps in several languages, in lower case."""
 RATE_NAMES = frozenset({"fs", "sampling_rate", "sample_rate", "samplerate", "samplingrate", "abtastrate"})
 """Names of single numbers in a file that are taken for the sampling rate, in lower case."""
 

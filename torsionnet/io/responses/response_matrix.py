@@ -13,7 +13,7 @@ from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 
 UNKNOWN_UNIT = "1"
-"""Unit of a channel of which the file only says that it has the unit of its partner."""
+"""Unit of a channel of a ratio of like signals, of which the file says nothing more."""
 
 
 @dataclass
@@ -34,7 +34,7 @@ class ResponseMatrix:
     pairs: dict[tuple[str, str], SingleResponse] = field(default_factory=dict)
 
     def response(self, file: str, title: str, notes: tuple[str, ...] = (), **more: Any) -> FrequencyResponse:
-        """Frequency response of the whole matrix of transfer functions.
+        """Frequency response (n_f, n_out, n_in) in SI of the whole matrix, or ModelError if pairs or units do not fit.
 
         ModelError names missing pairs and channels with two units.
         """

@@ -16,10 +16,10 @@ from torsionnet.study.quantities.variant_block import VariantBlock
 from torsionnet.study.space.space import Space
 
 OfPoints = Callable[[FloatArray], FloatArray]
-"""Function from points (n, d) of the unit cube or of standard normal space to values (n,)."""
+"""Function from points (n, d) of the unit cube or of standard normal space to a quantity's values (n,)."""
 
 OfVariants = Callable[[Mapping[str, FloatArray]], FloatArray]
-"""Function from parameters (n,) by name to values (n,) of these variants."""
+"""Function from the parameters of n variants, (n,) in SI by name, to a quantity's values (n,) in SI."""
 
 
 @dataclass(frozen=True, eq=False)

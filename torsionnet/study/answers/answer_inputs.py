@@ -56,7 +56,7 @@ def _names(key: str, value: Any) -> Iterator[tuple[str, Path, bool]]:
 
 
 def case_label(configuration: str) -> str:
-    """Name of a configuration in tables; "as given" for the model as it stands."""
+    """Name of a configuration in tables, or "as given" for the model as it stands."""
     return configuration or "as given"
 
 

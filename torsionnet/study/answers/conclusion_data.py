@@ -16,7 +16,7 @@ IN_WORDS = {"in_words": True}
 
 
 class PlainConclusion:
-    """Base class of conclusions that are frozen dataclasses with all results in their fields."""
+    """Base class of answers' conclusions that are frozen dataclasses with all results in their fields."""
 
     @property
     def sentences(self) -> tuple[str, ...]:

@@ -10,9 +10,9 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.study.answers.answer_case import OfPoints
 
 SLOPE_STEP = 1e-3
-"""Step of slopes by differences, in standard deviations: larger ones miss curvature, smaller ones amplify rounding."""
+"""Step of slopes in standard deviations, as larger ones miss curvature, and smaller ones amplify rounding."""
 MOST_ITERATIONS = 25
-"""Most steps of a search for a design point, since more would take variants from the sampling."""
+"""Most steps of a search for a design point, as more take variants from the sampling."""
 FARTHEST = 12.0
 """Largest distance of a design point in standard deviations, as failures beyond have a probability below 1e-32."""
 STEP_SHARES = 0.5 ** np.arange(8)
@@ -102,7 +102,7 @@ def _shortened(
 
 
 def _on_the_limit(margin: OfPoints, points: FloatArray) -> tuple[FloatArray, int]:
-    """Points moved along their rays to the limit state, without those whose rays never fail, and variants used."""
+    """Points (k, d) moved along their rays to the limit state, if their rays fail at all, and variants used."""
     rays = margin((RAY[:, None, None] * points).reshape(-1, points.shape[1])).reshape(len(RAY), len(points))
     failed = ~(rays > 0)
     first = failed.argmax(axis=0)

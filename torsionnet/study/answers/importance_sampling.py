@@ -54,7 +54,7 @@ class Mixture:
         return np.asarray(points + np.concatenate([self.centres, np.zeros((1, points.shape[1]))])[which])
 
     def log_weights(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Logarithms (n,) at points (n, d) of the density over the mixture's, and of the centres' over the wide one."""
+        """Logarithms (n,) at n points of the density over the mixture's, and of the centres' over the wide one's."""
         from scipy.special import logsumexp
 
         shares, width = np.log(self.shares), self.spread

@@ -30,7 +30,7 @@ class Share:
 
 
 def counted_share(hits: float, count: int, confidence: float = 0.95) -> Share:
-    """Share of independent draws that are hits, with the confidence interval of Clopper and Pearson.
+    """Share from 0 to 1 of independent draws that are hits, with the confidence interval of Clopper and Pearson.
 
     The interval contains the true share at least as often as ``confidence`` says, also where nothing was hit. Draws of
     a Latin hypercube or a Sobol sequence spread more evenly, which makes it wider than needed.

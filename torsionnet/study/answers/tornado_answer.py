@@ -59,7 +59,7 @@ def one_at_a_time(function: OfPoints, middle: FloatArray, low: FloatArray, high:
 
 TOLERANCE, DEVIATION = "tolerance", "standard deviation"
 SHARE_WITHIN_DEVIATION = 0.6826894921370859
-"""Share of a normal distribution within one standard deviation of its mean."""
+"""Share of a normal distribution within one standard deviation of its mean, the span of a distribution in a tornado."""
 
 
 @register_answer

@@ -56,7 +56,7 @@ class BoundedPoints:
         return self.joined(BoundedPoints(self.columns, self.limits, spread))
 
     def joined(self, more: BoundedPoints) -> BoundedPoints:
-        """Active columns, limits and points together with others."""
+        """Active columns, limits and points of curves together with those of another place in the unit cube."""
         peaks = {name: np.union1d(points, more.peaks[name]) for name, points in self.peaks.items()}
         return BoundedPoints(self.columns | more.columns, self.limits | more.limits, peaks)
 

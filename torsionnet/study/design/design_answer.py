@@ -78,7 +78,10 @@ class DesignAnswer(StudyAnswer):
         )
 
     def problem(self, study: AskedStudy, names: tuple[str, ...] = ()) -> tuple[DesignProblem, DesignQuantities]:
-        """Design problem of the study and its quantities; parameters ``names`` vary beside those designed."""
+        """Design problem of the study, and the function that calculates its quantities.
+
+        Parameters ``names`` vary beside those designed.
+        """
         parameters = self.parameters(study)
         goals = self.goals({**study.limits, **self.limits})
         units = {name: measure_of(study, name).unit for name in goals.quantities if name in study.quantities}

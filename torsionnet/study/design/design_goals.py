@@ -114,7 +114,7 @@ class DesignGoals:
             raise UsageError("limits alone choose no design; say what to minimise or maximise, or targets")
 
     def check(self, known: Mapping[str, object]) -> None:
-        """Refuse goals with quantities that are not among those known."""
+        """Refuse goals of a design with quantities that are not among those known."""
         for name in self.quantities:
             if name not in known:
                 there = ", ".join(known)

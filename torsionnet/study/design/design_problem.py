@@ -85,7 +85,7 @@ class DesignProblem:
 
     @property
     def evaluations(self) -> int:
-        """Number of designs calculated so far."""
+        """Number of designs whose quantities were calculated so far."""
         return sum(self._asked)
 
     @cached_property

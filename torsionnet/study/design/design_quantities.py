@@ -26,7 +26,7 @@ DECIBELS_PER_NEPER = 20 / np.log(10)
 
 @dataclass(frozen=True, eq=False)
 class ExactSlopes:
-    """Function to the exact derivatives of those quantities of an evaluator that have them (:data:`Slopes`)."""
+    """Function to exact derivatives (n_points, n_p) in SI of those quantities of an evaluator that have them."""
 
     evaluator: Evaluator
     wanted: tuple[str, ...]
@@ -39,7 +39,7 @@ class ExactSlopes:
         return {name: slopes for name, slopes in zip(self.wanted, parts, strict=True) if np.isfinite(slopes).all()}
 
     def _whole(self, values: Mapping[str, float]) -> FloatArray:
-        """Derivatives (n_points of all, n_p) in SI of all quantities."""
+        """Derivatives (n_points of all, n_p) in SI of all wanted quantities, NaN for those that have none."""
         found = self._found(values)
         nothing = [np.full((size, len(self.evaluator.names)), np.nan) for size in self._sizes]
         return np.concatenate([found.get(name, nan) for name, nan in zip(self.wanted, nothing, strict=True)])

@@ -16,7 +16,7 @@ from torsionnet.core.errors import UsageError
 LAWS = ("normal", "uniform")
 """Names of the distributions that a design tolerance can have."""
 LEAST_TAIL = 1e-12
-"""Smallest share of a distribution below or above a draw, since the tails of normal ones are infinite."""
+"""Smallest share of a distribution below or above a draw, since the tails of a normal one never end."""
 
 
 @dataclass(frozen=True)

@@ -84,7 +84,7 @@ def optimise(
     generations: int = MOST_GENERATIONS,
     title: str = "",
 ) -> DesignOptimum:
-    """Find the best design of a problem with targets or one objective.
+    """Find the best design of a problem with targets or one objective, and verify it.
 
     Parameters
     ----------
@@ -196,7 +196,7 @@ def _result(
 
 
 def _free_directions(problem: DesignProblem, best: FloatArray) -> int:
-    """Number of directions of the parameters inside their bounds that change no target.
+    """Number of directions in the space of the parameters, inside their bounds, that change no target.
 
     At targets that are missed only parameters without effect on any of them count: the nearest design lies where
     slopes cancel, which says nothing about other designs.

@@ -135,7 +135,7 @@ class ParetoFront:
 
 
 def nearest_to_best(sizes: FloatArray) -> int:
-    """Index of the row (n, n_objectives) nearest to the smallest value of each column, over its range.
+    """Index of the row of an array (n, n_objectives) that is nearest to the smallest values, each over its range.
 
     >>> nearest_to_best(np.array([[0.0, 1.0], [0.3, 0.3], [1.0, 0.0]]))
     1

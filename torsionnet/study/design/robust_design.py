@@ -174,7 +174,7 @@ def robust_optimum(
     seed: int = 0,
     title: str = "",
 ) -> RobustOptimum:
-    """Find the design that is best under tolerances.
+    """Find the design that is best under tolerances, and compare it with the nominal optimum.
 
     Parameters
     ----------

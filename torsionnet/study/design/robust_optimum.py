@@ -90,7 +90,7 @@ class SpaceTolerances:
 
 DEVIATION, PERCENTILE, REJECTS = "mean and deviation", "percentile", "rejects"
 DEFAULT_K, DEFAULT_PERCENTILE = 3.0, 0.95
-"""Standard deviations added to the mean, and share of the samples that a percentile covers, unless given."""
+"""Standard deviations added to the mean (3 by default), and share of samples within the percentile (0.95)."""
 
 
 @register_answer

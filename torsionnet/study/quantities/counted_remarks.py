@@ -1,4 +1,4 @@
-"""Counter of the warnings of a study by their text."""
+"""Counter of the warnings of a study by their text, with a bound on the number of texts."""
 
 from __future__ import annotations
 

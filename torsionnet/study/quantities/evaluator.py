@@ -39,7 +39,7 @@ class BlockCalculator(Protocol):
     def once(
         self, evaluator: Evaluator, what: str, values: Mapping[str, float], work: Callable[[], FloatArray]
     ) -> FloatArray:
-        """Numbers (n,) that ``work`` on one variant returns, or returned in an earlier run."""
+        """Numbers (n,) that the function ``work`` returns for one variant, or returned in an earlier run."""
         ...
 
 
@@ -116,7 +116,7 @@ class Evaluator:
         }
 
     def once(self, what: str, values: Mapping[str, float], work: Callable[[], FloatArray]) -> FloatArray:
-        """Numbers (n,) that ``work`` on one variant returns, or returned under the same ``what`` in an earlier run."""
+        """Numbers (n,) that the function ``work`` returns for one variant, or returned as ``what`` in an old run."""
         return work() if self.calculator is None else self.calculator.once(self, what, values, work)
 
     def _is_singly(self, name: str) -> bool:

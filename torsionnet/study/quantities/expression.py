@@ -21,7 +21,7 @@ from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, re
 from torsionnet.study.quantities.variant_block import VariantBlock
 
 ARRAYS = Algebra(number=float, sqrt=np.sqrt, pi=math.pi)
-"""Operations that formulas of quantities use on arrays (square root, pi)."""
+"""Square root, pi and conversion of numbers by which formulas of quantities calculate with arrays."""
 
 
 class QuantityFormula(Spec[Expression]):

@@ -120,14 +120,17 @@ class _Curve:
     values: FloatArray
 
     def with_more(self, speeds: FloatArray, values: FloatArray) -> _Curve:
-        """Curve with the sizes at further speeds in rad/s."""
+        """Curve of a variant's sizes over speed in rad/s, with the sizes at further speeds added."""
         both = np.concatenate([self.speeds, speeds])
         order = np.argsort(both, kind="stable")
         return _Curve(both[order], np.concatenate([self.values, values])[order])
 
 
 def _all_wanted(curves: Sequence[_Curve]) -> list[FloatArray]:
-    """Further speeds in rad/s needed for each variant; an empty list where no variant needs any."""
+    """Further speeds in rad/s, an array for each variant, that are needed for its largest size.
+
+    An empty list where no variant needs any.
+    """
     found = [speeds_to_refine(curve.speeds, curve.values[:, None]) for curve in curves]
     return found if any(len(one) for one in found) else []
 
@@ -143,7 +146,7 @@ class _Search:
     places: NDArray[np.intp]
 
     def looked(self, curves: list[_Curve], speeds: list[FloatArray]) -> list[_Curve]:
-        """Curves with the sizes at further speeds in rad/s of each variant."""
+        """Curves of each variant's sizes over speed in rad/s, with the sizes at further speeds added."""
         some = [number for number, those in enumerate(speeds) if len(those)]
         found = list(curves)
         if some:

@@ -62,7 +62,7 @@ class ModeQuantity(StudyQuantity):
             yield Fault(f"there is no mode {self.mode}; the model has {there}", ("mode",))
 
     def eigenvalue(self, block: VariantBlock) -> ComplexArray:
-        """Eigenvalues of the mode in rad/s, (n_variants,), complex; NaN where a variant has no such vibration."""
+        """Eigenvalues (n_variants,), complex, in rad/s of the mode; NaN where a variant has no such vibration."""
         if self.order == ASCENDING:
             return nth_vibration(block.every_mode.eigenvalues, self.mode)
         place = vibrating(block.modes.reference)[self.mode - 1]
@@ -158,7 +158,7 @@ def nth_above_zero(sizes: FloatArray, number: int) -> FloatArray:
 @register_quantity
 @dataclass(frozen=True, kw_only=True)
 class DampingRatio(ModeQuantity):
-    """Damping ratio ``-Re lambda/|lambda|`` of a vibration mode."""
+    """Damping ratio ``-Re lambda/|lambda|`` (unit 1) of a vibration mode."""
 
     kind: ClassVar[str] = "damping_ratio"
 

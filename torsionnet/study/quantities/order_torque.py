@@ -94,7 +94,7 @@ class OrderTorque(SpeedQuantity):
         return found
 
     def _alone(self, model: Drivetrain) -> OrderResponse:
-        """Order response of the nominal model at its first speed, which is refused where any speed would be."""
+        """Order response of the nominal model at its first speed, for the faults that any speed would have."""
         speeds = self.at(model)
         return model.order_response(
             self.output, speeds=speeds[:1] if len(speeds) else None, excitations=self.excitations or None

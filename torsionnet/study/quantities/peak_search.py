@@ -98,7 +98,7 @@ def _candidates(values: FloatArray) -> tuple[NDArray[np.intp], NDArray[np.bool_]
 
 
 def _promised(values: FloatArray) -> FloatArray:
-    """Estimated height of peaks at each point, by a parabola through 1/|H|^2 at three points.
+    """Estimated heights of peaks at each point by a parabola through 1/|H|^2, infinite where it reaches 0.
 
     Infinite where it reaches 0.
     """
@@ -114,7 +114,7 @@ def _promised(values: FloatArray) -> FloatArray:
 
 
 def _vertex(look: _Look) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Frequency in Hz of the vertex of the parabola around the largest point, and whether the peak is infinite."""
+    """Frequencies in Hz of the vertices of parabolas around the largest points, and whether the peaks are infinite."""
     middle = np.clip(look.best, 1, POINTS - 2)
     f_before, f_here, f_after = (_taken(look.at, middle + side) for side in (-1, 0, 1))
     with np.errstate(all="ignore"):
@@ -128,7 +128,7 @@ def _vertex(look: _Look) -> tuple[FloatArray, NDArray[np.bool_]]:
 
 
 def _taken(rows: FloatArray, places: NDArray[np.intp]) -> FloatArray:
-    """Values at one index of the last axis in each row, without that axis."""
+    """Values (n, n_intervals) at one index of the last axis of an array (n, n_intervals, POINTS) in each row."""
     return np.asarray(np.take_along_axis(rows, places[..., None], axis=-1)[..., 0])
 
 

@@ -58,7 +58,7 @@ PARTS: Mapping[str, Callable[[ComplexArray], FloatArray]] = {
     "imaginary": np.imag,
     "dB": _decibels,
 }
-"""Functions by name from complex responses to a part of them.
+"""Functions by name from complex responses to a part (phase in rad from -pi to pi, dB relative to one SI unit).
 
 Phases in rad from -pi to pi, dB relative to one SI unit.
 """

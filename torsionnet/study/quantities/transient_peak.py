@@ -24,14 +24,14 @@ from torsionnet.study.quantities.transfer_quantity import usage_faults
 from torsionnet.study.quantities.variant_block import VariantBlock
 
 HISTORY_FORM = "{file: shock.csv, channel: T_M} or {rate: 1 kHz, values: [0, 10, ...]}"
-"""Examples of the entry ``history`` of a transient peak, a torque over time."""
+"""Examples of the entry ``history`` of a transient peak in error messages, a channel of a file or a list of torques."""
 _RATE = Value("samples per second", "frequency", exclusive=True)
 _VALUES = Listed("torques", Value("a torque", "torque", lower=None), form="a list of torques")
 
 
 @dataclass(frozen=True)
 class TorqueHistory:
-    """Torque samples in N m at a sampling rate in Hz."""
+    """Torque samples (n,) in N m at a sampling rate in Hz."""
 
     rate: float
     values: tuple[float, ...]

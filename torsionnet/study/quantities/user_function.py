@@ -114,7 +114,10 @@ class UserFunction(StudyQuantity):
 
 
 def _digest(of: Callable[..., Any]) -> str:
-    """Digest of a function's code and default values, equal on every machine; empty where it has no code object."""
+    """Digest of a function's code and default values as a text of 16 digits, equal on every machine.
+
+    Empty where it has no code object.
+    """
     code = getattr(of, "__code__", None)
     if code is None:
         return ""

@@ -83,7 +83,7 @@ class LimitCounts:
             self.sets[int(one)] = self.sets.get(int(one), 0) + int(count)
 
     def beyond(self, limits: Iterable[int]) -> int:
-        """Number of variants beyond any of the limits with these numbers."""
+        """Number of variants beyond any of some limits, which are given by their places in the order of all limits."""
         wanted = sum(1 << place for place in limits)
         return sum(count for one, count in self.sets.items() if one & wanted)
 

@@ -66,7 +66,7 @@ class Moments:
         )
 
     def joined(self, other: Moments) -> Moments:
-        """Moments of these values together with those of later variants."""
+        """Moments of the values of some variants together with those of later variants."""
         count = self.count + other.count
         apart = other.mean - self.mean
         share = other.count / np.maximum(count, 1)

@@ -54,7 +54,7 @@ class Summary:
         return self.histogram.percentiles(shares, len(self.measure.points))
 
     def row(self, name: str, configuration: str, percentiles: FloatArray) -> QuantityRow:
-        """Statistics of the quantity as plain data for JSON, with percentiles (n_shares, n_points)."""
+        """Statistics of the quantity in SI as plain data for JSON, with percentiles (n_shares, n_points)."""
         moments, is_curve = self.moments, self.measure.is_curve
 
         def shown(array: Any) -> Any:

@@ -159,5 +159,5 @@ class ChunkWork:
 
 @lru_cache(maxsize=2)
 def _unpacked(packed: bytes) -> ChunkWork:
-    """Chunk work unpacked in another process, cached so that its plans serve for the next chunk."""
+    """Function that calculates chunks, unpacked in another process and cached so that its plans serve again."""
     return ChunkWork(*pickle.loads(packed))  # noqa: S301  (packed by the process that asks)

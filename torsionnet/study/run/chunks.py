@@ -14,7 +14,7 @@ KEPT_VALUES = 10_000_000
 
 
 def kept_every(study: Study) -> int:
-    """Number m with which every m-th variant of a study keeps its values; 1 where all do.
+    """Number m with which every m-th variant of a study keeps its values, 1 where all do.
 
     m has no factor in common with the number of values on any axis, nor with two: of a grid every tenth variant could
     have one and the same value of a parameter, and every other point of a Sobol sequence lies in the same half.

@@ -24,12 +24,12 @@ MARK = b"tnev"
 CHECKSUM_BYTES = hashlib.sha256().digest_size
 """Length in bytes of the SHA-256 checksum behind a record of stored evaluations."""
 ENDING = ".log"
-"""Ending of the names of the log files of stored evaluations."""
+"""Ending of the names of the log files of stored evaluations, by which all of them are found."""
 
 
 @dataclass(frozen=True)
 class LogPlace:
-    """Place of a record of stored evaluations, the name of its file, its first byte and its number of bytes."""
+    """Place of a record of stored evaluations by the name of its file, its first byte and its number of bytes."""
 
     file: str
     start: int

@@ -86,7 +86,7 @@ def _remove_if_dead(file: Path) -> None:
 
 
 def _remedy(file: Path, began: str | None) -> str:
-    """Advice on a running process that locks the folder.
+    """Advice for an error message on a running process that locks the folder.
 
     Without its start time the number may be that of another program.
     """
@@ -114,7 +114,7 @@ def _is_alive(process: int, began: str | None) -> bool:
 
 
 def _began(process: int) -> str | None:
-    """Start time of a process, which differs from that of a later one with its number; None where it is unknown."""
+    """Start time of a process, by which it differs from a later one of the same number, None where unknown."""
     try:
         state, started = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0:20:19]
     except (OSError, ValueError):

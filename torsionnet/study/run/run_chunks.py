@@ -49,7 +49,7 @@ def no_variants(space: Space) -> str:
 
 
 LONGEST_SECONDS = 7 * 86400.0
-"""Longest calculation in seconds on one core unless more is asked for, as a longer one is mostly an error in a range."""
+"""Longest calculation in seconds on one core unless more is asked for, as a longer one is mostly a wrong range."""
 
 Progress = Callable[[int, int], None]
 """Callback with the number of chunks of variants done and that of all chunks."""

@@ -85,7 +85,7 @@ def key_of(evaluator: Evaluator, what: tuple[str, ...], values: Mapping[str, Flo
 
 @lru_cache(maxsize=16)
 def _unpacked(packed: bytes) -> BlockWork:
-    """Block work unpacked in another process, cached so that its plans serve for the next block."""
+    """Function that calculates blocks, unpacked in another process and cached so that its plans serve again."""
     evaluator, names, logs = pickle.loads(packed)  # noqa: S301  (packed by the process that asks)
     return BlockWork(evaluator, names, logs, None if logs is None else _own_log(logs))
 
@@ -149,7 +149,7 @@ class SharedBlocks:
     def once(
         self, evaluator: Evaluator, what: str, values: Mapping[str, float], work: Callable[[], FloatArray]
     ) -> FloatArray:
-        """Numbers (n,) that ``work`` returns, or returned before under the same key."""
+        """Numbers (n,) that the function ``work`` returns for one variant, or returned before under the same key."""
         if self.memory is None:
             return work()
         key = key_of(evaluator, (what,), {name: np.array([value]) for name, value in values.items()})
@@ -160,7 +160,7 @@ class SharedBlocks:
         return found
 
     def _work(self, evaluator: Evaluator, names: tuple[str, ...]) -> BlockWork:
-        """Block work of an evaluator, the same one for evaluators with equal configuration, names and method."""
+        """Function that calculates blocks, the same one for evaluators with equal configuration, names and method."""
         logs = None if self.memory is None or self.memory.is_full else self.memory.folder
         key = (evaluator.configuration, evaluator.names, evaluator.method, names, logs)
         return self._works.setdefault(key, BlockWork(evaluator, names, logs))

@@ -84,7 +84,7 @@ class StudyFolder:
             return None
 
     def remove_temporary_files(self) -> None:
-        """Remove old temporary files, which writers that were killed have left."""
+        """Remove temporary files older than :data:`TEMPORARY_SECONDS`, which writers that were killed have left."""
         for entry in (self.path / "chunks").glob(".*"):
             with suppress(OSError):
                 if time.time() - entry.stat().st_mtime > TEMPORARY_SECONDS:

@@ -13,7 +13,7 @@ from torsionnet.study.run.chunks import Chunks, counted_limits
 from torsionnet.study.study import Study
 
 FILE_FORMAT = 2
-"""Version of the format of the files in a study's folder; raised when older files cannot be read any more."""
+"""Version of the format of the files in a study's folder, raised when older files cannot be read any more."""
 LIBRARIES = ("numpy", "scipy", "numba")
 """Packages whose version may change a number in the results of a study."""
 AFTERWARDS = ("name", "limits", "answers")

@@ -17,7 +17,7 @@ from torsionnet.core.errors import Fault, unknown_name
 
 @dataclass(frozen=True, kw_only=True)
 class Correlation(Declared):
-    """Linear correlation of the values of parameters, of every two where more are named.
+    """Linear correlation, from -1 to 1, of the values of parameters, of every two where more are named.
 
     The distributions are those of the parameters all the same; they are joined as functions of correlated normal
     variables (a Gaussian copula, in structural reliability Nataf's model).

@@ -22,7 +22,7 @@ PANELS, NODES = 120, 8
 
 
 class HermiteSeries:
-    """Coefficients of a distribution in Hermite polynomials of a normal variable, scaled to a deviation of 1."""
+    """Coefficients of a distribution in Hermite polynomials of a normal variable, for a standard deviation of 1."""
 
     def __init__(self, marginal: Marginal) -> None:
         nodes, weights = _nodes()
@@ -42,7 +42,7 @@ def _nodes() -> tuple[FloatArray, FloatArray]:
 
 
 def _polynomials(nodes: FloatArray) -> FloatArray:
-    """Normalised Hermite polynomials He_k/sqrt(k!) at nodes (n,), k from 0 to HERMITE_TERMS, one row each."""
+    """Normalised Hermite polynomials (HERMITE_TERMS + 1, n) at nodes (n,), He_k/sqrt(k!) of degree k in row k."""
     rows = [np.ones_like(nodes), nodes]
     for k in range(1, HERMITE_TERMS):
         rows.append((nodes * rows[k] - np.sqrt(k) * rows[k - 1]) / np.sqrt(k + 1))

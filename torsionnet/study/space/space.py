@@ -92,7 +92,7 @@ class Space:
 
     @classmethod
     def of(cls, entries: SpaceEntries, model: Model) -> tuple[Self | None, list[Fault]]:
-        """Space of variants from entries that were read, None with an error, and all faults found."""
+        """Space of variants made from entries that were read, None with an error, and all faults found."""
         bound, faults = bound_space(entries.vary, entries.correlation, entries.sampling, model)
         if bound is None:
             return None, faults
@@ -105,7 +105,7 @@ class Space:
 
     def __setstate__(self, state: tuple[SpaceEntries, BoundSpace, tuple[Fault, ...]]) -> None:
         self.entries, self._bound, self.remarks = state
-        """Warnings about the entries."""
+        """Entries of the space, distributions and axes in SI, and warnings about the entries."""
 
     def at(self, model: Model) -> Self:
         """Space of the same variants for another model or configuration, relative to its values."""
@@ -149,14 +149,14 @@ class Space:
 
     @cached_property
     def draws(self) -> int:
-        """Number of draws of the parameters with a distribution; 1 where there are none."""
+        """Number of draws of the parameters with a distribution, 1 where there are none."""
         if not self.random_names:
             return 1
         return self.sampling.count if self.sampling else 0
 
     @cached_property
     def count(self) -> int:
-        """Number of variants in the space: for each point of the grid, the first parameter slowest, all draws."""
+        """Number of variants in the space, for each point of the grid all draws."""
         return prod(axis.count for axis in self.grid.values()) * self.draws
 
     def values(self, start: int, stop: int) -> dict[str, FloatArray]:

@@ -184,6 +184,6 @@ def _numbers(
 
 
 def _clock(text: str) -> float | None:
-    """Seconds since midnight of a time such as ``10:12:13.001``; None for other text."""
+    """Seconds since midnight of a time of day such as ``10:12:13.001``, None for other text."""
     found = re.fullmatch(r"(\d{1,2}):(\d{2}):(\d{2}(?:[.,]\d+)?)", text.strip())
     return int(found[1]) * 3600 + int(found[2]) * 60 + float(found[3].replace(",", ".")) if found else None

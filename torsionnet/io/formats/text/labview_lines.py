@@ -27,7 +27,7 @@ class HeadedLines:
     _back: list[str] = field(default_factory=list)
 
     def take(self) -> str:
-        """Next line of the file, empty at the end."""
+        """Next line of the LabVIEW file, an empty text at its end."""
         line = self._back.pop() if self._back else next(self.lines, "")
         self.number += bool(line)
         return line

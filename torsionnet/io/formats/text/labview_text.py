@@ -20,7 +20,7 @@ from torsionnet.response.recording import FloatArray
 LARGEST_SEGMENT_GAP = 0.1
 """Share of a sampling interval by which a segment may begin off the end of the one before and still continue it."""
 SECONDS_PER_DAY = 86_400.0
-"""Number of seconds in a day, after which a clock in a file's header begins anew."""
+"""Number of seconds in a day, after which the time of day in a header begins anew."""
 
 
 def labview_source(

@@ -121,7 +121,7 @@ def _pair(kind: str, label: str, unit: str) -> ColumnHeading:
 
 
 def _split(unit: str, label: str) -> tuple[str, str, float]:
-    """SI units of output and input in the unit of a ratio, and the factor from SI to the values."""
+    """SI units of output and input in the unit of their ratio, and the factor from SI to the values shown."""
     if not unit:
         raise _HeadingError(f"{label} has no unit; expected one such as {KNOWN_UNITS}")
     if unit in LIKE_UNITS:

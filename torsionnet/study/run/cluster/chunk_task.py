@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from distributed import Client
 
 PACKAGES = ("torsionnet", "numpy", "scipy", "numba")
-"""Packages of a worker whose version may change a number; without numba another solver is used."""
+"""Packages of a worker whose version may change a number, as without numba another solver is used."""
 
 MOST_LISTED_FAULTS = 10
 """Most faults of workers that a message lists, as of a thousand workers with the same fault a few suffice."""

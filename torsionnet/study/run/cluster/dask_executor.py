@@ -68,7 +68,7 @@ TASKS_A_SECOND = 50.0
 
 @dataclass
 class TaskSize:
-    """Number of chunks in a worker's task, by the time that the last chunks took.
+    """Number of chunks of variants in a worker's task, by the time that the last chunks took.
 
     Examples
     --------
@@ -85,7 +85,7 @@ class TaskSize:
     seconds: deque[float] = field(default_factory=lambda: deque(maxlen=50))
 
     def learn(self, seconds: Iterable[float]) -> None:
-        """Take note of the wall-clock times of finished chunks in seconds."""
+        """Take note of the wall-clock times in seconds of finished chunks of variants."""
         self.seconds.extend(seconds)
 
     def chunks(self, left: int, workers: int) -> int:

@@ -34,9 +34,9 @@ class LognormalMarginal(Marginal):
 
     def __init__(self, mean: float, deviation: float) -> None:
         self.deviation = sqrt(log1p((deviation / mean) ** 2))
-        """Standard deviation of the logarithm."""
+        """Standard deviation of the natural logarithm of the values in SI, from their mean and standard deviation."""
         self.middle = log(mean) - self.deviation**2 / 2
-        """Logarithm of the median."""
+        """Natural logarithm of the median of the values in SI, which is the mean of their logarithms."""
 
     def to_normal(self, values: ArrayLike) -> FloatArray:
         with np.errstate(divide="ignore"):

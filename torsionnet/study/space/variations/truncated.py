@@ -32,7 +32,7 @@ class TruncatedMarginal(Marginal):
         self._below, self._above = whole.cdf(ends), whole.sf(ends)
         by_below, by_above = self._below[1] - self._below[0], self._above[0] - self._above[1]
         self.share = float(by_below if self._below[0] < 0.5 else by_above)
-        """Share of the values of the whole distribution that are left."""
+        """Share of the values of the whole distribution, from 0 to 1, that are left between the limits."""
 
     def _both(self, values: ArrayLike) -> tuple[FloatArray, FloatArray]:
         inside = np.clip(np.asarray(values, dtype=float), self.low, self.high)

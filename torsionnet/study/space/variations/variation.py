@@ -20,7 +20,7 @@ from torsionnet.study.space.variations.nominal import NominalReader
 
 
 class Marginal:
-    """Base class of the distributions of one parameter.
+    """Base class of the distributions of one parameter, with cumulative shares and their inverses.
 
     Both tails are exact: what is close to the upper end is asked for by the share above it.
 
