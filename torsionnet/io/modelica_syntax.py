@@ -106,7 +106,7 @@ def parameter_kinds(elements: Iterable[Element], known: Mapping[str, Dimension |
 
 
 def unit_of(dimension: Dimension | None, kind: str | None, written: str) -> str:
-    """Unit of a parameter as Modelica writes it, empty where none is known; empty where none is known.
+    """Unit of a parameter as Modelica writes it, empty where none is known.
 
     ``kind`` is what it is used as, if anything; ``written`` its value, whose unit tells a stiffness from a torque.
 

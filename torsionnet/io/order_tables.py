@@ -72,7 +72,7 @@ def _cells(path: Path) -> list[list[str]]:
 
 
 def _of_this_package(file: str, rows: Sequence[list[str]], output: Channel, configuration: str) -> MeasuredLines:
-    """Orders of the output in a file of ``torsionnet orders``, complex amplitudes in SI, lines of one frequency added."""
+    """Orders of the output in a file of ``torsionnet orders``, complex amplitudes in SI, equal frequencies added."""
     heading, *written = rows
     excitation = heading.index("excitation")
     chosen = [cells for cells in written if not is_sum_name(cells[excitation])]

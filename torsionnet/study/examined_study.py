@@ -103,10 +103,7 @@ class ExaminedStudy:
 
 
 def table_names(given: Mapping[str, Any], key: str) -> list[str]:
-    """Keys of a table of the study file, an empty list where the entry is not a table.
-
-    None where the entry is not a table.
-    """
+    """Keys of a table of the study file, an empty list where the entry is not a table."""
     table = given.get(key)
     return [str(name) for name in table] if isinstance(table, Mapping) else []
 

@@ -83,10 +83,7 @@ def _document(file: Path) -> LocatedDocument:
 
 
 def _model(name: str, folder: Path) -> tuple[Drivetrain | None, list[Fault]]:
-    """Model of a study by its name or path, None if it cannot be loaded, and faults with their places.
-
-    Those of its file keep their own places.
-    """
+    """Model of a study by its name or path, None if it cannot be loaded, and faults with their places."""
     try:
         return load(folder / name if Path(name).suffix else name), []
     except UsageError as error:

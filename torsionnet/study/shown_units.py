@@ -107,19 +107,13 @@ def _units(variation: Variation) -> Iterator[str]:
 
 
 def _unit(value: object) -> str:
-    """Unit written behind a value, empty if there is none, or if its zero is not that of SI (degC).
-
-    Empty where there is none, or where its zero is not that of SI (degC).
-    """
+    """Unit written behind a value, empty if there is none, or if its zero is not that of SI (degC)."""
     unit = value.unit_written if isinstance(value, Number) else ""
     return "" if unit == CELSIUS else unit
 
 
 def _is_of(unit: str, si: str) -> bool:
-    """Whether a unit has the dimension of the SI unit ``si``, or of rad where ``si`` is empty.
-
-    An empty ``si`` counts as rad.
-    """
+    """Whether a unit has the dimension of the SI unit ``si``, or of rad where ``si`` is empty."""
     try:
         return parse_unit(unit).dimension == parse_unit(si or "rad").dimension
     except UnitError:

@@ -77,15 +77,12 @@ class Study(NotebookResult):
 
     @property
     def seed(self) -> int | None:
-        """Seed of the random draws, None where nothing is drawn; None where nothing is drawn."""
+        """Seed of the random draws, None where nothing is drawn."""
         return self.space.sampling.seed if self.space.sampling and self.space.random_names else None
 
     @property
     def method(self) -> str:
-        """Method of the response solver for all variants, "compiled" where numba works and they are many, else "graph".
-
-        Compiled where numba works, and for many.
-        """
+        """Method of the response solver for all variants, "compiled" where numba works and they are many, or "graph"."""
         return "compiled" if self.count >= FEWEST_COMPILED and compiled_works() else "graph"
 
     @cached_property

@@ -120,8 +120,6 @@ class StudyResult(NotebookResult):
     def kept_values(self, quantity: str, configuration: str | None = None) -> FloatArray:
         """Values of a quantity in SI of the kept variants, (n,), or smallest and largest value (n, 2) of a curve.
 
-        Smallest and largest value (n, 2) of a curve.
-
         The variants are those with the indices 0, m, 2 m, ..., where m is ``kept.every``; all where that is 1.
         """
         key = self._key(quantity, configuration)
@@ -256,10 +254,7 @@ class StudyResult(NotebookResult):
                 stream.write(text if start == 0 else text.split("\n", above)[above])
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
-        """Write a Parquet file with a line for every kept variant, in SI, and model, seed and version in its metadata.
-
-        Model, seed and version are in its metadata.
-        """
+        """Write a Parquet file with a line for every kept variant, in SI, with model, seed and version as metadata."""
         try:
             import pyarrow as pa
             import pyarrow.parquet as pq
@@ -272,10 +267,7 @@ class StudyResult(NotebookResult):
             pq.write_table(table, file)
 
     def to_xarray(self) -> Any:
-        """Result as an ``xarray.Dataset`` in SI, numbers over configuration and variant, curves as percentiles.
-
-        Numbers over configuration and variant, curves as percentiles.
-        """
+        """Result as an ``xarray.Dataset`` in SI, numbers over configuration and variant, curves as percentiles."""
         curves = [key for key, one in self.summaries.items() if one.measure.is_curve]
         bands = {(case, name): self.percentiles(name, SHOWN, case) for case, name in curves}
         parameters = {case: self.kept_parameters(case) for case in self.study.configurations}
@@ -285,10 +277,7 @@ class StudyResult(NotebookResult):
 
     @property
     def _about(self) -> dict[str, Any]:
-        """Metadata of exported files by key, title, seed, version, study, model and notes.
-
-        Title, seed, version, study, model and notes.
-        """
+        """Metadata of exported files by key, title, seed, version, study, model and notes."""
         seed, study = self.study.seed, json.dumps(self.study.to_data(), ensure_ascii=False)
         about: dict[str, Any] = {"title": self.study.title, "seed": -1 if seed is None else seed}
         return about | {

@@ -47,10 +47,7 @@ LONGEST_IDENTIFIER = 60
 
 
 STEPS_PER_PERIOD = 50
-"""Steps per period of the highest mode, of which inputs in straight lines between steps are 0.8 % off.
-
-Inputs that run on in straight lines are then 0.8 % off at its frequency.
-"""
+"""Steps of an FMU per period of its highest mode, at which inputs that run in straight lines are 0.8 % off."""
 HIGHEST_EXCITED = 1000.0
 """Highest natural frequency in Hz that counts for the FMU's step, as what excites a drivetrain lies below."""
 

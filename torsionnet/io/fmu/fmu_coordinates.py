@@ -117,10 +117,7 @@ class _Kinds:
         return bool(row) and bool(self.tape.number(coefficient) != 0)
 
     def _separated(self, rows: list[dict[str, Any]], order: tuple[str, ...]) -> tuple[str, ...]:
-        """Names of the coordinates that ``rows`` leave free, while the others become relative to these.
-
-        The others become relative to where the free ones take them.
-        """
+        """Names of the coordinates that ``rows`` leave free, while the others become relative to these."""
         reduction = reduce_rows(rows, {name: place for place, name in enumerate(order)})
         free = tuple(name for name in order if reduction.is_free(name))
         change: dict[str, Any] = {}

@@ -156,10 +156,7 @@ class NumberTape:
     _draw: random.Random = field(default_factory=lambda: random.Random(1))
 
     def number(self, value: Any) -> Traced:
-        """Traced number of any value, a constant if it is a fraction or a float.
-
-        Fractions and floats become constants.
-        """
+        """Traced number of any value, a constant if it is a fraction or a float."""
         if isinstance(value, Traced):
             return value
         written = exact(value)

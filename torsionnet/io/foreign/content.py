@@ -22,10 +22,7 @@ Blocks: TypeAlias = "Callable[[Sequence[int], int], Iterator[list[NDArray[Any]]]
 
 
 class ForeignFileError(Exception):
-    """Error of a library that fails to read a file, or of a refusal to read it, with the reason in one line.
-
-    The text gives the reason in one line.
-    """
+    """Error of a library that fails to read a file, or of a refusal to read it, with the reason in one line."""
 
 
 @dataclass(frozen=True)

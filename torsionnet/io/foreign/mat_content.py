@@ -17,10 +17,7 @@ import torsionnet.io.foreign.resource_limits as resource_limits
 from torsionnet.io.foreign.content import COMPLEX, ROW, Content, ForeignFileError, Plain, memory_content
 
 MOST_STRUCTURES = 64
-"""Most entries of an array of structures in a MAT file that are read, each of which becomes channels of its own.
-
-Each becomes channels of its own.
-"""
+"""Most entries of an array of structures in a MAT file that are read, each of which becomes channels of its own."""
 
 
 HEADER_BYTES = 128

@@ -65,10 +65,7 @@ def _is_time(column: Any) -> bool:
 
 
 def _first(file: Any, name: str) -> Any:
-    """First entry of a Parquet column that is not null, as a scalar of pyarrow, None if there is none.
-
-    None if there is none.
-    """
+    """First entry of a Parquet column that is not null, as a scalar of pyarrow, None if there is none."""
     for batch in file.iter_batches(batch_size=BATCH_ROWS, columns=[name]):
         known = batch.column(0).drop_null()
         if len(known):

@@ -109,10 +109,7 @@ class ReaderProcess:
 
 
 def search_path() -> str:
-    """Search path of Python modules for the reading process, without the working folder.
-
-    Without the working folder, which may change.
-    """
+    """Search path of Python modules for the reading process, without the working folder, which may change."""
     known = [entry for entry in sys.path if entry]
     root = str(PACKAGE.parent)
     return os.pathsep.join(known if root in known else [root, *known])

@@ -23,10 +23,7 @@ RATE_ATTRIBUTES = ("sampling_rate", "fs", "sample_rate")
 
 @contextlib.contextmanager
 def open_source(path: Path) -> Iterator[Source]:
-    """Yield the channels of an HDF5 file, with units from attributes of the datasets.
-
-    Units are taken from attributes of the datasets.
-    """
+    """Yield the channels of an HDF5 file, with units from attributes of the datasets."""
     with open_foreign(path, "hdf5") as content:
         source = array_source(content.arrays, content.blocks, str(content.attributes.get(KEY, "")), path.stem)
         rates = [float(content.attributes[name] or 0) for name in RATE_ATTRIBUTES if name in content.attributes]

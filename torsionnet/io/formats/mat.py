@@ -40,10 +40,7 @@ HEADER_TEXT_BYTES = 116
 
 @contextlib.contextmanager
 def open_source(path: Path) -> Iterator[Source]:
-    """Yield the channels of a MAT file, from numeric variables, and fields of structures.
-
-    Numeric variables, and fields of structures.
-    """
+    """Yield the channels of a MAT file, from numeric variables, and fields of structures."""
     if _is_hdf5(path):
         with hdf5.open_source(path) as source:
             yield source

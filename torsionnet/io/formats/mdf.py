@@ -20,10 +20,7 @@ from torsionnet.response.recording import Recording
 
 @contextlib.contextmanager
 def open_source(path: Path) -> Iterator[Source]:
-    """Yield the channels of an MDF file with the time stamps of the first channel.
-
-    The time stamps are those of the first channel.
-    """
+    """Yield the channels of an MDF file with the time stamps of the first channel."""
     with open_foreign(path, "mdf") as content:
         text = html.unescape(str(content.attributes.get("comment", "")))  # it is wrapped in XML
         channels = [

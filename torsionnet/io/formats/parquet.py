@@ -25,10 +25,7 @@ ZERO_ATTRIBUTE = "zero"
 
 @contextlib.contextmanager
 def open_source(path: Path) -> Iterator[Source]:
-    """Yield the channels of a Parquet file, with units from the metadata or names of columns.
-
-    Units are in the metadata or names of columns. Times become seconds.
-    """
+    """Yield the channels of a Parquet file, with units from metadata or names of columns, and times in seconds."""
     with open_foreign(path, "parquet") as content:
         text = str(content.attributes.get(KEY, ""))
         channels = [_channel(item, number, plain=bool(text)) for number, item in enumerate(content.arrays)]

@@ -77,8 +77,6 @@ def format_of(path: Path, what: Holding) -> Format:
 def reading(path: Path, what: Holding) -> Iterator[Format]:
     """Yield the format that reads a file, turning errors in the ``with`` block into errors that name the file.
 
-    Errors in the ``with`` block become errors that name the file.
-
     Raises
     ------
     ModelError

@@ -70,7 +70,7 @@ def _is_asked(name: str, names: Sequence[str] | Mapping[str, str] | None) -> boo
 
 
 def _others(source: Source, options: ReadOptions, file: str) -> Recording | None:
-    """Recording of the channels that hold no pulses, None if there are none; None if there are none."""
+    """Recording of the channels that hold no pulses, None if there are none."""
     names = options.names
     if isinstance(names, Mapping):
         names = {name: new for name, new in names.items() if name not in options.pulses}
@@ -88,10 +88,7 @@ def _others(source: Source, options: ReadOptions, file: str) -> Recording | None
 
 
 def _clock(source: Source, options: ReadOptions) -> FileChannel | None:
-    """Channel of time stamps of the file, None where there is none or its stamps are those of pulses.
-
-    None where there is none or its stamps are those of pulses.
-    """
+    """Channel of time stamps of the file, None where there is none or its stamps are those of pulses."""
     return None if source.time is None or source.time.name in options.pulses else source.time
 
 

@@ -32,7 +32,7 @@ def quantity_of(unit: str) -> str:
 
 
 def quantity_of_dimension(dimension: Dimension) -> str:
-    """Quantity of a channel that has a dimension, empty where there is none; empty where there is none."""
+    """Quantity of a channel that has a dimension, empty where there is none."""
     return next((quantity for quantity, name in _DIMENSIONS.items() if dimension == DIMENSIONS[name]), "")
 
 

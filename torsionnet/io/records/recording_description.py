@@ -50,10 +50,7 @@ class SavedColumn:
 
 
 def saved_columns(recording: Recording, keys: Sequence[str] | None = None) -> list[SavedColumn]:
-    """Columns of a recording to save, every signal, and the time stamps where there are any.
-
-    Every signal, and the time stamps where there are any; names are unique.
-    """
+    """Columns of a recording to save, every signal, and the time stamps where there are any, with unique names."""
     check_names(recording)
     columns = [
         SavedColumn(key, signal.values, {"unit": signal.unit, "quantity": signal.quantity})

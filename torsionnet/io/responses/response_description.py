@@ -37,10 +37,7 @@ def description(response: FrequencyResponse) -> str:
 
 
 def arrays(response: FrequencyResponse) -> dict[str, Any]:
-    """Arrays of a frequency response by name, coherence and conditioning only where there are any.
-
-    Coherence and conditioning only where there are any.
-    """
+    """Arrays of a frequency response by name, coherence and conditioning only where there are any."""
     return {name: values for name in NUMBERS if (values := getattr(response, name)) is not None}
 
 

@@ -102,8 +102,6 @@ class StudyAnswer(Declared):
     def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
         """Yield the faults of an answer that its study cannot give, such as a curve where a number is needed.
 
-        Curves, correlated parameters where none may be, ...
-
         Unknown names are found by ``naming``, and may occur here.
         """
         del study

@@ -77,9 +77,7 @@ def chosen_quantities(study: AskedStudy, names: tuple[str, ...]) -> tuple[str, .
 
 
 def limit_words(study: AskedStudy, name: str) -> str:
-    """Words for exceeding the limit of a quantity, such as ``peak above 20 N*m``.
-
-    ``peak above 20 N*m``, of a curve ``largest H above 2 rad``.
+    """Words for exceeding a limit, such as ``peak above 20 N*m``, or of a curve ``largest H above 2 rad``.
 
     Values are in the units in which the limit was written.
     """

@@ -119,10 +119,7 @@ def _draws(beyond: Any) -> float:
 
 @dataclass(frozen=True, eq=False)
 class CountedBeyond:
-    """Counter of draws by the number of variants beyond limits, each draw being ``n_grid`` variants.
-
-    Each draw is ``n_grid`` variants.
-    """
+    """Counter of draws by the number of variants beyond limits, each draw being ``n_grid`` variants."""
 
     totals: LimitTotals
     n_grid: int

@@ -30,8 +30,6 @@ if TYPE_CHECKING:
 class ParallelCoordinates(StudyAnswer):
     """Lines of the variants across axes of parameters and quantities, those of variants beyond a limit in red.
 
-    Those beyond a limit in red.
-
     The table compares the medians of the variants that keep all limits with those of the others.
     """
 

@@ -74,10 +74,7 @@ class PercentileBandsResult(PlainConclusion):
 
     @property
     def points_unit(self) -> str:
-        """Unit of the axis of the curve, Hz for frequencies and rad/s for speeds.
-
-        Hz of frequencies, rad/s of speeds.
-        """
+        """Unit of the axis of the curve, Hz for frequencies and rad/s for speeds."""
         return "Hz" if self.measure.over == "frequency" else "rad/s"
 
     def table(self) -> Table:

@@ -34,8 +34,6 @@ FEWEST_BASE_POINTS = 64
 class SobolEstimates:
     """Sobol indices (d,) of d parameters, first-order and total, with the ends of their intervals, all from 0 to 1.
 
-    All from 0 to 1.
-
     ``variance`` is that of the quantity, ``evaluations`` the number of variants, ``without_value`` the number of base
     points left out because one of their variants has no value.
     """

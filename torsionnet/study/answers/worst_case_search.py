@@ -50,8 +50,6 @@ class Extreme:
 def largest(function: OfPoints, n_parameters: int, *, seed: int, tried: int = 10_000) -> Extreme:
     """Search the largest value of a function in the unit cube, leaving out points without a value (NaN).
 
-    Points without a value (NaN) are left out.
-
     Corners, a differential evolution, and from the best points along slopes and into bounds; then ``tried`` random
     points: where one of them is better the search goes on from there.
 

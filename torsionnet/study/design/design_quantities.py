@@ -114,7 +114,7 @@ def _part(part: str, y: ComplexArray, dy: ComplexArray) -> FloatArray:
 def _of_mode(quantity: ModeQuantity, eigenvalue: complex, moved: ModeSensitivities) -> FloatArray:
     """Derivatives (1, n_p) of a natural frequency in Hz or a damping ratio to n_p parameters.
 
-    Nan where its mode is not among those with derivatives.
+    NaN where its mode is not among those with derivatives.
     """
     size = len(moved.parameters)
     if not np.isfinite(eigenvalue) or not len(moved.poles):

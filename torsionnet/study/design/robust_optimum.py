@@ -55,10 +55,7 @@ class SpaceDraws:
 
 @dataclass(frozen=True, eq=False)
 class SpaceTolerances:
-    """Tolerances of a study, its distributions around the model, with their correlation.
-
-    Its distributions around the model, with their correlation.
-    """
+    """Tolerances of a study, its distributions around the model, with their correlation."""
 
     space: Space
     designed: tuple[str, ...]

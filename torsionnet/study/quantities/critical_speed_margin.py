@@ -27,7 +27,7 @@ from torsionnet.study.quantities.variant_block import VariantBlock
 @register_quantity
 @dataclass(frozen=True, kw_only=True)
 class CriticalSpeedMargin(StudyQuantity):
-    """Smallest relative distance (unit 1) of a natural frequency from the excitation frequencies of orders.
+    """Smallest distance of a natural frequency from the excitation frequencies of orders, relative to the nearer one.
 
     Natural frequencies with damping, ``|lambda|/2pi``, and without count, as in ``critical_speeds``;
     0 where one of them lies within the range that an order passes through.

@@ -98,10 +98,7 @@ def _candidates(values: FloatArray) -> tuple[NDArray[np.intp], NDArray[np.bool_]
 
 
 def _promised(values: FloatArray) -> FloatArray:
-    """Estimated heights of peaks at each point by a parabola through 1/|H|^2, infinite where it reaches 0.
-
-    Infinite where it reaches 0.
-    """
+    """Estimated heights of peaks at each point by a parabola through 1/|H|^2, infinite where it reaches 0."""
     found = values.copy()
     with np.errstate(all="ignore"):
         inverse = values**-2.0

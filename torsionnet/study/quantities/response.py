@@ -58,10 +58,7 @@ PARTS: Mapping[str, Callable[[ComplexArray], FloatArray]] = {
     "imaginary": np.imag,
     "dB": _decibels,
 }
-"""Functions by name from complex responses to a part (phase in rad from -pi to pi, dB relative to one SI unit).
-
-Phases in rad from -pi to pi, dB relative to one SI unit.
-"""
+"""Functions by name from complex responses to a part (phase in rad from -pi to pi, dB relative to one SI unit)."""
 _UNITS = {"phase": "rad", "dB": "dB"}
 
 

@@ -62,10 +62,7 @@ class TransferQuantity(StudyQuantity):
 
 
 def usage_faults(ask: Callable[[], object], *path: str) -> Iterator[Fault]:
-    """Yield a fault with the message of the UsageError that a call raises, if it raises one.
-
-    None where it raises none.
-    """
+    """Yield a fault with the message of the UsageError that a call raises, if it raises one."""
     try:
         ask()
     except UsageError as error:

@@ -70,7 +70,7 @@ class EvaluationLog:
         return LogPlace(Path(stream.name).name, start, len(record))
 
     def close(self) -> None:
-        """Close the log file of this process, which the next record opens again; the next record opens it again."""
+        """Close the log file of this process, which the next record opens again."""
         if self._file is not None:
             self._file.close()
             self._file = None
@@ -97,7 +97,7 @@ def records(file: Path) -> Iterator[tuple[bytes, LogPlace]]:
 
 
 def record_at(folder: Path, place: LogPlace) -> tuple[bytes, bytes] | None:
-    """Key and data of the record at a place, None if it is missing or damaged; None if it is missing or damaged."""
+    """Key and data of the record at a place, None if it is missing or damaged."""
     try:
         with (folder / place.file).open("rb") as stream:
             stream.seek(place.start)
@@ -158,7 +158,7 @@ class EvaluationMemory:
         return self.size >= MOST_LOG_BYTES
 
     def get(self, key: bytes) -> FloatArray | None:
-        """Numbers (n,) stored under a key, None where it is unknown or damaged; None where it is unknown or damaged."""
+        """Numbers (n,) stored under a key, None where it is unknown or damaged."""
         place = self._places.get(key)
         return None if place is None else self.at(place, key)
 

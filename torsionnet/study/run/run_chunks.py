@@ -27,7 +27,7 @@ SAMPLING = "sampling: {count: 1000}"
 
 
 def no_variants(space: Space) -> str:
-    """Message for a study without variants, with the entries that it needs: the entries that it needs.
+    """Message for a study without variants, with the entries that it needs.
 
     Examples
     --------

@@ -99,10 +99,7 @@ def _own_log(folder: Path) -> EvaluationLog:
 LEAST_SHARED_SECONDS = 2.0
 """Seconds of an answer's work from which workers are used, as less is done before their processes have started."""
 LEAST_CALL_SECONDS = 0.05
-"""Seconds of one call from which its blocks of variants go to workers, as handing them out takes milliseconds.
-
-Handing them out takes milliseconds.
-"""
+"""Seconds of one call from which its blocks of variants go to workers, as handing them out takes milliseconds."""
 TIMED_BLOCKS = 2
 """Number of blocks calculated here to measure their time, of which the first one prepares plans for the others."""
 

@@ -74,10 +74,7 @@ class StudyFolder:
         return found
 
     def chunk(self, number: int) -> ChunkValues | None:
-        """Results of a chunk of variants, None where its file is missing or damaged.
-
-        None where its file is missing or damaged.
-        """
+        """Results of a chunk of variants, None where its file is missing or damaged."""
         try:
             return ChunkValues.from_bytes(chunk_file(self.path, number).read_bytes(), number)
         except (OSError, DamagedChunk):

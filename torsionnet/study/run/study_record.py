@@ -55,7 +55,7 @@ def study_record(study: Study, chunks: Chunks, every: int) -> dict[str, Any]:
 
 
 def record_text(record: dict[str, Any]) -> str:
-    """JSON text of a study's record, equal for equal records; equal records give equal texts."""
+    """JSON text of a study's record, equal for equal records."""
     return json.dumps(record, indent=1, ensure_ascii=False) + "\n"
 
 

@@ -1,4 +1,4 @@
-"""Joint distribution of several parameters, joined by a Gaussian copula: a Gaussian copula."""
+"""Joint distribution of several parameters, joined by a Gaussian copula."""
 
 from __future__ import annotations
 

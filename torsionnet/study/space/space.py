@@ -1,7 +1,4 @@
-"""Space of the variants of a study, which gives the values of the varied parameters by the index of a variant.
-
-Values of the varied parameters.
-"""
+"""Space of the variants of a study, which gives the values of the varied parameters by the index of a variant."""
 
 from __future__ import annotations
 
@@ -77,10 +74,7 @@ class Space:
 
     @classmethod
     def read(cls, raw: object, model: Model) -> tuple[Self | None, list[Fault]]:
-        """Read the space of variants from the entries ``vary``, ``correlation`` and ``sampling`` of a study file.
-
-        ..., correlation: ..., sampling: ...}``: None with an error, and findings.
-        """
+        """Read the space of variants from the entries of a study file, None with an error, and all faults found."""
         if not isinstance(raw, Mapping):
             return None, SpaceEntries.read(raw)[1]
         values, faults = SpaceEntries.read_entries(raw)

@@ -43,7 +43,7 @@ def function_dataset(lines: Iterable[str], **entries: Any) -> dict[str, Any]:
 
 
 def text_in(entries: Mapping[str, Any], key: str) -> str:
-    """Text of an entry of a dataset 58, empty where there is none; empty where there is none."""
+    """Text of an entry of a dataset 58, empty where there is none."""
     line = str(entries.get(key) or "").strip()
     return "" if line in _EMPTY else line
 

@@ -62,7 +62,7 @@ def differences(worker: str, has: Versions, needed: Versions) -> Iterator[str]:
 
 
 def refuse_faults(faults: list[str], remedy: str) -> None:
-    """Raise ClusterError with the faults of workers and the remedy, if there is a fault; no fault, no error."""
+    """Raise ClusterError with the faults of workers and the remedy, if there is a fault."""
     if faults:
         shown = "\n".join(faults[:MOST_LISTED_FAULTS])
         if len(faults) > MOST_LISTED_FAULTS:

@@ -78,8 +78,6 @@ Notify = Callable[[str], None]
 class WorkerAbsence:
     """Messages while a cluster has no workers, at once, and again from time to time with the time waited.
 
-    At once, and again from time to time with the time waited.
-
     Attributes
     ----------
     notify : callable

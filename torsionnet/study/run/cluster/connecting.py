@@ -84,8 +84,6 @@ def local_workers(count: int | None = None) -> Iterator[str]:
 
     One for each core) and yield their scheduler's address.
 
-    One for each core) and yield their scheduler's address.
-
     A worker that dies is replaced. Workers end with this process, however it ends.
     """
     import dask

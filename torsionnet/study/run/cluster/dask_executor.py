@@ -153,10 +153,7 @@ class DaskExecutor:
 
     @cached_property
     def _versions(self) -> Versions:
-        """Versions of Python and packages that all workers have, checked once together with their access to the folder.
-
-        Checked once, as is their access to the folder.
-        """
+        """Versions of Python and packages that all workers have, checked once together with access to the folder."""
         needed = check_versions(self.client)
         check_folder(self.client, self.folder)
         return needed

@@ -23,10 +23,7 @@ class ParameterUse:
 
 
 def parameter_uses(model: Model) -> dict[str, list[ParameterUse]]:
-    """Uses of every parameter, by name, as the value of an element's entry without an expression, one of each kind.
-
-    Entries of the same kind once.
-    """
+    """Uses of every parameter, by name, as the value of an element's entry without an expression, one of each kind."""
     found: dict[str, dict[object, ParameterUse]] = {}
     for element in model.definition.elements.values():
         for _, spec, expression, dimension in element.expressions():
@@ -125,7 +122,7 @@ class NominalReader:
         return nominal.value + float(number.value) * abs(nominal.value)
 
     def spread(self, number: Number, of: float, *path: str | int) -> float:
-        """Standard deviation in SI, above 0, from a number or a percentage ``of`` a value; above 0."""
+        """Standard deviation in SI, above 0, from a number or a percentage ``of`` a value."""
         if number.value <= 0:
             return self.fault(f"must be greater than 0, got {number}", *path)
         if not is_share(number):

@@ -67,10 +67,7 @@ class TruncatedMarginal(Marginal):
 
 
 def truncated(whole: Marginal, low: Number | None, high: Number | None, reader: NominalReader) -> Marginal:
-    """Distribution between the limits of a variation, the whole one if there are no limits.
-
-    The whole one without limits.
-    """
+    """Distribution between the limits of a variation, the whole one if there are no limits."""
     if low is None and high is None:
         return whole
     ends: Any = [
