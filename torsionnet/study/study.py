@@ -82,7 +82,7 @@ class Study(NotebookResult):
 
     @property
     def method(self) -> str:
-        """Method of the response solver for all variants, "compiled" where numba works and they are many, or "graph"."""
+        """Method of the response solver for all variants, "compiled" if numba works and they are many, else "graph"."""
         return "compiled" if self.count >= FEWEST_COMPILED and compiled_works() else "graph"
 
     @cached_property
