@@ -100,7 +100,7 @@ class _Kinds:
         self.relative: set[str] = set()
 
     def found(self) -> tuple[tuple[dict[str, Any], ...], _Names, _Names, _Names, frozenset[str]]:
-        """Changes of coordinates, and names of those with inertia, massless with dampers, with springs alone, relative."""
+        """Changes of coordinates, and names of those with inertia, massless with dampers, without either, relative."""
         inertial = [row for law, row in self.laws if self._is_there(law.inertia, row)]
         massless = self._separated(inertial, self.coordinates)
         heavy = tuple(name for name in self.coordinates if name not in massless)
