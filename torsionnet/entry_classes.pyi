@@ -75,7 +75,7 @@ class BurstRandom(_BurstRandom):
     ) -> None: ...
 
 class Correlation(_Correlation):
-    r"""Linear correlation of the values of parameters, of every two where more are named.
+    r"""Linear correlation, from -1 to 1, of the values of parameters, of every two where more are named.
 
     The distributions are those of the parameters all the same; they are joined as functions of correlated normal
     variables (a Gaussian copula, in structural reliability Nataf's model).
@@ -164,7 +164,7 @@ class LinearChirp(_LinearChirp):
     ) -> None: ...
 
 class ListOfValues(_ListOfValues):
-    r"""Values in a list, each crossed with whatever else varies.
+    r"""Variation of a parameter over a list of values, each crossed with whatever else varies.
 
     Parameters
     ----------
@@ -200,7 +200,7 @@ class LogarithmicSweep(_LogarithmicSweep):
     ) -> None: ...
 
 class Lognormal(_Lognormal):
-    r"""Lognormal distribution; mean and deviation are those of the values themselves, not of their logarithms.
+    r"""Lognormal variation of a parameter, by mean and deviation of the values themselves, not of their logarithms.
 
     With limits, values beyond them are left out and the rest keeps its proportions.
 
@@ -249,7 +249,7 @@ class Multisine(_Multisine):
     ) -> None: ...
 
 class Normal(_Normal):
-    r"""Normal distribution; with limits, values beyond them are left out and the rest keeps its proportions.
+    r"""Normal variation of a parameter, with limits beyond which values are left out and the rest keeps its proportions.
 
     Mean and deviation are those before anything is left out.
 
@@ -420,7 +420,7 @@ class Transducer(_Transducer):
     ) -> None: ...
 
 class Triangular(_Triangular):
-    r"""Triangular distribution.
+    r"""Triangular variation of a parameter, by lowest, most frequent and highest value.
 
     Parameters
     ----------
@@ -437,7 +437,7 @@ class Triangular(_Triangular):
     ) -> None: ...
 
 class Uniform(_Uniform):
-    r"""Uniform distribution.
+    r"""Uniform variation of a parameter, by lowest and highest value.
 
     Parameters
     ----------
@@ -452,7 +452,7 @@ class Uniform(_Uniform):
     ) -> None: ...
 
 class ValueRange(_ValueRange):
-    r"""Values from the lowest to the highest, both included, each crossed with whatever else varies.
+    r"""Variation of a parameter from the lowest to the highest value, both included, crossed with whatever else varies.
 
     Parameters
     ----------

@@ -1,4 +1,7 @@
-"""Files of other programs, of records and of responses. Each function reads or writes whole files, or returns text."""
+"""Files of other programs, recordings and frequency responses.
+
+Each function reads or writes whole files, or returns text.
+"""
 
 from torsionnet.core.lazy_imports import lazy_exports
 

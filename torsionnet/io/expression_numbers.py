@@ -15,7 +15,7 @@ from torsionnet.model.elements import Values
 
 @dataclass(frozen=True, eq=False)
 class ExpressionNumber:
-    """Number with its expression; comparisons use its present value.
+    """Number with its expression in the model's parameters, compared by its present value.
 
     Elements run on such numbers as they do on fractions.
 
@@ -88,7 +88,7 @@ class ExpressionNumber:
         return float(self.value)
 
     def is_constantly(self, number: int) -> bool:
-        """Whether the number equals ``number`` whatever the values of the parameters."""
+        """Whether the number equals ``number`` for all values of the model's parameters."""
         return isinstance(self.expression, Number) and self.value == number
 
     def _with(self, sign: str, right: ExpressionNumber, value: Fraction | float) -> ExpressionNumber:
@@ -101,7 +101,7 @@ def expression_number(value: Any) -> ExpressionNumber:
 
 
 def expression_values(parameters: Mapping[str, Any]) -> Values:
-    """Evaluator of an element's scalars that gives numbers with their expressions in these parameters."""
+    """Evaluator of an element's entries that gives numbers with their expressions in these parameters."""
     named = {name: ExpressionNumber(value, Name(name)) for name, value in parameters.items()}
     return Values(named, Algebra(expression_number, _square_root, ExpressionNumber(pi, Compound("pi"))))
 
@@ -111,7 +111,7 @@ def _square_root(number: ExpressionNumber) -> ExpressionNumber:
 
 
 def _made(value: Fraction | float, expression: Expression) -> ExpressionNumber:
-    """Result of an operation, without an expression where it is exact and depends on no parameter."""
+    """Result of an operation as a number with its expression, or a plain one where it is exact and has no parameter."""
     value = float_if_long(value)
     is_plain = isinstance(value, Fraction | int) and not expression.names
     return ExpressionNumber(value, Number(value) if is_plain else expression)

@@ -1,4 +1,4 @@
-"""Graph of a drivetrain for a mass-elastic sheet: inertias of nodes, connections between two nodes, speed ratios."""
+"""Graph of a drivetrain for a mass-elastic sheet, with inertias of nodes, connections between two, speed ratios."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from torsionnet.io.part_descriptions import describe_element_part
 from torsionnet.model.elements import GROUND, Constraint, Element, Law, Row, Shaft, Values
 
 NODES_PER_CONNECTION = 2
-"""Most nodes that a row of a sheet connects."""
+"""Most nodes that a row of a mass-elastic sheet connects, the two ends of a shaft."""
 MOST_LISTED_PARTS = 4
-"""Parts without a column that an error message lists; of more it gives the number."""
+"""Parts without a column in a sheet that an error message lists, beyond which it gives their number."""
 
 
 @dataclass(frozen=True)
 class Connection:
-    """A spring or damper on theta_first - tau theta_second, or a rigid connection where ``stiffness`` is None; SI."""
+    """Spring (N m/rad), damper (N m s/rad) or rigid connection (stiffness None) on theta_first - tau theta_second."""
 
     name: str
     first: str
@@ -34,7 +34,7 @@ class Connection:
     diameters: tuple[float, float] | None = None
 
     def from_node(self, node: str) -> Connection:
-        """Connection with ``node`` as its first end: stiffness and damping referred to that node."""
+        """Connection with ``node`` as its first end, and stiffness and damping in SI referred to that node."""
         if node == self.first:
             return self
         factor = float(self.tau) ** 2
@@ -45,7 +45,7 @@ class Connection:
 
 @dataclass
 class MassElasticGraph:
-    """Inertia and damping to ground by node, and connections; ``ratios`` are speeds over that of one node."""
+    """Inertia (kg m^2) and damping to ground (N m s/rad) by node, connections, and speed ratios to one node."""
 
     inertias: dict[str, float]
     dampings: dict[str, float]
@@ -100,7 +100,7 @@ def mass_elastic_graph(drivetrain: Drivetrain, reference: str) -> MassElasticGra
 
 
 def _lumped(element: Element) -> Element:
-    """A shaft with its inertia on the ends of its segments: a sheet has masses and springs."""
+    """Shaft with its inertia lumped on the ends of its segments, as a sheet has only masses and springs."""
     if not isinstance(element, Shaft) or element.inertia != "consistent":
         return element
     text = f"the inertia of {element.name} is lumped at the ends of its segments, which moves natural frequencies"
@@ -109,7 +109,7 @@ def _lumped(element: Element) -> Element:
 
 
 def _law(graph: MassElasticGraph, element: Element, law: Law, value: Values) -> bool:
-    """Add a law to the graph and return whether a sheet can hold the law."""
+    """Add a law of an element to the graph and return whether a mass-elastic sheet can hold the law."""
     if (
         law.table is not None
         or len(law.row) > NODES_PER_CONNECTION
@@ -145,7 +145,7 @@ def _connected(name: str, row: Row) -> Connection:
 
 
 def _named(connections: list[Connection]) -> Iterator[Connection]:
-    """Connections with unique names: several of one element are numbered."""
+    """Yield the connections with unique names, numbered where one element has several."""
     names = [one.name for one in connections]
     for index, one in enumerate(connections):
         several = names.count(one.name) > 1
@@ -153,7 +153,7 @@ def _named(connections: list[Connection]) -> Iterator[Connection]:
 
 
 def _ratios(graph: MassElasticGraph, reference: str) -> dict[str, Any]:
-    """Speed of every node over that of the reference; UsageError where nothing or two things tell it."""
+    """Speed of every node over that of the reference, by node, or UsageError where nothing or two things tell it."""
     ratios: dict[str, Any] = {reference: Fraction(1)}
     at, waiting = graph.connections_at, deque([reference])
     while waiting:

@@ -12,7 +12,7 @@ from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet, read_sh
 
 
 def read_mass_elastic(path: str | os.PathLike[str]) -> Drivetrain:
-    """Read a maker's mass-elastic sheet: CSV, or what a spreadsheet program saves as text.
+    """Read a maker's mass-elastic sheet (CSV, or what a spreadsheet program saves as text) as a drivetrain.
 
     Masses become inertias on nodes of their names, shafts springs, changes of speed gears. What was taken as what is in
     :func:`mass_elastic_report`.
@@ -37,7 +37,7 @@ def read_mass_elastic(path: str | os.PathLike[str]) -> Drivetrain:
 
 
 def mass_elastic_report(path: str | os.PathLike[str]) -> MassElasticSheet:
-    """Content of a mass-elastic sheet; its ``report()`` is the table of what was taken as what, in which unit."""
+    """Content of a mass-elastic sheet, whose ``report()`` is the table of what was taken as what, in which unit."""
     source = Path(path)
     if not source.is_file():
         raise UsageError(f'there is no file "{source}"')

@@ -1,4 +1,4 @@
-"""Writing of drivetrains as mass-elastic sheets: CSV with a mass and the shaft after it in each row."""
+"""Writing of drivetrains as mass-elastic sheets (CSV), with a mass and the shaft after it in each row."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.mass_elastic_graph import Connection, MassElasticGraph, mass_elastic_graph
 
 LARGEST_RATIO_TERM = 10**6
-"""Speed ratios of whole numbers below this are written as a fraction (``29/14``), others in decimals."""
+"""Whole numbers below which a speed ratio of a sheet is written as a fraction (``29/14``), otherwise in decimals."""
 _COLUMNS = (
     "mass", "{J} [kg*m^2]", "absolute damping{by} [N*m*s/rad]", "speed ratio", "from", "to", "{k} [N*m/rad]",
     "relative damping{by} [N*m*s/rad]", "loss factor", "outer diameter [m]", "inner diameter [m]",
@@ -65,7 +65,7 @@ def to_mass_elastic(drivetrain: Drivetrain, *, referred_to: str | None = None) -
 
 
 def write_mass_elastic(drivetrain: Drivetrain, path: str | os.PathLike[str], *, referred_to: str | None = None) -> None:
-    """Write :func:`to_mass_elastic` as a file, whole or not at all."""
+    """Write the mass-elastic sheet of :func:`to_mass_elastic` as a file, whole or not at all."""
     write_text(path, to_mass_elastic(drivetrain, referred_to=referred_to))
 
 
@@ -115,7 +115,7 @@ def _shaft_cells(graph: MassElasticGraph, one: Connection, referred: bool) -> Se
 
 
 def _ratio(ratio: Any) -> str:
-    """Speed ratio as text: a fraction of whole numbers where they are small, else the decimals of the nearest float."""
+    """Speed ratio as text, a fraction of whole numbers where they are small, else the decimals of the nearest float."""
     if isinstance(ratio, Fraction) and max(abs(ratio.numerator), ratio.denominator) < LARGEST_RATIO_TERM:
         return numeral_of(ratio)
     return repr(float(ratio))

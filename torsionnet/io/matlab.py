@@ -1,4 +1,4 @@
-"""Export of matrices to Matlab and Octave: a readable script, or a MAT file with the same variables."""
+"""Export of a drivetrain's matrices to Matlab and Octave, as a script, or a MAT file with the same variables."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ MATRIX_MEANINGS = {
     "Yu": "outputs from u",
     "T": "angles of all nodes from q",
 }
-"""Matrices that are exported, with the comment on each in the script."""
+"""Matrices that are exported to Matlab, by name, with the comment on each (meaning, unit) in the script."""
 NAME_MEANINGS = {
     "coordinates": "q",
     "nodes": "theta",
@@ -38,22 +38,22 @@ NAME_MEANINGS = {
     "outputs": "y",
     "output_units": "",
 }
-"""Lists of names that are exported, with the vector whose entries each list names."""
+"""Lists of names that are exported to Matlab, with the vector whose entries each list names."""
 RESERVED_WORDS = frozenset({
     "break", "case", "catch", "classdef", "continue", "else", "elseif", "end", "for", "function", "global", "if",
     "otherwise", "parfor", "persistent", "return", "spmd", "switch", "try", "while", "do", "until", "endfor",
     "endfunction", "endif", "endswitch", "endwhile", "end_try_catch", "end_unwind_protect", "unwind_protect",
     "unwind_protect_cleanup", "enumeration", "events", "methods", "properties",
 })  # fmt: skip
-"""Reserved words of Matlab and Octave: neither runs a script of such a name."""
+"""Reserved words of Matlab and Octave, neither of which runs a script with such a name."""
 LARGEST_INTEGER = 1e15
-"""Whole numbers up to this are written without a decimal point."""
+"""Largest whole number that a script for Matlab has without a decimal point, exact in a double-precision number."""
 MOST_DENSE_ENTRIES = 400
-"""Entries up to which a matrix is written out in full; larger ones are written by their nonzero entries."""
+"""Most entries of a matrix that a script writes in full, as larger ones are shorter by their nonzero entries."""
 
 
 def to_matlab(drivetrain: Drivetrain) -> str:
-    """Script text that runs in Matlab and Octave and defines the matrices of a drivetrain.
+    """Script text that runs in Matlab and Octave and defines the matrices of a drivetrain in SI.
 
     Variables are M, C, K, F, Y0, Y1, Y2, Yu, T with ``M q'' + C q' + K q = F u``, ``y = Y0 q + Y1 q' + Y2 q'' + Yu u``
     and ``theta = T q``; cell arrays of the names of coordinates, nodes, inputs and outputs; a structure
@@ -96,7 +96,7 @@ def to_matlab(drivetrain: Drivetrain) -> str:
 
 
 def write_matlab(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None:
-    """Write the matrices as a script (.m, see :func:`to_matlab`) or with the same variables as a MAT v5 file (.mat).
+    """Write a drivetrain's matrices as a script (.m, see :func:`to_matlab`) or as a MAT v5 file (.mat).
 
     Raises
     ------

@@ -17,7 +17,7 @@ from torsionnet.solve.dynamic_stiffness.state_space import active_channels
 
 @dataclass(frozen=True)
 class Matrices:
-    """Equations of motion with inputs and outputs.
+    """Matrices of a drivetrain's equations of motion with inputs and outputs, in SI.
 
         M q'' + C q' + K q = F u,    y = Y0 q + Y1 q' + Y2 q'' + Yu u,    theta = T q
 
@@ -52,7 +52,7 @@ class Matrices:
 
 
 def matrices(drivetrain: Drivetrain) -> Matrices:
-    """Matrices of the equations of motion of a drivetrain, with its torque inputs and its sensors.
+    """Matrices in SI of the equations of motion of a drivetrain, with its torque inputs and its sensors.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def _refuse(drivetrain: Drivetrain, assembly: Assembly) -> None:
 
 
 def _motion(assembly: Assembly, reading: Functional) -> FloatArray:
-    """Coefficients of q, q' and q'' in a reading, shape (3, n_q)."""
+    """Coefficients (3, n_q) in SI of q, q' and q'' in a sensor's reading."""
     found = np.zeros((3, assembly.system.n_coordinates))
     for term in reading.terms:
         factors = [float(factor) for factor in powers_of_s(assembly, term)]

@@ -29,11 +29,11 @@ from torsionnet.solve.dynamic_stiffness.state_space import active_channels
 
 BLOCKS = "Modelica.Blocks.Interfaces"
 MOTIONS = {"angle": ("AngleSensor", "phi"), "velocity": ("SpeedSensor", "w"), "acceleration": ("AccSensor", "a")}
-"""Component and signal of the Modelica library that measure each quantity of motion."""
+"""Component and signal of the Modelica library that measure each quantity of motion (angle, velocity, ...)."""
 
 
 def to_modelica(drivetrain: Drivetrain) -> str:
-    """Text of a Modelica model of a drivetrain in its configuration.
+    """Text of a Modelica model of a drivetrain in its configuration, in SI.
 
     Parameters stay parameters, with their expressions; elements become Inertia, Spring, Damper, SpringDamper,
     IdealGear, IdealPlanetary and Fixed, nodes connection sets, inputs and sensors ``RealInput`` and ``RealOutput``. An
@@ -68,7 +68,7 @@ def to_modelica(drivetrain: Drivetrain) -> str:
 
 
 def write_modelica(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None:
-    """Write :func:`to_modelica` as a file, whole or not at all."""
+    """Write the Modelica text of :func:`to_modelica` as a file, whole or not at all."""
     write_text(path, to_modelica(drivetrain))
 
 
@@ -86,7 +86,7 @@ def _refuse(drivetrain: Drivetrain) -> None:
 
 @dataclass
 class _Model:
-    """Writer of a Modelica model: declares and connects everything that a drivetrain has."""
+    """Writer of a Modelica model, which declares and connects everything that a drivetrain has."""
 
     drivetrain: Drivetrain
     title: str

@@ -1,4 +1,4 @@
-"""Modelica components of element types that Modelica.Mechanics.Rotational has a counterpart of: gears, sets, shafts."""
+"""Modelica components of gears, sets and shafts, which Modelica.Mechanics.Rotational has counterparts of."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ _WRITERS: dict[type[Element], Writer] = {
 
 
 def write_element(element: Element, net: Net, words: ModelicaExpressions) -> None:
-    """Declare and connect the components of an element."""
+    """Declare and connect the Modelica components of an element."""
     # The nicer components take their values from the entries, which may be quoted at another shaft.
     write = write_parts if element.has_other_laws else _WRITERS.get(type(element), write_parts)
     write(element, net, words)

@@ -7,7 +7,7 @@ from torsionnet.core.plain_names import Names
 
 
 class Net:
-    """Declarations of a Modelica model, and points that are connected: nodes, ports of elements, flanges."""
+    """Declarations of a Modelica model, and the points that are connected (nodes, ports of elements, flanges)."""
 
     def __init__(self, names: Names) -> None:
         self.names = names
@@ -16,14 +16,14 @@ class Net:
         self.points: Groups[str] = Groups[str]()
 
     def declare(self, kind: str, wish: str, values: str = "", comment: str = "") -> str:
-        """Declare a component of a type and return its name."""
+        """Declare a Modelica component of a type and return its name."""
         name = self.names.new(wish)
         modifiers = f"({values})" if values else ""
         self.declarations.append(f"{kind} {name}{modifiers}{f' {comment}' if comment else ''};")
         return name
 
     def connections(self) -> list[str]:
-        """``connect`` equations from the first flange of every set to all others, with the nodes of the set."""
+        """Lines of ``connect`` equations from the first flange of every set to all others, with the set's nodes."""
         lines: list[str] = []
         for name, points in self.points.home.items():
             if points[0] != name:

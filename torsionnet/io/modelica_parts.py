@@ -14,16 +14,16 @@ COMPONENTS = f"{ROTATIONAL}.Components"
 FIXED = f"node:{GROUND}"
 
 Lever: TypeAlias = tuple[str, ExpressionNumber]
-"""Connection point, and the factor that its angle is multiplied with to give gamma of the row."""
+"""Connection point of a Modelica model, and the factor from its angle to the weighted sum of angles of a row."""
 
 
 def port(element: Element, name: str) -> str:
-    """Name of the connection point of a port of an element, joined to its node or to a torque sensor between them."""
+    """Name of the connection point at a port of an element, joined to its node or to a torque sensor between them."""
     return f"port:{element.name}.{name}"
 
 
 def declared(element: Element, net: Net, kind: str, values: str = "", suffix: str = "") -> str:
-    """Declare a component of an element and return its name; that without a suffix has the element's description."""
+    """Declare a component of an element and return its name, with the element's description if it has no suffix."""
     comment = quoted(element.description) if element.description and not suffix else ""
     return net.declare(f"{COMPONENTS}.{kind}", element.name + suffix, values, comment)
 
@@ -83,7 +83,7 @@ class _PartWriter:
         self.net.points.join(second, f"{name}.flange_b")
 
     def _ends(self, row: Row) -> tuple[str, str, ExpressionNumber]:
-        """Two points whose difference, times a factor, is gamma."""
+        """Two connection points and a factor, so that their difference of angles times it is the row's sum."""
         nodes = list(row)
         if len(nodes) == 2 and row[nodes[0]] + row[nodes[1]] == 0:
             return self.points[nodes[0]], self.points[nodes[1]], expression_number(row[nodes[0]])
@@ -91,7 +91,7 @@ class _PartWriter:
         return point, self.points.get(GROUND, FIXED), factor
 
     def _mean(self, row: Row) -> Lever:
-        """Point whose angle is gamma of a row, but for a factor."""
+        """Connection point and a factor, such that its angle times it is the weighted sum of a row."""
         levers = [(self.points[node], expression_number(share)) for node, share in row.items()]
         return reduce(self._mean_of_two, levers)
 

@@ -1,4 +1,4 @@
-"""Names, units and expressions as Modelica writes them."""
+"""Names, units and expressions of a model as Modelica writes them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ abs sign sqrt sin cos exp log pre edge change sample reinit terminal noEvent smo
 integer min max sum product fill zeros ones ndims size vector matrix transpose cross skew
 """
 KEYWORDS = frozenset(_RESERVED.split())
-"""Words of Modelica that no component may have as its name."""
+"""Words of the Modelica language that no component may have as its name."""
 MODELICA_UNITS = {
     "inertia": "kg.m2",
     "stiffness": "N.m/rad",
@@ -47,11 +47,11 @@ MODELICA_UNITS = {
     "velocity": "m/s",
     "1": "1",
 }
-"""Units as Modelica writes them, by kind of quantity; torque and stiffness have one dimension, as rad is 1."""
+"""Units as Modelica writes them, by kind of quantity, as torque and stiffness share a dimension (rad is 1)."""
 _ALIKE = {DIMENSIONS["stiffness"]: ("stiffness", "torque"), DIMENSIONS["angle"]: ("angle", "1")}
-"""Kinds of quantity that share a dimension: first the kind with an angle in its unit, then the one without."""
+"""Kinds of quantity that share a dimension, first the one with an angle in its unit, then the one without."""
 LARGEST_INTEGER = 2**31 - 1
-"""Largest value of Modelica's Integer; larger whole numbers are written as Real."""
+"""Largest value of Modelica's Integer, above which whole numbers are written as Real."""
 
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*")
 _INTEGER = re.compile(r"(?<![\w.])\d+(?![\w.])")
@@ -75,7 +75,10 @@ class ModelicaExpressions:
         return known.get(found[0]) or self.names[found[0]]
 
     def damping(self, value: Any, stiffness: Any) -> str:
-        """Modelica text of a viscous coefficient; one given by a damping measure becomes a number."""
+        """Modelica text of a viscous damping coefficient in N m s/rad.
+
+        One given by a damping measure becomes a number.
+        """
         if isinstance(value, DampingMeasure):
             return repr(float(viscous(value, self.values(stiffness), self.values)))
         return "0" if value is None else self.expression(value)
@@ -103,7 +106,7 @@ def parameter_kinds(elements: Iterable[Element], known: Mapping[str, Dimension |
 
 
 def unit_of(dimension: Dimension | None, kind: str | None, written: str) -> str:
-    """Modelica's unit of a parameter; empty where none is known.
+    """Unit of a parameter as Modelica writes it, empty where none is known.
 
     ``kind`` is what it is used as, if anything; ``written`` its value, whose unit tells a stiffness from a torque.
 
@@ -119,7 +122,7 @@ def unit_of(dimension: Dimension | None, kind: str | None, written: str) -> str:
 
 
 def quoted(text: str) -> str:
-    """Description on one line, in Modelica's quotes."""
+    """Description of a component on one line, in Modelica's quotes."""
     plain = " ".join(text.split()).replace("\\", "\\\\").replace('"', '\\"')
     return f'"{plain}"'
 

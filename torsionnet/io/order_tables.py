@@ -1,4 +1,4 @@
-"""Reading of measured orders from CSV files: tables of order tracking, or files of ``torsionnet orders --csv``."""
+"""Reading of measured orders from CSV files, tables of order tracking, or files of ``torsionnet orders --csv``."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from torsionnet.response.order_sums import is_sum_name
 EXPECTED_COLUMNS = "speed [rpm], order, amplitude [N*m]"
 """Columns of an order table, as error messages name them."""
 QUANTITY_UNITS = {"torque": "N*m", "angle": "rad", "speed": "rad/s", "acceleration": "rad/s^2"}
-"""SI unit of the amplitudes by quantity."""
+"""SI unit of the amplitudes in an order table by quantity."""
 _OF_OUTPUT = re.compile(r"(?P<name>.*) (?P<part>real|imag) (?P<unit>\[.*\])")
 _WRITTEN = ("excitation", "frequency [Hz]")
 """Columns of a file of ``torsionnet orders``, beside speed and order, by which such a file is recognised."""
 
 
 def read_orders(path: str | os.PathLike[str], output: Channel, configuration: str = "") -> tuple[MeasuredOrder, ...]:
-    """Orders of an output in a file: amplitudes over speed in the unit of the output.
+    """Measured orders of an output in a file, with amplitudes in the SI unit of the output over speed in rad/s.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def read_orders(path: str | os.PathLike[str], output: Channel, configuration: st
 
 
 def _cells(path: Path) -> list[list[str]]:
-    """Cells of every line that is neither empty nor a comment."""
+    """Cells of every line of an order table that is neither empty nor a comment."""
     try:
         text = path.read_text(encoding=detect_encoding(path), errors="replace")
     except OSError as error:
@@ -72,7 +72,7 @@ def _cells(path: Path) -> list[list[str]]:
 
 
 def _of_this_package(file: str, rows: Sequence[list[str]], output: Channel, configuration: str) -> MeasuredLines:
-    """Orders of the output in a file of ``torsionnet orders``: complex amplitudes, lines of one frequency added."""
+    """Orders of the output in a file of ``torsionnet orders``, complex amplitudes in SI, equal frequencies added."""
     heading, *written = rows
     excitation = heading.index("excitation")
     chosen = [cells for cells in written if not is_sum_name(cells[excitation])]

@@ -20,7 +20,7 @@ def describe_element_part(element: Element, part: Part) -> str:
 
 
 def describe_part(part: Part) -> str:
-    """Description of a law, constraint or action: what acts, and on which weighted sum of angles."""
+    """Description of a law, constraint or action in words, what acts, and on which weighted sum of angles."""
     if isinstance(part, Action):
         return f"torque on {row_text(part.row)} that follows {row_text(part.sensed)}"
     if not isinstance(part, Law):

@@ -25,7 +25,7 @@ def read_recording(
     pulses: Mapping[str, float] | None = None,
     **dialect: str,
 ) -> Recording:
-    r"""Read a recording; values are converted to SI, and what was assumed is in its notes.
+    r"""Read a recording from a file, its values converted to SI, and what was assumed in its notes.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def iter_blocks(
     units: Mapping[str, str] | None = None,
     **dialect: str,
 ) -> Iterator[Recording]:
-    """Read a large file in recordings of so many seconds, one after the other, the last one shorter.
+    """Yield recordings of ``seconds`` each in SI, one after the other, from a large file that is never read as a whole.
 
     Text, NPZ (arrays of one dimension), HDF5, MAT v7.3, TDMS and Parquet files never are in memory as a whole; of
     the other formats the library reads everything. Arguments are those of :func:`read_recording`, without ``pulses``.

@@ -10,7 +10,7 @@ from torsionnet.response import FrequencyResponse
 
 
 def read_frequency_response(path: str | os.PathLike[str]) -> FrequencyResponse:
-    """Read a frequency response, in SI units.
+    """Read a frequency response from a file, values in SI over frequencies in Hz.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ from torsionnet.core.errors import Fault, Path, did_you_mean
 from torsionnet.core.groups import Groups
 
 SHEAR_MODULUS, DENSITY = 80e9, 8000.0
-"""Shear modulus in Pa, which the format has no entry for, and density in kg/m^3 that openTorsion takes by default."""
+"""Shear modulus in Pa, which a TORS file has no entry for, and density in kg/m^3 that openTorsion takes by default."""
 
 NUMBERS: dict[str, dict[str, str]] = {
     "Disk": {"inertia": "", "damping": "?", "stiffness": "?"},
@@ -24,12 +24,12 @@ NUMBERS: dict[str, dict[str, str]] = {
     "ShaftContinuous": {"length": "+", "outerDiameter": "+", "innerDiameter": "?", "damping": "?", "density": "+?"},
     "GearElement": {"inertia": "", "diameter": "+?", "teeth": "+?"},
 }
-"""Numbers of each element type of TORS; ? may be missing, + has to be greater than 0."""
+"""Numbers of each element type of TORS, by entry, with ? where one may be missing and + where it is above 0."""
 
 
 @dataclass(frozen=True)
 class Entry:
-    """Element of a component of a TORS file; ``values`` are its numbers as written."""
+    """Element of a component of a TORS file, whose ``values`` are its numbers as written, by name."""
 
     component: str
     name: str
@@ -181,7 +181,7 @@ def _end(text: str, components: Mapping[str, tuple[Entry, ...]], path: Path) -> 
 def _start(
     components: Mapping[str, tuple[Entry, ...]], onward: Mapping[tuple[str, str], tuple[str, ...]]
 ) -> tuple[str, list[Fault]]:
-    """Component that no connection leads to, from which all others are reached, and faults of the tree."""
+    """Component of a TORS file that no connection leads to, from which all others are reached, and faults."""
     entered = {name for names in onward.values() for name in names}
     free = [name for name in components if name not in entered]
     if len(free) != 1:

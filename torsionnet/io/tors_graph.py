@@ -1,4 +1,4 @@
-"""Graph of a drivetrain for a TORS file: disks on nodes, shafts and gears between them."""
+"""Graph of a drivetrain for a TORS file, with disks on nodes, shafts and gears between them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Disks: TypeAlias = dict[str, list[dict[str, Any]]]
 
 @dataclass
 class Edge:
-    """Connection of two nodes: the items of a shaft from first to second, or a gear."""
+    """Connection of two nodes in a TORS file, the items of a shaft from first to second, or a gear."""
 
     first: str
     second: str
@@ -46,7 +46,7 @@ class Graph:
 
     @cached_property
     def at(self) -> dict[str, list[Edge]]:
-        """Shafts and gears at every node, in the order of the elements."""
+        """Shafts and gears at every node, by node, in the order of the elements."""
         found: dict[str, list[Edge]] = {node: [] for node in self.disks}
         for edge in self.edges:
             for node in (edge.first, edge.second):
@@ -55,7 +55,7 @@ class Graph:
 
 
 def tors_graph(drivetrain: Drivetrain) -> Graph:
-    """Graph of a drivetrain; UsageError names all parts of elements that TORS has no counterpart of."""
+    """Graph of a drivetrain for a TORS file, refused with the names of all parts that TORS has no counterpart of."""
     writer = _GraphWriter(drivetrain)
     for element in drivetrain.elements.values():
         writer.write(element)
@@ -68,7 +68,7 @@ def tors_graph(drivetrain: Drivetrain) -> Graph:
 
 
 class _GraphWriter:
-    """Writer of disks and edges: a shaft as such, any other element by its laws and constraints."""
+    """Writer of the disks and edges of a TORS file, a shaft as such, any other element by its laws and constraints."""
 
     def __init__(self, drivetrain: Drivetrain) -> None:
         self.value = Values(drivetrain.exact_values)
@@ -91,13 +91,13 @@ class _GraphWriter:
                 self.refused.append(describe_element_part(element, part))
 
     def _part(self, element: Element, part: Part) -> bool:
-        """Write a law or constraint and return whether TORS has a counterpart."""
+        """Write a law or constraint of an element and return whether TORS has a counterpart."""
         if isinstance(part, Action):
             return False
         return self._law(element, part) if isinstance(part, Law) else self._constraint(element, part.row)
 
     def _law(self, element: Element, law: Law) -> bool:
-        """Write an inertia, damping, spring or damper and return whether the law is one of these."""
+        """Write an inertia, damping, spring or damper into the graph and return whether the law is one of these."""
         factor = next(iter(law.row.values()), 0) ** 2
         inertia, damping, stiffness = (float(size * factor) for size in (law.inertia, law.damping, law.stiffness))
         nodes = [self.home.get(node, node) for node in law.row]
@@ -112,7 +112,7 @@ class _GraphWriter:
         return True
 
     def _spring(self, name: str, ends: list[str], numbers: dict[str, float]) -> None:
-        """Write a spring or damper; beside another one on the same nodes it adds to that."""
+        """Write a spring (N m/rad) or damper (N m s/rad), added to another one that is on the same nodes."""
         for edge in self.edges:
             if {edge.first, edge.second} == set(ends) and [item["type"] for item in edge.items] == ["ShaftDiscrete"]:
                 for key, number in numbers.items():
@@ -122,7 +122,7 @@ class _GraphWriter:
         self.edges.append(Edge(*_two(ends), [name], [{"name": name, "type": "ShaftDiscrete", **numbers}]))
 
     def _constraint(self, element: Element, row: Row) -> bool:
-        """Write a rigid connection or a gear and return whether the constraint is one of these."""
+        """Write a rigid connection or a gear into the graph and return whether the constraint is one of these."""
         if _is_joint(element, row):
             return True
         if len(row) != 2:
@@ -135,7 +135,7 @@ class _GraphWriter:
 
 
 def _is_chain(element: Element) -> TypeGuard[Shaft]:
-    """Whether an element is written with all that is between its two ends."""
+    """Whether an element is a shaft that is written to TORS with all that is between its two ends."""
     return isinstance(element, Shaft) and GROUND not in element.nodes
 
 
@@ -144,7 +144,7 @@ def _is_difference(row: Row) -> bool:
 
 
 def _is_joint(element: Element, row: Row) -> bool:
-    """Whether a constraint makes two nodes one; a gear of ratio 1 stays a gear."""
+    """Whether a constraint makes two nodes one, which a gear of ratio 1 does not."""
     return _is_difference(row) and not isinstance(element, Gear)
 
 
@@ -168,7 +168,7 @@ def _two(ends: list[str]) -> tuple[str, str]:
 
 
 def _merged(elements: Iterable[Element], value: Values, nodes: Sequence[str]) -> dict[str, str]:
-    """Node that stands for each node: rigid connections make one of two."""
+    """Node that stands for each node, by name, as rigid connections make one of two."""
     joined = Groups(nodes)
     for element in elements:
         for part in element.parts(value):
@@ -182,7 +182,7 @@ def _disk(name: str, inertia: float = 0.0, damping: float = 0.0) -> dict[str, An
 
 
 def _segments(shaft: Shaft, value: Values, disks: Disks, ends: list[str]) -> list[dict[str, Any]]:
-    """Items of a shaft: its segments, and where the inertia is lumped the disks between them."""
+    """Items of a shaft in a TORS file, its segments, and the disks between them where the inertia is lumped."""
     n, laws = int(shaft.segments), [part for part in shaft.parts(value) if isinstance(part, Law)]
     names = [shaft.name if n == 1 else f"{shaft.name} {index}" for index in range(1, n + 1)]
     elastic = next(law for law in laws if law.is_elastic)
@@ -202,7 +202,7 @@ def _segments(shaft: Shaft, value: Values, disks: Disks, ends: list[str]) -> lis
 
 
 def _continuous(shaft: Shaft, value: Values, n: int) -> dict[str, Any]:
-    """Item of a shaft segment of equal stiffness and inertia, with openTorsion's shear modulus."""
+    """Item of a TORS shaft segment of equal stiffness and inertia, with openTorsion's shear modulus."""
     outer, inner, length = (
         1e3 * float(value(size)) for size in (shaft.outer_diameter, shaft.inner_diameter, shaft.length)
     )

@@ -17,11 +17,11 @@ from torsionnet.model.elements import GROUND, Damper, Element, Gear, Inertia, Sh
 from torsionnet.model.files.located_yaml import compose
 
 VERSION = "openTorsion 0.3.2"
-"""Version of openTorsion whose reading of files is taken as the rule."""
+"""Version of openTorsion whose reading of TORS files is taken as the rule."""
 
 
 def read_tors(path: str | os.PathLike[str]) -> Drivetrain:
-    """Read a model of openTorsion or its editor.
+    """Read a model of openTorsion or its editor from a TORS file as a drivetrain.
 
     Disks become inertias, with a damper or spring to ground where they have one; discrete shafts springs;
     continuous shafts ``Shaft`` elements of one segment with consistent inertia, G = 80 GPa and, where the file says
@@ -82,7 +82,7 @@ def read_tors(path: str | os.PathLike[str]) -> Drivetrain:
 
 
 def _placed(faults: Iterable[Fault], source: Path) -> list[Fault]:
-    """Faults with their line and column: JSON is read once more, as the YAML it also is."""
+    """Faults of a TORS file with their line and column, for which the JSON is read once more, as YAML."""
     try:
         document = compose(source.read_text(encoding="utf-8-sig"), source.name)
     except ModelError:
@@ -106,14 +106,14 @@ def from_tors(data: Any, file: str = "TORS data") -> Drivetrain:
 
 
 class _Place:
-    """Node of the drivetrain before it has a name; it gets the first good name that comes along."""
+    """Node of the drivetrain before it has a name, which becomes the first good one that comes along."""
 
     def __init__(self, fallback: str) -> None:
         self.name, self.is_named, self.fallback = "", False, fallback
 
 
 class _Builder:
-    """Builder of a drivetrain, which follows the chains of components and collects elements between places."""
+    """Builder of a drivetrain, which follows the chains of a TORS file's components and collects elements."""
 
     def __init__(self, document: TorsDocument) -> None:
         self.document = document
@@ -128,7 +128,7 @@ class _Builder:
         self.differences: list[str] = []
 
     def component(self, start: str, place: _Place | None) -> None:
-        """Add a component and all that begin at its elements; no recursion, so that chains may be of any length."""
+        """Add a component and all that begin at its elements, without recursion, so that chains may be long."""
         open_names: list[tuple[str, _Place | None]] = [(start, place)]
         while open_names:
             name, place = open_names.pop()
@@ -150,7 +150,7 @@ class _Builder:
         self.differences.append(f"{what}; {VERSION} takes the wrong node there, this model has the right one")
 
     def _entry(self, entry: Entry, here: _Place) -> _Place:
-        """Add an element that begins at ``here`` and return the place where it ends."""
+        """Add an element of a TORS file that begins at ``here`` and return the place where it ends."""
         end = here
         if entry.kind.startswith("Shaft"):
             end = _Place(f"{self.short[entry.label]}_end")
@@ -185,7 +185,7 @@ class _Builder:
             self.faults.append(Fault(text, entry.path))
 
     def elements(self) -> list[Element]:
-        """Elements in the order of the file; nodes are named on the way, so that each has its first good name."""
+        """Elements in the order of the TORS file, with nodes named on the way, so that each has its first good name."""
         known: dict[_Place, str] = {}
         for _, _, places in self.made:
             for place in places:
@@ -253,7 +253,7 @@ def _ratio(parent: Entry, child: Entry) -> dict[str, Any]:
 
 
 def _short_names(document: TorsDocument) -> dict[str, str]:
-    """Short name of each element by ``component.element``: its own name where no other element has it."""
+    """Short name of each element by ``component.element``, its own name where no other element has it."""
     entries = [entry for component in document.components.values() for entry in component]
     names = [entry.name for entry in entries]
     return {

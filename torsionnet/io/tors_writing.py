@@ -13,16 +13,16 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.tors_graph import Edge, Graph, tors_graph
 
 WHEEL = 100.0
-"""Diameter in mm of the first wheel of a gear known by its ratio alone."""
+"""Diameter in mm of the first wheel of a gear known by its ratio alone, as TORS wants diameters or teeth."""
 
 MOST_STARTS = 50
-"""Ends of the drivetrain from which the layout is tried; more would take longer where none is possible."""
+"""Ends of the drivetrain from which a layout is tried, as more would take longer where none is possible."""
 
 Item = dict[str, Any]
 
 
 def to_tors(drivetrain: Drivetrain) -> dict[str, Any]:
-    """Data of a TORS file of the drivetrain, with the values of its parameters and its configuration.
+    """JSON data of a TORS file of the drivetrain, with the values of its parameters and its configuration.
 
     The format knows disks, shafts and gears in a tree. Nodes joined by a rigid coupling become one; springs and dampers
     between the same nodes one shaft; a gear of positive ratio a train with an idler; a shaft of another modulus than
@@ -51,13 +51,13 @@ def to_tors(drivetrain: Drivetrain) -> dict[str, Any]:
 
 
 def write_tors(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None:
-    """Write :func:`to_tors` as a JSON file, whole or not at all."""
+    """Write the data of :func:`to_tors` as a JSON file, whole or not at all."""
     text = json.dumps(to_tors(drivetrain), indent=1, ensure_ascii=False)
     write_text(path, f"{text}\n")
 
 
 def _laid_out(graph: Graph) -> _Layout:
-    """Layout of the graph as chains of elements, from the first end from which that is possible."""
+    """Layout of the graph as chains of elements, begun at the first end of the drivetrain where that is possible."""
     nodes = list(graph.disks)
     ends = [node for node in nodes if len(graph.at[node]) <= 1] or nodes[:1]
     refusals: list[UsageError] = []
@@ -73,7 +73,7 @@ def _laid_out(graph: Graph) -> _Layout:
 
 
 class _Chain:
-    """Chain of elements of one component, with unique names."""
+    """Chain of elements of one component of a TORS file, with unique names."""
 
     def __init__(self) -> None:
         self.items: list[Item] = []
@@ -153,7 +153,7 @@ class _Layout:
         self._walk(name, end)
 
     def _mesh(self, chain: _Chain, edge: Edge, wheel: Item, node: str) -> None:
-        """Add the second wheel of a gear; for a positive ratio an idler before it turns the sense round."""
+        """Add the second wheel of a gear, for a positive ratio after an idler that turns the sense round."""
         parent = wheel["name"]
         if edge.ratio > 0:
             idler = {**wheel, "name": f"{edge.names[0]} idler", "parent": parent}

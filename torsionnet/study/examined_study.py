@@ -1,4 +1,4 @@
-"""Checks of the entries of a study against its model: the sound part of the study, and all faults."""
+"""Checks of the entries of a study against its model, the sound part of the study, and all faults."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def _typical(space: Space, name: str) -> tuple[float, ...]:
 
 @dataclass(frozen=True, eq=False)
 class ExaminedStudy:
-    """The sound entries of a study and all its faults, so that a fault in one place hides none in another.
+    """Sound entries of a study and all its faults, so that a fault in one place hides none in another.
 
     Attributes
     ----------
@@ -103,13 +103,13 @@ class ExaminedStudy:
 
 
 def table_names(given: Mapping[str, Any], key: str) -> list[str]:
-    """Keys of a table of the study file; none where the entry is not a table."""
+    """Keys of a table of the study file, an empty list where the entry is not a table."""
     table = given.get(key)
     return [str(name) for name in table] if isinstance(table, Mapping) else []
 
 
 def examine_study(model: Drivetrain, given: Mapping[str, Any]) -> ExaminedStudy:
-    """Read the entries of a study and check them against its model."""
+    """Check of the entries of a study against its model, which returns the sound entries and all faults."""
     values, faults = StudyEntries.read_entries(given)
     model = model.with_entries_named(values.get("vary") or ())
     configurations, found = chosen_configurations(values.get("configurations") or (), model)
@@ -131,7 +131,7 @@ def examine_study(model: Drivetrain, given: Mapping[str, Any]) -> ExaminedStudy:
 
 
 def _space(model: Drivetrain, given: Mapping[str, Any], values: Mapping[str, Any]) -> tuple[Space | None, list[Fault]]:
-    """Space of all varied parameters, else of those without faults, and all findings."""
+    """Space of all varied parameters, or else of those without faults, and all faults found."""
     vary: Mapping[str, Variation] = values.get("vary") or {}
     correlation: tuple[Correlation, ...] = values.get("correlation") or ()
     if not vary:
@@ -153,7 +153,7 @@ def _space(model: Drivetrain, given: Mapping[str, Any], values: Mapping[str, Any
 
 
 def _sound_quantities(asked: Mapping[str, StudyQuantity], faults: list[Fault]) -> dict[str, StudyQuantity]:
-    """Quantities that have no fault and are not calculated from one with a fault."""
+    """Quantities of a study that have no fault and are not calculated from one with a fault."""
     sound = {name: one for name, one in asked.items() if not any(fault.path[1:2] == (name,) for fault in faults)}
     while lost := [name for name, one in sound.items() if not sound.keys() >= {*one.parts}]:
         sound = {name: one for name, one in sound.items() if name not in lost}
@@ -161,7 +161,7 @@ def _sound_quantities(asked: Mapping[str, StudyQuantity], faults: list[Fault]) -
 
 
 def _not_about(faults: list[Fault], names: list[str]) -> list[Fault]:
-    """Faults without those that call a quantity unknown which is in the file but could not be read."""
+    """Faults of a study without those that call a quantity unknown although the file has one that cannot be read."""
     return [fault for fault in faults if fault.kind != "unknown name" or fault.about not in names]
 
 
@@ -196,7 +196,7 @@ def _answers(given: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def _kind_and_entries(raw: object) -> tuple[type[StudyAnswer] | None, Mapping[str, Any]]:
-    """The class of an answer and its entries, as they are written or as Python made them."""
+    """Class of an answer, None if its type is unknown, and its entries as written in a file or made in Python."""
     if isinstance(raw, StudyAnswer):
         return type(raw), {key: getattr(raw, key, None) for key in raw.naming}
     if not isinstance(raw, Mapping):

@@ -1,4 +1,4 @@
-"""The result of a study as labelled arrays of xarray."""
+"""Conversion of a study's result to labelled arrays of xarray."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def labelled_variants(
     parameters: Mapping[str, Mapping[str, FloatArray]],
     attributes: Mapping[str, Any],
 ) -> Any:
-    """Build an ``xarray.Dataset``: numbers over configuration, variant; curves over configuration, percentile, point.
+    """Build an ``xarray.Dataset``, numbers over configuration and variant, curves over configuration and percentile.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Reading a study from its file or from the library."""
+"""Loading of a study from its file or from the library."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from torsionnet.study.study_file import StudyEntries
 
 
 def load_study(path: str | os.PathLike[str]) -> Study:
-    """Load a study from a file, or from the library by its name.
+    """Load a study from a file, or from the library by its name, and return it.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def _document(file: Path) -> LocatedDocument:
 
 
 def _model(name: str, folder: Path) -> tuple[Drivetrain | None, list[Fault]]:
-    """Model of a study by its name or path, and faults; those of its file keep their own places."""
+    """Model of a study by its name or path, None if it cannot be loaded, and faults with their places."""
     try:
         return load(folder / name if Path(name).suffix else name), []
     except UsageError as error:

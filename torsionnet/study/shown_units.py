@@ -1,4 +1,4 @@
-"""Units in which the numbers of a study are shown: those written in the study, else those written in the model."""
+"""Units in which the numbers of a study are shown, those written in the study, else those written in the model."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from torsionnet.study.space.variations.variation import Variation
 
 @dataclass(frozen=True)
 class ShownUnits:
-    """Shown units by parameter and quantity; others follow the conventions.
+    """Units in which parameters and quantities of a study are shown, by their names; others follow the conventions.
 
     Attributes
     ----------
@@ -41,12 +41,12 @@ class ShownUnits:
     conventions: Conventions = SI
 
     def unit(self, name: str, si: str | None = None) -> str:
-        """Unit in which a parameter or quantity in the SI unit ``si`` is shown."""
+        """Unit in which a parameter or quantity with the SI unit ``si`` is shown."""
         si = self.si.get(name, "") if si is None else si
         return self.written.get(name) or (self.conventions.unit(si) if si and _factor(si) else si)
 
     def scale(self, name: str, si: str | None = None) -> float:
-        """Factor from SI to the unit shown."""
+        """Factor by which a parameter or quantity in SI is multiplied to be shown in its unit."""
         si = self.si.get(name, "") if si is None else si
         shown = self.unit(name, si)
         factors = [_factor(one) if one else 1.0 for one in (si, shown)]
@@ -54,11 +54,11 @@ class ShownUnits:
 
 
 IN_SI = ShownUnits()
-"""Units that show every number in SI."""
+"""Shown units of results that print every number in SI."""
 
 
 def _factor(unit: str) -> float | None:
-    """Factor from a unit to SI; None of a unit without one, such as dB."""
+    """Factor from a unit to SI, None if the unit has no factor, such as dB."""
     try:
         return float(parse_unit(unit).factor)
     except UnitError:
@@ -66,7 +66,7 @@ def _factor(unit: str) -> float | None:
 
 
 def shown_units(study: AskedStudy, conventions: Conventions | None = None) -> ShownUnits:
-    """Shown units of the varied parameters and the quantities, by the values in the study, then by those in the model.
+    """Shown units of the varied parameters and quantities, by the values in the study, else by those in the model.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def shown_units(study: AskedStudy, conventions: Conventions | None = None) -> Sh
 
 
 def _units(variation: Variation) -> Iterator[str]:
-    """Units written behind the values of a variation, except percent."""
+    """Yield the units written behind the values of a variation, except percent."""
     for key, _ in variation.specs():
         value = getattr(variation, key)
         for one in value if isinstance(value, tuple) else (value,):
@@ -107,13 +107,13 @@ def _units(variation: Variation) -> Iterator[str]:
 
 
 def _unit(value: object) -> str:
-    """Unit written behind a value; empty where there is none, or where its zero is not that of SI (degC)."""
+    """Unit written behind a value, empty if there is none, or if its zero is not that of SI (degC)."""
     unit = value.unit_written if isinstance(value, Number) else ""
     return "" if unit == CELSIUS else unit
 
 
 def _is_of(unit: str, si: str) -> bool:
-    """Whether a unit has the dimension of the SI unit ``si``; an empty ``si`` counts as rad."""
+    """Whether a unit has the dimension of the SI unit ``si``, or of rad where ``si`` is empty."""
     try:
         return parse_unit(unit).dimension == parse_unit(si or "rad").dimension
     except UnitError:

@@ -1,4 +1,4 @@
-"""A study of a drivetrain: varied parameters, configurations, and the quantities of every variant."""
+"""Study of a drivetrain, its varied parameters, configurations, and the quantities of every variant."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from torsionnet.study.space.space import Space
 from torsionnet.study.study_file import StudyEntries
 
 FEWEST_COMPILED = 2000
-"""Number of variants from which on the compiled solver is used; with fewer, loading it takes longer than it saves."""
+"""Number of variants from which the compiled solver is used, as with fewer, loading it takes longer than it saves."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Study(NotebookResult):
-    """Variants of a drivetrain with the quantities, limits and answers sought; :func:`define` makes a study.
+    """Study of a drivetrain's variants, with the quantities, limits and answers sought; :func:`define` makes one.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class Study(NotebookResult):
         return self.name or f"study of {self.model.name}"
 
     def table(self) -> Table:
-        """Table of what varies, what is asked of every variant, and what is concluded."""
+        """Table of the parameters that vary, the quantities asked of every variant, and the answers."""
         rows = [(name, "varies", "") for name in self.space.names]
         rows += [(name, "quantity", one.kind) for name, one in self.quantities.items()]
         rows += [(name, "answer", one.kind) for name, one in self.answers.items()]
@@ -72,17 +72,17 @@ class Study(NotebookResult):
 
     @property
     def count(self) -> int:
-        """Number of variants."""
+        """Number of variants of the study in all configurations together."""
         return len(self.configurations) * self.space.count
 
     @property
     def seed(self) -> int | None:
-        """Seed of the random draws; None where nothing is drawn."""
+        """Seed of the random draws, None where nothing is drawn."""
         return self.space.sampling.seed if self.space.sampling and self.space.random_names else None
 
     @property
     def method(self) -> str:
-        """Method of the response solver, the same for all variants: compiled where numba works, and for many."""
+        """Method of the response solver for all variants, "compiled" if numba works and they are many, else "graph"."""
         return "compiled" if self.count >= FEWEST_COMPILED and compiled_works() else "graph"
 
     @cached_property
@@ -91,7 +91,7 @@ class Study(NotebookResult):
         return json.dumps(self.model.definition.flat_data(), default=str, ensure_ascii=False)
 
     def to_data(self) -> dict[str, Json]:
-        """The entries of the study file, without the model."""
+        """Entries of the study file as JSON data, without the model."""
         return {key: value for key, value in self.entries.written_entries().items() if key != "model"}
 
     @property
@@ -110,11 +110,11 @@ class Study(NotebookResult):
         )
 
     def model_in(self, configuration: str) -> Drivetrain:
-        """The model in one of its configurations."""
+        """Model of the study in one of its configurations, or as it stands for an empty name."""
         return self.model.configured(configuration) if configuration else self.model
 
     def evaluator(self, configuration: str = "", names: tuple[str, ...] = (), method: str = "") -> Evaluator:
-        """Evaluator of the quantities of any variants in a configuration.
+        """Evaluator that calculates the quantities of any variants in one configuration.
 
         ``names`` are the varied parameters, by default those of the space; ``method`` is that of the response solver,
         by default that of the study.
@@ -135,7 +135,7 @@ def define(
     answers: Mapping[str, Any] | None = None,
     name: str = "",
 ) -> Study:
-    """Define a study of a drivetrain.
+    """Define a study of a drivetrain from varied parameters and the quantities asked of every variant.
 
     Parameters
     ----------
@@ -189,7 +189,7 @@ def define(
 
 
 def study_of(model: Drivetrain, given: Mapping[str, Any]) -> tuple[Study | None, list[Fault]]:
-    """Build the study of a model from the entries of a file: the study, None if there is an error, and all findings."""
+    """Study of a model from the entries of a file, None if there is an error, and all faults and warnings."""
     read = examine_study(model, given)
     values = read.values
     faults = [*read.faults, *unknown_names_in_answers(read)]

@@ -1,4 +1,4 @@
-"""Entries of a study file: names, types, defaults and descriptions."""
+"""Entries of a study file with their types, defaults and descriptions."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _NAMES = Listed("configurations of the model", ConfigurationName(""), form="all,
 
 
 class SomeConfigurations(Composite[tuple[str, ...]], Plural[tuple[str, ...]]):
-    """Entry for configurations: ``all``, one name, or a list of names."""
+    """Entry for configurations of a study, ``all``, one name, or a list of names."""
 
     @property
     def absent(self) -> tuple[str, ...]:
@@ -47,7 +47,7 @@ class SomeConfigurations(Composite[tuple[str, ...]], Plural[tuple[str, ...]]):
 
 
 class QuantityOfFileOrPython(Typed[StudyQuantity]):
-    """Entry for a quantity: a table of the file, or an object made in Python, such as a user function."""
+    """Entry for a quantity of a study, a table of the file, or an object made in Python, such as a user function."""
 
     def read(self, raw: object) -> tuple[Any, list[Fault]]:
         return (raw, []) if isinstance(raw, StudyQuantity) else super().read(raw)
@@ -59,7 +59,7 @@ _ANSWER = Typed("what is concluded", lambda: ANSWERS, "answer", "answer")
 
 @dataclass(frozen=True, kw_only=True)
 class StudyEntries(Declared):
-    """A study of how a drivetrain behaves over tolerances, conditions and choices of its parameters."""
+    """Study of how a drivetrain behaves over tolerances, operating conditions and choices of its parameters."""
 
     kind: ClassVar[str] = "study"
     article: ClassVar[str] = "a study"
@@ -99,16 +99,16 @@ class StudyEntries(Declared):
 
     @property
     def space(self) -> SpaceEntries:
-        """Entries of the varied parameters, their correlation and their sampling."""
+        """Entries of the study file on the varied parameters, their correlation and their sampling."""
         return SpaceEntries(vary=self.vary, correlation=self.correlation, sampling=self.sampling)
 
     def chosen(self, model: Model) -> tuple[tuple[str, ...], list[Fault]]:
-        """Configurations of the model that the study names, and faults of names it does not have."""
+        """Configurations of the model that the study names, and faults of names that the model does not have."""
         return chosen_configurations(self.configurations, model)
 
 
 def chosen_configurations(asked: Sequence[str], model: Model) -> tuple[tuple[str, ...], list[Fault]]:
-    """Configurations of the model by the names in a study file, and faults of names it does not have."""
+    """Configurations of the model by their names in a study file, and faults of names that it does not have."""
     if not asked:
         return ("",), []
     if tuple(asked) == (ALL,):
@@ -128,7 +128,7 @@ def chosen_configurations(asked: Sequence[str], model: Model) -> tuple[tuple[str
 
 
 def _expanded(written: str, axes: Mapping[str, Sequence[str]]) -> Iterator[str]:
-    """Names of all configurations that ``gear=all,clutch=open`` stands for."""
+    """Yield the names of all configurations that a pattern such as ``gear=all,clutch=open`` stands for."""
     parts = [part.partition("=") for part in written.split(",")]
     choices = [
         [f"{axis.strip()}={name}" for name in axes[axis.strip()]]

@@ -1,4 +1,4 @@
-"""Checks of the quantities and limits of a study against its model in every configuration."""
+"""Checks of a study's quantities and limits against its model in every configuration."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ RESERVED = {name: f"what labels of results call the {name}" for name in ("config
 
 
 def name_conflicts(quantities: Iterable[Any], parameters: Iterable[Any]) -> list[Fault]:
-    """Faults of quantities with the name of another column of the tables of variants."""
+    """Faults of quantities that are named like another column in the table of variants."""
     meanings = dict.fromkeys(parameters, "a parameter that varies") | RESERVED
     return [
         Fault(f'"{name}" is {meanings[name]}; give the quantity another name', ("quantities", name), on_key=True)
@@ -25,7 +25,7 @@ def name_conflicts(quantities: Iterable[Any], parameters: Iterable[Any]) -> list
 
 
 def unknown_limits(limits: Iterable[Any], quantities: Iterable[Any]) -> list[Fault]:
-    """Faults of limits on unknown quantities."""
+    """Faults of limits on quantities that the study does not have."""
     known = [str(name) for name in quantities]
     return [
         Fault(
@@ -69,6 +69,6 @@ def wrong_units(
 
 
 def _said(same: Sequence[tuple[str, Fault]], count: int) -> Fault:
-    """Merge the faults of several configurations into one that names them where others have not."""
+    """Merge equal faults of several configurations into one that names them if some configuration lacks it."""
     names, fault = [name for name, _ in same if name], same[0][1]
     return fault if len(same) == count or not names else replace(fault, configuration=", ".join(names))

@@ -1,4 +1,4 @@
-"""Result of a study: values, statistics and percentiles of every quantity in every configuration."""
+"""Result of a study, the values, statistics and percentiles of every quantity in every configuration."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ from torsionnet.study.reductions.quantity_summary import QuantityRow, Summary
 from torsionnet.study.study import Study
 
 SHOWN = (2.5, 50.0, 97.5)
-"""Percentiles in tables: the median and the limits of the middle 95 %."""
+"""Percentiles that tables show of each quantity, in per cent, the median and the limits of the middle 95 %."""
 CSV_BLOCK_LINES = 20_000
-"""Number of lines made into text together, which takes a hundred times the memory of their numbers."""
+"""Number of CSV lines made into text together, as their text takes a hundred times the memory of their numbers."""
 
 
 @dataclass(frozen=True, eq=False)
 class StatisticsRecord:
-    """Statistics of all quantities of a study."""
+    """Statistics of all quantities of a study in SI, as they are written to JSON."""
 
     count: int
     seed: int | None
@@ -51,7 +51,7 @@ class StatisticsRecord:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StudyResult(NotebookResult):
-    """Results of a study.
+    """Result of a study, the statistics and kept values of every quantity in every configuration.
 
     Attributes
     ----------
@@ -94,11 +94,13 @@ class StudyResult(NotebookResult):
         return case, quantity
 
     def summary(self, quantity: str, configuration: str | None = None) -> Summary:
-        """Mean, deviation, extremes and percentiles of a quantity in a configuration."""
+        """Statistics (mean, deviation, extremes, percentiles) in SI of a quantity in one configuration."""
         return self.summaries[self._key(quantity, configuration)]
 
     def values(self, quantity: str, configuration: str | None = None) -> FloatArray:
-        """Values of a quantity in SI, shape (n,), of all variants; NaN where a variant has no value.
+        """Values of a quantity in SI, shape (n,), of all variants of one configuration.
+
+        NaN where a variant has no value.
 
         Raises
         ------
@@ -116,7 +118,7 @@ class StudyResult(NotebookResult):
         return self.kept.numbers[key]
 
     def kept_values(self, quantity: str, configuration: str | None = None) -> FloatArray:
-        """Values of a quantity in SI of the kept variants, (n,); smallest and largest value (n, 2) of a curve.
+        """Values of a quantity in SI of the kept variants, (n,), or smallest and largest value (n, 2) of a curve.
 
         The variants are those with the indices 0, m, 2 m, ..., where m is ``kept.every``; all where that is 1.
         """
@@ -124,20 +126,23 @@ class StudyResult(NotebookResult):
         return self.kept.numbers[key] if key in self.kept.numbers else self.kept.extremes[key]
 
     def parameters(self, configuration: str | None = None) -> dict[str, FloatArray]:
-        """Values (n,) in SI of every varied parameter of all variants."""
+        """Values (n,) in SI of every varied parameter, by name, for all variants of one configuration."""
         case, _ = self._key(next(iter(self.study.quantities)), configuration)
         space = self.study.space.at(self.study.model_in(case))
         return space.values(0, space.count)
 
     def kept_parameters(self, configuration: str | None = None) -> dict[str, FloatArray]:
-        """Values (n,) in SI of every varied parameter of the kept variants."""
+        """Values (n,) in SI of every varied parameter, by name, for the kept variants of one configuration."""
         if self.kept.every == 1:
             return self.parameters(configuration)
         case, _ = self._key(next(iter(self.study.quantities)), configuration)
         return {name: self.kept.parameters[case, name] for name in self.study.space.names}
 
     def percentiles(self, quantity: str, shares: ArrayLike, configuration: str | None = None) -> FloatArray:
-        """Percentiles (n_shares, n_points) of a quantity at shares in per cent; exact where all values are kept."""
+        """Percentiles (n_shares, n_points) in SI of a quantity at shares in per cent.
+
+        Exact where all values are kept.
+        """
         key = self._key(quantity, configuration)
         values = self.kept.numbers.get(key, np.empty(0))
         if self.kept.every == 1 and np.isfinite(values).any():
@@ -147,14 +152,14 @@ class StudyResult(NotebookResult):
         return self.summaries[key].percentiles(shares)
 
     def model(self, index: int, configuration: str | None = None) -> Drivetrain:
-        """Drivetrain with the parameter values of variant ``index``."""
+        """Drivetrain with the parameter values of variant ``index`` in one configuration."""
         case, _ = self._key(next(iter(self.study.quantities)), configuration)
         model = self.study.model_in(case)
         values = self.study.space.at(model).values(index, index + 1)
         return model.configured(**{name: float(column[0]) for name, column in values.items()})
 
     def table(self) -> Table:
-        """Table of the statistics of every quantity that is a number, a line for each configuration."""
+        """Table of the statistics of every quantity that is a number, a line for each quantity and configuration."""
         columns = [Column("quantity"), Column("configuration"), Column("unit"), Column("variants"), Column("mean")]
         columns += [Column("standard deviation"), Column("smallest")]
         columns += [Column(f"{share:g} %") for share in SHOWN] + [Column("largest"), Column("largest at variant")]
@@ -178,7 +183,7 @@ class StudyResult(NotebookResult):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Notes on the result: number of variants, missing values, accuracy, warnings and how often they came."""
+        """Notes on the result as a tuple of texts, on numbers of variants, missing values, accuracy and warnings."""
         texts = [f"{self.study.count} variants; seed {self.study.seed}"] if self.study.seed is not None else []
         count = sum(self.impossible.values())
         if count:
@@ -205,7 +210,7 @@ class StudyResult(NotebookResult):
         ]
 
     def record(self) -> StatisticsRecord:
-        """Result in full precision, without the values of single variants, for JSON."""
+        """Statistics of the study in full precision for JSON, without the values of single variants."""
         every, study = self.kept.every, self.study
         rows = tuple(
             one.row(name, case, self.percentiles(name, SHOWN, case)) for (case, name), one in self.summaries.items()
@@ -216,12 +221,12 @@ class StudyResult(NotebookResult):
         )  # fmt: skip
 
     def to_data(self) -> dict[str, Json]:
-        """Result as JSON data in full precision, without the values of single variants."""
+        """Statistics of the study as JSON data in full precision, without the values of single variants."""
         data: dict[str, Json] = to_json(self.record())
         return data
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Columns of the table of kept variants: configuration, parameters and quantities, each (n,) in SI.
+        """Columns of the table of kept variants by name, configuration, parameters and quantities, each (n,) in SI.
 
         Where these are not all, ``variant`` has the index of each in its configuration.
         """
@@ -238,7 +243,7 @@ class StudyResult(NotebookResult):
         return found | {name: np.concatenate([self.kept_values(name, case) for case in cases]) for name in numbers}
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write a CSV file with a line for every kept variant, in full precision."""
+        """Write a CSV file with a line for every kept variant, in SI and full precision."""
         columns = self.columns()
         headings = tuple(Column(name, self._unit(name)) for name in columns)
         above = len(self.notes) + 2  # lines: the title, and the headings
@@ -249,7 +254,7 @@ class StudyResult(NotebookResult):
                 stream.write(text if start == 0 else text.split("\n", above)[above])
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
-        """Write a Parquet file with a line for every kept variant; model, seed and version are in its metadata."""
+        """Write a Parquet file with a line for every kept variant, in SI, with model, seed and version as metadata."""
         try:
             import pyarrow as pa
             import pyarrow.parquet as pq
@@ -262,7 +267,7 @@ class StudyResult(NotebookResult):
             pq.write_table(table, file)
 
     def to_xarray(self) -> Any:
-        """Result as an ``xarray.Dataset``: numbers over configuration and variant, curves as percentiles."""
+        """Result as an ``xarray.Dataset`` in SI, numbers over configuration and variant, curves as percentiles."""
         curves = [key for key, one in self.summaries.items() if one.measure.is_curve]
         bands = {(case, name): self.percentiles(name, SHOWN, case) for case, name in curves}
         parameters = {case: self.kept_parameters(case) for case in self.study.configurations}
@@ -272,7 +277,7 @@ class StudyResult(NotebookResult):
 
     @property
     def _about(self) -> dict[str, Any]:
-        """Metadata of exported files: title, seed, version, study, model and notes."""
+        """Metadata of exported files by key, title, seed, version, study, model and notes."""
         seed, study = self.study.seed, json.dumps(self.study.to_data(), ensure_ascii=False)
         about: dict[str, Any] = {"title": self.study.title, "seed": -1 if seed is None else seed}
         return about | {

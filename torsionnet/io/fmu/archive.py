@@ -1,4 +1,4 @@
-"""Writing of functional mock-up units: ZIP archives of model description, C sources and compiled libraries."""
+"""Writing of functional mock-up units, which are ZIP archives of model description, C sources and libraries."""
 
 from __future__ import annotations
 
@@ -36,26 +36,26 @@ C_SOURCES = (
     "advancing.c",
     "services.c",
 )
-"""Files of C code that every FMU has, in the folder ``c``."""
+"""Names of the files of C code that every FMU has, in the folder ``c``."""
 VERSION_SOURCES = {
     "2.0": ("fmi2.h", "fmi2.c", "fmi2_modes.c"),
     "3.0": ("fmi3.h", "fmi3.c", "fmi3_modes.c", "fmi3_absent.c"),
 }
-"""Files of C code by version of the interface: its types first, then its functions."""
+"""Names of the files of C code by version of FMI, each with its types first, then its functions."""
 LONGEST_IDENTIFIER = 60
-"""Characters of a title that go into the model identifier, and so into names of files."""
+"""Most characters of a title that go into the model identifier of an FMU, and so into names of files."""
 
 
 STEPS_PER_PERIOD = 50
-"""Steps per period of the highest mode: inputs that run on in straight lines are then 0.8 % off at its frequency."""
+"""Steps of an FMU per period of its highest mode, at which inputs that run in straight lines are 0.8 % off."""
 HIGHEST_EXCITED = 1000.0
-"""Hz beyond which modes do not count for the step: what excites a drivetrain lies below."""
+"""Highest natural frequency in Hz that counts for the FMU's step, as what excites a drivetrain lies below."""
 
 
 def write_fmu(
     drivetrain: Drivetrain, path: str | os.PathLike[str], step: float | None = None, *, version: str = "2.0"
 ) -> tuple[str, ...]:
-    """Write a drivetrain as an FMU for co-simulation and model exchange.
+    """Write a drivetrain as an FMU for co-simulation and model exchange, and return the names of its platforms.
 
     Inputs of the FMU are the torque inputs of the model in N m, outputs its sensors in SI units, parameters those of
     the model; angles and speeds at the start are zero unless they are set. In co-simulation, steps of any size are
@@ -129,7 +129,7 @@ def _refuse(path: str | os.PathLike[str], step: float | None, version: str) -> N
 
 
 def _sources(version: str) -> dict[str, str]:
-    """C sources that are the same for all models, by name of the file."""
+    """C sources of an FMU that are the same for all models, by name of the file."""
     folder = resources.files("torsionnet.io.fmu") / "c"
     names = (*C_SOURCES, *VERSION_SOURCES[version])
     sources = {name: (folder / name).read_text(encoding="ascii") for name in names}
@@ -152,7 +152,7 @@ def _description(subject: FmuDescription, version: str) -> bytes:
 
 
 def _token(description: bytes, *texts: str) -> str:
-    """Token of an FMU, different for any other content: a digest of all that is in it, in the form of a GUID."""
+    """Token of an FMU, a digest of all that is in it in the form of a GUID, different for any other content."""
     digest = hashlib.sha256(description + "".join(texts).encode()).hexdigest()
     return f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
 
@@ -169,7 +169,7 @@ def _archive(files: Mapping[str, bytes]) -> bytes:
 
 
 def suggested_step(drivetrain: Drivetrain) -> float:
-    """Communication step in s that hosts are advised to take: 1, 2 or 5 times a power of ten.
+    """Communication step in s that hosts of the FMU are advised to take, 1, 2 or 5 times a power of ten.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""C code of a traced system: sizes, start values, and one function that fills all matrices from the parameters."""
+"""C code of a drivetrain's FMU, with sizes, start values, and a function from parameters to all matrices."""
 
 from __future__ import annotations
 
@@ -20,9 +20,7 @@ HEADER = """/* Sizes of this model. */
 #define TN_P {parameters}
 #define TN_Q {derived}
 """
-"""Template of ``model.h``: numbers of coordinates by kind (H with inertia, B with dampers, S static), signals,
-parameters.
-"""
+"""Template of ``model.h`` of an FMU, with numbers of coordinates by kind, signals and parameters."""
 
 MODEL = """/* {title}: its matrices, from its parameters in SI units.
 
@@ -55,11 +53,11 @@ static void tn_fill(const double *p, double *derived, tn_mechanics *m)
 #undef R2
 #undef F
 """
-"""Template of ``model.c``: start values of the parameters and the function that fills the matrices."""
+"""Template of ``model.c`` of an FMU, with start values of the parameters and the function that fills the matrices."""
 
 
 def header_source(system: System, variables: Variables, token: str) -> str:
-    """Text of ``model.h``: the sizes of the model and the token."""
+    """Text of ``model.h`` of an FMU, with the sizes of the model and the token."""
     motion = system.motion
     return HEADER.format(
         token=token,
@@ -74,7 +72,7 @@ def header_source(system: System, variables: Variables, token: str) -> str:
 
 
 def model_source(system: System, variables: Variables, title: str) -> str:
-    """Text of ``model.c``: start values of the parameters, and the function that fills the matrices from them."""
+    """Text of ``model.c`` of an FMU, with start values of the parameters, and the function that fills the matrices."""
     code = _Code(system, {name: number for number, name in enumerate(variables.open)})
     wanted = [*variables.derived.values(), *(v for entries in system.matrices.values() for _, _, v in entries)]
     lines = code.steps(wanted)
@@ -93,13 +91,13 @@ def model_source(system: System, variables: Variables, title: str) -> str:
 
 @dataclass(frozen=True)
 class _Code:
-    """Names in C of numbers on the tape; ``numbers`` says where in p a parameter is."""
+    """Names in C of numbers on the tape of calculations; ``numbers`` says where in p a parameter is."""
 
     system: System
     numbers: Mapping[str, int]
 
     def steps(self, wanted: Iterable[Traced]) -> list[str]:
-        """C statements that calculate the numbers, each once."""
+        """Lines of C that calculate the numbers on the tape, each once."""
         places = self.system.motion.tape.needed(wanted)
         return [f"const double {self._place(place)} = {self._operation(place)};" for place in places]
 
@@ -111,7 +109,7 @@ class _Code:
         return f"sqrt({names[0]})" if sign == "sqrt" else f"{names[0]} {sign} {names[1]}"
 
     def name(self, number: Traced) -> str:
-        """C name of a number on the tape: the variable that holds it, or the literal of a constant."""
+        """Text in C of a number on the tape, the variable that holds it, or the literal of a constant."""
         return literal(float(number.value)) if number.place is None else self._place(number.place)
 
     def _place(self, place: int) -> str:
@@ -124,7 +122,7 @@ class _Code:
 
 
 def literal(value: float) -> str:
-    """Text of a double in C, to the last digit.
+    """Text of a double-precision number in C, to the last digit.
 
     >>> literal(460.0), literal(-0.1)
     ('460.0', '(-0.1)')
@@ -133,6 +131,6 @@ def literal(value: float) -> str:
 
 
 def _comment(text: str) -> str:
-    """Text for a C comment: on one line, in ASCII, and without what would end the comment."""
+    """Text for a C comment, on one line, in ASCII, and without what would end the comment."""
     plain = " ".join(text.split()).encode("ascii", "replace").decode()
     return plain.replace("*/", "* /").replace("/*", "/ *").replace("\\", "/").replace("??", "? ?")

@@ -1,4 +1,4 @@
-"""Model descriptions of FMUs: what FMI 2.0 and 3.0 have in common."""
+"""Model descriptions of FMUs, with what FMI 2.0 and 3.0 have in common."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ ROLE_ATTRIBUTES: Mapping[str, Mapping[str, str]] = {
     "settled": {"causality": "local", "variability": "constant", "initial": "exact"},
     "flag": {"causality": "parameter", "variability": "fixed", "initial": "exact"},
 }
-"""Attributes causality, variability and initial of a variable, by its role."""
+"""Attributes causality, variability and initial of an FMU's variable, by its role."""
 UNKNOWN_AT_START = ("output", "rate", "derived")
 """Roles of variables that a host has to calculate when it initialises the FMU."""
 
 
 @dataclass(frozen=True)
 class FmuDescription:
-    """Content of a model description: title, variables, dependencies and default step.
+    """Content of an FMU's model description, its title, variables, dependencies and default step in s.
 
     Attributes
     ----------
@@ -55,7 +55,10 @@ def description_root(
     sources: Sequence[str],
     add_variable: Callable[[Element, Variable], None],
 ) -> Element:
-    """XML tree of a model description; ``about`` are attributes of its root, ``kinds`` the modes it can be run in."""
+    """XML tree of an FMU's model description.
+
+    ``about`` are attributes of its root, ``kinds`` the modes it can be run in.
+    """
     common = {
         "description": subject.description,
         "generationTool": f"torsionnet {subject.version}",
@@ -83,7 +86,7 @@ def _add_units(root: Element, variables: Variables) -> None:
 
 
 def xml_attributes(attributes: Mapping[str, str]) -> dict[str, str]:
-    """Attributes that are not empty, each on one line and without characters that XML cannot hold."""
+    """Attributes by name that are not empty, each on one line and without characters that XML cannot hold."""
     return {name: _plain(text) for name, text in attributes.items() if text}
 
 
@@ -92,7 +95,7 @@ def _plain(text: str) -> str:
 
 
 def xml_document(root: Element) -> bytes:
-    """Bytes of the XML document as it stands in the archive."""
+    """Bytes of an XML document as it stands in the archive of an FMU."""
     indent(root)
     text = tostring(root, encoding="unicode")
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'.encode()

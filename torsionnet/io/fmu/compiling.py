@@ -1,4 +1,4 @@
-"""Compilation of C sources to shared libraries: for many platforms by Zig, or for this one by an installed compiler."""
+"""Compilation of an FMU's C sources to shared libraries, for many platforms by Zig, or for this one by a C compiler."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from torsionnet.io.fmu.platforms import PLATFORMS, Platform, this_machine, unive
 from torsionnet.io.formats.extras import import_extra
 
 FLAGS = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno", "-w")
-"""Options of the compiler; without fused products terms that cancel do so alike on every machine."""
+"""Options of the C compiler, without fused products, so that terms that cancel do so alike on every machine."""
 COMPILERS = ("cc", "gcc", "clang")
-"""C compilers that are looked for, after the one in the environment variable ``CC``."""
+"""Names of C compilers that are looked for, after the one in the environment variable ``CC``."""
 COMPILER_TIMEOUT = 600
-"""Seconds that one call of the compiler may take."""
+"""Most seconds that one call of the C compiler may take."""
 
 
 class CompilerError(TorsionnetError):
-    """Failure of the C compiler, with its messages."""
+    """Error of the C compiler, with its messages."""
 
 
 def compile_libraries(sources: Mapping[str, str], identifier: str, version: str, folder: Path) -> dict[str, bytes]:
@@ -45,7 +45,7 @@ def compile_libraries(sources: Mapping[str, str], identifier: str, version: str,
 
 
 def _commands() -> dict[Platform, list[str]]:
-    """Command that calls the compiler, for each platform that a library can be made for."""
+    """Command that calls the C compiler, for each platform that a library can be made for."""
     try:
         import_extra("fmu")
     except MissingExtraError as error:
@@ -58,7 +58,7 @@ def _commands() -> dict[Platform, list[str]]:
 
 
 def _compiler() -> str | None:
-    """Path of the installed C compiler; ``CC`` says which is taken, None if there is none."""
+    """Path of the installed C compiler, the one that ``CC`` names first, None if there is none."""
     named = (os.environ.get("CC", ""), *COMPILERS)
     return next((found for name in named if name and (found := shutil.which(name))), None)
 
@@ -83,7 +83,7 @@ def _compiled(command: list[str], platform: Platform, folder: Path) -> bytes:
 
 
 def _placed(made: Mapping[Platform, bytes], identifier: str, version: str) -> dict[str, bytes]:
-    """Libraries by their path in the archive; those for one folder go into one file."""
+    """Shared libraries by their path in the archive of an FMU, those for one folder in one file."""
     together: dict[str, dict[Platform, bytes]] = {}
     for platform, library in made.items():
         path = f"binaries/{platform.folder(version)}/{identifier}{platform.suffix}"

@@ -1,4 +1,4 @@
-"""States and inputs that each output and state derivative depends on, from the pattern of the matrices alone.
+"""States and inputs that each output and state derivative of an FMU depends on, from the pattern of its matrices.
 
 Hosts look here for direct ways from inputs to outputs. The pattern holds for any values of the parameters; it may name
 one more than needed where numbers would cancel.
@@ -17,7 +17,7 @@ Pattern: TypeAlias = NDArray[np.bool_]
 
 
 def dependencies(system: System) -> dict[int, tuple[int, ...]]:
-    """References of the states and inputs that an output or rate depends on, by the reference of that variable."""
+    """References of the states and inputs that an output or state derivative depends on, by the reference of it."""
     rates, outputs = _patterns(system)
     n_u, n_y, n_x = len(system.inputs), len(outputs), len(rates)
     first = 1 + n_u + n_y
@@ -28,7 +28,7 @@ def dependencies(system: System) -> dict[int, tuple[int, ...]]:
 
 
 def _patterns(system: System) -> tuple[Pattern, Pattern]:
-    """Patterns of nonzero entries of (A, B) and (C, D), with the columns of states before those of inputs."""
+    """Patterns (n_x, n_x + n_u) of (A, B) and (n_y, n_x + n_u) of (C, D), true where an entry is not always 0."""
     motion, n_u = system.motion, len(system.inputs)
     n_h, n_b, n = len(motion.heavy), len(motion.damped), len(system.coordinates)
     n_x = 2 * n_h + n_b
@@ -60,7 +60,7 @@ def _pattern(system: System, letter: str, rows: int, columns: int) -> Pattern:
 
 
 def _solved(matrix: Pattern, right: Pattern) -> Pattern:
-    """Pattern of the inverse of a symmetric matrix times ``right``: the inverse is full within every connected part."""
+    """Pattern of the inverse of a symmetric matrix times ``right``, the inverse being full within connected parts."""
     from scipy.sparse.csgraph import connected_components
 
     if not len(matrix):

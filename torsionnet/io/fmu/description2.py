@@ -56,5 +56,5 @@ def _add_structure(root: Element, subject: FmuDescription) -> None:
 
 
 def _index(reference: int) -> str:
-    """Index of a variable as FMI 2.0 counts: from 1 in the order of the references."""
+    """Index of an FMU's variable as FMI 2.0 counts, from 1 in the order of the references."""
     return str(reference + 1)

@@ -61,7 +61,7 @@ def _add_structure(root: Element, subject: FmuDescription) -> None:
 
 
 def describe_build(identifier: str) -> bytes:
-    """Bytes of buildDescription.xml, which says how the C sources are compiled."""
+    """Bytes of buildDescription.xml of an FMU, which says how the C sources are compiled."""
     root = Element("fmiBuildDescription", fmiVersion="3.0")
     configuration = SubElement(root, "BuildConfiguration", modelIdentifier=identifier)
     SubElement(SubElement(configuration, "SourceFileSet", language="C99"), "SourceFile", name="all.c")

@@ -60,7 +60,7 @@ class Motion:
     relative: frozenset[str]
 
     def over_coordinates(self, row: Mapping[str, Any]) -> dict[str, Traced]:
-        """Row over node angles converted to a row over the FMU's coordinates."""
+        """Row of factors on node angles converted to one on the FMU's coordinates, by their names."""
         current: dict[str, Any] = self.kinematics.reduced({node: self.tape.number(a) for node, a in row.items()})
         for change in self.changes:
             current = substitute(current, change)
@@ -88,7 +88,7 @@ def _traced(drivetrain: Drivetrain, settled: Iterable[str]) -> Motion:
 
 
 class _Kinds:
-    """Separation of the coordinates into heavy, damped and static ones, in three stages."""
+    """Separation of an FMU's coordinates into heavy, damped and static ones, in three stages."""
 
     def __init__(self, tape: NumberTape, kinematics: Kinematics) -> None:
         self.tape = tape
@@ -100,7 +100,7 @@ class _Kinds:
         self.relative: set[str] = set()
 
     def found(self) -> tuple[tuple[dict[str, Any], ...], _Names, _Names, _Names, frozenset[str]]:
-        """Changes of coordinates, names of those with inertia, massless damped, static, and of relative ones."""
+        """Changes of coordinates, and names of those with inertia, massless with dampers, without either, relative."""
         inertial = [row for law, row in self.laws if self._is_there(law.inertia, row)]
         massless = self._separated(inertial, self.coordinates)
         heavy = tuple(name for name in self.coordinates if name not in massless)
@@ -117,7 +117,7 @@ class _Kinds:
         return bool(row) and bool(self.tape.number(coefficient) != 0)
 
     def _separated(self, rows: list[dict[str, Any]], order: tuple[str, ...]) -> tuple[str, ...]:
-        """Coordinates that ``rows`` leave free; the others become relative to where the free ones take them."""
+        """Names of the coordinates that ``rows`` leave free, while the others become relative to these."""
         reduction = reduce_rows(rows, {name: place for place, name in enumerate(order)})
         free = tuple(name for name in order if reduction.is_free(name))
         change: dict[str, Any] = {}
@@ -139,7 +139,7 @@ class _Kinds:
 def _parameters(
     tape: NumberTape, definitions: Mapping[str, Parameter], values: Mapping[str, Any], settled: Iterable[str]
 ) -> dict[str, Traced]:
-    """Parameters by name as traced numbers; derived ones follow from others, settled ones are constants."""
+    """Parameters of a model by name as traced numbers; derived ones follow from others, settled ones are constants."""
     traced: dict[str, Traced] = {}
     for name in evaluation_order(definitions)[0]:
         expression = definitions[name].value

@@ -41,11 +41,11 @@ PLATFORMS = (
     Platform("x86_64-darwin", "x86_64-macos", "darwin64", ".dylib"),
     Platform("aarch64-darwin", "aarch64-macos", "darwin64", ".dylib"),
 )
-"""Platforms that Zig compiles libraries for."""
+"""Platforms that Zig compiles an FMU's libraries for."""
 
 
 def this_machine() -> Platform:
-    """Platform that this program runs on."""
+    """Platform (processor and system) that this program runs on."""
     system = {"Windows": "windows", "Darwin": "darwin"}.get(platform.system(), "linux")
     processor = "aarch64" if platform.machine().lower() in ("aarch64", "arm64") else "x86_64"
     return next(
@@ -55,13 +55,13 @@ def this_machine() -> Platform:
 
 
 _ALIGNMENT = 14
-"""Binary logarithm of the size of a page on Macs with ARM processors."""
+"""Binary logarithm of the size in bytes of a memory page on Macs with ARM processors, 16 KiB."""
 _PROCESSORS = {"x86_64": (0x01000007, 3), "aarch64": (0x0100000C, 0)}
 """Type and subtype of processors in a universal binary of macOS (``mach/machine.h``)."""
 
 
 def universal_binary(libraries: Mapping[str, bytes]) -> bytes:
-    """Bytes of one macOS library for several processors: a header, then the library of each on pages of its own."""
+    """Bytes of one macOS library for several processors, a header, then the library of each on pages of its own."""
     page = 1 << _ALIGNMENT
     header, body, start = struct.pack(">II", 0xCAFEBABE, len(libraries)), b"", page
     for processor, library in libraries.items():

@@ -1,4 +1,4 @@
-"""Entries of all matrices behind the state space of a drivetrain, as numbers on a tape.
+"""Entries of all matrices behind the state space of a drivetrain's FMU, as numbers on a tape.
 
     M h'' + C (h', b') + K (h, b, d) = L u
     y = R_0 c + R_1 c' + R_2 c'' + F u,     c = (h, b, d)
@@ -21,12 +21,12 @@ from torsionnet.model.readings import balance, reading
 from torsionnet.solve.dynamic_stiffness.state_space import active_channels, state_space
 
 MOST_COORDINATES = 400
-"""Coordinates up to which dense matrices are no burden on a host."""
+"""Most coordinates of a drivetrain in an FMU, up to which dense matrices are no burden on a host."""
 
 
 @dataclass(eq=False)
 class Entries:
-    """Sparse matrix of traced numbers: the entries that are not zero for all values of the parameters."""
+    """Sparse matrix of traced numbers, with the entries that are not zero for all values of the parameters."""
 
     of: dict[tuple[int, int], Traced] = field(default_factory=dict)
 
@@ -40,7 +40,7 @@ class Entries:
 
 @dataclass(frozen=True)
 class System:
-    """Matrices, inputs and outputs of a drivetrain as its FMU calculates with them.
+    """Matrices in SI, inputs and outputs of a drivetrain as its FMU calculates with them.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class System:
 
     @property
     def states(self) -> tuple[str, ...]:
-        """Names of the states: angles of heavy coordinates, their speeds, angles of damped coordinates."""
+        """Names of an FMU's states, angles (rad) of heavy coordinates, their speeds (rad/s), angles of damped ones."""
         motion = self.motion
         return (
             *(f"angle({name})" for name in motion.heavy),
@@ -70,7 +70,7 @@ class System:
 
 
 def trace_system(drivetrain: Drivetrain) -> System:
-    """Matrices of the state space of a drivetrain, traced over its parameters.
+    """Matrices in SI of the state space of a drivetrain, traced over its parameters.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def trace_system(drivetrain: Drivetrain) -> System:
 
 
 def _refuse(drivetrain: Drivetrain) -> None:
-    """Refuse a drivetrain that an FMU cannot hold: imposed angles, too many coordinates, no state space."""
+    """Refuse a drivetrain that an FMU cannot hold, with imposed angles, too many coordinates, or no state space."""
     channels, assembly = active_channels(drivetrain), drivetrain.assembly
     imposed = [name for name, channel in channels.inputs.items() if channel.quantity != "torque"]
     if imposed:
@@ -130,7 +130,7 @@ def _add_reading(
     matrices: Mapping[str, Entries], number: int, sensor: Sensor, drivetrain: Drivetrain, motion: Motion,
     place: Mapping[str, int], loads: Sequence[Mapping[str, int]],
 ) -> None:  # fmt: skip
-    """Add the coefficients of a sensor's reading over the coordinates and over the applied torques."""
+    """Add the coefficients of a sensor's reading over the FMU's coordinates and over the applied torques."""
     tape, laws = motion.tape, motion.kinematics.laws
     rows = [(owner, law.row) for owner, law in laws]
     read = reading(sensor, drivetrain.elements, motion.values, rows, motion.kinematics.constraints)

@@ -20,12 +20,12 @@ from torsionnet.model.elimination import exact
 from torsionnet.solve.modes.modular_arithmetic import residue
 
 CHECK_PRIME = 2**61 - 1
-"""Prime modulus of the second set of values: large, so that other numbers are hardly ever equal by chance."""
+"""Prime modulus of the second set of values, large, so that other numbers are hardly ever equal by chance."""
 
 
 @dataclass(frozen=True, eq=False)
 class Traced:
-    """Number that is recorded with its calculation: its value, and the operation on parameters that gave it.
+    """Number that is recorded with its calculation, its value, and the operation on parameters that gave it.
 
     Attributes
     ----------
@@ -97,11 +97,11 @@ class Traced:
 
     @property
     def vanishes(self) -> bool:
-        """Whether the number is zero for any values of the parameters."""
+        """Whether the traced number is zero for any values of the parameters."""
         return self.value == 0 and self.other == 0
 
     def __eq__(self, right: object) -> bool:
-        """Decide on the present values, and note where other values would decide otherwise."""
+        """Whether the number equals another at the present values of the parameters."""
         right = self.tape.number(right)
         equal = self.value == right.value
         if equal and self.other != right.other:
@@ -117,7 +117,10 @@ class Traced:
         return self.value > right.value
 
     def _settled(self, right: object) -> Traced:
-        """Traced number of ``right``; both numbers become settled, as other values may change their order."""
+        """Traced number of ``right``, after both numbers were noted as settled.
+
+        Both numbers become settled, as other values may change their order.
+        """
         found = self.tape.number(right)
         self.tape.settle(self, found)
         return found
@@ -153,7 +156,7 @@ class NumberTape:
     _draw: random.Random = field(default_factory=lambda: random.Random(1))
 
     def number(self, value: Any) -> Traced:
-        """Traced number of any value; fractions and floats become constants."""
+        """Traced number of any value, a constant if it is a fraction or a float."""
         if isinstance(value, Traced):
             return value
         written = exact(value)
@@ -172,13 +175,13 @@ class NumberTape:
 
     @property
     def algebra(self) -> Algebra:
-        """Arithmetic on this tape for expressions of a model."""
+        """Arithmetic with traced numbers on this tape for expressions of a model."""
         from math import pi
 
         return Algebra(number=self.number, sqrt=self.sqrt, pi=self.number(pi))
 
     def operation(self, sign: str, left: Traced, right: Traced, value: Fraction, other: int) -> Traced:
-        """Traced result of an operation on two numbers."""
+        """Traced result of an arithmetic operation on two traced numbers."""
         if left.is_constant and right.is_constant:
             return self.number(float_if_long(value))
         if sign != "/" and _order(right) < _order(left):
@@ -193,7 +196,7 @@ class NumberTape:
         return self._known[key]
 
     def settle(self, *numbers: Traced) -> None:
-        """Record that a decision rests on the parameters behind these numbers."""
+        """Record that a decision on the model's structure rests on the parameters behind these numbers."""
         self.settled |= {self.operations[place][1] for place in self.needed(numbers) if self._is_parameter(place)}
 
     def _is_parameter(self, place: int) -> bool:
@@ -213,5 +216,5 @@ class NumberTape:
 
 
 def _order(number: Traced) -> tuple[int, Any]:
-    """Sort key of a number in a sum or product, constants first: exchanged operands give equal keys."""
+    """Sort key of a traced number in a sum or product, constants first, so that exchanged operands give equal keys."""
     return (0, number.value) if number.place is None else (1, number.place)

@@ -28,7 +28,7 @@ FMI_UNITS = {
     "Pa": {"kg": 1, "m": -1, "s": -2},
     "s": {"s": 1},
 }
-"""Units of FMI with their powers of base units."""
+"""Units of FMI by name, with their powers of base units (kg, m, s, rad)."""
 DIMENSION_UNITS = {
     "inertia": "kg.m2",
     "stiffness": "N.m/rad",
@@ -38,14 +38,14 @@ DIMENSION_UNITS = {
     "density": "kg/m3",
     "shear modulus": "Pa",
 }
-"""FMI's unit of a parameter by its dimension."""
+"""Unit that FMI gives to a parameter, by its dimension."""
 SETTLED = "cannot be changed here: the structure of the model rests on its value"
 """Description of parameters that an FMU holds constant."""
 
 
 @dataclass(frozen=True)
 class Variable:
-    """Variable of an FMU; ``role`` is time, input, output, state, rate, parameter, derived, settled or flag."""
+    """Variable of an FMU with name, unit, start value in SI, and ``role`` (time, input, output, state, flag, ...)."""
 
     name: str
     role: str
@@ -53,13 +53,13 @@ class Variable:
     description: str = ""
     start: float | None = None
     of: int | None = None
-    """Reference of the state that a rate belongs to."""
+    """Reference of the state that a rate of the FMU belongs to."""
     reference: int = 0
 
 
 @dataclass(frozen=True)
 class Variables:
-    """All variables of an FMU; values of the open and settled parameters, and the derived ones on the tape."""
+    """All variables of an FMU, values in SI of its open and settled parameters, and the derived ones on the tape."""
 
     all: tuple[Variable, ...]
     open: dict[str, float]
@@ -71,7 +71,7 @@ class Variables:
 
     @property
     def units(self) -> tuple[str, ...]:
-        """Units of all variables, each once."""
+        """Units of all variables of the FMU, each once."""
         return tuple(dict.fromkeys(variable.unit for variable in self.all if variable.unit))
 
 
@@ -134,7 +134,7 @@ def _parameter(drivetrain: Drivetrain, name: str, role: str, dimension: Dimensio
 
 
 class _Namer:
-    """Gives every variable a name of its own: tables of a model may share names, variables of an FMU may not."""
+    """Giver of unique names to an FMU's variables, as tables of a model may share names."""
 
     def __init__(self) -> None:
         self.taken: set[str] = set()

@@ -1,4 +1,4 @@
-"""``python -m torsionnet.io.foreign FOLDER``: opens files and answers in lines of JSON; arrays go into files in FOLDER.
+"""Program (``python -m torsionnet.io.foreign FOLDER``) that opens files and answers in JSON, with arrays in FOLDER.
 
 What libraries print goes nowhere; what they raise becomes an answer. A crash is for the asking process to notice.
 """
@@ -22,18 +22,18 @@ import torsionnet.io.foreign.resource_limits as resource_limits
 from torsionnet.io.foreign.content import Content, ForeignFileError, count_samples
 
 LONGEST_MESSAGE = 300
-"""Characters of a library's error message that are passed on."""
+"""Most characters of a library's error message that are passed on to the asking process."""
 _CLASS = re.compile(r"<class '(?:\w+\.)*(\w+)'>")
-"""Class in the text of an error of a library, which is shortened to its name."""
+"""Pattern of the class in the text of a library's error, which is shortened to its name."""
 Answers = Generator[dict[str, Any], dict[str, Any], None]
 
 
 class _FullError(Exception):
-    """Full disk, or another failure to write the samples into the folder."""
+    """Error of a full disk, or of another failure to write the samples into the folder."""
 
 
 def main(folder: Path, questions: TextIO, answers: TextIO) -> None:
-    """Answer the questions of the program that reads, one line of JSON each, until no more come."""
+    """Answer the questions of the process that reads, one line of JSON each, until no more come."""
     conversation: Answers | None = None
     for line in questions:
         try:
@@ -58,7 +58,7 @@ def main(folder: Path, questions: TextIO, answers: TextIO) -> None:
 
 
 def error_line(error: BaseException) -> str:
-    """Message of an error on one line of printable characters."""
+    """Message of an error on one line of printable characters, shortened to :data:`LONGEST_MESSAGE`."""
     if isinstance(error, MemoryError):
         return "it asks for more memory than a file of its size may take; it is damaged"
     words = _CLASS.sub(r"\1", (str(error).splitlines() or [""])[0].strip())

@@ -14,7 +14,7 @@ COMPLEX, ROW = "complex", "row"
 """Attributes of an array of complex numbers, and of an array that is a row in the file and a column here."""
 
 UNIT_NAMES = ("unit", "units", "Unit", "Units", "unit_string")
-"""Attributes under which programs keep the unit of an array."""
+"""Attributes under which programs keep the unit of an array in their files."""
 
 Plain: TypeAlias = str | float | bool | None
 Slice: TypeAlias = "Callable[[int, int], NDArray[Any]]"
@@ -22,12 +22,12 @@ Blocks: TypeAlias = "Callable[[Sequence[int], int], Iterator[list[NDArray[Any]]]
 
 
 class ForeignFileError(Exception):
-    """Failure of a library to read a file, or a refusal to read it; the text gives the reason in one line."""
+    """Error of a library that fails to read a file, or of a refusal to read it, with the reason in one line."""
 
 
 @dataclass(frozen=True)
 class StoredArray:
-    """Shape and attributes of an array in a binary file, samples by columns; ``value`` is that of a single number."""
+    """Shape (samples, columns) and attributes of an array in a binary file, and its ``value`` if it is one number."""
 
     name: str
     shape: tuple[int, ...]
@@ -54,7 +54,10 @@ class Content:
 
 
 def sliced_blocks(readers: Sequence[Slice], lengths: Sequence[int]) -> Blocks:
-    """Blocks of samples of arrays that can each be read from one sample to another; they end with the shortest."""
+    """Reader of blocks of samples from arrays that can each be read from one sample to another.
+
+    They end with the shortest.
+    """
 
     def blocks(numbers: Sequence[int], count: int) -> Iterator[list[NDArray[Any]]]:
         length = min((lengths[number] for number in numbers), default=0)
@@ -70,7 +73,7 @@ def memory_content(
     attributes: Mapping[str, Plain] | None = None,
     others: Sequence[str] = (),
 ) -> Content:
-    """Content made of arrays that the library has read already."""
+    """Content of a file made of arrays that the library has read already."""
     stored = tuple(
         StoredArray(name, values.shape, given, float(values.real.ravel()[0]) if values.size == 1 else None)
         for name, values, given in arrays
@@ -84,7 +87,7 @@ def _slice(values: NDArray[Any]) -> Slice:
 
 
 def plain_attributes(attributes: Mapping[Any, Any]) -> dict[str, Plain]:
-    """Attributes of a file or array that are text or a single number; all others are left out.
+    """Attributes of a file or array, by name, that are text or a single number, all others left out.
 
     >>> plain_attributes({"unit": b"N*m", "count": 3, "table": [1, 2]})
     {'unit': 'N*m', 'count': 3}
@@ -108,5 +111,5 @@ def _number(value: Any) -> float | None:
 
 
 def count_samples(arrays: Sequence[StoredArray]) -> int:
-    """Number of samples in all arrays together."""
+    """Number of samples in all arrays of a file together."""
     return sum(prod(item.shape) for item in arrays)

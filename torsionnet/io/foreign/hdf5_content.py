@@ -1,4 +1,4 @@
-"""Reading of HDF5 files, and of MAT v7.3 files, which are HDF5: every dataset of numbers inside the file."""
+"""Reading of HDF5 files, and of MAT v7.3 files, which are HDF5, with every dataset of numbers inside the file."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 ATTRIBUTES = (*UNIT_NAMES, "quantity")
-"""Attributes of datasets that are passed on."""
+"""Attributes of HDF5 datasets that are passed on to the reading process."""
 CLASS = "MATLAB_class"
-"""Attribute in which MATLAB keeps the class of a variable."""
+"""Attribute of a dataset in which MATLAB keeps the class of a variable."""
 HERE = "."
-"""Name by which a virtual dataset refers to its own file."""
+"""Name by which a virtual dataset of HDF5 refers to its own file."""
 
 
 def load() -> None:
-    """Import h5py before the limits of memory and time begin."""
+    """Import h5py for HDF5 files before the limits of memory and time begin."""
     import h5py  # noqa: F401
 
 
 @contextlib.contextmanager
 def open_content(path: Path) -> Iterator[Content]:
-    """Datasets of numbers of an open file, those of MATLAB with rows and columns exchanged."""
+    """Yield the datasets of numbers of an HDF5 file, those of MATLAB with rows and columns exchanged."""
     import h5py
 
     with h5py.File(path, "r") as file:
@@ -77,7 +77,7 @@ def _elsewhere(name: str, other: Any) -> str:
 
 
 def _attributes(item: Any) -> dict[str, Plain]:
-    """Attributes of a dataset or file that h5py can decode and that are text or a number."""
+    """Attributes of a dataset or file, by name, that h5py can decode and that are text or a number."""
     found: dict[str, Any] = {}
     for name in item.attrs:
         with contextlib.suppress(TypeError):

@@ -1,4 +1,4 @@
-"""Reading of MAT v4 and v5 files through scipy: numbers, also those in structures, and texts.
+"""Reading of MAT v4 and v5 files through scipy, with numbers, also those in structures, and texts.
 
 What a file says that it holds is checked against its size before anything is unpacked.
 """
@@ -17,32 +17,32 @@ import torsionnet.io.foreign.resource_limits as resource_limits
 from torsionnet.io.foreign.content import COMPLEX, ROW, Content, ForeignFileError, Plain, memory_content
 
 MOST_STRUCTURES = 64
-"""Entries of an array of structures that are read; each becomes channels of its own."""
+"""Most entries of an array of structures in a MAT file that are read, each of which becomes channels of its own."""
 
 
 HEADER_BYTES = 128
-"""Bytes of the header of a MAT v5 file."""
+"""Number of bytes of the header of a MAT v5 file."""
 COMPRESSED, MATRIX = 15, 14
-"""Types of data elements of a MAT v5 file: a compressed variable, and an array."""
+"""Types of data elements of a MAT v5 file, a compressed variable, and an array."""
 ENTRY_CLASSES = frozenset({1, 2})
-"""Array classes cell and structure: every entry takes a tag of 8 bytes, and memory for a reference."""
+"""Array classes cell and structure of a MAT v5 file, of which every entry takes a tag of 8 bytes."""
 SPARSE_CLASS = 5
-"""Array class sparse, whose dimensions may be larger than its data."""
+"""Array class of sparse matrices in a MAT v5 file, whose dimensions may be larger than its data."""
 PREVIEW_BYTES = 4096
-"""Bytes that are unpacked of a compressed variable to read its size and dimensions."""
+"""Number of bytes that are unpacked of a compressed variable to read its size and dimensions."""
 V4_SIZES = (8, 4, 4, 2, 2, 1)
-"""Bytes of a number of a MAT v4 file by the digit P of its type."""
+"""Number of bytes of a number in a MAT v4 file by the digit P of its type."""
 _TOO_MUCH = "says that it holds more than there is; the file is damaged or ends early"
 
 
 def load() -> None:
-    """Import scipy.io before the limits of memory and time begin."""
+    """Import scipy.io for MAT files before the limits of memory and time begin."""
     import scipy.io  # noqa: F401
 
 
 @contextlib.contextmanager
 def open_content(path: Path) -> Iterator[Content]:
-    """All variables of a MAT file; a field of a structure is named ``structure.field``."""
+    """Yield all variables of a MAT file, fields of structures being named ``structure.field``."""
     from scipy.io import loadmat
 
     _check_claims(path)
@@ -79,7 +79,7 @@ def _members(name: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _check_claims(path: Path) -> None:
-    """Refuse a file of which a variable claims more than the file holds, or more than a file may unpack to."""
+    """Refuse a MAT file of which a variable claims more than the file holds, or more than a file may unpack to."""
     size = path.stat().st_size
     with path.open("rb") as file:
         start = file.read(HEADER_BYTES)
@@ -93,7 +93,7 @@ def _check_claims(path: Path) -> None:
 
 
 def _elements(file: BinaryIO, order: str, size: int) -> Iterator[int]:
-    """Unpacked size in bytes of every variable, in the order of the file."""
+    """Yield the unpacked size in bytes of every variable of a MAT v5 file, in the order of the file."""
     pair, at, number = Struct(f"{order}II"), HEADER_BYTES, 0
     while at + pair.size <= size:
         number += 1
@@ -117,7 +117,7 @@ def _elements(file: BinaryIO, order: str, size: int) -> Iterator[int]:
 
 
 def _check_dimensions(start: bytes, order: str, length: int, number: int) -> None:
-    """Refuse a variable that is smaller than its dimensions need: a byte an entry, or a tag."""
+    """Refuse a variable of a MAT file that is smaller than its dimensions need, a byte an entry, or a tag."""
     try:
         _, _, flags, _, _, count = Struct(f"{order}6I").unpack_from(start)
         dimensions = Struct(f"{order}{min(count // 4, 32)}i").unpack_from(start, 24)

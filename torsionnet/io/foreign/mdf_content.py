@@ -12,13 +12,13 @@ from torsionnet.io.foreign.content import Content, Plain, memory_content
 
 
 def load() -> None:
-    """Import asammdf before the limits of memory and time begin."""
+    """Import asammdf for MDF files before the limits of memory and time begin."""
     import asammdf  # noqa: F401
 
 
 @contextlib.contextmanager
 def open_content(path: Path) -> Iterator[Content]:
-    """Channels of numbers of an MDF file, then the time stamps of the first channel; the comment is the file's."""
+    """Yield the channels of numbers of an MDF file, then the time stamps of the first channel in s, and the comment."""
     import asammdf
     import numpy as np
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @contextlib.contextmanager
 def open_content(path: Path, form: str) -> Iterator[Content]:
-    """Content of a file that another process has open; ``form`` names a module of this package.
+    """Yield the content of a binary file that another process has open; ``form`` names a module of this package.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Reading of Parquet files through pyarrow: columns of numbers, and of times, which become seconds."""
+"""Reading of Parquet files through pyarrow, with columns of numbers, and of times, which become seconds."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 BATCH_ROWS = 1 << 16
-"""Rows that are decoded at a time: more take more memory, fewer more time."""
+"""Rows of a Parquet file that are decoded at a time, as more take more memory, fewer more time."""
 SECONDS_PER_UNIT = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-"""Seconds in a unit of time of pyarrow."""
+"""Seconds in each unit of time of pyarrow."""
 
 
 def load() -> None:
-    """Import pyarrow.parquet before the limits of memory and time begin."""
+    """Import pyarrow.parquet for Parquet files before the limits of memory and time begin."""
     import pyarrow.parquet  # noqa: F401
 
 
 @contextlib.contextmanager
 def open_content(path: Path) -> Iterator[Content]:
-    """Columns of a Parquet file with their metadata; times count from their first entry, the attribute ``zero``."""
+    """Yield the columns of a Parquet file with their metadata, times counted in s from their first entry (``zero``)."""
     from pyarrow.parquet import ParquetFile
 
     with ParquetFile(path) as file:
@@ -65,7 +65,7 @@ def _is_time(column: Any) -> bool:
 
 
 def _first(file: Any, name: str) -> Any:
-    """First entry of a column that is not null, as a scalar of pyarrow; None if there is none."""
+    """First entry of a Parquet column that is not null, as a scalar of pyarrow, None if there is none."""
     for batch in file.iter_batches(batch_size=BATCH_ROWS, columns=[name]):
         known = batch.column(0).drop_null()
         if len(known):
@@ -74,7 +74,7 @@ def _first(file: Any, name: str) -> Any:
 
 
 def _seconds(column: Any, zero: Any) -> NDArray[Any]:
-    """Seconds of a column of times since ``zero``: whole numbers are subtracted, so that no digit is lost."""
+    """Seconds (n,) of a column of times since ``zero``, by differences of whole numbers, so that no digit is lost."""
     import numpy as np
     import pyarrow as pa
 

@@ -1,4 +1,4 @@
-"""Processes that read foreign files: started when needed, kept for the next file, ended with the program."""
+"""Processes that read foreign files, which start when needed, stay for the next file, and end with the program."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from typing import Any
 from torsionnet.io.foreign.content import ForeignFileError
 
 PACKAGE = Path(__file__).parents[2]
-"""Folder of the package torsionnet, whose parent goes onto the search path of the process."""
+"""Folder of the package torsionnet, whose parent goes onto the search path of the reading process."""
 END_TIMEOUT = 5.0
-"""Seconds that a process may take to end when its input is closed; then it is killed."""
+"""Seconds that a reading process may take to end when its input is closed, before it is killed."""
 TIMEOUT_EXIT_CODE = -getattr(signal, "SIGPROF", 0) or None
-"""Exit code of a process that has used up its processor time; None on systems without such a limit."""
+"""Exit code of a reading process that has used up its processor time; None on systems without such a limit."""
 DEBUG = "TORSIONNET_DEBUG"
-"""Environment variable that lets messages of the libraries through to the screen."""
+"""Environment variable that lets messages of the file libraries through to the screen."""
 _ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OPENBLAS", "OMP", "MKL")}
-"""Environment that keeps libraries of linear algebra from starting threads, which reading a file does not need."""
+"""Environment variables that keep libraries of linear algebra from starting threads, which reading does not need."""
 
 
 class ReaderCrashError(ForeignFileError):
-    """Crash of the process in the middle of an answer."""
+    """Error of a reading process that crashed in the middle of an answer."""
 
 
 class _ReaderTimeoutError(ForeignFileError):
-    """Reading that took longer than its limit of processor time; the file is not tried again."""
+    """Error of a file whose reading took longer than its limit of processor time; the file is not tried again."""
 
 
 class ReaderProcess:
@@ -65,7 +65,7 @@ class ReaderProcess:
         return self.is_responsive and self._running.poll() is None
 
     def ask(self, question: dict[str, Any]) -> dict[str, Any]:
-        """Answer of the process to a question, both as JSON data.
+        """Answer of the reading process to a question, both as JSON data.
 
         Raises
         ------
@@ -92,7 +92,7 @@ class ReaderProcess:
         return answer
 
     def end(self) -> None:
-        """End the process by closing its input, or kill it if that takes too long."""
+        """End the reading process by closing its input, or kill it if that takes too long."""
         import subprocess
 
         assert self._running.stdin is not None
@@ -109,7 +109,7 @@ class ReaderProcess:
 
 
 def search_path() -> str:
-    """Search path of modules for the process; without the working folder, which may change."""
+    """Search path of Python modules for the reading process, without the working folder, which may change."""
     known = [entry for entry in sys.path if entry]
     root = str(PACKAGE.parent)
     return os.pathsep.join(known if root in known else [root, *known])
@@ -132,7 +132,7 @@ _owner = os.getpid()
 
 @contextlib.contextmanager
 def borrow_process(*, fresh: bool = False) -> Iterator[ReaderProcess]:
-    """Process to read one file with: the one that read the file before, unless that is still open, or a new one."""
+    """Yield a process to read one file with, that of the file before, unless that is still open, or a new one."""
     process = _taken(fresh=fresh)
     try:
         yield process
@@ -162,6 +162,6 @@ def _taken(*, fresh: bool) -> ReaderProcess:
 
 @atexit.register
 def end_all() -> None:
-    """End the processes that wait for another file."""
+    """End the reading processes that wait for another file."""
     while _idle and _owner == os.getpid():
         _idle.pop().end()

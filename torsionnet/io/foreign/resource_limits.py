@@ -10,13 +10,13 @@ from pathlib import Path
 from torsionnet.io.foreign.content import ForeignFileError
 
 LEAST_UNPACKED, UNPACKED_RATIO = 256_000_000, 100
-"""A file unpacks to at most so many bytes, or so many times its own size where that is more."""
+"""Bytes to which any file may unpack, and the multiple of its own size that it may reach where that is more."""
 SPARE_MEMORY, MEMORY_COPIES = 1_000_000_000, 4
-"""Bytes that a library may take besides the samples, and copies of the samples that it may hold at once."""
+"""Bytes of memory that a library may take besides a file's samples, and copies of the samples that it may hold."""
 LEAST_CPU_TIME, BYTES_PER_CPU_SECOND = 1.4, 3e5
 """Processor time in s that reading any file may take, and bytes of a file that allow another second."""
 BYTES_PER_SAMPLE = 8
-"""Bytes of a sample in memory: all become floating-point numbers, whatever they are in the file."""
+"""Bytes of a sample in memory, where all become double-precision numbers, whatever they are in the file."""
 
 
 def largest_unpacked(path: Path) -> int:
@@ -34,7 +34,7 @@ def check(size: float, path: Path, what: str = "the file") -> None:
 
 
 def confine(path: Path) -> None:
-    """Limit the memory and processor time of this process for reading one file; Linux only."""
+    """Limit the memory and processor time of this process for reading one file, on Linux only."""
     if sys.platform != "linux":
         return
     import resource
@@ -51,7 +51,7 @@ def confine(path: Path) -> None:
 
 
 def _lower(which: int, limit: int) -> None:
-    """Set the soft limit of a resource, so that the next file may have another."""
+    """Set the soft limit of a resource of this process, so that the next file may have another."""
     import resource
 
     _, hard = resource.getrlimit(which)

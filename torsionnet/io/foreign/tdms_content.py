@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
 
 def load() -> None:
-    """Import nptdms before the limits of memory and time begin."""
+    """Import nptdms for TDMS files before the limits of memory and time begin."""
     import nptdms  # noqa: F401
 
 
 @contextlib.contextmanager
 def open_content(path: Path) -> Iterator[Content]:
-    """Channels of numbers of a TDMS file with their properties, and ``group`` where there are several groups."""
+    """Yield the channels of numbers of a TDMS file with their properties, and ``group`` if there are several."""
     import nptdms
     import numpy as np
 

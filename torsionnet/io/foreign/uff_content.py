@@ -1,4 +1,4 @@
-"""Reading of universal files through pyuff: two arrays for each dataset, its values and its abscissa."""
+"""Reading of universal files through pyuff, with two arrays for each dataset, its values and its abscissa."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from typing import Any
 from torsionnet.io.foreign.content import Content, ForeignFileError, Plain, memory_content, plain_attributes
 
 FUNCTION_DATASET = 58
-"""Number of the dataset of universal files that holds a function."""
+"""Number of the type of dataset in universal files that holds a function."""
 _MARK = re.compile(rb" {4}-1(?: {74})?[ \r]*(?:\n|$)")
 _LINES, _RATE, _NUMBERING = slice(1, 2), slice(3, 4), slice(6, 7)
-"""Lines of a dataset 58 after its type: first and third line of text, and the line with its sequence number."""
+"""Lines of a dataset 58 after its type, the first and third line of text, and the line with its sequence number."""
 _SEQUENCE = slice(15, 20)
-"""Columns of the sequence number in its line."""
+"""Columns of the sequence number in its line of a dataset 58."""
 
 
 def load() -> None:
-    """Import pyuff before the limits of memory and time begin."""
+    """Import pyuff for universal files before the limits of memory and time begin."""
     import pyuff  # noqa: F401
 
 
 @contextlib.contextmanager
 def open_content(path: Path) -> Iterator[Content]:
-    """Datasets of a universal file with their entries as attributes; only functions have values."""
+    """Yield the datasets of a universal file with their entries as attributes, only functions having values."""
     import numpy as np
     import pyuff
 
@@ -46,7 +46,10 @@ def open_content(path: Path) -> Iterator[Content]:
 
 
 def check_end(raw: bytes) -> None:
-    """Refuse a file that ends early: marks of datasets come in pairs, and those written here count down to the last."""
+    """Refuse a universal file that ends early.
+
+    Marks of datasets come in pairs, and those written here count down to the last.
+    """
     marks = [found.end() for found in _MARK.finditer(raw)]
     if not marks:
         raise ForeignFileError("there is no whole dataset in it; the file ends early, or is no universal file")
@@ -63,14 +66,14 @@ def check_end(raw: bytes) -> None:
 
 
 def _is_own(lines: list[bytes]) -> bool:
-    """Whether a dataset was written by this package, whose sequence numbers count down."""
+    """Whether a dataset of a universal file was written by this package, whose sequence numbers count down."""
     return any(line.startswith(b"sampling rate ") for line in lines[_RATE]) or any(
         b" / " in line for line in lines[_LINES]
     )
 
 
 def _after(lines: list[bytes]) -> str:
-    """Words for how many datasets should follow one; empty where the file does not say."""
+    """Words for how many datasets should follow one in a universal file, empty where the file does not say."""
     try:
         left = int(b"".join(lines[_NUMBERING])[_SEQUENCE])
     except ValueError:

@@ -1,1 +1,1 @@
-"""Formats of files with records and frequency responses; ``registry`` lists them."""
+"""Formats of files with recordings and frequency responses, which ``registry`` lists."""

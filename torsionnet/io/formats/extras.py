@@ -1,4 +1,4 @@
-"""Optional packages that only one file format needs, and reading of files with them."""
+"""Optional packages that only one file format needs, and reading of files of that format with them."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ EXTRA_PACKAGES = {
     "mdf": ("asammdf", "asammdf", "MDF4"),
     "fmu": ("ziglang", "ziglang", "FMU"),
 }
-"""Optional packages by the name of the extra: module, package it comes in, and files it is for."""
+"""Optional packages by the name of the extra, each with its module, the package it comes in, and files it is for."""
 
 
 def import_extra(extra: str) -> Any:
-    """Module of an extra, imported.
+    """Import the module of an extra and return it.
 
     Raises
     ------
@@ -37,13 +37,16 @@ def import_extra(extra: str) -> Any:
 
 
 def require_extra(extra: str) -> None:
-    """Raise :class:`MissingExtraError` where an extra is not installed, without importing it."""
+    """Raise :class:`MissingExtraError` where the package of an extra is not installed, without importing it."""
     if importlib.util.find_spec(EXTRA_PACKAGES[extra][0].partition(".")[0]) is None:
         raise _missing(extra)
 
 
 def open_foreign(path: Path, form: str) -> AbstractContextManager[Content]:
-    """Content of a file that is read in a separate process; ``form`` names a module of :mod:`torsionnet.io.foreign`."""
+    """Context manager with the content of a file that is read in a separate process.
+
+    ``form`` names a module of :mod:`torsionnet.io.foreign`.
+    """
     if form in EXTRA_PACKAGES:
         require_extra(form)
     return opening.open_content(path, form)

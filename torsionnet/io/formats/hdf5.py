@@ -1,4 +1,4 @@
-"""Recordings in HDF5 files, and in MAT v7.3 files, which are HDF5: every dataset of numbers is a channel."""
+"""Recordings in HDF5 files, and in MAT v7.3 files, which are HDF5, with every dataset of numbers as a channel."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from torsionnet.io.records.source import Source
 from torsionnet.response.recording import Recording
 
 CHUNK_LENGTH = 65536
-"""Samples of a chunk of a dataset, 0.5 MB: parts of a long recording can be read without the rest."""
+"""Samples of a chunk of an HDF5 dataset, 0.5 MB, so that parts of a long recording can be read without the rest."""
 RATE_ATTRIBUTES = ("sampling_rate", "fs", "sample_rate")
-"""Attributes of a file in which programs keep the sampling rate in Hz."""
+"""Attributes of an HDF5 file in which programs keep the sampling rate in Hz."""
 
 
 @contextlib.contextmanager
 def open_source(path: Path) -> Iterator[Source]:
-    """Channels of an open HDF5 file; units are taken from attributes of the datasets."""
+    """Yield the channels of an HDF5 file, with units from attributes of the datasets."""
     with open_foreign(path, "hdf5") as content:
         source = array_source(content.arrays, content.blocks, str(content.attributes.get(KEY, "")), path.stem)
         rates = [float(content.attributes[name] or 0) for name in RATE_ATTRIBUTES if name in content.attributes]
@@ -31,7 +31,7 @@ def open_source(path: Path) -> Iterator[Source]:
 
 
 def write(recording: Recording, path: Path) -> None:
-    """Write an HDF5 file of one dataset for every signal, with unit and quantity as attributes."""
+    """Write an HDF5 file of one dataset in SI for every signal, with unit and quantity as attributes."""
     keys = plain_keys(recording.names, r"[/.\0]")
     columns = saved_columns(recording, keys)
     h5py = import_extra("hdf5")

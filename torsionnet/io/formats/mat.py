@@ -1,4 +1,4 @@
-"""Recordings and frequency responses in MAT files: v5 through scipy, v7.3, which is HDF5, through h5py.
+"""Recordings and frequency responses in MAT files, v5 through scipy, v7.3, which is HDF5, through h5py.
 
 A response has the variables frequencies, values (n_f x n_out x n_in), names and units, ready for Matlab.
 """
@@ -27,20 +27,20 @@ from torsionnet.response import FrequencyResponse
 from torsionnet.response.recording import Recording
 
 LONGEST_NAME = 63
-"""Characters of a variable's name that Matlab takes."""
+"""Most characters of a variable's name that Matlab takes."""
 LARGEST_VARIABLE = 2**31  # bytes of one variable
-"""Bytes of one variable that a MAT v5 file can hold."""
+"""Most bytes of one variable that a MAT v5 file can hold."""
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
-"""Bytes that an HDF5 file begins with, after MATLAB's own header."""
+"""First bytes of an HDF5 file, after MATLAB's own header, by which a MAT v7.3 file is recognised."""
 VECTORS = ("frequencies", "conditioning")
-"""Arrays of a response that have one value for each frequency."""
+"""Names of the arrays of a frequency response that have one value for each frequency."""
 HEADER_TEXT_BYTES = 116
-"""Bytes of free text at the beginning of a MAT v5 file, where scipy writes today's date."""
+"""Number of bytes of free text at the beginning of a MAT v5 file, where scipy writes today's date."""
 
 
 @contextlib.contextmanager
 def open_source(path: Path) -> Iterator[Source]:
-    """Channels of an open MAT file: numeric variables, and fields of structures."""
+    """Yield the channels of a MAT file, from numeric variables, and fields of structures."""
     if _is_hdf5(path):
         with hdf5.open_source(path) as source:
             yield source
@@ -57,7 +57,7 @@ def _is_hdf5(path: Path) -> bool:
 
 
 def write(recording: Recording, path: Path) -> None:
-    """Write a MAT v5 file of one column for every signal, with a description of the recording."""
+    """Write a MAT v5 file of one column in SI for every signal, with a description of the recording."""
     keys = plain_keys(recording.names, "[^A-Za-z0-9_]|^(?=[^A-Za-z])", (TIME, KEY))
     if any(len(key) > LONGEST_NAME for key in keys) or 8 * len(recording) >= LARGEST_VARIABLE:
         raise UsageError(
@@ -69,7 +69,7 @@ def write(recording: Recording, path: Path) -> None:
 
 
 def read_response(path: Path) -> FrequencyResponse:
-    """Frequency response in a MAT file of :func:`write_response`."""
+    """Frequency response in SI from a MAT file that :func:`write_response` has written."""
     with open_foreign(path, "mat") as content:
         names = [item.name for item in content.arrays]
         response_description.check_members([*names, *content.attributes, *content.others], path, "file", "has nothing")
@@ -85,12 +85,12 @@ def _values(content: Content, number: int) -> Any:
 
 
 def _cubic(values: Any) -> Any:
-    """Values with three dimensions: Matlab drops a third dimension of one when it saves again."""
+    """Values with three dimensions, the third of which Matlab drops when it saves again, if it is one."""
     return values if values.ndim == 3 else values[:, :, None]
 
 
 def write_response(response: FrequencyResponse, path: Path) -> None:
-    """Write a MAT v5 file of the arrays of a response, and cell arrays of names and units."""
+    """Write a MAT v5 file of the arrays of a frequency response in SI, and cell arrays of names and units."""
     sides = {"output": response.outputs, "input": response.inputs}
     names = {f"{side}_names": cell_array(channel.name for channel in channels) for side, channels in sides.items()}
     units = {f"{side}_units": cell_array(channel.unit for channel in channels) for side, channels in sides.items()}
@@ -100,7 +100,7 @@ def write_response(response: FrequencyResponse, path: Path) -> None:
 
 
 def mat_bytes(content: Mapping[str, Any]) -> memoryview:
-    """Bytes of a MAT v5 file with these variables; equal content gives equal bytes."""
+    """Bytes of a MAT v5 file with these variables by name; equal content gives equal bytes."""
     from scipy.io import savemat
 
     buffer = io.BytesIO()
@@ -112,7 +112,7 @@ def mat_bytes(content: Mapping[str, Any]) -> memoryview:
 
 
 def cell_array(texts: Iterable[str]) -> Any:
-    """Cell array of Matlab with a row of texts."""
+    """Cell array of Matlab, (1, n), with a row of texts."""
     listed = list(texts)
     row = np.empty((1, len(listed)), dtype=object)
     row[0, :] = listed

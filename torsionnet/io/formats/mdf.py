@@ -20,7 +20,7 @@ from torsionnet.response.recording import Recording
 
 @contextlib.contextmanager
 def open_source(path: Path) -> Iterator[Source]:
-    """Channels of an open MDF file; the time stamps are those of the first channel."""
+    """Yield the channels of an MDF file with the time stamps of the first channel."""
     with open_foreign(path, "mdf") as content:
         text = html.unescape(str(content.attributes.get("comment", "")))  # it is wrapped in XML
         channels = [
@@ -33,7 +33,7 @@ def open_source(path: Path) -> Iterator[Source]:
 
 
 def write(recording: Recording, path: Path) -> None:
-    """Write an MDF4 file of one channel for every signal."""
+    """Write an MDF4 file of one channel in SI for every signal of a recording."""
     check_names(recording, with_time=True)
     asammdf: Any = import_extra("mdf")
     signals = [

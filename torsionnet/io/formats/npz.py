@@ -1,4 +1,4 @@
-"""Recordings and frequency responses in NPZ files of numpy, read in blocks: a file never has to fit into memory.
+"""Recordings and frequency responses in NPZ files of numpy, read in blocks, so that a file need not fit into memory.
 
 What a file says that it holds is checked against what is there before anything is unpacked.
 """
@@ -27,11 +27,11 @@ from torsionnet.response import FrequencyResponse
 from torsionnet.response.recording import FloatArray, Recording
 
 ARRAY_ENDING = ".npy"
-"""Ending of an array's name in the archive."""
+"""Ending of an array's name in the archive that an NPZ file is."""
 
 
 class _Stream:
-    """Reader of a one-dimensional array from front to back."""
+    """Reader of a one-dimensional array of an NPZ file from front to back."""
 
     def __init__(self, archive: zipfile.ZipFile, entry: str, dtype: np.dtype[Any], header: int) -> None:
         self.file, self.at = archive.open(entry), 0
@@ -48,7 +48,7 @@ class _Stream:
 
 @contextlib.contextmanager
 def open_source(path: Path) -> Iterator[Source]:
-    """Channels of an open NPZ file: every numeric array is a channel, or every column of the array."""
+    """Yield the channels of an NPZ file, every numeric array, or every column of the array."""
     # An archive keeps its file open for as long as one of its members is.
     with zipfile.ZipFile(path) as archive, contextlib.ExitStack() as members:
         headers = _checked_headers(archive, path)
@@ -75,13 +75,13 @@ def _member(
 
 
 def write(recording: Recording, path: Path) -> None:
-    """Write an NPZ file of one array for every signal, with a description of the recording."""
+    """Write an NPZ file of one array in SI for every signal, with a description of the recording."""
     arrays = {column.name: column.values for column in saved_columns(recording)}
     _write({**arrays, KEY: recording_json(recording)}, path)
 
 
 def read_response(path: Path) -> FrequencyResponse:
-    """Frequency response in an NPZ file of :func:`write_response`."""
+    """Frequency response in SI from an NPZ file that :func:`write_response` has written."""
     with zipfile.ZipFile(path) as archive:
         there = _checked_headers(archive, path)
         response_description.check_members(there, path, "archive", "is empty")
@@ -90,7 +90,7 @@ def read_response(path: Path) -> FrequencyResponse:
 
 
 def write_response(response: FrequencyResponse, path: Path) -> None:
-    """Write an NPZ file of the arrays of a response; equal responses give equal bytes."""
+    """Write an NPZ file of the arrays of a frequency response in SI; equal responses give equal bytes."""
     _write(
         {**response_description.arrays(response), response_description.KEY: response_description.description(response)},
         path,
@@ -115,7 +115,7 @@ class Header:
 
 
 def _checked_headers(archive: zipfile.ZipFile, path: Path) -> dict[str, Header]:
-    """Headers of the arrays by name, checked against the sizes in the archive.
+    """Headers of the arrays of an NPZ file by name, checked against the sizes in the archive.
 
     Raises
     ------
@@ -154,6 +154,6 @@ def _header(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> Header:
 
 
 def _loaded(archive: zipfile.ZipFile, name: str) -> Any:
-    """Whole array of an archive, whose header was checked."""
+    """Whole array of an NPZ file, whose header was checked."""
     with archive.open(f"{name}{ARRAY_ENDING}") as file:
         return np.load(file, allow_pickle=False)

@@ -1,4 +1,4 @@
-"""Recordings in Parquet files, through pyarrow: every numeric column is a channel."""
+"""Recordings in Parquet files, through pyarrow, with every numeric column as a channel."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.response.recording import Recording
 
 ROWS_PER_GROUP = 1 << 20
-"""Rows of a row group that is written, 8 MB a column: what is in memory at once."""
+"""Rows of a row group of a Parquet file that is written, 8 MB a column, which is what is in memory at once."""
 ZERO_ATTRIBUTE = "zero"
 """Attribute of a column of times with its first entry, from which the seconds count."""
 
 
 @contextlib.contextmanager
 def open_source(path: Path) -> Iterator[Source]:
-    """Channels of an open Parquet file; units are in the metadata or names of columns. Times become seconds."""
+    """Yield the channels of a Parquet file, with units from metadata or names of columns, and times in seconds."""
     with open_foreign(path, "parquet") as content:
         text = str(content.attributes.get(KEY, ""))
         channels = [_channel(item, number, plain=bool(text)) for number, item in enumerate(content.arrays)]
@@ -45,7 +45,7 @@ def _zero_notes(items: Sequence[StoredArray]) -> tuple[str, ...]:
 
 
 def write(recording: Recording, path: Path) -> None:
-    """Write a Parquet file of one column for every signal, with units as metadata."""
+    """Write a Parquet file of one column in SI for every signal, with units as metadata."""
     columns = saved_columns(recording)
     parquet = import_extra("parquet")
     import pyarrow as pa

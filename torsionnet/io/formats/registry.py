@@ -1,4 +1,4 @@
-"""Table of the file formats of recordings and frequency responses: endings, and functions that read and write them.
+"""Table of the file formats of recordings and frequency responses, with endings and the functions that read and write.
 
 ``open_source(path)`` of a format is a context manager that gives a :class:`~torsionnet.io.records.source.Source` of a
 record: channels with names and units as they stand in the file, and a reader of rows in blocks.
@@ -32,7 +32,7 @@ Holding = Literal["recording", "frequency response"]
 
 @dataclass(frozen=True)
 class Format:
-    """File format; it holds recordings where it has ``open_source``, responses where it has ``read_response``."""
+    """File format, which holds recordings where it has ``open_source``, responses where it has ``read_response``."""
 
     label: str
     endings: tuple[str, ...]
@@ -57,11 +57,14 @@ FORMATS = (
     Format("Parquet", (".parquet", ".pq"), parquet.open_source, parquet.write),
     Format("MDF", (".mf4", ".mdf"), mdf.open_source, mdf.write),
 )
-"""File formats of recordings and frequency responses."""
+"""File formats of recordings and frequency responses, with endings, reading and writing functions."""
 
 
 def format_of(path: Path, what: Holding) -> Format:
-    """Format of a file by its ending; raises :class:`UsageError` where no format of that ending holds such data."""
+    """File format of a path by its ending.
+
+    Raises :class:`UsageError` where no format of that ending holds such data.
+    """
     known = {ending: form for form in FORMATS if form.holds(what) for ending in form.endings}
     ending = path.suffix.lower()
     if ending not in known:
@@ -72,7 +75,7 @@ def format_of(path: Path, what: Holding) -> Format:
 
 @contextlib.contextmanager
 def reading(path: Path, what: Holding) -> Iterator[Format]:
-    """Format that reads a file; errors in the ``with`` block become errors that name the file.
+    """Yield the format that reads a file, turning errors in the ``with`` block into errors that name the file.
 
     Raises
     ------

@@ -18,12 +18,12 @@ from torsionnet.response.recording import Recording
 GROUP, INCREMENT, OFFSET = "recording", "wf_increment", "wf_start_offset"
 """Name of the group written, and the waveform properties with the sampling interval and the start, both in s."""
 PIECE = 1 << 20
-"""Samples of a segment that is written: few enough to fit into memory, enough for npTDMS to be quick."""
+"""Samples of a TDMS segment that is written, few enough to fit into memory, enough for npTDMS to be quick."""
 
 
 @contextlib.contextmanager
 def open_source(path: Path) -> Iterator[Source]:
-    """Channels of an open TDMS file; sampling rate and start are those of the waveform properties."""
+    """Yield the channels of a TDMS file, with sampling rate (Hz) and start (s) from the waveform properties."""
     with open_foreign(path, "tdms") as content:
         channels = [_channel(item, number) for number, item in enumerate(content.arrays)]
         waves = [item.attributes for item in content.arrays if item.attributes.get(INCREMENT)]
@@ -39,7 +39,7 @@ def open_source(path: Path) -> Iterator[Source]:
 
 
 def _notes(waves: Sequence[Mapping[str, Plain]], name: str, what: str) -> tuple[str, ...]:
-    """Warning where channels differ in a waveform property in s; empty where they agree."""
+    """Warning where channels of a TDMS file differ in a waveform property in s; empty where they agree."""
     found = sorted({float(wave.get(name) or 0) for wave in waves})
     if len(found) < 2:
         return ()
@@ -54,7 +54,7 @@ def _channel(item: StoredArray, number: int) -> FileChannel:
 
 
 def write(recording: Recording, path: Path) -> None:
-    """Write a TDMS file of one group, with waveform properties and units."""
+    """Write a TDMS file of one group with the signals of a recording in SI, waveform properties and units."""
     columns = saved_columns(recording)
     nptdms = import_extra("tdms")
     root = nptdms.RootObject({"name": recording.title or path.stem, KEY: recording_json(recording)})
@@ -71,6 +71,6 @@ def write(recording: Recording, path: Path) -> None:
 
 
 def _properties(attributes: Mapping[str, str], wave: Mapping[str, float]) -> dict[str, str | float]:
-    """Properties of a channel: quantity, unit and waveform; of time stamps the unit alone."""
+    """Properties of a channel of a TDMS file, its quantity, unit and waveform, or of time stamps the unit alone."""
     named = {"unit_string" if name == "unit" else name: text for name, text in attributes.items()}
     return {**wave, **named} if "quantity" in named else {**named}

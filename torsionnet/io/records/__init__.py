@@ -1,1 +1,1 @@
-"""Recordings from the channels of a file, whichever format it is in: whole or in blocks."""
+"""Recordings from the channels of a file, whichever format it is in, as a whole or in blocks."""

@@ -13,11 +13,13 @@ from torsionnet.io.records.source import FileChannel, Source, names_a_rate
 from torsionnet.response.recording import FloatArray
 
 MOST_COLUMNS = 256
-"""Columns of an array up to which they are channels; more make a picture, or a matrix of something else."""
+"""Most columns of an array that are taken for channels, as more make a picture, or a matrix of something else."""
 
 
 def array_source(arrays: Sequence[StoredArray], blocks: Blocks, stored: str, title: str) -> Source:
-    """Channels of named arrays: a number named ``fs`` or the like is the rate, other single numbers are left out.
+    """Channels and sampling rate in Hz of a recording from named arrays.
+
+    A number named ``fs`` or the like is the rate, other single numbers are left out.
 
     ``blocks`` knows the arrays by their place in ``arrays``.
     """
@@ -60,10 +62,10 @@ def _column(block: FloatArray, column: int) -> FloatArray:
 
 
 def channel_of(item: StoredArray, number: int, name: str, unit: str) -> FileChannel:
-    """Channel of an array, of the quantity that the array has as an attribute."""
+    """Channel of an array in a file, of the quantity that the array has as an attribute."""
     return FileChannel(name, number, unit, attribute_text(item, "quantity") or None, item.length)
 
 
 def attribute_text(item: StoredArray, *names: str) -> str:
-    """Text of the first of these attributes that an array has; empty where it has none."""
+    """Text of the first of these attributes that an array in a file has, empty where it has none."""
     return next((str(item.attributes[name]) for name in names if name in item.attributes), "")

@@ -1,4 +1,4 @@
-"""Recordings from an open file: channels chosen, units converted to SI, times checked, all faults together."""
+"""Recordings from an open file, for which channels are chosen, units converted to SI, times checked."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from torsionnet.response.recording import FloatArray, Recording, Signal, is_rate
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """Options of the caller for reading a file: names, quantities, units, sampling rate, encoder pulses."""
+    """Options of the caller for reading a recording (names, quantities, units, sampling rate in Hz, encoder pulses)."""
 
     names: Sequence[str] | Mapping[str, str] | None = None
     quantities: Mapping[str, str] = field(default_factory=dict)
@@ -51,7 +51,7 @@ def with_given_clock(source: Source, options: ReadOptions) -> tuple[Source, Read
 
 
 def recordings(source: Source, options: ReadOptions, file: str, seconds: float | None = None) -> Iterator[Recording]:
-    """Recordings of ``seconds`` each one after the other, or one of the whole file; raises :class:`ModelError`."""
+    """Yield recordings of ``seconds`` each in SI, one after the other, or one of the whole file; raise ModelError."""
     stamps = source.time.name if source.time else ""
     units = {name: unit for name, unit in options.units.items() if name != stamps}
     choices, faults = choose(source, options.names, options.quantities, units)

@@ -15,7 +15,7 @@ from torsionnet.response.recording import QUANTITY_UNITS
 
 @dataclass(frozen=True)
 class ChannelChoice:
-    """Channel to be read, with its name in the recording, its quantity and the factor to SI."""
+    """Channel of a file to be read, with its name in the recording, its quantity and the factor to SI."""
 
     channel: FileChannel
     name: str
@@ -30,7 +30,7 @@ def choose(
     quantities: Mapping[str, str],
     units: Mapping[str, str],
 ) -> tuple[list[ChannelChoice], list[Fault]]:
-    """Channels to be read, and all faults in names, quantities and units; all names are those in the file."""
+    """Channels of a file to be read, and all faults in names, quantities and units, by the names in the file."""
     known = {channel.name: channel for channel in reversed(source.channels)}
     asked = list(names) if names is not None else []
     faults = [
@@ -80,7 +80,7 @@ def _unknown(unit: str, name: str) -> str:
 
 
 def length_faults(source: Source, choices: Iterable[ChannelChoice]) -> list[Fault]:
-    """Fault that lists how many values every channel has, where they differ; empty where they agree."""
+    """Fault that lists how many values every channel of a file has, where they differ; empty where they agree."""
     channels = [choice.channel for choice in choices] + ([source.time] if source.time else [])
     lengths = {channel.name: channel.length for channel in channels if channel.length is not None}
     if len(set(lengths.values())) < 2:

@@ -1,4 +1,4 @@
-"""Sampling rate and start of a block from its time stamps, or the stamps themselves where they are not uniform."""
+"""Clock of a block of samples (sampling rate in Hz, start in s, or time stamps in s where they are not uniform)."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from torsionnet.io.records.source import Source
 from torsionnet.response.recording import FloatArray
 
 UNIFORM_TOLERANCE = 0.01
-"""Share of a sampling interval by which uniform stamps may be off, as rounded decimals are."""
+"""Share of a sampling interval by which uniform time stamps may be off, as rounded decimals are."""
 SAME_RATE_TOLERANCE = 1e-3
-"""Relative difference up to which a given sampling rate agrees with the time stamps."""
+"""Relative difference up to which a given sampling rate agrees with the time stamps, which may be rounded."""
 SAME_INTERVAL_TOLERANCE = 5e-3
-"""Relative difference up to which an interval in a header, maybe written with few digits, agrees with the stamps."""
+"""Relative difference up to which an interval in a header, perhaps of few digits, agrees with the time stamps."""
 FEWEST_EQUAL_STAMPS, EQUAL_STAMPS_SHARE = 3, 0.01
-"""Stamps equal to the one before, and their share of all, from which on they are no slip of the recorder."""
+"""Number of time stamps equal to the one before, and their share of all, from which they are no slip of a recorder."""
 LATEST_TIME = 1e15
-"""Largest time stamp in s, thirty million years: larger ones are damage, in whatever unit a clock counted."""
+"""Largest time stamp in s, thirty million years, as larger ones are damage, in whatever unit a clock counted."""
 
 UNUSUAL_RATE, USUAL_RATE, UNUSUAL_LENGTH = 20.0, 200.0, 3600.0
-"""Rates in Hz below which torsional vibration is never, or not for longer than these s, sampled."""
+"""Sampling rates in Hz below which torsional vibration is never, or not for longer than these s, recorded."""
 
 
 @dataclass(frozen=True)
 class Clock:
-    """Sampling rate in Hz, start in s, and time stamps of a block where they are not uniform."""
+    """Sampling rate in Hz, start in s, and time stamps (n,) in s of a block where they are not uniform."""
 
     rate: float
     start: float
@@ -36,7 +36,7 @@ class Clock:
 
 
 def time_faults(stamps: FloatArray, source: Source, first: int = 0) -> list[Fault]:
-    """Faults of time stamps that are not finite or do not increase, each with its position."""
+    """Faults of time stamps (n,) in s that are not finite or do not increase, each with its position in the file."""
     assert source.time is not None
     column = source.time.name
     broken = np.flatnonzero(~np.isfinite(stamps))
@@ -57,7 +57,7 @@ def time_faults(stamps: FloatArray, source: Source, first: int = 0) -> list[Faul
 
 
 def is_coarse(stamps: FloatArray) -> bool:
-    """Whether stamps never decrease and many are equal: they were written in coarser steps than samples were taken."""
+    """Whether time stamps never decrease and many are equal, being written in coarser steps than samples were taken."""
     steps = np.diff(stamps)
     return bool(
         np.all(steps >= 0) and np.count_nonzero(steps == 0) >= max(FEWEST_EQUAL_STAMPS, EQUAL_STAMPS_SHARE * len(steps))
@@ -72,7 +72,7 @@ def _coarse_text(stamps: FloatArray, column: str) -> str:
 
 
 def coarse_clock(stamps: FloatArray, rate: float, begin: float) -> Clock | Fault:
-    """Clock of coarse stamps for a given rate, or the fault that the two do not agree."""
+    """Clock of coarse time stamps (n,) in s for a sampling rate in Hz, or the fault that the two do not agree."""
     steps = np.diff(stamps)
     off = stamps - np.arange(len(stamps)) / rate
     if np.ptp(off) <= (1 + UNIFORM_TOLERANCE) * float(steps.max()):
@@ -86,7 +86,9 @@ def _fault(text: str, source: Source, row: int) -> Fault:
 
 
 def clock_of(stamps: FloatArray, rate: float | None, *, stamped: bool = False) -> Clock:
-    """Clock of increasing stamps in s; a known ``rate`` in Hz is kept where it agrees with them.
+    """Clock (sampling rate in Hz, start in s, or all stamps) from increasing time stamps (n,) in s.
+
+    A known ``rate`` in Hz is kept where it agrees with them.
 
     >>> clock_of(np.array([1.0, 1.1, 1.2]), None).rate.__round__(9)
     10.0
@@ -101,13 +103,13 @@ def clock_of(stamps: FloatArray, rate: float | None, *, stamped: bool = False) -
 
 
 def _rounded(rate: float) -> float:
-    """Rate without the rounding errors of the stamps it comes from, which are good for some nine digits."""
+    """Sampling rate in Hz without the rounding errors of the time stamps it comes from."""
     plain = float(f"{rate:.7g}")
     return plain if abs(plain / rate - 1) < 1e-9 else rate
 
 
 def time_unit_warnings(stamps: FloatArray, source: Source) -> tuple[str, ...]:
-    """Warning where stamps without a unit make a record unusually slow or long, as milliseconds taken for s do."""
+    """Warning where time stamps without unit make a recording unusually slow or long, as ms taken for s do."""
     if source.time is None or source.time.unit or len(stamps) < 2:
         return ()
     span = float(stamps[-1] - stamps[0])
@@ -120,7 +122,7 @@ def time_unit_warnings(stamps: FloatArray, source: Source) -> tuple[str, ...]:
 
 
 def rate_fault(stamps: FloatArray, given: float | None) -> list[Fault]:
-    """Fault of a given sampling rate that differs from that of the stamps; empty where they agree."""
+    """Fault of a given sampling rate in Hz that differs from that of the time stamps; empty where they agree."""
     if given is None or len(stamps) < 2:
         return []
     mean = (len(stamps) - 1) / float(stamps[-1] - stamps[0])
@@ -130,7 +132,7 @@ def rate_fault(stamps: FloatArray, given: float | None) -> list[Fault]:
 
 
 def interval_fault(stamps: FloatArray, source: Source) -> list[Fault]:
-    """Fault of a sampling interval in the header that differs from that of the stamps; empty where they agree."""
+    """Fault of a sampling interval in the header that differs from that of the time stamps; empty where they agree."""
     stated = source.stated
     if stated is None or source.time is None or len(stamps) < 2:
         return []

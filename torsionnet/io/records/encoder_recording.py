@@ -19,12 +19,12 @@ from torsionnet.signals.pulse_train import holds_pulse_times, pulse_times
 from torsionnet.signals.sample_counts import even_times
 
 LEAST_PULSE_RATE = 1.0
-"""Pulses a second below which times of pulses are probably not in s."""
+"""Encoder pulses a second below which the times of pulses are probably not in s."""
 
 
 @dataclass(frozen=True, eq=False)
 class EncoderRotation:
-    """Rotation of a shaft from the pulses of one channel.
+    """Rotation of a shaft from the pulses of an encoder in one channel.
 
     ``times`` are those of the pulses kept, s.
     """
@@ -36,14 +36,14 @@ class EncoderRotation:
     notes: tuple[str, ...]
 
     def signal(self, times: FloatArray) -> Signal:
-        """Angle in rad at these times in s, since the first of them."""
+        """Angle in rad of the shaft at these times (n,) in s, counted from the first of them."""
         steps = self.rotation.at(times)
         angle = angle_from_counts(steps - steps[0], self.steps)
         return Signal(self.name, "angle", angle, self.notes)
 
 
 def encoder_recording(source: Source, options: ReadOptions, file: str) -> Recording:
-    """Recording with an angle for every channel of pulses, cut to the time in which all of them turn.
+    """Recording with an angle in rad for every channel of pulses, cut to the time in which all of them turn.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def _is_asked(name: str, names: Sequence[str] | Mapping[str, str] | None) -> boo
 
 
 def _others(source: Source, options: ReadOptions, file: str) -> Recording | None:
-    """Recording of the channels that hold no pulses; None if there are none."""
+    """Recording of the channels that hold no pulses, None if there are none."""
     names = options.names
     if isinstance(names, Mapping):
         names = {name: new for name, new in names.items() if name not in options.pulses}
@@ -88,7 +88,7 @@ def _others(source: Source, options: ReadOptions, file: str) -> Recording | None
 
 
 def _clock(source: Source, options: ReadOptions) -> FileChannel | None:
-    """Channel of time stamps; None where there is none or its stamps are those of pulses."""
+    """Channel of time stamps of the file, None where there is none or its stamps are those of pulses."""
     return None if source.time is None or source.time.name in options.pulses else source.time
 
 
@@ -119,7 +119,7 @@ def _turning(source: Source, channel: FileChannel, options: ReadOptions, file: s
 
 
 def _even(first: float, last: float, rate: float, turning: Sequence[EncoderRotation], file: str) -> FloatArray:
-    """Uniform times in s from ``first`` to ``last``, in which all encoders turn."""
+    """Uniform times (n,) in s from ``first`` to ``last``, in which all encoders turn."""
     place, most = ("channels", turning[0].name), max(len(one.times) for one in turning)
     if last < first:
         spans = "; ".join(f"{one.name} from {one.times[0]:.6g} to {one.times[-1]:.6g} s" for one in turning)

@@ -1,4 +1,4 @@
-"""Quantity of a channel from its unit, and the factor that converts its values to SI."""
+"""Quantity of a recorded channel from its unit, and the factor that converts its values to SI."""
 
 from __future__ import annotations
 
@@ -9,12 +9,15 @@ from torsionnet.core.units import ANGLES, DIMENSIONS, Dimension, UnitError, pars
 from torsionnet.response.recording import QUANTITY_UNITS
 
 _DIMENSIONS = {"torque": "torque", "angle": "angle", "velocity": "speed", "acceleration": "acceleration"}
-"""Dimensions of quantities that a unit tells; a pressure may be that of a gas, so stress is not among them."""
+"""Dimensions of the quantities of a channel that its unit tells.
+
+A pressure may be that of a gas, so stress is not among them.
+"""
 _ANGULAR = re.compile("|".join([*sorted(ANGLES), "°"]))
 
 
 def quantity_of(unit: str) -> str:
-    """Quantity that has a unit; empty where none or more than one has it.
+    """Quantity of a channel (torque, angle, ...) that has a unit; empty where none or more than one has it.
 
     >>> quantity_of("kNm"), quantity_of("deg"), quantity_of("rpm"), quantity_of("V")
     ('torque', 'angle', 'velocity', '')
@@ -29,12 +32,12 @@ def quantity_of(unit: str) -> str:
 
 
 def quantity_of_dimension(dimension: Dimension) -> str:
-    """Quantity of a dimension; empty where there is none."""
+    """Quantity of a channel that has a dimension, empty where there is none."""
     return next((quantity for quantity, name in _DIMENSIONS.items() if dimension == DIMENSIONS[name]), "")
 
 
 def factor_to_si(unit: str, quantity: str) -> float:
-    """Factor that converts values to SI; raises :class:`UnitError` where the unit is not one of the quantity.
+    """Factor that converts values to SI, or :class:`UnitError` where the unit is not one of the quantity.
 
     >>> factor_to_si("kNm", "torque")
     1000.0

@@ -14,13 +14,16 @@ from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.response.recording import QUANTITY_UNITS, FloatArray, Recording
 
 KEY = "torsionnet_recording"
-"""Name under which the description stands in a file."""
+"""Name under which the description of a recording stands in a file."""
 TIME = "time"
-"""Name of the time stamps in a file."""
+"""Name of the time stamps of a recording in a file."""
 
 
 def recording_json(recording: Recording, keys: Sequence[str] | None = None, *, with_time: bool = False) -> str:
-    """JSON text of names, quantities, rate, start, title and notes; ``keys`` name the values in the file."""
+    """JSON text of a recording's names, quantities, sampling rate in Hz, start in s, title and notes.
+
+    ``keys`` name the values in the file.
+    """
     signals = [
         {"key": key, "name": signal.name, "quantity": signal.quantity, "notes": list(signal.notes)}
         for key, signal in zip(keys or recording.names, recording, strict=True)
@@ -39,7 +42,7 @@ def recording_json(recording: Recording, keys: Sequence[str] | None = None, *, w
 
 @dataclass(frozen=True)
 class SavedColumn:
-    """Values of a signal with their name in the file, and unit and quantity as attributes."""
+    """Values (n,) of a recording's signal in SI with their name in the file, and unit and quantity as attributes."""
 
     name: str
     values: FloatArray
@@ -47,7 +50,7 @@ class SavedColumn:
 
 
 def saved_columns(recording: Recording, keys: Sequence[str] | None = None) -> list[SavedColumn]:
-    """Columns of a recording to save: every signal, and the time stamps where there are any; names are unique."""
+    """Columns of a recording to save, every signal, and the time stamps where there are any, with unique names."""
     check_names(recording)
     columns = [
         SavedColumn(key, signal.values, {"unit": signal.unit, "quantity": signal.quantity})
@@ -57,7 +60,9 @@ def saved_columns(recording: Recording, keys: Sequence[str] | None = None) -> li
 
 
 def with_description(source: Source, text: str) -> Source:
-    """Source with what its description says; without a description, with its time channel found.
+    """Source of a recording with what the description in its file says.
+
+    Without a description, with its time channel found.
 
     Raises
     ------
@@ -106,7 +111,7 @@ def check_names(recording: Recording, *, with_time: bool = False) -> None:
 
 
 def plain_keys(names: Sequence[str], pattern: str, taken: Sequence[str] = (TIME,)) -> list[str]:
-    """Unique names without what ``pattern`` finds, for formats that do not take every name.
+    """Unique names of channels without what ``pattern`` finds, for formats that do not take every name.
 
     >>> plain_keys(["T [1]", "T_1_", "time"], "[^A-Za-z0-9_]")
     ['T__1_', 'T_1_', 'time_2']

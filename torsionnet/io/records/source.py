@@ -11,14 +11,14 @@ from torsionnet.core.units import DIMENSIONS, UnitError, parse_unit
 from torsionnet.io.foreign.content import Blocks
 
 TIME_NAMES = frozenset({"time", "times", "zeit", "tid", "temps", "timestamp", "timestamps", "time stamp", "x-time"})
-"""Names of channels of time stamps, in lower case."""
+"""Names of channels that are taken for time stamps in several languages, in lower case."""
 RATE_NAMES = frozenset({"fs", "sampling_rate", "sample_rate", "samplerate", "samplingrate", "abtastrate"})
-"""Names of single numbers that are the sampling rate, in lower case."""
+"""Names of single numbers in a file that are taken for the sampling rate, in lower case."""
 
 
 @dataclass(frozen=True)
 class FileChannel:
-    """Channel as the file has it; ``column`` is its number for ``Source.blocks``.
+    """Channel of a recording as the file has it, with its name, unit and number (``column``) for ``Source.blocks``.
 
     ``quantity`` is None where the file says nothing, empty where it says that none is known.
     """
@@ -43,7 +43,7 @@ class StatedInterval:
 
 @dataclass(frozen=True)
 class Source:
-    """Channels, sampling rate and notes of an open file.
+    """Channels, sampling rate in Hz and notes of an open file.
 
     ``blocks(columns, count)`` reads so many samples at a time, everything at once where ``count`` is 0.
     ``discovered`` grows while blocks are read: what was assumed about the values.
@@ -72,7 +72,7 @@ class Source:
 
 
 def is_time(channel: FileChannel) -> bool:
-    """Whether a channel holds time stamps: its unit is one of time, or it has none and a name for time."""
+    """Whether a channel holds time stamps, having a unit of time, or none and a name for time."""
     if not channel.unit:
         name = channel.name.rpartition(".")[2].strip()  # the field of a structure
         return name == "t" or name.casefold() in TIME_NAMES  # T is a torque
@@ -83,6 +83,6 @@ def is_time(channel: FileChannel) -> bool:
 
 
 def names_a_rate(name: str) -> bool:
-    """Whether a number of this name is the sampling rate: ``fs``, ``Sample_Rate``, ``d.Time_Sample_Rate``."""
+    """Whether a number of this name is the sampling rate, such as ``fs``, ``Sample_Rate``, ``d.Time_Sample_Rate``."""
     folded = name.rpartition(".")[2].casefold()
     return folded in RATE_NAMES or any(folded.endswith(f"_{known}") for known in RATE_NAMES if known != "fs")

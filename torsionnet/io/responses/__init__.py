@@ -1,1 +1,1 @@
-"""Frequency responses in files: what all formats have in common."""
+"""Frequency responses in files, with what all file formats have in common."""

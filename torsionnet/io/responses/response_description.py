@@ -13,14 +13,14 @@ from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.estimation import read_estimation
 
 KEY = "torsionnet_frequency_response"
-"""Name under which the description stands in a file."""
+"""Name under which the description of a frequency response stands in a file."""
 NUMBERS = ("frequencies", "values", "coherence", "conditioning")
-"""Names of the arrays of a response."""
+"""Names of the arrays of a frequency response in a file."""
 _LIMIT = re.compile(r"usable up to (\S+) Hz")
 
 
 def description(response: FrequencyResponse) -> str:
-    """JSON text of names, units, title and notes of a response."""
+    """JSON text of names, units, title and notes of a frequency response."""
     data: dict[str, Any] = {
         "outputs": [[channel.name, channel.unit] for channel in response.outputs],
         "inputs": [[channel.name, channel.unit] for channel in response.inputs],
@@ -37,12 +37,15 @@ def description(response: FrequencyResponse) -> str:
 
 
 def arrays(response: FrequencyResponse) -> dict[str, Any]:
-    """Arrays of a response by name; coherence and conditioning only where there are any."""
+    """Arrays of a frequency response by name, coherence and conditioning only where there are any."""
     return {name: values for name in NUMBERS if (values := getattr(response, name)) is not None}
 
 
 def check_members(there: Collection[str], path: Path, whole: str, nothing: str) -> None:
-    """Refuse a file of named arrays that lacks those of a response; ``nothing`` says what a file without any is."""
+    """Refuse a file of named arrays that lacks those of a frequency response.
+
+    ``nothing`` says what a file without any is.
+    """
     missing = [name for name in (KEY, "frequencies", "values") if name not in there]
     if missing:
         words = f"has {', '.join(there)}" if there else nothing
@@ -51,7 +54,10 @@ def check_members(there: Collection[str], path: Path, whole: str, nothing: str) 
 
 
 def parse_description(text: str) -> dict[str, Any]:
-    """Arguments of :class:`FrequencyResponse` but for its arrays; raises ``ValueError`` for a damaged description."""
+    """Arguments of :class:`FrequencyResponse` but for its arrays, read from the JSON text of its description.
+
+    Raises ``ValueError`` for a damaged description.
+    """
     try:
         data = json.loads(text)
         sides = {side: tuple(Channel(str(n), str(u)) for n, u in data[side]) for side in ("outputs", "inputs")}
@@ -71,7 +77,10 @@ def parse_description(text: str) -> dict[str, Any]:
 
 
 def response_from(text: str, numbers: dict[str, Any]) -> FrequencyResponse:
-    """Frequency response of a description and arrays; raises ``ValueError`` where the two do not fit."""
+    """Frequency response from its description and its arrays by name.
+
+    Raises ``ValueError`` where the two do not fit.
+    """
     said = parse_description(text)
     sizes = (len(numbers["frequencies"]), len(said["outputs"]), len(said["inputs"]))
     shapes = {"frequencies": sizes[:1], "values": sizes, "coherence": sizes, "conditioning": sizes[:1]}

@@ -13,12 +13,12 @@ from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 
 UNKNOWN_UNIT = "1"
-"""Unit of a channel of which the file only says that it has the unit of its partner."""
+"""Unit of a channel of a ratio of like signals, of which the file says nothing more."""
 
 
 @dataclass
 class SingleResponse:
-    """Transfer function of one output over one input, in SI units."""
+    """Transfer function (n_f,) of one output over one input, in SI, with its coherence."""
 
     values: ComplexArray
     output_unit: str
@@ -28,13 +28,16 @@ class SingleResponse:
 
 @dataclass
 class ResponseMatrix:
-    """Transfer functions by (output, input), in the order of the file."""
+    """Transfer functions (n_f,) by output and input, in the order of the file, at frequencies in Hz."""
 
     frequencies: FloatArray
     pairs: dict[tuple[str, str], SingleResponse] = field(default_factory=dict)
 
     def response(self, file: str, title: str, notes: tuple[str, ...] = (), **more: Any) -> FrequencyResponse:
-        """Frequency response of the whole matrix; ModelError names missing pairs and channels with two units."""
+        """Frequency response (n_f, n_out, n_in) in SI of the whole matrix, or ModelError if pairs or units do not fit.
+
+        ModelError names missing pairs and channels with two units.
+        """
         outputs, inputs = (list(dict.fromkeys(pair[side] for pair in self.pairs)) for side in (0, 1))
         missing = [f"{o}/{i}" for o in outputs for i in inputs if (o, i) not in self.pairs]
         faults = [Fault(f"the matrix is not complete: there is no {', '.join(missing)}")] if missing else []
@@ -62,7 +65,7 @@ class ResponseMatrix:
         return np.ascontiguousarray(np.moveaxis(np.array(table), 2, 0))
 
     def _coherence(self, outputs: list[str], inputs: list[str]) -> FloatArray | None:
-        """Coherences of the matrix, NaN for pairs that have none; None where no pair has one."""
+        """Coherences (n_f, n_out, n_in) of the matrix, NaN for pairs that have none; None where no pair has one."""
         if all(single.coherence is None for single in self.pairs.values()):
             return None
         unknown = np.full(len(self.frequencies), np.nan)

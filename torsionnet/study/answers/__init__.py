@@ -1,1 +1,1 @@
-"""Answers of a study: yield, worst case, sensitivities and so on, one file for each kind, imported when it is used."""
+"""Answers of a study, such as yield, worst case and sensitivities, one file for each kind, imported when it is used."""

@@ -1,4 +1,4 @@
-"""Base classes of the answers of a study and of their conclusions."""
+"""Base classes of a study's answers (yield, worst case, ...) and of the conclusions that they draw."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ A = TypeVar("A", bound="type[StudyAnswer]")
 
 
 class AskedStudy(Protocol):
-    """Part of :class:`torsionnet.study.study.Study` that answers use."""
+    """Properties and methods of :class:`torsionnet.study.study.Study` that answers use."""
 
     @property
     def model(self) -> Drivetrain: ...
@@ -51,7 +51,7 @@ class AskedStudy(Protocol):
 
 
 class VariantValues(Protocol):
-    """Part of :class:`torsionnet.study.study_result.StudyResult` that answers use."""
+    """Properties and methods of :class:`torsionnet.study.study_result.StudyResult` that answers use."""
 
     @property
     def kept(self) -> KeptValues: ...
@@ -63,41 +63,44 @@ class VariantValues(Protocol):
 
 
 class Conclusion(Protocol):
-    """Conclusion of an answer: sentences, a table, data and a figure."""
+    """Conclusion of a study's answer, shown as sentences, a table, JSON data and a figure."""
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Conclusion in words, each a complete statement for a report."""
+        """Conclusion in words, a tuple of complete statements for a report."""
         ...
 
     def table(self) -> Table:
-        """Conclusion as a table of numbers."""
+        """Conclusion as a table of numbers, with a unit in the heading of each column that has one."""
         ...
 
     def to_data(self) -> Json:
-        """Conclusion as JSON data in full precision."""
+        """Conclusion as JSON data in full precision, numbers in SI."""
         ...
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        """Figure of the conclusion by :mod:`torsionnet.plot`; ``look``: ``units`` (:func:`shown_units`), ``title``."""
+        """Draw the conclusion as a figure by :mod:`torsionnet.plot`.
+
+        ``look``: ``units`` (:func:`shown_units`), ``title``.
+        """
         ...
 
 
 @dataclass(frozen=True, kw_only=True)
 class StudyAnswer(Declared):
-    """Base class of the answers, one class for each ``type:``, registered by :func:`register_answer`."""
+    """Base class of a study's answers, one subclass for each ``type`` in a file (:func:`register_answer`)."""
 
     article: ClassVar[str] = "an answer"
     of_variants: ClassVar[bool] = True
     """Whether the answer uses the variants that the study has calculated, rather than choosing its own."""
     naming: ClassVar[Mapping[str, str]] = {}
-    """Keys of the entries that name something of the study -> what they name, such as a quantity."""
+    """Mapping of each entry that names something of the study to what it names, such as a quantity."""
 
     def require_extras(self) -> None:
         """Raise :class:`~torsionnet.core.errors.MissingExtraError` where a package of the answer is not installed."""
 
     def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
-        """Faults of the answer with its study: curves, correlated parameters where none may be, ...
+        """Yield the faults of an answer that its study cannot give, such as a curve where a number is needed.
 
         Unknown names are found by ``naming``, and may occur here.
         """
@@ -105,24 +108,27 @@ class StudyAnswer(Declared):
         yield from ()
 
     def variants(self, study: AskedStudy) -> int | None:
-        """Number of variants that the answer chooses and calculates; None where it is not known beforehand."""
+        """Number of variants that the answer chooses and calculates itself; None where it is not known beforehand."""
         del study
         return None
 
     def conclude(self, study: AskedStudy, result: VariantValues) -> Conclusion:
-        """Conclusion of the answer; ``result`` has the values of all variants of the study, case by case."""
+        """Draw the conclusion of the answer from the study and the values of its variants.
+
+        ``result`` has the values of all variants of the study, case by case.
+        """
         raise NotImplementedError
 
 
 ANSWERS: TypeRegister[type[StudyAnswer]] = TypeRegister(("torsionnet.study.answers", "torsionnet.study.design"))
-"""Classes of answers by the word in ``type:``."""
+"""Classes of answers by the word that a study file writes as their ``type``."""
 
 
 def register_answer(cls: A) -> A:
-    """Class decorator that registers an answer by its ``kind``."""
+    """Class decorator that registers a class of answers by its ``kind``, the ``type`` in a study file."""
     ANSWERS[cls.kind] = cls
     return cls
 
 
 Conclusions = Mapping[str, Conclusion]
-"""Name of an answer -> its conclusion."""
+"""Mapping of the name of each answer to its conclusion."""

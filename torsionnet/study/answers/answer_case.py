@@ -1,4 +1,4 @@
-"""Configuration of a study with its evaluator and space, for answers that choose their variants themselves."""
+"""Case of an answer, a configuration of a study with its evaluator and space, for answers that choose variants."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from torsionnet.study.quantities.variant_block import VariantBlock
 from torsionnet.study.space.space import Space
 
 OfPoints = Callable[[FloatArray], FloatArray]
-"""Function from points (n, d) of the unit cube or of standard normal space to values (n,)."""
+"""Function from points (n, d) of the unit cube or of standard normal space to a quantity's values (n,)."""
 
 OfVariants = Callable[[Mapping[str, FloatArray]], FloatArray]
-"""Function from parameters (n,) by name to values (n,) of these variants."""
+"""Function from the parameters of n variants, (n,) in SI by name, to a quantity's values (n,) in SI."""
 
 
 @dataclass(frozen=True, eq=False)
 class AnswerCase:
-    """Configuration of a study with the evaluator of its variants and its space.
+    """Configuration of a study with the evaluator of its variants and the space of its varied parameters.
 
     Parameters that take the values of a list or range keep that of the model where an answer draws at random.
     """
@@ -35,21 +35,24 @@ class AnswerCase:
 
     @property
     def label(self) -> str:
-        """Name of the configuration in tables."""
+        """Name of the configuration in tables, "as given" for the model as it stands."""
         return case_label(self.configuration)
 
     def calculated(self, values: Mapping[str, FloatArray], names: tuple[str, ...]) -> dict[str, FloatArray]:
-        """Quantities (n,) of variants; parameters that are not given have their values in the model."""
+        """Quantities of n variants by name in SI, each (n,), or (n, n_points) for a curve.
+
+        Parameters that are not given have their values in the model.
+        """
         return self.evaluator(self._whole(values), names)
 
     def singly(self, values: Mapping[str, float], quantity: str) -> float:
-        """Value of a quantity of one variant, built and solved as a single model."""
+        """Value in SI of a quantity of one variant, built and solved as a single model."""
         whole = self._whole({name: np.array([value]) for name, value in values.items()})
         block = VariantBlock(self.evaluator.model, whole, self.evaluator.quantities, None)
         return float(block.of(quantity)[0, 0])
 
     def nominal(self, name: str) -> float:
-        """Value of a parameter in the model, in SI."""
+        """Value in SI of a varied parameter in the model of this configuration."""
         value = self.space.nominal[name]
         if np.isnan(value):
             raise UsageError(f"{name} has no value in the model {self.label}; give it a distribution or a value")
@@ -63,7 +66,7 @@ class AnswerCase:
 
 
 def answer_cases(study: AskedStudy) -> Iterator[AnswerCase]:
-    """Configurations of a study with their evaluators and spaces."""
+    """Yield every configuration of a study with its evaluator and its space."""
     for configuration in study.configurations:
         evaluator = study.evaluator(configuration)
         yield AnswerCase(configuration, evaluator, study.space.at(evaluator.model))

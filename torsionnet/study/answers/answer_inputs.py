@@ -1,4 +1,4 @@
-"""Quantities, units and limits of a study that answers use, and faults in their entries."""
+"""Quantities, units and limits of a study that its answers use, and faults in the entries of answers."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ VARIED, CONFIGURATION = "varied parameter", "configuration of the study"
 def unknown_names(
     naming: Mapping[str, str], entries: Mapping[str, Any], known: Mapping[str, Iterable[str]]
 ) -> list[Fault]:
-    """Faults of unknown names in the entries of an answer, as written or as read.
+    """Faults of the names in an answer's entries that the study does not have, the entries as written or as read.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def unknown_names(
 
 
 def _names(key: str, value: Any) -> Iterator[tuple[str, Path, bool]]:
-    """Names in an entry with their paths, and whether each is a key."""
+    """Yield each name in an entry of an answer with its path, and whether it is a key of a table."""
     if isinstance(value, str):
         yield value, (key,), False
     elif isinstance(value, Mapping):
@@ -56,28 +56,28 @@ def _names(key: str, value: Any) -> Iterator[tuple[str, Path, bool]]:
 
 
 def case_label(configuration: str) -> str:
-    """Name of a configuration in tables; "as given" for the model as it stands."""
+    """Name of a configuration in tables, or "as given" for the model as it stands."""
     return configuration or "as given"
 
 
 def measure_of(study: AskedStudy, name: str) -> QuantityForm:
-    """Unit and points of a quantity, the same in all configurations."""
+    """Form of a quantity (SI unit, and points of a curve), the same in all configurations."""
     return study.quantities[name].measured(study.model_in(study.configurations[0]), study.quantities)
 
 
 def units_of(study: AskedStudy) -> dict[str, str]:
-    """Parameter -> SI unit, of the varied parameters."""
+    """SI unit of each varied parameter of a study, by its name."""
     known = parameter_units(study.model.definition)
     return {name: known.get(name, "") for name in study.space.names}
 
 
 def chosen_quantities(study: AskedStudy, names: tuple[str, ...]) -> tuple[str, ...]:
-    """Names of the quantities given, by default of all that are single numbers."""
+    """Names of the quantities that an answer uses, those given or else all of the study that are single numbers."""
     return names or tuple(name for name in study.quantities if not measure_of(study, name).is_curve)
 
 
 def limit_words(study: AskedStudy, name: str) -> str:
-    """Words for exceeding the limit of a quantity: ``peak above 20 N*m``, of a curve ``largest H above 2 rad``.
+    """Words for exceeding a limit, such as ``peak above 20 N*m``, or of a curve ``largest H above 2 rad``.
 
     Values are in the units in which the limit was written.
     """
@@ -92,7 +92,7 @@ def limit_words(study: AskedStudy, name: str) -> str:
 
 
 def quantity_faults(study: AskedStudy, names: tuple[str, ...], key: str) -> Iterator[Fault]:
-    """Faults of quantities that are curves where a single number is needed."""
+    """Yield a fault for each quantity of an answer that is a curve although the answer needs a single number."""
     for place, name in enumerate(names):
         path = (key, place) if key == "quantities" else (key,)
         if name in study.quantities and measure_of(study, name).is_curve:
@@ -102,12 +102,12 @@ def quantity_faults(study: AskedStudy, names: tuple[str, ...], key: str) -> Iter
 
 
 def limit_faults(study: AskedStudy) -> Iterator[Fault]:
-    """Fault of a study without limits."""
+    """Yield a fault if a study gives none of its quantities a limit."""
     if not study.limits:
         yield Fault("no quantity has a limit; give the study limits: {QUANTITY: {below: VALUE}}", on_key=True)
 
 
 def distribution_faults(study: AskedStudy) -> Iterator[Fault]:
-    """Fault of a study without a random parameter."""
+    """Yield a fault if a study has no random parameter, for answers that draw variants."""
     if not study.space.random_names:
         yield Fault("no parameter has a distribution; this answer draws variants at random", on_key=True)

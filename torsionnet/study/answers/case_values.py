@@ -1,4 +1,4 @@
-"""Values that a study has calculated in each configuration, for answers that use its variants."""
+"""Values that a study has calculated in each of its configurations, for answers that use its variants."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from torsionnet.study.answers.answer_inputs import case_label
 
 @dataclass(frozen=True, eq=False)
 class CaseValues:
-    """Parameters and quantities (n,) of the kept variants in one configuration.
+    """Parameters and quantities (n,) in SI of the n kept variants of one configuration, by name.
 
     A curve has its smallest and largest value over its points, (n, 2).
     """
@@ -23,12 +23,12 @@ class CaseValues:
 
     @property
     def label(self) -> str:
-        """Name of the configuration in tables."""
+        """Name of the configuration in tables, "as given" for the model as it stands."""
         return case_label(self.configuration)
 
 
 def case_values(study: AskedStudy, result: VariantValues, names: tuple[str, ...]) -> Iterator[CaseValues]:
-    """Parameters and quantities ``names`` of the kept variants in each configuration."""
+    """Yield for each configuration the parameters and the quantities ``names`` of its kept variants."""
     for configuration in study.configurations:
         quantities = {name: result.kept_values(name, configuration) for name in names}
         yield CaseValues(configuration, result.kept_parameters(configuration), quantities)

@@ -1,4 +1,4 @@
-"""Base class of conclusions whose JSON data are their fields."""
+"""Base class of answers' conclusions whose JSON data are their dataclass fields."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ from torsionnet.core.entries.spec import Json
 from torsionnet.core.number_text import json_finite
 
 IN_WORDS = {"in_words": True}
-"""Metadata of a field that is left out of the JSON data, as the sentences contain it."""
+"""Metadata of a conclusion's field that is left out of the JSON data, because the sentences contain it."""
 
 
 class PlainConclusion:
-    """Base class of conclusions that are frozen dataclasses with all results in their fields."""
+    """Base class of answers' conclusions that are frozen dataclasses with all results in their fields."""
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Conclusion in words, each a complete statement for a report."""
+        """Conclusion in words, a tuple of complete statements for a report."""
         raise NotImplementedError
 
     def to_data(self) -> Json:
-        """Sentences and fields as JSON data; null for numbers that JSON lacks."""
+        """Sentences and fields of the conclusion as JSON data, numbers in SI; null for numbers that JSON lacks."""
         data: Json = json_finite({"sentences": list(self.sentences), **plain_data(self)})
         return data
 
 
 def plain_data(value: Any) -> Any:
-    """Value as JSON data: dataclasses and mappings as dictionaries, arrays and tuples as lists."""
+    """Conversion of a value to JSON data, dataclasses and mappings to dictionaries, arrays and tuples to lists."""
     if is_dataclass(value):
         return {
             one.name: plain_data(getattr(value, one.name)) for one in fields(value) if not one.metadata.get("in_words")

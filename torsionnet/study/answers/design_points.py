@@ -1,4 +1,4 @@
-"""Search of design points: points of the limit state nearest to the median variant (first-order reliability)."""
+"""Search of design points, the points of the limit state nearest to the median variant (first-order reliability)."""
 
 from __future__ import annotations
 
@@ -10,41 +10,43 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.study.answers.answer_case import OfPoints
 
 SLOPE_STEP = 1e-3
-"""Step of numerical slopes in standard deviations: larger ones miss curvature, smaller ones amplify rounding."""
+"""Step of slopes in standard deviations, as larger ones miss curvature, and smaller ones amplify rounding."""
 MOST_ITERATIONS = 25
-"""Most steps of a search; more take variants from the sampling."""
+"""Most steps of a search for a design point, as more take variants from the sampling."""
 FARTHEST = 12.0
-"""Largest distance of a design point in standard deviations; failures beyond have a probability below 1e-32."""
+"""Largest distance of a design point in standard deviations, as failures beyond have a probability below 1e-32."""
 STEP_SHARES = 0.5 ** np.arange(8)
-"""Shares of a step that are tried together; without the small ones a search of a curved limit state may diverge."""
+"""Shares of a step tried together, down to 1/128, without which searches of a curved limit state may diverge."""
 SAME_DIRECTION = 0.9
-"""Cosine between the directions of two starts above which one of them is left out."""
+"""Cosine between the directions of two starts of searches above which one is left out, as both lead to one point."""
 SAME_PLACE = 0.3
-"""Distance between two design points in standard deviations below which one of them is left out."""
+"""Distance between two design points in standard deviations below which they count as one, and one is left out."""
 RAY = np.unique(
     np.concatenate([np.linspace(0, 1.5, 61)[1:], *(1 + sign * 10.0 ** np.arange(-5, -1) for sign in (-1, 1))])
 )
-"""Shares of the distance to the end of a search at which failures are looked for: all along the ray, and close to the
-end, where a region of failures thinner than the steps along the ray begins."""
+"""Shares of the distance from the median to the end of a search at which failures are looked for.
+
+All along the ray, and close to the end, where a region of failures thinner than the steps along the ray begins.
+"""
 FARTHER_THAN_NEAREST = 3.0
-"""Distance beyond that of the nearest design point up to which others are kept; farther ones add hardly anything."""
+"""Standard deviations beyond the nearest design point up to which others count, as farther ones add hardly anything."""
 
 
 @dataclass(frozen=True, eq=False)
 class DesignPoints:
-    """Design points (m, d) in standard normal space, nearest first, and number of variants of the search."""
+    """Design points (m, d) in standard normal space, nearest first, and the number of variants their search took."""
 
     points: FloatArray
     evaluations: int
 
     @property
     def distances(self) -> FloatArray:
-        """Reliability indices (m,): distances of the points from the origin."""
+        """Reliability indices (m,), the distances of the design points from the origin in standard deviations."""
         return np.asarray(np.linalg.norm(self.points, axis=1))
 
 
 def design_points(margin: OfPoints, starts: FloatArray) -> DesignPoints:
-    """Design points found by the method of Hasofer, Lind, Rackwitz and Fiessler from ``starts`` (m, d), each once.
+    """Search design points by the method of Hasofer, Lind, Rackwitz and Fiessler from ``starts`` (m, d).
 
     ``margin`` gives safety margins (n,) at points (n, d) in standard normal space; failure where not above 0. All
     searches go side by side: slopes by central differences, then eight lengths of the step at once, of which the
@@ -66,7 +68,7 @@ def design_points(margin: OfPoints, starts: FloatArray) -> DesignPoints:
 
 
 def values_and_slopes(margin: OfPoints, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Safety margins (m,) at points (m, d), and their numerical slopes (m, d)."""
+    """Safety margins (m,) at points (m, d) in standard normal space, and their slopes (m, d) by central differences."""
     m, d = points.shape
     offsets = SLOPE_STEP * np.concatenate([np.zeros((1, d)), np.eye(d), -np.eye(d)])
     values = margin((points[:, None, :] + offsets).reshape(-1, d)).reshape(m, 2 * d + 1)
@@ -75,7 +77,7 @@ def values_and_slopes(margin: OfPoints, points: FloatArray) -> tuple[FloatArray,
 
 
 def _towards(points: FloatArray, values: FloatArray, slopes: FloatArray) -> FloatArray:
-    """Steps (m, d) of the searches to the nearest points of their linearised limit states; 0 without a slope."""
+    """Steps (m, d) of the searches to the nearest points of their linearised limit states, 0 if there is no slope."""
     steep = (slopes**2).sum(axis=1)
     level = ~(steep > 0) | ~np.isfinite(values)
     lengths = ((slopes * points).sum(axis=1) - values) / np.where(level, 1.0, steep)
@@ -100,7 +102,7 @@ def _shortened(
 
 
 def _on_the_limit(margin: OfPoints, points: FloatArray) -> tuple[FloatArray, int]:
-    """Points moved along their rays to the limit state, without those whose rays never fail, and variants used."""
+    """Points (k, d) moved along their rays to the limit state, if their rays fail at all, and variants used."""
     rays = margin((RAY[:, None, None] * points).reshape(-1, points.shape[1])).reshape(len(RAY), len(points))
     failed = ~(rays > 0)
     first = failed.argmax(axis=0)
@@ -115,7 +117,7 @@ def _on_the_limit(margin: OfPoints, points: FloatArray) -> tuple[FloatArray, int
 
 
 def distinct_points(points: FloatArray) -> FloatArray:
-    """Nearest point, and further ones by distance that are not beside one that was taken."""
+    """Points (k, d) that are not beside a nearer one, the nearest of the m points first."""
     order = np.argsort(np.linalg.norm(points, axis=1), kind="stable")
     taken: list[FloatArray] = []
     for point in points[order]:
@@ -126,7 +128,7 @@ def distinct_points(points: FloatArray) -> FloatArray:
 
 
 def distinct_directions(points: FloatArray, most: int) -> FloatArray:
-    """Nearest point, and at most ``most`` in all by distance whose directions differ from those taken."""
+    """Points (k, d) of m whose directions from the origin differ, the nearest ones first, ``most`` of them at most."""
     away = np.linalg.norm(points, axis=1)
     taken: list[int] = []
     for index in np.argsort(away, kind="stable").tolist():

@@ -1,4 +1,4 @@
-"""Number of draws beyond limits, from the values of all variants, or from counts where there are very many."""
+"""Number of draws beyond limits, from the values of all variants, or from counts where a study has very many."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from torsionnet.study.answers.conclusion_data import IN_WORDS
 from torsionnet.study.reductions.limit_counts import LimitTotals
 
 MOST_BINS, FEWEST_BINS = 60, 10
-"""Most and fewest bins of a histogram of a quantity: more are narrower than a pixel, fewer show no shape."""
+"""Most and fewest bins of the histogram of a limited quantity: more are narrower than a pixel, fewer show no shape."""
 ROUNDING_SPREAD = 1e-9
-"""Relative spread below which values count as one value with rounding errors."""
+"""Relative spread of a quantity's values below which they count as one value with rounding errors."""
 
 
 @dataclass(frozen=True, eq=False)
 class LimitedValues:
-    """Histogram of a quantity in one configuration: ``edges`` (n + 1,) in SI, ``counts`` (n,), and the limits."""
+    """Histogram of a limited quantity in one configuration, ``edges`` (n + 1,) in SI, ``counts`` (n,), and limits."""
 
     configuration: str
     quantity: str
@@ -33,16 +33,19 @@ class LimitedValues:
     below: float | None
     above: float | None
     curve: str = field(default="", metadata=IN_WORDS)
-    """Name of the curve whose largest or smallest values these are; empty for a number."""
+    """Name of the curve whose largest or smallest values the histogram counts, empty if the quantity is a number."""
 
     @property
     def constant(self) -> float | None:
-        """Value that all variants have; None where they differ, or have none."""
+        """Value in SI of the only bin with counts, if all variants have the same.
+
+        None where they differ, or have none.
+        """
         return float(self.edges[[0, -1]].mean()) if np.count_nonzero(self.counts) == 1 else None
 
 
 def limited_values(study: AskedStudy, label: str, name: str, values: FloatArray) -> tuple[LimitedValues, ...]:
-    """Histograms of a limited quantity: one of values (n,), or of smallest and largest values (n, 2) of a curve."""
+    """Histograms of a limited quantity, one of values (n,), or of smallest and largest values (n, 2) of a curve."""
     limit, unit = study.limits[name], measure_of(study, name).unit
     if values.ndim == 1:
         return (LimitedValues(label, name, unit, *_histogram(values), limit.below, limit.above),)
@@ -55,7 +58,7 @@ def limited_values(study: AskedStudy, label: str, name: str, values: FloatArray)
 
 
 def _histogram(values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Edges and counts of the finite values between the 0.01st and 99.99th percentile."""
+    """Histogram edges (n + 1,) and counts (n,) of the finite values between the 0.01st and 99.99th percentile."""
     known = values[np.isfinite(values)]
     ends = np.array([0.0, 1.0])
     if len(known):
@@ -69,11 +72,14 @@ def _histogram(values: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 Weights = Mapping[str, float]
-"""Configuration -> its share in a mean."""
+"""Mapping of each configuration to its weight in a mean over configurations."""
 
 
 class DrawsBeyond(Protocol):
-    """Counter of draws beyond any limit of some quantities; one beyond at some points of a grid counts in part."""
+    """Counter of the draws that are beyond any limit of some quantities.
+
+    One beyond at some points of a grid counts in part.
+    """
 
     def in_case(self, names: Sequence[str], configuration: str) -> float: ...
     def in_any(self, names: Sequence[str]) -> float: ...
@@ -82,20 +88,20 @@ class DrawsBeyond(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class KeptBeyond:
-    """Counts of draws from booleans (n_grid, n_draws) of every configuration and quantity, true beyond its limit."""
+    """Counter of draws by booleans (n_grid, n_draws) of every configuration and quantity, true beyond its limit."""
 
     beyond: Mapping[str, Mapping[str, NDArray[np.bool_]]]
 
     def in_case(self, names: Sequence[str], configuration: str) -> float:
-        """Number of draws beyond any of the limits in one configuration."""
+        """Number of draws in one configuration beyond any of the limits of the quantities ``names``."""
         return _draws(self._any_limit(names, configuration))
 
     def in_any(self, names: Sequence[str]) -> float:
-        """Number of draws beyond any of the limits in at least one configuration."""
+        """Number of draws beyond any of the limits of the quantities ``names`` in at least one configuration."""
         return _draws(self._each(names).any(axis=0))
 
     def on_average(self, names: Sequence[str], weights: Weights) -> float:
-        """Weighted mean over configurations of the number of draws beyond any of the limits."""
+        """Weighted mean over configurations of the number of draws beyond any of the limits of ``names``."""
         shares = np.array([weights.get(case, 0.0) for case in self.beyond])
         return _draws(np.tensordot(shares / shares.sum(), self._each(names), axes=1))
 
@@ -107,26 +113,26 @@ class KeptBeyond:
 
 
 def _draws(beyond: Any) -> float:
-    """Number of draws that are beyond, each by its mean over the points of the grid."""
+    """Number of draws beyond a limit, each counted by its mean over the points of the grid."""
     return float(np.asarray(beyond, dtype=float).mean(axis=0).sum())
 
 
 @dataclass(frozen=True, eq=False)
 class CountedBeyond:
-    """Counts of draws from counts of variants; each draw is ``n_grid`` variants."""
+    """Counter of draws by the number of variants beyond limits, each draw being ``n_grid`` variants."""
 
     totals: LimitTotals
     n_grid: int
 
     def in_case(self, names: Sequence[str], configuration: str) -> float:
-        """Number of draws beyond any of the limits in one configuration."""
+        """Number of draws in one configuration beyond any of the limits of the quantities ``names``."""
         return self.totals.beyond(names, configuration) / self.n_grid
 
     def in_any(self, names: Sequence[str]) -> float:
-        """Number of draws beyond any of the limits in at least one configuration."""
+        """Number of draws beyond any of the limits of the quantities ``names`` in at least one configuration."""
         return self.totals.beyond_in_any(names) / self.n_grid
 
     def on_average(self, names: Sequence[str], weights: Weights) -> float:
-        """Weighted mean over configurations of the number of draws beyond any of the limits."""
+        """Weighted mean over configurations of the number of draws beyond any of the limits of ``names``."""
         total = sum(weight * self.in_case(names, case) for case, weight in weights.items())
         return total / sum(weights.values())

@@ -1,4 +1,4 @@
-"""The answer ``type: failure_probability``: small probability that a limit is exceeded."""
+"""Failure probability, an answer of a study, the small probability that a limit is exceeded."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 def failure_margin(case: AnswerCase, limits: dict[str, QuantityLimit]) -> OfPoints:
-    """Function from points in standard normal space to the safety margin, the smallest relative distance to a limit."""
+    """Function from points (n, d) in standard normal space to safety margins (n,), the smallest distance to a limit."""
     names = tuple(limits)
 
     def margin(points: FloatArray) -> FloatArray:
@@ -59,13 +59,13 @@ def limit_distance(limit: QuantityLimit, values: FloatArray) -> FloatArray:
 
 IMPORTANCE, SUBSET = "importance", "subset"
 DEFAULT_COUNT = {IMPORTANCE: 100_000, SUBSET: 1000}
-"""Number of variants by method: most of all, or those of a level."""
+"""Number of variants by sampling method, for "importance" the most of all, for "subset" those of a level in a run."""
 
 
 @register_answer
 @dataclass(frozen=True, kw_only=True)
 class FailureProbability(StudyAnswer):
-    """Probability that any of the limits is not kept, however small, in each configuration.
+    """Probability that any of the limits is exceeded, however small, in each configuration.
 
     Importance sampling draws around the points where failures are most likely, and suits up to some tens of parameters
     and limits that are crossed in few places; it says when it finds itself wrong there. Subset sampling assumes nothing
@@ -126,7 +126,7 @@ class FailureProbability(StudyAnswer):
 
 @dataclass(frozen=True, eq=False)
 class FailureProbabilityResult(PlainConclusion):
-    """Failure probabilities by configuration."""
+    """Failure probability with its interval in each configuration."""
 
     title: str
     beyond: str

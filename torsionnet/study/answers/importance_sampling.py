@@ -1,4 +1,4 @@
-"""Importance sampling: probability of a rare failure from variants drawn around the design points."""
+"""Importance sampling, the probability of a rare failure from variants drawn around the design points."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from torsionnet.study.answers.share_interval import counted_share
 from torsionnet.study.answers.subset_sampling import SubsetLevels, subset_levels
 
 WIDE_SHARE = 0.15
-"""Share of the variants drawn wide around the median; more find missed failures sooner, fewer give a smaller error."""
+"""Share of variants drawn wide around the median, as more find missed failures sooner, fewer give a smaller error."""
 LEAST_CENTRE_SHARE = 0.05
-"""Smallest weight of a design point relative to the most likely one, so that none is sampled too rarely."""
+"""Smallest weight of a design point relative to that of the most likely one, so that none is sampled too rarely."""
 
 
 @dataclass(frozen=True, eq=False)
 class Mixture:
-    """Mixture of normal distributions around centres (m, d), nearest first, and a wide one around the median."""
+    """Mixture of normal distributions around centres (m, d), nearest first, and of a wide one around the median."""
 
     centres: FloatArray
 
     @property
     def spread(self) -> float:
-        """Standard deviation of the wide distribution: as many variants beyond the nearest centre as within."""
+        """Standard deviation of the wide distribution, with half of its variants or more beyond the nearest centre."""
         return (
             max(1.0, float(np.linalg.norm(self.centres[0])) / self.centres.shape[1] ** 0.5)
             if len(self.centres)
@@ -37,7 +37,7 @@ class Mixture:
 
     @property
     def shares(self) -> FloatArray:
-        """Shares (m + 1,) of the variants drawn around every centre and, last, from the wide distribution."""
+        """Shares (m + 1,) of the variants drawn around each of m centres and, last, from the wide distribution."""
         from scipy.special import log_ndtr
 
         if not len(self.centres):
@@ -54,7 +54,7 @@ class Mixture:
         return np.asarray(points + np.concatenate([self.centres, np.zeros((1, points.shape[1]))])[which])
 
     def log_weights(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Logarithms (n,) at points (n, d) of the density over the mixture's, and of the centres' over the wide one."""
+        """Logarithms (n,) at n points of the density over the mixture's, and of the centres' over the wide one's."""
         from scipy.special import logsumexp
 
         shares, width = np.log(self.shares), self.spread
@@ -69,33 +69,33 @@ class Mixture:
 
 
 FEWEST_VARIANTS = 4000
-"""Fewest variants of importance sampling; with fewer the search for design points leaves too few for sampling."""
+"""Fewest variants of importance sampling, as with fewer the search for design points leaves too few for sampling."""
 LEVEL_SHARE = 0.02
-"""Share of all variants in each level of the run of subset simulation that looks for failures."""
+"""Share of all variants in each level of the run of subset simulation that looks for failures before sampling."""
 FEWEST_IN_LEVEL = 200
-"""Fewest variants in a level of subset simulation; with fewer its tenth, which begins the next, is too small."""
+"""Fewest variants in a level of the subset simulation, whose tenth begins the next level and must not be too small."""
 MOST_STARTS = 10
-"""Most searches for design points that are started in a round; each takes some hundred variants."""
+"""Most searches for design points that are started in a round, each of which takes some hundred variants."""
 BATCH = 2000
-"""Variants drawn before the error is looked at again; larger batches overshoot the accuracy, smaller run slower."""
+"""Variants drawn before the error is looked at again, as larger batches overshoot the accuracy, smaller run slower."""
 MOST_ROUNDS = 6
-"""Most rounds of searches for design points, each from failed variants that lie beyond none found so far."""
+"""Most rounds of searches for design points, each from failed variants that lie beyond no design point found so far."""
 EXPECTED_STEPS = 8
 """Expected number of steps of a search for a design point, by which the number of searches is bounded."""
 FEWEST_EFFECTIVE, HEAVIEST = 100, 0.05
-"""Effective variants below which, and share of one variant above which, the result is called uncertain."""
+"""Effective variants below which, and share of one variant above which, the probability is called uncertain."""
 MOST_MISSED = 0.05
-"""Share of the probability of failure away from all design points above which the result is called uncertain."""
+"""Share of the failure probability far from all design points above which the result is called uncertain."""
 TANGENT_SLACK = 0.5
-"""Distance by which a failure may lie before the tangent plane of a design point and still belong to it."""
+"""Standard deviations by which a failure may lie before a design point's tangent plane and still belong to it."""
 FREQUENT_PROBABILITY = 0.02
-"""Probability of failure above which plain sampling is as good as importance sampling."""
+"""Failure probability above which plain sampling is as good as importance sampling."""
 
 
 def importance_sampling(
     margin: OfPoints, n_parameters: int, *, count: int, seed: int, accuracy: float = 0.01, confidence: float = 0.95
 ) -> RareEvent:
-    """Probability of failure (``margin`` not above 0) under independent standard normal parameters.
+    """Estimate the probability of failure (``margin`` not above 0) under independent standard normal parameters.
 
     A run of subset simulation finds failures of every kind; from these design points are sought until each failure
     lies beyond one of them. Variants are then drawn from a mixture of normal distributions around the design points and
@@ -138,7 +138,7 @@ def importance_sampling(
 
 
 def _centres(margin: OfPoints, scouted: SubsetLevels, most: int) -> tuple[FloatArray, FloatArray, int]:
-    """Design points (m, d), failures beyond none of them, and number of variants of the search.
+    """Design points (m, d), failures (k, d) that lie beyond none of them, and number of variants of the search.
 
     Searches begin at failures, and at points of the levels before them, as levels may have lost some kinds of failure.
     """
@@ -161,7 +161,7 @@ def _centres(margin: OfPoints, scouted: SubsetLevels, most: int) -> tuple[FloatA
 
 @dataclass(eq=False)
 class _Drawn:
-    """Failures among the variants drawn so far, with their weights."""
+    """Failures among the variants drawn so far by importance sampling, with their weights."""
 
     count: int = 0
     points: list[FloatArray] = field(default_factory=list)
@@ -183,7 +183,7 @@ class _Drawn:
 
     @property
     def variation(self) -> float:
-        """Standard error of the probability over the probability."""
+        """Standard error of the failure probability as a share of the probability."""
         total, squares = self.sums
         if total == 0:
             return float("inf")
@@ -192,7 +192,7 @@ class _Drawn:
 
     @property
     def missed(self) -> float:
-        """Share of the weight of failures away from all centres."""
+        """Share of the weight of all failures drawn that lie away from all design points."""
         weights, nearness = np.concatenate(self.weights), np.concatenate(self.nearness)
         return float(weights[nearness < 0].sum() / weights.sum())
 

@@ -1,4 +1,4 @@
-"""The answer ``type: map``: a quantity over two parameters."""
+"""Map, an answer of a study, the values of a quantity over a grid of two parameters."""
 
 from __future__ import annotations
 
@@ -29,19 +29,19 @@ AGGREGATES: Mapping[str, Callable[..., FloatArray]] = {
     "smallest": np.min,
     "largest": np.max,
 }
-"""Reductions of the values at one point of a map, over the draws of the other parameters, to one number."""
+"""Functions by name that reduce the values at one point of a map, over draws of other parameters, to one number."""
 
 
 @dataclass(frozen=True, eq=False)
 class ParameterMap:
-    """Values (n_x, n_y) of a quantity over two parameters ``x`` (n_x,) and ``y`` (n_y,), SI; NaN where missing."""
+    """Values (n_x, n_y) in SI of a quantity over two parameters ``x`` (n_x,) and ``y`` (n_y,), NaN where missing."""
 
     x: FloatArray
     y: FloatArray
     values: FloatArray
 
     def where(self, *, largest: bool) -> tuple[float, float, float]:
-        """Values of both parameters and of the quantity at its largest, or smallest, value."""
+        """Values in SI of the two parameters and of the quantity where the quantity is largest or smallest."""
         flat = np.nanargmax(self.values) if largest else np.nanargmin(self.values)
         i, j = np.unravel_index(flat, self.values.shape)
         return float(self.x[i]), float(self.y[j]), float(self.values[i, j])
@@ -54,7 +54,7 @@ def parameter_map(
     others: Mapping[str, FloatArray],
     aggregate: str = "mean",
 ) -> ParameterMap:
-    """Map of a quantity over two parameters, reduced to one number over the ``others`` (m,), which vary along.
+    """Values of a quantity on a grid of two parameters, reduced over the other parameters to one number at each point.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ FIXED = "fixed"
 @register_answer
 @dataclass(frozen=True, kw_only=True)
 class Map(StudyAnswer):
-    """Values of a quantity over a grid of two parameters, in each configuration.
+    """Values of a quantity over a grid of two parameters in each configuration.
 
     A parameter that takes values of a list or range has these on its axis, others ``points`` over their tolerance. The
     rest is as in the model, or drawn: then one number is shown of ``draws`` values, the same draws at every point.
@@ -163,7 +163,10 @@ class Map(StudyAnswer):
 
 @dataclass(frozen=True, eq=False)
 class MapResult(PlainConclusion):
-    """Maps by configuration; ``x``, ``y`` and ``quantity`` are names with units."""
+    """Values of a quantity over two parameters in each configuration.
+
+    ``x``, ``y`` and ``quantity`` are names with units.
+    """
 
     title: str
     x: tuple[str, str]

@@ -1,4 +1,4 @@
-"""The answer ``type: parallel_coordinates``: every variant a line across parameters and quantities."""
+"""Parallel coordinates, an answer of a study, every variant a line across axes of parameters and quantities."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 @register_answer
 @dataclass(frozen=True, kw_only=True)
 class ParallelCoordinates(StudyAnswer):
-    """Variants as lines across axes of parameters and quantities; those beyond a limit in red.
+    """Lines of the variants across axes of parameters and quantities, those of variants beyond a limit in red.
 
     The table compares the medians of the variants that keep all limits with those of the others.
     """
@@ -65,7 +65,7 @@ def _median(values: FloatArray) -> float:
 
 @dataclass(frozen=True, eq=False)
 class ParallelCoordinatesResult(PlainConclusion):
-    """Values by configuration and axis, which variants are beyond a limit, and medians of both kinds.
+    """Values of the variants by configuration and axis, which are beyond a limit, and medians of both kinds.
 
     Where ``part`` says so, medians are of a part of all variants, and those shown were chosen from it.
     """

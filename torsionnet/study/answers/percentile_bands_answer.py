@@ -1,4 +1,4 @@
-"""The answer ``type: percentile_bands``: percentiles of a curve over frequency or speed."""
+"""Percentile bands, an answer of a study, the percentiles of a curve over frequency or speed."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DEFAULT_PERCENTILES = (2.5, 25.0, 50.0, 75.0, 97.5)
-"""Percentiles unless given: median, middle half and middle 95 %."""
+"""Percentiles of a curve that are drawn unless others are asked for, the median and the middle half and 95 %."""
 
 
 @register_answer
 @dataclass(frozen=True, kw_only=True)
 class PercentileBands(StudyAnswer):
-    """Percentiles of a curve at each of its frequencies or speeds, in each configuration."""
+    """Percentiles of a curve over the variants, at each of its frequencies or speeds, in each configuration."""
 
     kind: ClassVar[str] = "percentile_bands"
     naming: ClassVar[Mapping[str, str]] = {"quantity": QUANTITY}
@@ -52,7 +52,7 @@ class PercentileBands(StudyAnswer):
 
 @dataclass(frozen=True, eq=False)
 class PercentileBandsResult(PlainConclusion):
-    """Percentiles (n_percentiles, n_points) by configuration, rising."""
+    """Percentiles of a curve in SI by configuration, each (n_percentiles, n_points), rising."""
 
     title: str
     quantity: str
@@ -74,7 +74,7 @@ class PercentileBandsResult(PlainConclusion):
 
     @property
     def points_unit(self) -> str:
-        """Unit of the axis of the curve: Hz of frequencies, rad/s of speeds."""
+        """Unit of the axis of the curve, Hz for frequencies and rad/s for speeds."""
         return "Hz" if self.measure.over == "frequency" else "rad/s"
 
     def table(self) -> Table:

@@ -1,4 +1,4 @@
-"""Small probability of a failure with its interval and the reasons that make it uncertain."""
+"""Small probability of a failure with its confidence interval and the reasons that make it uncertain."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class RareEvent:
-    """Probability of a failure with its interval.
+    """Probability of a failure with its confidence interval, its error and the number of variants calculated.
 
     Attributes
     ----------
@@ -34,20 +34,20 @@ class RareEvent:
 
     @property
     def index(self) -> float:
-        """Reliability index, beta with probability = Phi(-beta)."""
+        """Reliability index beta, with which the failure probability is Phi(-beta), of the normal distribution."""
         from scipy.special import ndtri
 
         return float(-ndtri(self.probability))
 
     @property
     def words(self) -> str:
-        """Words for the probability, its interval and the number of variants."""
+        """Failure probability in words, with its interval and the number of variants."""
         between = f"{self.low:.3g} to {self.high:.3g}; " if np.isfinite(self.low) else ""
         return f"{self.probability:.3g} ({between}{self.evaluations} variants)"
 
 
 def lognormal_interval(probability: float, variation: float, quantile: float) -> tuple[float, float]:
-    """Ends of the confidence interval of a small probability, whose logarithm is normally distributed."""
+    """Ends of the confidence interval of a small probability whose logarithm is normally distributed."""
     if not probability or not np.isfinite(variation):
         return float("nan"), float("nan")
     factor = float(np.exp(quantile * np.sqrt(np.log1p(variation**2))))

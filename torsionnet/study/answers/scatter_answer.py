@@ -1,4 +1,4 @@
-"""The answer ``type: scatter``: quantities against parameters, variant by variant."""
+"""Scatter, an answer of a study, the quantities over the parameters of every variant, and their rank correlations."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FEWEST_RANKED = 10
-"""Fewest variants of a rank correlation; the interval of fewer covers nearly the whole range from -1 to 1."""
+"""Fewest variants of a rank correlation, as the interval of fewer covers nearly the whole range from -1 to 1."""
 
 
 @dataclass(frozen=True, eq=False)
 class RankCorrelations:
-    """Spearman's rank correlations (d,) with the ends of their intervals, and the number of variants with a value.
+    """Spearman's rank correlations (d,) of d parameters with a quantity, with their confidence intervals.
 
     The coefficient of a parameter that is the same in all variants is NaN.
     """
@@ -41,7 +41,7 @@ class RankCorrelations:
 
 
 def rank_correlations(parameters: FloatArray, values: FloatArray, confidence: float = 0.95) -> RankCorrelations:
-    """Spearman's rank correlations of parameters (n, d) with values (n,), with the intervals of Bonett and Wright.
+    """Spearman's rank correlations (d,) of parameters (n, d) with values (n,), with the intervals of Bonett and Wright.
 
     These are Fisher's with a standard error of sqrt((1 + r^2/2)/(n - 3)).
 
@@ -73,7 +73,7 @@ def rank_correlations(parameters: FloatArray, values: FloatArray, confidence: fl
 
 
 MOST_SHOWN = 100_000
-"""Most variants in a figure; more points only make its file larger."""
+"""Most variants that are drawn in a scatter figure, as more points only make its file larger."""
 
 
 @register_answer
@@ -110,7 +110,7 @@ class Scatter(StudyAnswer):
 
 @dataclass(frozen=True, eq=False)
 class ScatterResult(PlainConclusion):
-    """Rank correlations by configuration and quantity, and the values of variants by configuration and name.
+    """Rank correlations by configuration and quantity, and the values in SI of variants by configuration and name.
 
     Both are of a part of all variants where ``part`` is not empty.
     """

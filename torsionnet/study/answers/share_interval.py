@@ -1,4 +1,4 @@
-"""Share of draws with the confidence interval of Clopper and Pearson."""
+"""Share of random draws with the confidence interval of Clopper and Pearson."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from torsionnet.core.errors import UsageError
 
 @dataclass(frozen=True)
 class Share:
-    """Share between 0 and 1 with its interval, and the number of draws counted."""
+    """Share of draws between 0 and 1 with its confidence interval, and the number of draws counted."""
 
     value: float
     low: float
@@ -18,7 +18,7 @@ class Share:
 
     @property
     def percent(self) -> str:
-        """Text of the share in percent with its interval, with digits that suit its width.
+        """Text of the share in percent with its interval, with as many digits as the interval's width allows.
 
         >>> counted_share(31, 1000).percent
         '3.1 % (2.1 to 4.4 %)'
@@ -30,7 +30,7 @@ class Share:
 
 
 def counted_share(hits: float, count: int, confidence: float = 0.95) -> Share:
-    """Share of independent draws that are hits, with the confidence interval of Clopper and Pearson.
+    """Share from 0 to 1 of independent draws that are hits, with the confidence interval of Clopper and Pearson.
 
     The interval contains the true share at least as often as ``confidence`` says, also where nothing was hit. Draws of
     a Latin hypercube or a Sobol sequence spread more evenly, which makes it wider than needed.

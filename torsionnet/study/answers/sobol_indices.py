@@ -1,4 +1,4 @@
-"""The answer ``type: sobol_indices``: shares of the parameters in the variance of a quantity."""
+"""Sobol indices, an answer of a study, the shares of the parameters in the variance of a quantity."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 RESAMPLES = 1000
-"""Resamples of the bootstrap: enough for the ends of a 95 % interval, each rests on 25 of them."""
+"""Bootstrap resamples of the Sobol indices, enough for the ends of a 95 % interval, as 25 lie beyond each end."""
 FEWEST_BASE_POINTS = 64
-"""Fewest base points; the intervals of fewer cover nearly all values from 0 to 1."""
+"""Fewest base points of Sobol indices, as the intervals of fewer cover nearly all values from 0 to 1."""
 
 
 @dataclass(frozen=True, eq=False)
 class SobolEstimates:
-    """Sobol indices (d,) of every parameter, with ``_low`` and ``_high`` ends of their intervals; all from 0 to 1.
+    """Sobol indices (d,) of d parameters, first-order and total, with the ends of their intervals, all from 0 to 1.
 
     ``variance`` is that of the quantity, ``evaluations`` the number of variants, ``without_value`` the number of base
     points left out because one of their variants has no value.
@@ -52,7 +52,7 @@ class SobolEstimates:
 def sobol_estimates(
     function: OfPoints, n_parameters: int, base: int, seed: int, confidence: float = 0.95
 ) -> SobolEstimates:
-    """First-order and total Sobol indices by the estimators of Saltelli (2010) and Jansen.
+    """Estimate first-order and total Sobol indices by the formulas of Saltelli (2010) and Jansen.
 
     Two independent halves A and B of one scrambled Sobol sequence, and for every parameter A with that column from B:
     base (d + 2) variants. Intervals are percentiles over resampled base points, which takes those for independent
@@ -80,7 +80,7 @@ def sobol_estimates(
 
 
 def sobol_points(n_parameters: int, base: int, seed: int) -> FloatArray:
-    """Sampling points of the unit cube (base (d + 2), d): A, B, and A with one column after the other from B."""
+    """Sampling points (base (d + 2), d) of the unit cube, A, B, and A with one column after another from B."""
     from scipy.stats import qmc
 
     if base < FEWEST_BASE_POINTS or base & (base - 1):
@@ -92,7 +92,7 @@ def sobol_points(n_parameters: int, base: int, seed: int) -> FloatArray:
 
 
 def estimates_of(at_points: FloatArray, base: int, seed: int, confidence: float = 0.95) -> SobolEstimates:
-    """Sobol indices from the values at :func:`sobol_points`; base points with a missing value are left out."""
+    """Sobol indices from a quantity's values at :func:`sobol_points`, without base points where a value is missing."""
     values = at_points.reshape(-1, base)
     whole = np.isfinite(values).all(axis=0)
     if whole.sum() < FEWEST_BASE_POINTS:
@@ -114,7 +114,7 @@ def estimates_of(at_points: FloatArray, base: int, seed: int, confidence: float 
 
 
 def _terms(values: FloatArray) -> FloatArray:
-    """Terms (n, 2 d + 2) of each base point whose means give the indices: numerators, then moments of A and B."""
+    """Terms (n, 2 d + 2) of n base points whose means give the indices, numerators first, then moments of A and B."""
     a, b = values[:2] - values[:2].mean()
     if np.ptp(values[:2]) <= 1e-12 * np.abs(values[:2]).max():
         raise SolveError("the quantity does not vary, so that nothing has a share in its variance")
@@ -123,7 +123,7 @@ def _terms(values: FloatArray) -> FloatArray:
 
 
 def _indices(terms: FloatArray) -> FloatArray:
-    """First-order and total indices (2, d) from the terms of base points."""
+    """First-order and total Sobol indices (2, d) from the terms (n, 2 d + 2) of n base points."""
     means = terms.mean(axis=0)
     variance = means[-1] - means[-2] ** 2
     return np.asarray(means[:-2].reshape(2, -1) / variance)
@@ -132,7 +132,7 @@ def _indices(terms: FloatArray) -> FloatArray:
 @register_answer
 @dataclass(frozen=True, kw_only=True)
 class SobolIndices(StudyAnswer):
-    """First-order and total Sobol indices with bootstrap intervals.
+    """First-order and total Sobol indices of the parameters for each quantity, with bootstrap intervals.
 
     A first-order index is the share of the variance that a parameter makes alone, a total index the share that would be
     left if only that parameter varied, whatever the others do with it. Parameters have to be independent. Every
@@ -179,7 +179,7 @@ class SobolIndices(StudyAnswer):
 
 @dataclass(frozen=True, eq=False)
 class SobolResult(PlainConclusion):
-    """Sobol indices of ``parameters`` by configuration and quantity."""
+    """Sobol indices of ``parameters`` with their intervals, by configuration and quantity."""
 
     title: str
     parameters: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""Subset simulation: probability of a rare failure as a product of larger conditional ones."""
+"""Subset simulation, the probability of a rare failure as a product of larger conditional ones."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from torsionnet.study.answers.answer_case import OfPoints
 from torsionnet.study.answers.rare_event import RareEvent
 
 LEVEL_PROBABILITY = 0.1
-"""Share of the variants of a level that begin the chains of the next: the usual choice of subset simulation."""
+"""Share of a level's variants that begin the Markov chains of the next, the usual choice of subset simulation."""
 CHAIN_LENGTH = 10
-"""Variants in a chain: the inverse of the share that begins chains, so that levels have equal size."""
+"""Variants in a Markov chain, the inverse of the share that begins chains, so that levels have equal size."""
 MOST_LEVELS = 30
-"""Most levels, for probabilities down to 1e-30; a margin that stops falling would go on for ever."""
+"""Most levels of subset simulation, for probabilities down to 1e-30, so that it ends if the margin stops falling."""
 FIRST_SPREAD = 0.6
-"""Spread of the moves of the first chains in standard deviations, which is adapted afterwards."""
+"""Spread of the moves of the first Markov chains in standard deviations, which is adapted afterwards."""
 ACCEPTANCE = 0.44
-"""Share of moves that should be accepted (Papaioannou and others, 2015)."""
+"""Share of a Markov chain's moves that should be accepted (Papaioannou and others, 2015)."""
 
 
 @dataclass(frozen=True, eq=False)
 class SubsetLevels:
-    """Levels and failures found by the first run of subset simulation.
+    """Levels of subset simulation and the failures found by its first run.
 
     Attributes
     ----------
@@ -77,14 +77,14 @@ def subset_levels(margin: OfPoints, count: int, d: int, numbers: np.random.Gener
 
 
 def margins_of(margin: OfPoints, points: FloatArray) -> FloatArray:
-    """Safety margins of points (..., d); minus infinity, a failure, where the margin has no value."""
+    """Safety margins (...) of points (..., d), minus infinity, which is a failure, where the margin has no value."""
     values = margin(points.reshape(-1, points.shape[-1])).reshape(points.shape[:-1])
     return np.where(np.isnan(values), -np.inf, values)
 
 
 @dataclass(eq=False)
 class Chains:
-    """Markov chains from points (runs, chains, d) with margins (runs, chains), all of them within ``bound``."""
+    """Markov chains from points (runs, chains, d) with margins (runs, chains), which stay within ``bound``."""
 
     margin: OfPoints
     points: FloatArray
@@ -94,7 +94,7 @@ class Chains:
     spread: float = FIRST_SPREAD
 
     def walk(self, spread: float, *, adapt: bool = False) -> tuple[FloatArray, FloatArray]:
-        """Points of all chains and their margins, with those at which they begin."""
+        """Points (runs, variants, d) of all chains, their first ones included, and their margins (runs, variants)."""
         points, values, self.spread = self.points, self.values, spread
         all_points, all_values = [points], [values]
         for _ in range(CHAIN_LENGTH - 1):
@@ -112,15 +112,15 @@ class Chains:
 
 
 INDEPENDENT_RUNS = 20
-"""Independent runs, from whose scatter the error is estimated; fewer leave the error itself uncertain."""
+"""Number of independent runs of subset simulation, whose scatter gives the error, uncertain if there were fewer."""
 FEWEST_VARIANTS_OF_LEVEL = 200
-"""Fewest variants in a level of a run: with fewer, less than 20 chains begin in it."""
+"""Fewest variants in a level of a run, as with fewer less than 20 Markov chains begin in it."""
 
 
 def subset_sampling(
     margin: OfPoints, n_parameters: int, *, count: int, seed: int, confidence: float = 0.95
 ) -> RareEvent:
-    """Probability of failure (``margin`` not above 0) under independent standard normal parameters.
+    """Estimate the probability of failure (``margin`` not above 0) under independent standard normal parameters.
 
     A first run finds the levels and how far chains move, by conditional sampling (Papaioannou, Betz, Zwirglmaier and
     Straub, Probabilistic Engineering Mechanics 41, 2015). Then 20 independent runs go side by side through the levels,
@@ -155,7 +155,7 @@ def subset_sampling(
 
 
 def _interval(found: FloatArray, confidence: float) -> tuple[float, float]:
-    """Confidence interval of the mean of runs with about normal logarithms: Cox's, with Student's factor."""
+    """Confidence interval of the mean of runs whose logarithms are about normal, Cox's, with Student's factor."""
     from scipy.special import stdtrit
 
     logarithms = np.log(found)
@@ -170,7 +170,7 @@ def _interval(found: FloatArray, confidence: float) -> tuple[float, float]:
 def _runs(
     margin: OfPoints, levels: SubsetLevels, shape: tuple[int, int, int], numbers: np.random.Generator
 ) -> tuple[FloatArray, int]:
-    """Estimate of every run (n_runs,), and the number of variants calculated."""
+    """Failure probability (n_runs,) that each independent run estimates, and the number of variants calculated."""
     points = numbers.standard_normal(shape)
     values = margins_of(margin, points)
     found, used, kept = np.ones(len(points)), values.size, shape[1] // CHAIN_LENGTH
@@ -188,6 +188,6 @@ def _runs(
 
 
 def _begun(inside: NDArray[np.bool_], count: int, numbers: np.random.Generator) -> NDArray[np.intp]:
-    """Indices of the variants from which chains begin, each as likely and about as often as another."""
+    """Indices (count,) of the variants from which chains begin, each drawn about as often as another."""
     able = np.flatnonzero(inside)
     return np.resize(numbers.permutation(able), count) if len(able) else np.zeros(count, dtype=np.intp)

@@ -1,4 +1,4 @@
-"""The answer ``type: tornado``: change of quantities by each parameter alone."""
+"""Tornado, an answer of a study, the change of quantities by each parameter alone."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Swings:
-    """Value of a quantity in the middle, and values (d,) with each parameter at the low and high end of its span."""
+    """Value of a quantity with all parameters in the middle, and values (d,) with each at either end of its span."""
 
     middle: float
     at_low: FloatArray
@@ -34,14 +34,14 @@ class Swings:
 
     @property
     def order(self) -> list[int]:
-        """Indices of the parameters by the change of the quantity, the largest first."""
+        """Indices of the parameters by the size of the change of the quantity, the largest first."""
         with_middle = np.stack([self.at_low, self.at_high, np.full(len(self.at_low), self.middle)])
         swings = np.nan_to_num(np.ptp(with_middle, axis=0))
         return [int(index) for index in np.argsort(-swings, kind="stable")]
 
 
 def one_at_a_time(function: OfPoints, middle: FloatArray, low: FloatArray, high: FloatArray) -> Swings:
-    """Values of a function at a middle point (d,) and with each coordinate at the ends of its span: 2 d + 1 points.
+    """Values of a function at a middle point (d,) and with each coordinate at either end of its span (2 d + 1 points).
 
     Examples
     --------
@@ -59,13 +59,13 @@ def one_at_a_time(function: OfPoints, middle: FloatArray, low: FloatArray, high:
 
 TOLERANCE, DEVIATION = "tolerance", "standard deviation"
 SHARE_WITHIN_DEVIATION = 0.6826894921370859
-"""Share of a normal distribution within one standard deviation of its mean."""
+"""Share of a normal distribution within one standard deviation of its mean, the span of a distribution in a tornado."""
 
 
 @register_answer
 @dataclass(frozen=True, kw_only=True)
 class Tornado(StudyAnswer):
-    """Values of quantities with one parameter at either end of its span, all others in the middle of theirs.
+    """Values of quantities with one parameter at either end of its span and all others in the middle of theirs.
 
     The span is the whole tolerance, or where a parameter has a distribution the middle 68.27 % of its values, one
     standard deviation of a normal one to both sides. Twice the number of parameters, and one variant.
@@ -93,7 +93,7 @@ class Tornado(StudyAnswer):
         return TornadoResult(study.title, units_of(study), units, spans, swings)
 
     def _spans(self, case: AnswerCase) -> dict[str, tuple[float, float, float]]:
-        """Low end, middle and high end of the span of every parameter."""
+        """Low end, middle and high end of each parameter's span in SI, by its name."""
         space = case.space
         found = {name: (low, (low + high) / 2, high) for name, (low, high) in space.box().items()}
         tail = (1 - SHARE_WITHIN_DEVIATION) / 2
@@ -121,7 +121,10 @@ class Tornado(StudyAnswer):
 
 @dataclass(frozen=True, eq=False)
 class TornadoResult(PlainConclusion):
-    """Swings by configuration and quantity; ``spans``: low end, middle, high end by configuration and parameter."""
+    """Changes of each quantity by each parameter alone, by configuration and quantity.
+
+    ``spans``: low end, middle, high end by configuration and parameter.
+    """
 
     title: str
     parameter_units: Mapping[str, str]

@@ -1,4 +1,4 @@
-"""The answer ``type: worst_case``: largest and smallest value of a quantity within the tolerances."""
+"""Worst case, an answer of a study, the largest and smallest value of a quantity within the tolerances."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 CONFIRMED_DIFFERENCE = 1e-6
-"""Largest relative difference of a value from that of a single model with which it counts as confirmed."""
+"""Largest relative difference of the worst value from that of the same variant as a single model, to be confirmed."""
 
 
 @dataclass(frozen=True, eq=False)
 class WorstVariant:
-    """Variant of a configuration with the largest or smallest value of a quantity.
+    """Variant of one configuration in which a quantity is largest or smallest, with the bounds that it lies on.
 
     Attributes
     ----------
@@ -65,13 +65,16 @@ class WorstVariant:
 
     @property
     def confirmed(self) -> bool:
-        """Whether the single model gives the same value."""
+        """Whether the worst variant, solved as a single model, gives the same value."""
         return abs(self.singly - self.value) <= CONFIRMED_DIFFERENCE * abs(self.value)
 
 
 @dataclass(frozen=True, eq=False)
 class WorstCaseResult(PlainConclusion):
-    """Worst variants of all configurations; ``correlated`` are the pairs of parameters that a study correlates."""
+    """Worst variants of a quantity in all configurations, with units.
+
+    ``correlated`` are the pairs of parameters that a study correlates.
+    """
 
     title: str
     quantity: str
@@ -182,6 +185,9 @@ class WorstCase(StudyAnswer):
         )  # fmt: skip
 
     def _nominal(self, case: AnswerCase, low: FloatArray, high: FloatArray) -> FloatArray:
-        """Point (1, d) of the model in the unit cube; 0.5 where a parameter has no value."""
+        """Point (1, d) of the unit cube at which the d parameters have the model's own values.
+
+        0.5 where a parameter has no value.
+        """
         own = np.array([case.space.nominal[name] for name in case.space.names])
         return np.where(np.isnan(own), 0.5, (own - low) / np.where(high > low, high - low, 1.0))[None]

@@ -13,26 +13,26 @@ from torsionnet.core.errors import SolveError
 from torsionnet.study.answers.answer_case import OfPoints
 
 MOST_WITH_ALL_CORNERS = 10
-"""Most parameters with which all corners are tried, 1024; their number doubles with each further parameter."""
+"""Most parameters with which all corners of the cube are tried, 1024 for ten, as each further one doubles them."""
 RANDOM_CORNERS = 1024
-"""Number of random corners where there are more parameters."""
+"""Number of random corners of the cube that are tried if there are too many for all, as many as ten parameters have."""
 POPULATION, GENERATIONS = 10, 150
-"""Members for each parameter and most generations of the differential evolution."""
+"""Members for each parameter, and most generations, of the differential evolution that seeks the worst case."""
 SLOPE_STEP = 1e-5
-"""Step of numerical slopes in the unit cube; points closer together count as one."""
+"""Step of slopes by differences in the unit cube, and the distance below which two points count as one."""
 POLISHED = 6
-"""Number of the best points from which slopes are followed; more find further local maxima and take longer."""
+"""Number of the best points from which slopes are followed, as more find further maxima and take longer."""
 AT_BOUND = 1e-6
-"""Distance from a bound in the unit cube within which a parameter is called at it."""
+"""Distance from a bound in the unit cube within which a parameter is said to lie at the bound."""
 MOST_ROUNDS = 5
-"""Most rounds of search in which random points are still better, before the search is given up."""
+"""Most rounds of the worst-case search in which a random point beats the best found, before it is given up."""
 BETTER_BY = 1e-9
-"""Share of the range of values by which a random point must be better to count; less is rounding."""
+"""Share of the range of values by which a random point must be better to count, as less is rounding."""
 
 
 @dataclass(frozen=True, eq=False)
 class Extreme:
-    """Largest value of a function found by the search, and its point.
+    """Largest value of a function that the search found, and its point in the unit cube.
 
     ``point`` (d,) is in the unit cube, ``tried_at_random`` the number of random points none of which is better,
     ``best_at_random`` the best of them.
@@ -48,7 +48,7 @@ class Extreme:
 
 
 def largest(function: OfPoints, n_parameters: int, *, seed: int, tried: int = 10_000) -> Extreme:
-    """Search the largest value of a function in the unit cube; points without a value (NaN) are left out.
+    """Search the largest value of a function in the unit cube, leaving out points without a value (NaN).
 
     Corners, a differential evolution, and from the best points along slopes and into bounds; then ``tried`` random
     points: where one of them is better the search goes on from there.
@@ -73,7 +73,7 @@ def largest(function: OfPoints, n_parameters: int, *, seed: int, tried: int = 10
 
 
 class _Search:
-    """Best points so far, best first, and the methods that find better ones."""
+    """Best points in the unit cube so far, best first, and the methods that find better ones."""
 
     def __init__(self, function: OfPoints, d: int, numbers: np.random.Generator) -> None:
         self.function, self.d, self.numbers = function, d, numbers
@@ -97,7 +97,7 @@ class _Search:
         return np.where(np.isnan(values), -np.inf, values)
 
     def offer(self, points: FloatArray, values: FloatArray) -> None:
-        """Keep the best of these points and of those so far, each once."""
+        """Keep the best of the points given and those found before, each once."""
         points, values = np.concatenate([self.points, points]), np.concatenate([self.found, values])
         order = np.argsort(-values, kind="stable")
         kept: list[int] = []
@@ -109,7 +109,7 @@ class _Search:
         self.points, self.found = points[kept], values[kept]
 
     def corners(self) -> None:
-        """Try the middle and all corners, or random corners where there are too many."""
+        """Try the middle and all corners of the unit cube, or random corners where there are too many."""
         if self.d <= MOST_WITH_ALL_CORNERS:
             points = np.array(list(product((0.0, 1.0), repeat=self.d)))
         else:
@@ -145,7 +145,7 @@ class _Search:
         self._into_bounds()
 
     def _with_slopes(self, point: FloatArray) -> tuple[float, FloatArray]:
-        """Negative value at a point and its slopes (d,), by differences within the cube."""
+        """Negative value of the function at a point (d,) of the unit cube, and its slopes (d,) by differences."""
         above, below = np.minimum(point + SLOPE_STEP, 1), np.maximum(point - SLOPE_STEP, 0)
         moved = [np.where(np.eye(self.d, dtype=bool), side, point) for side in (above, below)]
         values = self.values(np.concatenate([point[None], *moved]))

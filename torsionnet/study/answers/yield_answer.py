@@ -1,4 +1,4 @@
-"""The answer ``type: yield``: share of the variants that keep the limits."""
+"""Yield, an answer of a study, the share of the variants that are beyond a limit."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ ALL_CASES, MEAN = "in any of them", "weighted mean"
 
 @dataclass(frozen=True)
 class LimitShare:
-    """Share of the variants beyond a limit in one configuration, in any of them, or in their mean."""
+    """Share of the variants beyond a limit, in one configuration, in any of them, or in their weighted mean."""
 
     configuration: str
     limit: str
@@ -40,7 +40,7 @@ class LimitShare:
 
 @dataclass(frozen=True, eq=False)
 class YieldResult(PlainConclusion):
-    """Shares of the variants beyond each limit and beyond any limit.
+    """Shares of the variants beyond each limit and beyond any limit, with histograms of the limited quantities.
 
     ``missing`` variants have no value and count as beyond; ``exhaustive``: all variants were calculated and intervals
     do not apply. ``distributions`` has histograms of each quantity in each configuration, of the ``part`` of the
@@ -57,7 +57,7 @@ class YieldResult(PlainConclusion):
     part: str = field(default="", metadata=IN_WORDS)
 
     def of(self, configuration: str, limit: str = ANY_LIMIT) -> Share:
-        """Share of the variants beyond a limit, by configuration and words of the limit as in the table."""
+        """Share of the variants beyond a limit, chosen by configuration and by the words of the limit in the table."""
         return next(one.share for one in self.shares if (one.configuration, one.limit) == (configuration, limit))
 
     @property
@@ -155,7 +155,7 @@ class Yield(StudyAnswer):
         )
 
     def _counted(self, study: AskedStudy, result: VariantValues, names: tuple[str, ...]) -> tuple[DrawsBeyond, int]:
-        """Counter of the draws beyond limits, and the number of missing values."""
+        """Counter of the draws that are beyond limits, and the number of missing values."""
         draws = study.space.draws
         if result.beyond is not None:
             result.beyond.require_same_limits(study.limits, names)

@@ -1,1 +1,1 @@
-"""Optimum designs: parameters for targets, objectives and limits, Pareto fronts, robust designs under tolerances."""
+"""Optimum designs of a drivetrain, for targets, objectives and limits, Pareto fronts, and robustly under tolerances."""

@@ -1,4 +1,4 @@
-"""The answer ``type: best_damper``: damper with the smallest largest vibration in the worst configuration."""
+"""Best damper, an answer of a study, with which the largest vibration in the worst configuration is smallest."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Objective and constraints of the nonlinear programme: quantities, and points of curves over frequency."""
+"""Objective and constraints of a design's nonlinear programme, made of quantities and points of their curves."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from torsionnet.study.design.design_problem import MISSING_VALUE, DesignProblem
 Chosen = NDArray[np.bool_]
 
 INITIAL_CURVE_POINTS = 40
-"""Points of a curve over frequency that are constraints from the beginning; with fewer a search may miss a peak."""
+"""Points of a curve over frequency that are constraints from the beginning, as with fewer a search may miss a peak."""
 
 
 def finite(values: FloatArray) -> FloatArray:
-    """Values with a large number in place of missing ones."""
+    """Values of quantities with a large number in place of missing ones."""
     return np.where(np.isfinite(values), values, MISSING_VALUE)
 
 
 def objective(problem: DesignProblem, found: Found) -> FloatArray:
-    """Columns (n, n_columns) of the objective, the largest of which is minimised."""
+    """Columns (n, n_columns) of the objective of n designs, the largest of which is minimised."""
     goals = problem.goals
     return goals.objectives[0].columns(found) if goals.objectives else goals.merit(found)[:, None]
 
 
 @dataclass(frozen=True, eq=False)
 class BoundedPoints:
-    """Active columns of the objective, active limits, and active points of curves over frequency."""
+    """Columns of the objective, limits, and points of curves over frequency, active in a nonlinear programme."""
 
     columns: Chosen
     limits: Chosen
@@ -41,7 +41,7 @@ class BoundedPoints:
 
     @classmethod
     def highest(cls, problem: DesignProblem, place: FloatArray) -> BoundedPoints:
-        """Columns, limits and points that are local maxima or ends at a place of the unit cube."""
+        """Objective columns, limits and curve points that are local maxima or ends at one point of the unit cube."""
         found, values = problem.at(place), problem.box.inside(place)
         return cls(
             _maxima(objective(problem, found)[0], _smooth_columns(problem, found)),
@@ -50,13 +50,13 @@ class BoundedPoints:
         )
 
     def with_curve_points(self, problem: DesignProblem, place: FloatArray) -> BoundedPoints:
-        """Union with some points all over each curve, so that a search sees the whole curve from its first step."""
+        """Active points together with some all over each curve, so that a search sees all of it from its first step."""
         grids = {name: problem.curves[name].grid(problem.box.inside(place)) for name in self.peaks}
         spread = {name: grid[:: max(len(grid) // INITIAL_CURVE_POINTS, 1)] for name, grid in grids.items()}
         return self.joined(BoundedPoints(self.columns, self.limits, spread))
 
     def joined(self, more: BoundedPoints) -> BoundedPoints:
-        """Union with other columns, limits and points."""
+        """Active columns, limits and points of curves together with those of another place in the unit cube."""
         peaks = {name: np.union1d(points, more.peaks[name]) for name, points in self.peaks.items()}
         return BoundedPoints(self.columns | more.columns, self.limits | more.limits, peaks)
 
@@ -70,7 +70,7 @@ def _maxima(values: FloatArray, among: Chosen) -> Chosen:
 
 
 def _smooth_columns(problem: DesignProblem, found: Found) -> Chosen:
-    """Whether each column of the objective is not a peak with a curve, whose kinks the curve replaces."""
+    """Whether each column of the objective, (n_columns,), is not a peak with a curve that replaces its kinks."""
     if problem.goals.targets:
         return np.ones(1, dtype=bool)
     names = problem.goals.objectives[0].quantities
@@ -78,7 +78,7 @@ def _smooth_columns(problem: DesignProblem, found: Found) -> Chosen:
 
 
 def _smooth_limits(problem: DesignProblem, found: Found) -> Chosen:
-    """Whether each limit is not that of a peak with a curve."""
+    """Whether each limit, (n_limits,), is not that of a peak with a curve."""
     parts = [
         np.full(found[name].shape[1], not (sign > 0 and name in problem.peak_limits))
         for name, sign, _ in problem.goals.bounds()
@@ -87,7 +87,7 @@ def _smooth_limits(problem: DesignProblem, found: Found) -> Chosen:
 
 
 TINY_LEVEL = 1e-300
-"""Level added before logarithms and divisions, so that a level of 0 is finite."""
+"""Level added before logarithms and divisions, so that a level of 0 stays finite."""
 
 
 def _objective_slopes(problem: DesignProblem, found: Found, moved: Found) -> FloatArray:
@@ -101,7 +101,7 @@ def _objective_slopes(problem: DesignProblem, found: Found, moved: Found) -> Flo
 
 @dataclass(frozen=True, eq=False)
 class BoundedRows:
-    """Active rows of the objective and of limits at places of the unit cube, with derivatives.
+    """Active objectives and limits as rows at a place of the unit cube, with derivatives.
 
     Peaks that alone are made small are rows by their logarithms, as are peaks against their limits: a level that
     grows without bound where damping ends is nearly straight so.
@@ -127,7 +127,7 @@ class BoundedRows:
         return float(np.abs(finite(objective(self.problem, self._at(self.start))[0])).max()) or 1.0
 
     def sizes(self, place: FloatArray) -> FloatArray:
-        """Rows of the objective (n,), the largest of which is minimised."""
+        """Objective rows (n,) at a place of the unit cube, the largest of which is minimised."""
         parts = [self._scaled(self._levels(name, place)) for name in self.problem.peak_objectives]
         if self.chosen.columns.any():
             columns = objective(self.problem, self._at(place))[0, self.chosen.columns]
@@ -135,7 +135,7 @@ class BoundedRows:
         return np.concatenate(parts)
 
     def size_slopes(self, place: FloatArray) -> FloatArray:
-        """Derivatives (n, n_p) of :meth:`sizes`."""
+        """Derivatives (n, n_p) of :meth:`sizes` to the n_p coordinates of the unit cube."""
         parts = [
             self._slopes(name, place)
             / (self._levels(name, place)[:, None] + TINY_LEVEL if self._in_logs else self._scale)
@@ -147,7 +147,7 @@ class BoundedRows:
         return np.concatenate(parts)
 
     def excess(self, place: FloatArray) -> FloatArray:
-        """Rows of the limits (n,), which must stay below 0."""
+        """Rows (n,) of the limits at a place of the unit cube, each of which must stay below 0."""
         parts = [
             np.log((self._levels(name, place) + TINY_LEVEL) / bound) for name, bound in self.problem.peak_limits.items()
         ]
@@ -156,7 +156,7 @@ class BoundedRows:
         return np.concatenate([np.zeros(0), *parts])
 
     def excess_slopes(self, place: FloatArray) -> FloatArray:
-        """Derivatives (n, n_p) of :meth:`excess`."""
+        """Derivatives (n, n_p) of :meth:`excess` to the n_p coordinates of the unit cube."""
         parts = [
             self._slopes(name, place) / (self._levels(name, place)[:, None] + TINY_LEVEL)
             for name in self.problem.peak_limits
@@ -166,7 +166,7 @@ class BoundedRows:
         return np.concatenate([np.zeros((0, len(place))), *parts])
 
     def include(self, highest: BoundedPoints, place: FloatArray) -> bool:
-        """Whether the active rows include the highest ones at a place."""
+        """Whether the active rows include the highest ones at a place of the unit cube."""
         new = (highest.columns & ~self.chosen.columns).any() or (highest.limits & ~self.chosen.limits).any()
         return not new and not any(self._surpassed(name, points, place) for name, points in highest.peaks.items())
 

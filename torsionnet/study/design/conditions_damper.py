@@ -1,4 +1,4 @@
-"""Damper over several operating conditions: the largest level in the worst condition is smallest."""
+"""Damper over several operating conditions, with which the largest level in the worst condition is smallest."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class DamperInCondition:
-    """Largest levels in one operating condition with the damper as given, that for all conditions, and its own best."""
+    """Largest levels in one operating condition with the damper as given, with the one for all, with its own best."""
 
     condition: str
     before: LevelPeak
@@ -64,7 +64,7 @@ class DamperOverConditions:
 
     @property
     def values(self) -> dict[str, float]:
-        """Parameter -> value of the damper, SI."""
+        """Value in SI of each damper parameter, by its name."""
         return {one.name: one.value for one in self.parameters}
 
     @property
@@ -73,18 +73,18 @@ class DamperOverConditions:
 
     @property
     def worst(self) -> DamperInCondition:
-        """Condition with the largest level with this damper."""
+        """Operating condition with the largest level when this damper is fitted."""
         return max(self.conditions, key=lambda one: one.after.level)
 
     @property
     def holding(self) -> tuple[str, ...]:
-        """Names of the conditions whose level is within a thousandth of the largest."""
+        """Names of the operating conditions whose level is within a thousandth of the largest."""
         top = self.worst.after.level * (1 - EQUAL_PEAK_DIFFERENCE)
         return tuple(one.condition for one in self.conditions if one.after.level >= top)
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Result of the search in sentences: levels before and after, bounds reached, cost of one damper for all."""
+        """Result of the damper search in sentences, on levels before and after, bounds reached, cost of one for all."""
         before, after = self.worst_before, self.worst
         said = [
             f"the largest {self.channel.name} of all conditions goes from {before.before.level:.5g} "
@@ -121,11 +121,11 @@ class DamperOverConditions:
         return Table(f"{self.title}: best damper for all conditions", columns, rows, (*best, *self.sentences))
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        """Figure of the levels in all operating conditions by :mod:`torsionnet.plot`."""
+        """Draw the levels in all operating conditions as a figure by :mod:`torsionnet.plot`."""
         return cast("Figure", plot.damper_over_conditions(self, **look))
 
     def to_data(self) -> dict[str, Json]:
-        """Best damper and its levels as JSON data in full precision."""
+        """Best damper and its levels in SI as JSON data in full precision."""
         return {
             "values": self.values,
             "holding": list(self.holding),
@@ -157,7 +157,7 @@ def damper_over_conditions(
     excitations: Iterable[str] | None = None,
     kept: Callable[[str, Callable[[], FloatArray]], FloatArray] = lambda _what, search: search(),
 ) -> DamperOverConditions:
-    """Search the damper with which the largest level in the worst of several conditions is smallest.
+    """Search the damper with which the largest level in the worst of several operating conditions is smallest.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Base class of the answers on designs: parameters, limits, and the design problem of a study."""
+"""Base class of the answers on designs, with their parameters, limits, and the design problem of a study."""
 
 from __future__ import annotations
 
@@ -25,7 +25,10 @@ from torsionnet.study.quantities.quantity_limit import QuantityLimit, wrong_unit
 
 @dataclass(frozen=True, kw_only=True)
 class DesignAnswer(StudyAnswer):
-    """Base class of the answers on designs; every configuration of the study counts."""
+    """Base class of a study's answers on designs (optimum, Pareto front, robust design).
+
+    Every configuration of the study counts.
+    """
 
     of_variants: ClassVar[bool] = False
     naming: ClassVar[Mapping[str, str]] = {
@@ -43,7 +46,7 @@ class DesignAnswer(StudyAnswer):
     seed: int = entry(Count("of the search; the same seed gives the same answer", lower=0, upper=2**31 - 1), 0)
 
     def goals(self, limits: Mapping[str, QuantityLimit]) -> DesignGoals:
-        """Targets or objectives of the design within these limits."""
+        """Targets or objectives of the design, together with these limits."""
         raise NotImplementedError
 
     def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
@@ -56,13 +59,13 @@ class DesignAnswer(StudyAnswer):
                 yield from wrong_unit(value, name, unit, path)
 
     def with_values(self) -> Iterator[tuple[str, float | None, Path]]:
-        """Quantities with the values of their limits or targets, and the paths of these."""
+        """Yield the quantities with the values of their limits or targets in SI, and the paths of these in the file."""
         for name, limit in self.limits.items():
             yield name, limit.below, ("limits", name, "below")
             yield name, limit.above, ("limits", name, "above")
 
     def parameters(self, study: AskedStudy) -> tuple[DesignParameter, ...]:
-        """Design parameters with bounds in SI."""
+        """Design parameters of the study with bounds in SI."""
         if self.design:
             found, faults = design_parameters(study.model, self.design)
             if faults:
@@ -75,7 +78,10 @@ class DesignAnswer(StudyAnswer):
         )
 
     def problem(self, study: AskedStudy, names: tuple[str, ...] = ()) -> tuple[DesignProblem, DesignQuantities]:
-        """Design problem and its quantities; parameters ``names`` vary beside those designed."""
+        """Design problem of the study, and the function that calculates its quantities.
+
+        Parameters ``names`` vary beside those designed.
+        """
         parameters = self.parameters(study)
         goals = self.goals({**study.limits, **self.limits})
         units = {name: measure_of(study, name).unit for name in goals.quantities if name in study.quantities}

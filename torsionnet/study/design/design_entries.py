@@ -22,12 +22,12 @@ from torsionnet.study.space.variations.nominal import NominalReader, nominals
 from torsionnet.study.space.variations.variation import ParameterValue
 
 DEFAULT_BOUND_FACTOR = 10.0
-"""Factor from the value of a parameter without bounds to both of its bounds, a decade up and down."""
+"""Factor between a parameter and either default bound, a decade, for parameters without bounds of their own."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class DesignBounds(Declared):
-    """Between which values a parameter is chosen."""
+    """Bounds between which the value of a designed parameter is chosen."""
 
     kind: ClassVar[str] = "design bounds"
     article: ClassVar[str] = "the bounds of a designed parameter"
@@ -43,7 +43,7 @@ class DesignBounds(Declared):
 
 
 class DesignedNames(Named[DesignBounds | None]):
-    """Entry for design parameters: a table of names and bounds, or a list of names."""
+    """Entry for design parameters, a table of names and bounds, or a list of names."""
 
     def read(self, raw: object) -> tuple[Mapping[str, DesignBounds | None], list[Fault]]:
         return super().read(dict.fromkeys(map(str, raw)) if isinstance(raw, list) and raw else raw)
@@ -54,7 +54,7 @@ class DesignedNames(Named[DesignBounds | None]):
 
 
 class OneOrSeveral(Listed[str]):
-    """Entry for one name or a list of names."""
+    """Entry of a study file for one name or a list of names."""
 
     def read(self, raw: object) -> tuple[tuple[Any, ...], list[Fault]]:
         return super().read([raw] if isinstance(raw, str) else raw)
@@ -65,7 +65,7 @@ class OneOrSeveral(Listed[str]):
 
 @dataclass(frozen=True, kw_only=True)
 class TargetEntry(Declared):
-    """A value that a quantity should have."""
+    """Target value that a quantity should have in a design, with its weight."""
 
     kind: ClassVar[str] = "target"
     article: ClassVar[str] = "a target"

@@ -1,4 +1,4 @@
-"""Goals of a design: targets, objectives and limits of quantities."""
+"""Goals of a design, which are targets, objectives and limits of quantities."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
 
 Found = Mapping[str, FloatArray]
-"""Quantity -> values (n, n_points) of n designs."""
+"""Mapping of each quantity to its values (n, n_points) in SI for n designs."""
 
 
 def with_unit(value: float, unit: str) -> str:
-    """Text of a number with its unit.
+    """Text of a number with its unit, to six digits.
 
     >>> with_unit(0.00855201, "rad"), with_unit(0.25, "")
     ('0.00855201 rad', '0.25')
@@ -26,7 +26,7 @@ def with_unit(value: float, unit: str) -> str:
 
 @dataclass(frozen=True)
 class DesignTarget:
-    """Target value of a quantity, SI; deviations are relative to it, unless it is 0, times ``weight``."""
+    """Target value in SI of a quantity, with ``weight``, for deviations relative to the value, unless it is 0."""
 
     quantity: str
     value: float
@@ -39,7 +39,7 @@ class DesignTarget:
 
 @dataclass(frozen=True)
 class DesignObjective:
-    """Objective of a design: the worst of these quantities at the worst of their points, minimised or maximised."""
+    """Objective of a design, the worst of these quantities at the worst of their points, minimised or maximised."""
 
     quantities: tuple[str, ...]
     sense: str = "minimise"
@@ -53,17 +53,17 @@ class DesignObjective:
         return self.quantities[0] if len(self.quantities) == 1 else f"worst of {', '.join(self.quantities)}"
 
     def columns(self, found: Found) -> FloatArray:
-        """Values to be small (n, n_columns) of n designs: those of the quantities with the sign of the objective."""
+        """Values (n, n_columns) of n designs that are to be small, the quantities' times the sign of the objective."""
         return self.sign * np.concatenate([found[name] for name in self.quantities], axis=1)
 
     def shown(self, size: float) -> float:
-        """Value of the quantity from a size to be small."""
+        """Value in SI of the objective's quantity from a value of :meth:`columns`, which has the objective's sign."""
         return self.sign * size
 
 
 @dataclass(frozen=True, eq=False)
 class DesignGoals:
-    """Targets or objectives of a design, within limits.
+    """Targets or objectives of a design, and the limits of its quantities.
 
     Attributes
     ----------
@@ -98,13 +98,13 @@ class DesignGoals:
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """Names of the quantities of all targets, objectives and limits."""
+        """Names of the quantities of all targets, objectives and limits, each once."""
         named = [one.quantity for one in self.targets]
         named += [name for one in self.objectives for name in one.quantities]
         return tuple(dict.fromkeys([*named, *self.limits]))
 
     def unit_of(self, objective: DesignObjective) -> str:
-        """Unit of an objective; empty where its quantities have different ones."""
+        """SI unit of an objective; empty where its quantities have different ones."""
         units = {self.units.get(name, "") for name in objective.quantities}
         return units.pop() if len(units) == 1 else ""
 
@@ -114,19 +114,19 @@ class DesignGoals:
             raise UsageError("limits alone choose no design; say what to minimise or maximise, or targets")
 
     def check(self, known: Mapping[str, object]) -> None:
-        """Refuse goals with quantities that are not among those known."""
+        """Refuse goals of a design with quantities that are not among those known."""
         for name in self.quantities:
             if name not in known:
                 there = ", ".join(known)
                 raise UsageError(f'no quantity is named "{name}"{did_you_mean(name, known)}; there are {there}')
 
     def deviations(self, found: Found) -> FloatArray:
-        """Relative, weighted deviations from targets (n, n_targets), of a curve at every point."""
+        """Relative, weighted deviations from targets (n, n_targets) of n designs, those of a curve at every point."""
         parts = [one.scale * (found[one.quantity] - one.value) for one in self.targets]
         return np.concatenate(parts, axis=1)
 
     def excess(self, found: Found) -> FloatArray:
-        """Excess over limits relative to them (n, n_points of limited quantities); below 0 where they are kept."""
+        """Excess (n, n_points of limited quantities) over limits, relative to them; below 0 where they are kept."""
         parts = [sign * (found[name] - bound) / (abs(bound) or 1.0) for name, sign, bound in self.bounds()]
         count = len(next(iter(found.values())))
         return np.concatenate(parts, axis=1) if parts else np.zeros((count, 0))
@@ -138,7 +138,7 @@ class DesignGoals:
         return np.concatenate(parts) if parts else np.zeros((0, width))
 
     def bounds(self) -> Iterator[tuple[str, float, float]]:
-        """Quantity, sign (1: upper, -1: lower) and value of every limit, in the order of :meth:`excess`."""
+        """Yield the quantity, sign (1 of an upper, -1 of a lower limit) and value in SI of every limit."""
         for name, limit in self.limits.items():
             if limit.below is not None:
                 yield name, 1.0, limit.below
@@ -146,7 +146,7 @@ class DesignGoals:
                 yield name, -1.0, limit.above
 
     def merit(self, found: Found) -> FloatArray:
-        """Merit (n,), which is minimised: the sum of squared deviations, or the worst column of the first objective."""
+        """Merit (n,) of n designs, to be minimised, the sum of squared deviations, or the worst of the objective."""
         if self.targets:
             size = np.sum(self.deviations(found) ** 2, axis=1)
         else:
@@ -154,6 +154,9 @@ class DesignGoals:
         return np.where(np.isnan(size), np.inf, size)
 
     def violation(self, found: Found) -> FloatArray:
-        """Sum (n,) of the excess over limits; infinite where a quantity could not be calculated."""
+        """Sum (n,) of the relative excess over limits of n designs.
+
+        Infinite where a quantity could not be calculated.
+        """
         over = np.maximum(self.excess(found), 0.0).sum(axis=1)
         return np.where(np.isnan(over), np.inf, over)

@@ -1,4 +1,4 @@
-"""Result of an optimisation: parameter values, quantities, and checks of the optimum."""
+"""Optimum of a design, its parameter values, its quantities, and checks of it."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 TARGET_MET = 1e-8
-"""Largest relative deviation from a target that counts as met; less would call rounding a miss."""
+"""Largest relative deviation from a target that counts as met, as less would call rounding a miss."""
 SAME_QUANTITY = 1e-8
-"""Largest relative difference of quantities calculated together and by a single model that counts as rounding."""
+"""Largest relative difference of a quantity calculated in a batch and by a single model that counts as rounding."""
 
 
 @dataclass(frozen=True, eq=False)
 class DesignOptimum:
-    """Best design found by an optimisation.
+    """Best design found by an optimisation, with its quantities before and after.
 
     Attributes
     ----------
@@ -64,23 +64,23 @@ class DesignOptimum:
 
     @property
     def values(self) -> dict[str, float]:
-        """Parameter -> value in SI, for :meth:`torsionnet.Drivetrain.configured`."""
+        """Value in SI of each design parameter, by its name, for :meth:`torsionnet.Drivetrain.configured`."""
         return {one.name: one.value for one in self.parameters}
 
     @property
     def active_bounds(self) -> dict[str, str]:
-        """Parameter at a bound -> ``lower`` or ``upper``."""
+        """Parameters that are at a bound, by name, with ``lower`` or ``upper`` as value."""
         return {one.name: one.bound for one in self.parameters if one.bound}
 
     @property
     def merit(self) -> float:
-        """Sum of squared relative deviations from targets, or the value of the objective's quantity."""
+        """Sum of squared relative deviations from targets, or the value in SI of the objective's quantity."""
         size = float(self.goals.merit(_rows(self.after))[0])
         return size if self.goals.targets else self.goals.objectives[0].shown(size)
 
     @property
     def disagreement(self) -> float:
-        """Largest relative difference of quantities calculated together and by a single model."""
+        """Largest relative difference between quantities calculated in a batch and by a single model."""
         apart = [
             float(np.max(np.abs(self.after[name] - one) / max(float(np.abs(one).max()), 1e-300)))
             for name, one in self.single.items()
@@ -89,7 +89,7 @@ class DesignOptimum:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Result in sentences: targets, objective, limits, bounds, uniqueness, verification."""
+        """Result of the optimisation in sentences, on targets, objective, limits, bounds, uniqueness, verification."""
         said = [*self._targets_said(), *self._objective_said(), *self._limits_said(), *self._bounds_said()]
         return (*said, *self._uniqueness_said(), *self._verification_said())
 
@@ -158,7 +158,7 @@ class DesignOptimum:
         return [f"recomputed by a model with these values: different by {apart:.2g} of themselves"]
 
     def table(self) -> Table:
-        """Table of the parameters, then of the quantities as given and at the optimum."""
+        """Table of the design parameters, then of the quantities, as given and at the optimum."""
         rows: list[tuple[object, ...]] = [
             (one.name, one.unit, one.start, one.value, one.lower, one.upper, None) for one in self.parameters
         ]
@@ -175,11 +175,11 @@ class DesignOptimum:
         )
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        """Figure of the optimum by :mod:`torsionnet.plot`."""
+        """Draw the optimum as a figure by :mod:`torsionnet.plot`."""
         return cast("Figure", plot.design_optimum(self, **look))
 
     def to_data(self) -> dict[str, Json]:
-        """Result as JSON data in full precision."""
+        """Optimum as JSON data in SI and full precision."""
         return {
             "values": self.values,
             "active_bounds": self.active_bounds,

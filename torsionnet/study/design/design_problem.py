@@ -1,4 +1,4 @@
-"""Design problem in the unit cube of its parameters: goals, quantities and their derivatives."""
+"""Design problem in the unit cube of its parameters, with goals, quantities and their derivatives."""
 
 from __future__ import annotations
 
@@ -16,27 +16,27 @@ from torsionnet.solve.design.minimax import Box
 from torsionnet.study.design.design_goals import DesignGoals, Found
 
 Evaluate = Callable[[Mapping[str, FloatArray]], Mapping[str, FloatArray]]
-"""Function from parameters (n,) by name to quantities (n,) or (n, n_points) by name; NaN where missing."""
+"""Function from parameters (n,) by name to quantities (n,) or (n, n_points) by name, all in SI; NaN where missing."""
 Slopes = Callable[[Mapping[str, float]], Mapping[str, FloatArray]]
-"""Function from the value of every parameter to exact derivatives (n_points, n_p) of some quantities, SI."""
+"""Function from the value of every parameter to exact derivatives (n_points, n_p) in SI of some quantities."""
 
 SLOPE_STEP = 1e-3
-"""Step in the unit cube between the five points of a numerical derivative, with 1e-12 error of a smooth function."""
+"""Step in the unit cube between the five points of a numerical derivative, with 1e-12 error for a smooth function."""
 FEASIBLE_EXCESS = 1e-9
-"""Largest excess over limits, relative to them, that counts as rounding."""
+"""Largest excess over limits, relative to them, that counts as rounding and not as a violation."""
 MISSING_VALUE = 1e6
-"""Number in place of a quantity that a design does not have, which must be worse than any real one."""
+"""Number in place of a quantity that a design does not have, which must be worse than any real value."""
 STENCIL = np.arange(5) - 2.0
-"""Points of a numerical derivative, in steps."""
+"""Positions of the five points of a numerical derivative around its middle, in steps of :data:`SLOPE_STEP`."""
 
 
 Rank = tuple[float, float]
-"""Violation of limits, then merit of a design: the smaller the better."""
+"""Rank of a design, the violation of limits, then the merit, of which smaller ones are better."""
 
 
 @dataclass(frozen=True, eq=False)
 class DesignProblem:
-    """Design problem: goals over the unit cube of parameters, of which positive ones have a logarithmic scale.
+    """Design problem with goals over the unit cube of its parameters, positive ones on a logarithmic scale.
 
     Attributes
     ----------
@@ -73,19 +73,19 @@ class DesignProblem:
 
     @property
     def peak_objectives(self) -> tuple[str, ...]:
-        """Names of the minimised quantities that have a curve."""
+        """Names of the minimised quantities that have a curve over frequency."""
         sought = [name for one in self.goals.objectives[:1] if one.sign > 0 for name in one.quantities]
         return tuple(name for name in sought if name in self.curves)
 
     @property
     def peak_limits(self) -> dict[str, float]:
-        """Quantity with a curve -> its upper limit."""
+        """Upper limit in SI of each limited quantity that has a curve over frequency, by its name."""
         below = {name: limit.below for name, limit in self.goals.limits.items() if name in self.curves}
         return {name: bound for name, bound in below.items() if bound is not None and bound > 0}
 
     @property
     def evaluations(self) -> int:
-        """Number of designs calculated so far."""
+        """Number of designs whose quantities were calculated so far."""
         return sum(self._asked)
 
     @cached_property
@@ -94,15 +94,15 @@ class DesignProblem:
 
     @cached_property
     def start(self) -> FloatArray:
-        """Place of the given design in the unit cube (n_p,), where the search begins."""
+        """Point of the unit cube (n_p,) of the given design, where the search begins."""
         return self.box.place(np.array([one.start for one in self.parameters]))
 
     def values(self, place: FloatArray) -> dict[str, float]:
-        """Parameter -> value at one place of the unit cube, SI."""
+        """Value in SI of each parameter at one point of the unit cube, by its name."""
         return dict(zip(self.names, map(float, self.box.inside(np.asarray(place))), strict=True))
 
     def at(self, places: FloatArray) -> Found:
-        """Quantity -> values (n, n_points) at places (n, n_p) of the unit cube."""
+        """Values (n, n_points) in SI of each quantity, by its name, at points (n, n_p) of the unit cube."""
         inside = self.box.inside(np.atleast_2d(places))
         self._asked.append(len(inside))
         found = self.evaluate({name: inside[:, index] for index, name in enumerate(self.names)})
@@ -110,12 +110,15 @@ class DesignProblem:
         return {name: np.asarray(found[name], float).reshape(len(inside), -1) for name in self.goals.quantities}
 
     def ranks(self, found: Found) -> list[Rank]:
-        """Rank of every design: violation of limits, then merit."""
+        """Rank of each of n designs, its violation of limits, then its merit."""
         over, merit = self.goals.violation(found), self.goals.merit(found)
         return [(0.0 if v <= FEASIBLE_EXCESS else v, m) for v, m in zip(over.tolist(), merit.tolist(), strict=True)]
 
     def jacobian(self, place: FloatArray) -> Found:
-        """Quantity -> derivatives (n_points, n_p) to the place in the unit cube; 0 where they do not exist."""
+        """Derivatives (n_points, n_p) of each quantity, by its name, to the coordinates of the unit cube at a point.
+
+        0 where they do not exist.
+        """
         exact = {} if self.slopes is None else self.slopes(self.values(place))
         rates = self.box.rates(place)
         known = {
@@ -125,7 +128,7 @@ class DesignProblem:
         return {**known, **(self._differences(place, missing) if missing else {})}
 
     def _differences(self, place: FloatArray, names: Sequence[str]) -> Found:
-        """Numerical derivatives from five points along every parameter, moved inward at bounds."""
+        """Numerical derivatives of quantities from five points along every parameter, moved inward at bounds."""
         size = len(place)
         centre = np.clip(place, -SLOPE_STEP * STENCIL[0], 1 - SLOPE_STEP * STENCIL[-1])
         points = np.repeat(np.asarray(place, float)[None, None, :], size * len(STENCIL), axis=0).reshape(size, -1, size)
@@ -138,7 +141,7 @@ class DesignProblem:
 
 
 def _weights(at: float) -> FloatArray:
-    """Weights (5,) of the values at the stencil for the derivative of their polynomial at a point.
+    """Weights (5,) of values at five points that give the derivative of their polynomial at a point.
 
     >>> (12 * _weights(1.0)).round(9).tolist()
     [-1.0, 6.0, -18.0, 10.0, 3.0]

@@ -19,34 +19,34 @@ from torsionnet.study.quantities.response import ResponseQuantity
 from torsionnet.study.quantities.variant_block import VariantBlock
 
 SAME_POLE = 1e-6
-"""Largest relative distance between a pole of a batch and the same pole with derivatives."""
+"""Largest relative distance between a pole from a batch and the pole with derivatives that is taken for the same."""
 DECIBELS_PER_NEPER = 20 / np.log(10)
-"""Decibels of a factor e."""
+"""Decibels per neper, the level in dB of a factor e, which turns relative derivatives into those of dB."""
 
 
 @dataclass(frozen=True, eq=False)
 class ExactSlopes:
-    """Exact derivatives of those quantities of an evaluator that have them; ``Slopes`` of a design problem."""
+    """Function to exact derivatives (n_points, n_p) in SI of those quantities of an evaluator that have them."""
 
     evaluator: Evaluator
     wanted: tuple[str, ...]
-    """Names of the quantities to differentiate."""
+    """Names of the quantities whose derivatives are wanted."""
 
     def __call__(self, values: Mapping[str, float]) -> dict[str, FloatArray]:
-        """Quantity -> exact derivatives (n_points, n_p), SI."""
+        """Exact derivatives (n_points, n_p) in SI of each quantity that has them, by its name."""
         numbers = self.evaluator.once(f"slopes of {self.wanted}", values, lambda: self._whole(values).ravel())
         parts = np.split(numbers.reshape(-1, len(self.evaluator.names)), np.cumsum(self._sizes)[:-1])
         return {name: slopes for name, slopes in zip(self.wanted, parts, strict=True) if np.isfinite(slopes).all()}
 
     def _whole(self, values: Mapping[str, float]) -> FloatArray:
-        """Derivatives of all quantities (n_points of all, n_p), nan where there are none."""
+        """Derivatives (n_points of all, n_p) in SI of all wanted quantities, NaN for those that have none."""
         found = self._found(values)
         nothing = [np.full((size, len(self.evaluator.names)), np.nan) for size in self._sizes]
         return np.concatenate([found.get(name, nan) for name, nan in zip(self.wanted, nothing, strict=True)])
 
     @cached_property
     def _sizes(self) -> list[int]:
-        """Number of points of every quantity."""
+        """Number of points of each wanted quantity, 1 for a single number."""
         forms = [one.measured(self.evaluator.model, self.evaluator.quantities) for one in self._asked.values()]
         return [len(one.points) for one in forms]
 
@@ -65,7 +65,7 @@ class ExactSlopes:
 
     @cached_property
     def _modal(self) -> dict[str, ModeQuantity]:
-        """Quantities that are damped natural frequencies or damping ratios."""
+        """Quantities, by name, that are damped natural frequencies or damping ratios."""
         return {
             name: one
             for name, one in self._asked.items()
@@ -74,7 +74,7 @@ class ExactSlopes:
 
     @cached_property
     def _responses(self) -> dict[str, tuple[ResponseQuantity, ParametricResponse]]:
-        """Quantities that are transfer functions above 0 Hz, with their parametric responses."""
+        """Quantities, by name, that are transfer functions above 0 Hz, with their parametric responses."""
         return {
             name: (
                 one,
@@ -101,7 +101,7 @@ class ExactSlopes:
 
 
 def _part(part: str, y: ComplexArray, dy: ComplexArray) -> FloatArray:
-    """Derivatives (n_f, n_p) of a part of y (n_f,) from those (n_f, n_p) of y."""
+    """Derivatives (n_f, n_p) of a part, such as the magnitude, of y (n_f,) from derivatives (n_f, n_p) of y."""
     if part in ("real", "imaginary"):
         return np.asarray(dy.real if part == "real" else dy.imag)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -112,7 +112,10 @@ def _part(part: str, y: ComplexArray, dy: ComplexArray) -> FloatArray:
 
 
 def _of_mode(quantity: ModeQuantity, eigenvalue: complex, moved: ModeSensitivities) -> FloatArray:
-    """Derivatives (1, n_p) of a quantity of a mode; nan where its mode is not among those with derivatives."""
+    """Derivatives (1, n_p) of a natural frequency in Hz or a damping ratio to n_p parameters.
+
+    NaN where its mode is not among those with derivatives.
+    """
     size = len(moved.parameters)
     if not np.isfinite(eigenvalue) or not len(moved.poles):
         return np.full((1, size), np.nan)
@@ -128,7 +131,7 @@ def _of_mode(quantity: ModeQuantity, eigenvalue: complex, moved: ModeSensitiviti
 
 @dataclass(frozen=True, eq=False)
 class DesignQuantities:
-    """Quantities of designs with their values in all configurations side by side, like points of one curve.
+    """Function from designs to their quantities, values in all configurations side by side, like points of one curve.
 
     So a target holds in every configuration, a limit in all, and the objective is the worst of them.
 
@@ -144,13 +147,13 @@ class DesignQuantities:
     wanted: tuple[str, ...]
 
     def __call__(self, values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Quantity -> values (n, n_configurations * n_points) of n designs."""
+        """Values (n, n_configurations * n_points) in SI of each quantity, by its name, for n designs."""
         count = len(next(iter(values.values())))
         found = [one(_completed(one, values, count), self.wanted) for one in self.evaluators]
         return {name: np.concatenate([one[name].reshape(count, -1) for one in found], axis=1) for name in self.wanted}
 
     def slopes(self, values: Mapping[str, float]) -> dict[str, FloatArray]:
-        """Quantity -> exact derivatives (n_configurations * n_points, n_p), where all configurations have them."""
+        """Exact derivatives (n_configurations * n_points, n_p) in SI of each quantity, by its name."""
         found = [one(values) for one in self._exact]
         everywhere = [name for name in self.wanted if all(name in one for one in found)]
         return {name: np.concatenate([one[name] for one in found]) for name in everywhere}
@@ -160,13 +163,13 @@ class DesignQuantities:
         return [ExactSlopes(one, self.wanted) for one in self.evaluators]
 
     def singly(self, values: Mapping[str, float]) -> dict[str, FloatArray]:
-        """Quantity -> values (n_configurations * n_points,) of one design by single models."""
+        """Values (n_configurations * n_points,) in SI of each quantity, by its name, of one design by single models."""
         at = {name: np.array([value]) for name, value in values.items()}
         blocks = [VariantBlock(one.model, at, one.quantities, None) for one in self.evaluators]
         return {name: np.concatenate([block.of(name)[0] for block in blocks]) for name in self.wanted}
 
 
 def _completed(evaluator: Evaluator, values: Mapping[str, FloatArray], count: int) -> dict[str, FloatArray]:
-    """Values (count,) of all varied parameters: those given, and else the model's own."""
+    """Values (count,) in SI of all varied parameters, by name, those given, or else the model's own."""
     own = evaluator.model.parameters
     return {name: values[name] if name in values else np.full(count, own[name]) for name in evaluator.names}

@@ -1,4 +1,4 @@
-"""Tolerances of the parameters of a design, and draws of them."""
+"""Tolerances of the parameters of a design, and random draws from them."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 
 LAWS = ("normal", "uniform")
-"""Distributions of a tolerance."""
+"""Names of the distributions that a design tolerance can have."""
 LEAST_TAIL = 1e-12
-"""Smallest share of a distribution below or above a draw, as the tails of normal ones are infinite."""
+"""Smallest share of a distribution below or above a draw, since the tails of a normal one never end."""
 
 
 @dataclass(frozen=True)
 class DesignTolerance:
-    """Tolerance of one parameter of a design.
+    """Tolerance of one parameter of a design, by its size and distribution.
 
     ``size`` is a standard deviation (``normal``) or half a width (``uniform``), of the design's value where
     ``relative``, else SI. ``centre`` is the value of a parameter that is not designed, SI.
@@ -40,40 +40,40 @@ class DesignTolerance:
             raise UsageError(f"the tolerance of {self.name} is normal or uniform, got {self.law!r}")
 
     def scatter(self, centre: FloatArray, shares: FloatArray) -> FloatArray:
-        """Values (n, count) around centres (n,) at shares (count,) of the distribution."""
+        """Values (n, count) in SI around centres (n,) at shares (count,) of the tolerance's distribution."""
         units = ndtri(shares) if self.law == "normal" else 2 * shares - 1
         width = centre[:, None] if self.relative else np.ones_like(centre)[:, None]
         return np.asarray(centre[:, None] + self.size * width * units)
 
 
 class DrawnTolerances(Protocol):
-    """Draws of tolerances, the same around every design, so that designs are compared alike."""
+    """Draws of tolerances that are the same around every design, so that designs are compared alike."""
 
     @property
     def count(self) -> int:
-        """Number of samples of each design."""
+        """Number of samples drawn around each design."""
         ...
 
     def around(self, designs: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Parameter -> values (n * count,) around n designs, the samples of the first design first."""
+        """Values (n * count,) in SI of each parameter, by name, around n designs, the first design's samples first."""
         ...
 
 
 class Tolerances(Protocol):
-    """Tolerances of all parameters, from which draws are made."""
+    """Tolerances of all parameters of a design, from which draws are made."""
 
     def even_draws(self, count: int, seed: int) -> DrawnTolerances:
-        """Quasi-random draws that fill the space evenly; ``count`` may be rounded up."""
+        """Quasi-random draws of the tolerances that fill the space evenly; ``count`` may be rounded up."""
         ...
 
     def random_draws(self, count: int, seed: int) -> DrawnTolerances:
-        """Independent random draws, for which confidence intervals hold."""
+        """Independent random draws of the tolerances, for which confidence intervals hold."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class IndependentDraws:
-    """Draws of independent tolerances.
+    """Draws of independent tolerances of a design's parameters.
 
     Examples
     --------
@@ -84,15 +84,15 @@ class IndependentDraws:
 
     each: tuple[DesignTolerance, ...]
     shares: FloatArray
-    """Shares of the distributions (count, n_tolerances), between 0 and 1."""
+    """Shares (count, n_tolerances), between 0 and 1, of the distributions below each draw."""
 
     @property
     def count(self) -> int:
-        """Number of samples of each design."""
+        """Number of samples drawn around each design."""
         return len(self.shares)
 
     def around(self, designs: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Parameter -> values (n * count,) around n designs, the samples of the first design first."""
+        """Values (n * count,) in SI of each parameter, by name, around n designs, the first design's samples first."""
         size = len(next(iter(designs.values())))
         found = {name: np.repeat(values, self.count) for name, values in designs.items()}
         for one, shares in zip(self.each, self.shares.T, strict=True):
@@ -109,7 +109,7 @@ def _centre(one: DesignTolerance) -> float:
 
 @dataclass(frozen=True)
 class DesignTolerances:
-    """Tolerances of several parameters, independent of each other."""
+    """Tolerances of several parameters of a design, independent of each other."""
 
     each: tuple[DesignTolerance, ...]
 
@@ -118,23 +118,26 @@ class DesignTolerances:
             raise UsageError("a robust design needs the tolerance of at least one parameter")
 
     def even_draws(self, count: int, seed: int) -> IndependentDraws:
-        """Quasi-random draws by a scrambled Sobol sequence; ``count`` is rounded up to a power of two."""
+        """Quasi-random draws of the tolerances by a scrambled Sobol sequence.
+
+        ``count`` is rounded up to a power of two.
+        """
         return IndependentDraws(self.each, even_shares(len(self.each), count, seed))
 
     def random_draws(self, count: int, seed: int) -> IndependentDraws:
-        """Independent random draws."""
+        """Independent random draws of the tolerances."""
         return IndependentDraws(self.each, random_shares(len(self.each), count, seed))
 
 
 def even_shares(size: int, count: int, seed: int) -> FloatArray:
-    """Points (n, size) of a scrambled Sobol sequence, n the next power of two."""
+    """Points (n, size) of the unit cube from a scrambled Sobol sequence, n being the next power of two."""
     _enough(count)
     shares = qmc.Sobol(size, scramble=True, seed=seed).random_base2(int(np.ceil(np.log2(count))))
     return np.asarray(np.clip(shares, LEAST_TAIL, 1 - LEAST_TAIL))
 
 
 def random_shares(size: int, count: int, seed: int) -> FloatArray:
-    """Independent points (count, size) of the unit cube."""
+    """Independent random points (count, size) of the unit cube."""
     _enough(count)
     return np.asarray(np.clip(np.random.default_rng(seed).random((count, size)), LEAST_TAIL, 1 - LEAST_TAIL))
 

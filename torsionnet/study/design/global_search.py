@@ -1,4 +1,4 @@
-"""Global search of designs within bounds: an even spread of samples, and differential evolution from them."""
+"""Global search of designs within bounds by an even spread of samples, and differential evolution from them."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.study.design.design_problem import DesignProblem
 
 MOST_GENERATIONS = 60
-"""Most generations of designs in differential evolution; a local search goes on from there."""
+"""Most generations of designs in differential evolution, after which a local search goes on."""
 SCALE, CROSSOVER = (0.5, 1.0), 0.7
 """Scale factor of differential evolution, drawn from this range in each generation, and its crossover rate."""
 PER_PARAMETER, FEWEST_MEMBERS = 12, 24
-"""Designs in a population for each parameter, and fewest designs: fewer find fewer optima, more take longer."""
+"""Designs in a population for each parameter, and fewest designs, as fewer find fewer optima and more take longer."""
 START_DISTANCE = 0.05
-"""Smallest distance in the unit cube between starts of local searches; nearer ones mostly find the same optimum."""
+"""Smallest distance in the unit cube between starts of local searches, as nearer ones mostly find the same optimum."""
 VIOLATION_MERIT = 1e30
-"""Merit of a design that violates limits, times one plus the violation: worse than any design that keeps them."""
+"""Merit of a design that violates limits, times one plus the violation, worse than of any design that keeps them."""
 CONVERGED_SPREAD = 1e-4
-"""Standard deviation of the merits of a converged population over their mean; a local search does the rest."""
+"""Standard deviation of a population's merits over their mean at which evolution stops, the rest being local search."""
 
 
 def initial_places(problem: DesignProblem) -> FloatArray:
-    """Start and an even spread of places (n, n_p) in the unit cube, the best first."""
+    """Points (n, n_p) of the unit cube, the given design and an even spread, the best first."""
     size = len(problem.parameters)
     count = 1 << int(np.ceil(np.log2(max(FEWEST_MEMBERS, PER_PARAMETER * size))))
     spread = qmc.Sobol(size, scramble=False).random(count)
@@ -36,7 +36,7 @@ def initial_places(problem: DesignProblem) -> FloatArray:
 
 
 def distant_places(places: FloatArray, count: int) -> list[FloatArray]:
-    """First ``count`` places that are not near each other."""
+    """First ``count`` points of the unit cube that are not near each other, each (n_p,)."""
     chosen: list[FloatArray] = []
     for place in places:
         if all(np.abs(place - other).max() > START_DISTANCE for other in chosen):
@@ -49,7 +49,9 @@ def distant_places(places: FloatArray, count: int) -> list[FloatArray]:
 def evolve(
     problem: DesignProblem, places: FloatArray, seed: int, each: Callable[[float], None], generations: int
 ) -> FloatArray:
-    """Best place (n_p,) after some generations of differential evolution; ``each`` is called with every best merit.
+    """Best point (n_p,) of the unit cube after some generations of differential evolution.
+
+    ``each`` is called with every best merit.
 
     A generation is calculated as a whole. Of two designs the one that violates limits less is the better one. Mutants
     start from the best design (R. Storn and K. Price, J. Global Optim. 11 (1997) 341, best/1/bin).

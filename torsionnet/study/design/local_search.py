@@ -1,4 +1,4 @@
-"""Local search of the best design: least squares for targets, sequential quadratic programming for objectives."""
+"""Local search of the best design, least squares for targets, sequential quadratic programming for objectives."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from torsionnet.study.design.bounded_rows import BoundedPoints, BoundedRows, fin
 from torsionnet.study.design.design_problem import DesignProblem
 
 MOST_STEPS, MOST_PEAK_STEPS = 200, 60
-"""Most steps of a search, and of one after which the points of peaks are chosen anew."""
+"""Most steps of one local search, and of one after which the points of peaks are chosen anew."""
 MOST_ROUNDS, MOST_PEAK_ROUNDS = 12, 40
-"""Most rounds with new active points of curves, and of curves over frequency, which have any number of points."""
+"""Most rounds of local search with new active points, without and with curves over frequency, which have any number."""
 OBJECTIVE_TOLERANCE = 1e-14
-"""Relative change of the objective at which programming stops, a little above rounding."""
+"""Relative change of the objective at which quadratic programming stops, a little above rounding."""
 
 
 def solve_programme(problem: DesignProblem, place: FloatArray) -> FloatArray:
-    """Best place found by sequential quadratic programming from a start, with active points renewed in rounds."""
+    """Best point (n_p,) of the unit cube by sequential quadratic programming, with active points renewed in rounds."""
     best, best_rank = place, problem.ranks(problem.at(place))[0]
     try:
         chosen = BoundedPoints.highest(problem, place).with_curve_points(problem, place)
@@ -41,7 +41,7 @@ def solve_programme(problem: DesignProblem, place: FloatArray) -> FloatArray:
 
 
 def _solved(rows: BoundedRows, start: FloatArray) -> FloatArray:
-    """Solution for the active rows: minimise t with the objective's rows below t and the limits' rows below 0."""
+    """Point (n_p,) that minimises t, with the active rows of the objective below t and those of the limits below 0."""
     size, sizes = len(start), rows.sizes(start)
     several = len(sizes) > 1
 
@@ -70,13 +70,13 @@ def _solved(rows: BoundedRows, start: FloatArray) -> FloatArray:
 
 
 LEAST_SQUARES_TOLERANCE = 4 * np.finfo(float).eps
-"""Relative change at which least squares stop: rounding."""
+"""Relative change of the parameters or residuals at which least squares stop, which is rounding."""
 BOUND_DISTANCE = 1e-3
-"""Distance from a bound in the unit cube within which a method of interior points may have stopped short of it."""
+"""Distance from a bound in the unit cube within which an interior-point method may have stopped short of the bound."""
 
 
 def polish(problem: DesignProblem, place: FloatArray) -> FloatArray:
-    """Best place found by local searches from a place, never a worse one."""
+    """Best point (n_p,) of the unit cube found by local searches from a point, never a worse one."""
     tried = [np.asarray(place, float)]
     if problem.goals.limits or problem.goals.objectives:
         tried.append(solve_programme(problem, tried[-1]))
@@ -87,7 +87,7 @@ def polish(problem: DesignProblem, place: FloatArray) -> FloatArray:
 
 
 def _fitted(problem: DesignProblem, start: FloatArray) -> FloatArray:
-    """Least-squares solution for targets, from places at bounds once more by a method that stays exactly at them."""
+    """Least-squares point (n_p,) for targets, sought once more from bounds by a method that stays exactly at them."""
 
     def slopes(place: FloatArray) -> FloatArray:
         moved = problem.jacobian(place)

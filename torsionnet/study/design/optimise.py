@@ -1,4 +1,4 @@
-"""Optimisation of a design: global search, several local searches, and verification by a single model."""
+"""Optimisation of a design by a global search, several local searches, and verification by a single model."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from torsionnet.study.design.global_search import MOST_GENERATIONS, distant_plac
 from torsionnet.study.design.local_search import polish
 
 EQUAL_MERIT = 1e-6
-"""Largest relative difference of merits that count as equally good; searches end within less."""
+"""Largest relative difference of two designs' merits that count as equally good, as searches end within less."""
 DISTANCES = 1e-2 * 0.25 ** np.arange(9)
 """Distances in the unit cube of the designs tried beside the best one, down to where merits are equal."""
 MOST_ROUNDS = 10
-"""Most steps to better designs nearby; a search that still finds better ones then has not converged."""
+"""Most steps to better designs nearby, as a search that still finds better ones then has not converged."""
 
 
 def as_good(problem: DesignProblem, one: Rank, best: Rank) -> bool:
@@ -33,7 +33,7 @@ def as_good(problem: DesignProblem, one: Rank, best: Rank) -> bool:
 
 
 def check_neighbours(problem: DesignProblem, place: FloatArray, seed: int) -> tuple[FloatArray, bool]:
-    """Best design among ``place`` and its neighbours, and whether no neighbour of that is better.
+    """Best point of the unit cube among ``place`` and its neighbours, and whether no neighbour of that is better.
 
     Designs are tried at several distances along every parameter and in as many directions between them, and one more
     search begins beside the place.
@@ -66,14 +66,14 @@ def _best_beside(problem: DesignProblem, place: FloatArray, draw: np.random.Gene
 
 
 BEGINNINGS, BESIDE = 5, 2
-"""Number of starts of local searches for targets, and for an objective beside the best of a population."""
+"""Number of starts of local searches for targets, and of those for an objective beside the best of a population."""
 DIFFERENT_DESIGNS = 1e-3
-"""Distance in the unit cube above which two designs count as different; searches for one end closer together."""
+"""Distance in the unit cube above which two designs count as different, as searches for one end closer together."""
 FREE_DIRECTION = 1e-9
-"""Singular value relative to the largest one below which a direction does not change the targets."""
+"""Singular value relative to the largest one below which a direction of parameters does not change the targets."""
 
 Single = Callable[[Mapping[str, float]], Mapping[str, ArrayLike]]
-"""Function from the value of every parameter to the quantities of this design by a single model."""
+"""Function from the value in SI of every parameter to the quantities of this design by a single model."""
 
 
 def optimise(
@@ -84,7 +84,7 @@ def optimise(
     generations: int = MOST_GENERATIONS,
     title: str = "",
 ) -> DesignOptimum:
-    """Find the best design of a problem with targets or one objective.
+    """Find the best design of a problem with targets or one objective, and verify it.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def _each_polished(problem: DesignProblem, places: list[FloatArray]) -> list[tup
 
 
 def different_places(places: list[FloatArray], distance: float) -> list[FloatArray]:
-    """Places that are not near an earlier one."""
+    """Points of the unit cube, each (n_p,), that are not within ``distance`` of an earlier one."""
     kept: list[FloatArray] = []
     for place in places:
         if all(np.abs(place - other).max() > distance for other in kept):
@@ -196,7 +196,7 @@ def _result(
 
 
 def _free_directions(problem: DesignProblem, best: FloatArray) -> int:
-    """Number of directions of the parameters inside their bounds that change no target.
+    """Number of directions in the space of the parameters, inside their bounds, that change no target.
 
     At targets that are missed only parameters without effect on any of them count: the nearest design lies where
     slopes cancel, which says nothing about other designs.

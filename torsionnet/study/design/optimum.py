@@ -1,4 +1,4 @@
-"""The answer ``type: optimum``: values of parameters for targets or one objective."""
+"""Optimum, an answer of a study, the values of parameters for targets or one objective."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from torsionnet.study.quantities.quantity_limit import QuantityLimit
 
 @dataclass(frozen=True, kw_only=True)
 class SingleDesign(DesignAnswer):
-    """Base class of answers with targets or one objective."""
+    """Base class of a study's answers on designs with targets or one objective."""
 
     targets: Mapping[str, TargetEntry] = entry(TARGETS, None)
     minimise: tuple[str, ...] = entry(OneOrSeveral("what is to be small; of several the worst", NAMES), ())

@@ -1,4 +1,4 @@
-"""The answer ``type: pareto``: Pareto front between several objectives."""
+"""Pareto front, an answer of a study, the designs that are compromises between several objectives."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ from torsionnet.study.quantities.quantity_limit import QuantityLimit
 
 PYMOO_NEEDED = 'fronts of compromises need pymoo: pip install "torsionnet[pareto]"'
 MANY_OBJECTIVES = 3
-"""Number of objectives from which reference directions (NSGA-III) spread the front better than crowding (NSGA-II)."""
+"""Number of objectives from which reference directions (NSGA-III) spread a front better than crowding (NSGA-II)."""
 MISSING_OBJECTIVE = MISSING_VALUE**2
-"""Number in place of an objective that a design does not have: worse than any number in place of a quantity."""
+"""Number in place of an objective that a design does not have, worse than any number in place of a quantity."""
 VERIFIED_DESIGNS = 5
-"""Number of designs along the front that a single model recomputes; each takes as long as one variant solved singly."""
+"""Number of designs along the front that a single model recomputes, each of which takes as long as one variant."""
 
 
 def require_pymoo() -> None:
@@ -47,7 +47,7 @@ def pareto_front(
     seed: int = 0,
     title: str = "",
 ) -> ParetoFront:
-    """Find the Pareto front: designs none of which is better in every objective than another.
+    """Find the Pareto front of a design problem, the designs none of which another betters in every objective.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def pareto_front(
 
 
 def _best_in(problem: DesignProblem, objective: DesignObjective, seed: int) -> FloatArray:
-    """Place of the design that is best in one objective, an end of the front."""
+    """Point (n_p,) of the unit cube of the design that is best in one objective, an end of the Pareto front."""
     alone = replace(problem, goals=replace(problem.goals, objectives=(objective,)))
     return problem.box.place(np.array(list(optimise(alone, seed=seed).values.values())))
 
@@ -108,7 +108,7 @@ def _best_in(problem: DesignProblem, objective: DesignObjective, seed: int) -> F
 def _evolved(
     problem: DesignProblem, ends: list[FloatArray], population: int, generations: int, seed: int
 ) -> tuple[str, FloatArray]:
-    """Name of the method, and places (n, n_p) of its front from a first generation of its ends and samples."""
+    """Name of the evolutionary method, and the points (n, n_p) of the unit cube on the front that it found."""
     try:
         from pymoo.algorithms.moo.nsga2 import NSGA2
         from pymoo.algorithms.moo.nsga3 import NSGA3
@@ -147,7 +147,7 @@ def _evolved(
 
 
 def _best_of(problem: DesignProblem, places: FloatArray) -> FloatArray:
-    """Places of the designs that keep limits and are not dominated by another."""
+    """Points (k, n_p) of the designs among n that keep limits and are not dominated by another."""
     found = problem.at(places)
     kept = problem.goals.violation(found) <= FEASIBLE_EXCESS
     places, sizes = places[kept], _sizes(problem, found)[kept]
@@ -157,7 +157,7 @@ def _best_of(problem: DesignProblem, places: FloatArray) -> FloatArray:
 
 
 def _sizes(problem: DesignProblem, found: Found) -> FloatArray:
-    """Objectives (n, n_objectives) with signs such that all are to be small."""
+    """Objectives (n, n_objectives) of n designs with signs such that all are to be small."""
     return np.stack([one.columns(found).max(axis=1) for one in problem.goals.objectives], axis=1)
 
 
@@ -176,7 +176,7 @@ def _disagreement(problem: DesignProblem, places: FloatArray, single: Single) ->
 @register_answer
 @dataclass(frozen=True, kw_only=True)
 class Pareto(DesignAnswer):
-    """Designs none of which is better in every quantity than another, by non-dominated sorting (pymoo)."""
+    """Designs none of which another betters in every quantity (Pareto front), by non-dominated sorting (pymoo)."""
 
     kind: ClassVar[str] = "pareto"
 

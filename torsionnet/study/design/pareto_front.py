@@ -1,4 +1,4 @@
-"""Result of a search with several objectives: the Pareto front of designs."""
+"""Pareto front of a search with several objectives, its designs, their objectives and checks."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class ParetoFront:
 
     @property
     def extremes(self) -> tuple[int, ...]:
-        """Index of the best design in each objective."""
+        """Indices of the best design in each objective."""
         return tuple(int(best) for best in np.argmin(self._sizes, axis=0))
 
     @property
@@ -76,12 +76,12 @@ class ParetoFront:
         return np.asarray(self.values * np.array([one.sign for one in self.objectives]))
 
     def design(self, index: int) -> Mapping[str, float]:
-        """Parameter -> value of a design in SI, for :meth:`torsionnet.Drivetrain.configured`."""
+        """Value in SI of each parameter of one design, by its name, for :meth:`torsionnet.Drivetrain.configured`."""
         return {one.name: float(value) for one, value in zip(self.parameters, self.designs[index], strict=True)}
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Result of the search in sentences: size of the Pareto front, best designs, compromise, verification."""
+        """Result of the search in sentences, on the size of the front, best designs, compromise and verification."""
         said = [f"{len(self.designs)} designs by {self.method}, {self.evaluations} calculated, seed {self.seed}"]
         if len(self.designs) == 1:
             return (*said, "one design is the best in every objective: they do not contradict each other")
@@ -96,14 +96,14 @@ class ParetoFront:
         return tuple(said)
 
     def _value_words(self, values: FloatArray) -> list[str]:
-        """Words for the values of the objectives."""
+        """Words for the values of each objective with their units."""
         return [
             f"{one.name} {with_unit(value, unit)}"
             for one, value, unit in zip(self.objectives, values, self.units, strict=True)
         ]
 
     def table(self) -> Table:
-        """Table of the designs on the Pareto front, a row each, with parameter values and objectives."""
+        """Table of the designs on the Pareto front, a row each, with parameter values and objectives in SI."""
         columns = (
             *(Column(one.name, one.unit) for one in self.parameters),
             *(Column(one.name, unit) for one, unit in zip(self.objectives, self.units, strict=True)),
@@ -114,11 +114,11 @@ class ParetoFront:
         return Table(f"{self.title}: best compromises".removeprefix(": "), columns, rows, self.sentences)
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        """Figure of the Pareto front by :mod:`torsionnet.plot`."""
+        """Draw the Pareto front as a figure by :mod:`torsionnet.plot`."""
         return cast("Figure", plot.pareto_front(self, **look))
 
     def to_data(self) -> dict[str, Json]:
-        """Pareto front as JSON data in full precision."""
+        """Pareto front as JSON data in SI and full precision."""
         return {
             "parameters": [one.name for one in self.parameters],
             "objectives": [{"quantities": list(one.quantities), "sense": one.sense} for one in self.objectives],
@@ -135,7 +135,7 @@ class ParetoFront:
 
 
 def nearest_to_best(sizes: FloatArray) -> int:
-    """Index of the row (n, n_objectives) nearest to the smallest value of each column, over its range.
+    """Index of the row of an array (n, n_objectives) that is nearest to the smallest values, each over its range.
 
     >>> nearest_to_best(np.array([[0.0, 1.0], [0.3, 0.3], [1.0, 0.0]]))
     1

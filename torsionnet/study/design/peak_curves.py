@@ -72,7 +72,7 @@ class KeptLevels:
 def peak_curves(
     quantities: Sequence[str], names: tuple[str, ...], evaluators: tuple[Evaluator, ...]
 ) -> dict[str, KeptLevels]:
-    """Curves over frequency in all configurations of those quantities that are largest magnitudes in a band.
+    """Curves over frequency, by quantity, in all configurations, of those that are largest magnitudes in a band.
 
     Their levels have exact derivatives to the parameters ``names``. Peaks over a measured input whose excitation is
     named, and peaks in bands from 0 Hz, have no curve.
@@ -88,7 +88,7 @@ def peak_curves(
 
 
 def _curve(evaluator: Evaluator, name: str, names: tuple[str, ...]) -> Iterator[ReceptanceLevels]:
-    """Curve of a quantity in one configuration, if it has one."""
+    """Yield the curve over frequency of a quantity in one configuration, if it has one."""
     peak, model = evaluator.quantities[name], evaluator.model
     if isinstance(peak, PeakMagnitude) and peak.excitation is None and peak.band[0] > 0:
         band = float(peak.band[0]), float(peak.band[1])

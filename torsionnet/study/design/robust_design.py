@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 CONFIDENCE = 0.95
-"""Confidence of the interval of the share that keeps all limits, the usual choice."""
+"""Confidence of the interval of the share of samples that keeps all limits, the usual choice."""
 ROBUST_GENERATIONS = 20
-"""Most generations of a population of robust designs, each member of which takes many samples."""
+"""Most generations of a population of robust designs, few because each member takes many samples."""
 COMPARISON_SEED_OFFSET = 1000
 """Number added to the seed for the draws of the final comparison, which must differ from those of the search."""
 
@@ -59,7 +59,7 @@ class ScatteredDesign:
 
     @property
     def share_kept(self) -> tuple[float, float, float]:
-        """Share of samples that keep all limits, and its interval of 95 % confidence (Clopper and Pearson)."""
+        """Share of samples that keep all limits, and low and high end of its interval of 95 % confidence."""
         interval = binomtest(self.kept, self.count).proportion_ci(CONFIDENCE, method="exact")
         return self.kept / self.count, float(interval.low), float(interval.high)
 
@@ -93,12 +93,12 @@ class RobustOptimum:
 
     @property
     def values(self) -> dict[str, float]:
-        """Parameter -> value of the robust design, SI."""
+        """Value in SI of each parameter of the robust design, by its name."""
         return self.robust.values
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Result in sentences: measures of the designs, shares that keep limits, samples."""
+        """Result of the search in sentences, on measures of the designs, shares that keep limits, and samples."""
         said = []
         for name in self.robust.after:
             unit = self._unit(name)
@@ -118,7 +118,7 @@ class RobustOptimum:
         return self.robust.goals.units.get(name, "")
 
     def table(self) -> Table:
-        """Table with a row for each parameter and measure, a column for each design."""
+        """Table of a robust design with a row for each parameter and measure, a column for each design compared."""
         columns = (Column(""), Column("unit"), *(Column(one.label) for one in self.designs))
         rows: list[tuple[object, ...]] = [
             (one.name, one.unit, *(design.values[one.name] for design in self.designs))
@@ -136,11 +136,11 @@ class RobustOptimum:
         return Table(f"{self.title}: robust optimum".removeprefix(": "), columns, tuple(rows), self.sentences)
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        """Figure of the designs by :mod:`torsionnet.plot`."""
+        """Draw the compared designs as a figure by :mod:`torsionnet.plot`."""
         return cast("Figure", plot.robust_optimum(self, **look))
 
     def to_data(self) -> dict[str, Json]:
-        """Result as JSON data in full precision."""
+        """Robust design and the statistics of the designs as JSON data in SI and full precision."""
         return {
             "values": self.values,
             "samples": self.samples,
@@ -174,7 +174,7 @@ def robust_optimum(
     seed: int = 0,
     title: str = "",
 ) -> RobustOptimum:
-    """Find the design that is best under tolerances.
+    """Find the design that is best under tolerances, and compare it with the nominal optimum.
 
     Parameters
     ----------
@@ -220,7 +220,7 @@ def _on_samples(said: str) -> str:
 
 
 def _from_nominal(asked: DesignProblem, nominal: DesignOptimum) -> DesignProblem:
-    """Copy of the robust problem that starts at the nominal optimum, so that its solution is never worse."""
+    """Copy of the robust design problem that starts at the nominal optimum, so that its solution is never worse."""
     begun = tuple(replace(one, start=nominal.values[one.name]) for one in asked.parameters)
     return replace(asked, parameters=begun)
 

@@ -1,4 +1,4 @@
-"""The answer ``type: robust_optimum``: best design under the tolerances of a study."""
+"""Robust optimum, an answer of a study, the best design under the study's tolerances."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from torsionnet.study.space.space import Space
 
 @dataclass(frozen=True, eq=False)
 class SpaceDraws:
-    """Draws of the tolerances of a study; those of a designed parameter are scaled with its value.
+    """Draws of the tolerances of a study for a robust design; those of a designed parameter are scaled with its value.
 
     Attributes
     ----------
@@ -38,11 +38,11 @@ class SpaceDraws:
 
     @property
     def count(self) -> int:
-        """Number of samples of each design."""
+        """Number of samples drawn around each design."""
         return len(next(iter(self.drawn.values())))
 
     def around(self, designs: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Parameter -> values (n * count,) around n designs, the samples of the first design first."""
+        """Values (n * count,) in SI of each parameter, by name, around n designs, the first design's samples first."""
         size = len(next(iter(designs.values())))
         found = {name: np.repeat(values, self.count) for name, values in designs.items()}
         for name, drawn in self.drawn.items():
@@ -55,7 +55,7 @@ class SpaceDraws:
 
 @dataclass(frozen=True, eq=False)
 class SpaceTolerances:
-    """Tolerances of a study: its distributions around the model, with their correlation."""
+    """Tolerances of a study, its distributions around the model, with their correlation."""
 
     space: Space
     designed: tuple[str, ...]
@@ -71,11 +71,14 @@ class SpaceTolerances:
                 )
 
     def even_draws(self, count: int, seed: int) -> SpaceDraws:
-        """Quasi-random draws by a scrambled Sobol sequence; ``count`` is rounded up to a power of two."""
+        """Quasi-random draws of the study's tolerances by a scrambled Sobol sequence.
+
+        ``count`` is rounded up to a power of two.
+        """
         return self._drawn(even_shares(len(self.space.random_names), count, seed))
 
     def random_draws(self, count: int, seed: int) -> SpaceDraws:
-        """Independent random draws."""
+        """Independent random draws of the study's tolerances."""
         return self._drawn(random_shares(len(self.space.random_names), count, seed))
 
     def _drawn(self, shares: FloatArray) -> SpaceDraws:
@@ -84,7 +87,7 @@ class SpaceTolerances:
 
 DEVIATION, PERCENTILE, REJECTS = "mean and deviation", "percentile", "rejects"
 DEFAULT_K, DEFAULT_PERCENTILE = 3.0, 0.95
-"""Standard deviations added to the mean, and share of samples of the percentile, unless given."""
+"""Standard deviations added to the mean (3 by default), and share of samples within the percentile (0.95)."""
 
 
 @register_answer

@@ -17,20 +17,23 @@ from torsionnet.study.quantities.quantity_limit import QuantityLimit
 
 
 class RobustMeasure(Protocol):
-    """Robust measure: one number for the samples of a design, on their bad side."""
+    """Robust measure, one number for the samples of a design, on their bad side."""
 
     def name(self, quantity: str, sign: float) -> str:
-        """Name of the measure of a quantity; ``sign`` is 1 where large values are bad, -1 where small ones are."""
+        """Name of the robust measure of a quantity.
+
+        ``sign`` is 1 where large values are bad, -1 where small ones are.
+        """
         ...
 
     def of(self, samples: FloatArray, sign: float) -> FloatArray:
-        """Measures (n,) of samples (n, count) of n designs."""
+        """Robust measures (n,) of samples (n, count) of n designs."""
         ...
 
 
 @dataclass(frozen=True)
 class MeanAndDeviation:
-    """Robust measure: mean plus or minus ``k`` standard deviations.
+    """Robust measure of a design's samples, their mean plus or minus ``k`` standard deviations.
 
     >>> MeanAndDeviation(2.0).of(np.array([[1.0, 3.0]]), 1.0).tolist()
     [4.0]
@@ -52,7 +55,7 @@ class MeanAndDeviation:
 
 @dataclass(frozen=True)
 class SamplePercentile:
-    """Robust measure: percentile that so many per cent of the samples are not worse than.
+    """Robust measure of a design's samples, the percentile than which so many per cent of them are not worse.
 
     >>> SamplePercentile(75.0).of(np.array([[0.0, 1.0, 2.0, 3.0, 4.0]]), -1.0).tolist()
     [1.0]
@@ -74,7 +77,7 @@ class SamplePercentile:
 
 @dataclass(frozen=True)
 class Rejects:
-    """Robust measure: share of samples that exceed a limit, from their largest excess.
+    """Robust measure of a design's samples, the share that exceeds a limit, from their largest excess.
 
     Designs with equally many rejects are ranked by how far these exceed limits, which counts less than half a sample.
 
@@ -98,14 +101,14 @@ EXCESS = "excess over limits"
 
 @dataclass(frozen=True, eq=False)
 class RobustQuantities:
-    """Function from designs to robust measures over their samples; ``Evaluate`` of a design problem."""
+    """Function from designs to robust measures over their samples (``Evaluate`` of a design problem)."""
 
     problem: DesignProblem
     tolerances: DrawnTolerances
     measure: RobustMeasure
 
     def __call__(self, designs: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Name of a measure -> its values (n,) of n designs."""
+        """Values (n,) of each robust measure, by its name, for n designs."""
         samples = self.samples(designs)
         measured = {}
         for name, sign, measure in self.wanted():
@@ -116,7 +119,7 @@ class RobustQuantities:
         return measured
 
     def samples(self, designs: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Worst values (n, count) over the points of objectives, deviations and limits in the samples of n designs."""
+        """Worst values (n, count) in SI over the points of objectives, deviations and limits in n designs' samples."""
         goals, count = self.problem.goals, self.tolerances.count
         found = self._found(designs)
         worst: dict[str, FloatArray] = {}
@@ -137,7 +140,7 @@ class RobustQuantities:
         return {name: np.asarray(found[name], float).reshape(size, -1) for name in self.problem.goals.quantities}
 
     def wanted(self) -> list[tuple[str, float, RobustMeasure]]:
-        """List of the objectives: name, sign of the bad side, and robust measure of each."""
+        """List of the objectives of a robust design, each with name, sign of the bad side, and robust measure."""
         goals = self.problem.goals
         if isinstance(self.measure, Rejects):
             return [(EXCESS, 1.0, self.measure)]
@@ -174,7 +177,7 @@ def robust_problem(problem: DesignProblem, tolerances: DrawnTolerances, measure:
 
 
 def _units(goals: DesignGoals, robustly: RobustQuantities) -> dict[str, str]:
-    """Units of measures and of their quantities; shares and squares have none."""
+    """SI units of robust measures and of their quantities, by name; shares and squares have none."""
     if isinstance(robustly.measure, Rejects):
         return {}
     known = {**goals.units, **{one.name: goals.unit_of(one) for one in goals.objectives}}

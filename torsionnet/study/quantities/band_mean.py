@@ -1,4 +1,4 @@
-"""The quantity ``type: band_mean``: mean magnitude of a transfer function over a frequency band."""
+"""Band mean, a quantity of a study, the mean magnitude of a transfer function over a frequency band."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from torsionnet.study.quantities.variant_block import VariantBlock
 @register_quantity
 @dataclass(frozen=True, kw_only=True)
 class BandMean(TransferQuantity):
-    """Mean or root mean square of the magnitude at evenly spaced frequencies of a band."""
+    """Mean or root mean square of a transfer function's magnitude at evenly spaced frequencies of a band."""
 
     kind: ClassVar[str] = "band_mean"
 

@@ -1,4 +1,4 @@
-"""The quantity ``type: critical_speed_margin``: distance of natural frequencies from excitation frequencies."""
+"""Critical speed margin, a quantity of a study, the distance of natural frequencies from excitation frequencies."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from torsionnet.study.quantities.variant_block import VariantBlock
 @register_quantity
 @dataclass(frozen=True, kw_only=True)
 class CriticalSpeedMargin(StudyQuantity):
-    """Smallest distance of a natural frequency from the excitation frequencies of orders, over the nearer of these.
+    """Smallest distance of a natural frequency from the excitation frequencies of orders, relative to the nearer one.
 
     Natural frequencies with damping, ``|lambda|/2pi``, and without count, as in ``critical_speeds``;
     0 where one of them lies within the range that an order passes through.
@@ -91,7 +91,7 @@ class CriticalSpeedMargin(StudyQuantity):
         return dict(lines), speed_range
 
     def _ranges(self, model: Drivetrain) -> Sequence[tuple[float, float]]:
-        """Lowest and highest excitation frequency of every order in Hz."""
+        """Lowest and highest excitation frequency in Hz of every order."""
         lines, speed_range = self._asked(model)
         every = [line for group in lines.values() for line in group]
         found = [excited_frequencies(line, speed_range) for line in every if self._counts(line.order)]
@@ -113,6 +113,6 @@ class CriticalSpeedMargin(StudyQuantity):
 
 
 def _distances(natural: FloatArray, low: float, high: float) -> FloatArray:
-    """Relative distances of natural frequencies from a range of excitation frequencies; 0 inside it."""
+    """Relative distances of natural frequencies from a range of excitation frequencies, all in Hz; 0 inside it."""
     below = 1 - natural / low if low else np.zeros_like(natural)
     return np.where(natural < low, below, np.where(natural > high, natural / high - 1, natural * 0.0))

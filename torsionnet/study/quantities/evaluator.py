@@ -18,7 +18,7 @@ from torsionnet.study.quantities.quantity import StudyQuantity
 from torsionnet.study.quantities.variant_block import GRAPH, VariantBlock
 
 SINGLE_BLOCK_SIZE = 4
-"""Variants in a block that are solved one by one: few, as a block is the smallest work for a worker."""
+"""Number of variants in a block solved one by one, few, as a block is the smallest work for a worker."""
 FEWEST_IN_BLOCK, MOST_IN_BLOCK, BLOCKS = 500, 2000, 32
 """Fewest and most variants in a block that are solved together, and number of blocks aimed at.
 
@@ -26,26 +26,26 @@ Small blocks cost more for each variant, large ones cannot be shared among worke
 """
 
 Values = Mapping[str, FloatArray]
-"""Parameter -> values (n,) in SI."""
+"""Mapping of each parameter to its values (n,) in SI of n variants."""
 
 
 class BlockCalculator(Protocol):
-    """Calculates blocks of variants for evaluators, or returns their values from an earlier run."""
+    """Calculator of blocks of variants for evaluators, which may return their values from an earlier run."""
 
     def rows(self, evaluator: Evaluator, blocks: Sequence[Values], names: tuple[str, ...]) -> list[FloatArray]:
-        """Result of :meth:`Evaluator.rows` for every block."""
+        """Quantities of each block of variants, (n, n_points of all) in SI, as :meth:`Evaluator.rows` returns them."""
         ...
 
     def once(
         self, evaluator: Evaluator, what: str, values: Mapping[str, float], work: Callable[[], FloatArray]
     ) -> FloatArray:
-        """Numbers (n,) that ``work`` on one variant returns, or returned in an earlier run."""
+        """Numbers (n,) that the function ``work`` returns for one variant, or returned in an earlier run."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class Evaluator:
-    """Function from parameter values to quantities of variants: ``evaluator({"k_2": values}) -> {"f_1": values}``.
+    """Function from parameter values (n,) of variants to their quantities, all in SI and by name.
 
     Attributes
     ----------
@@ -76,23 +76,23 @@ class Evaluator:
 
     @cached_property
     def nominal_modes(self) -> Modes:
-        """Modes of the model with its own values, by which the modes of variants are tracked."""
+        """Modes of the model with its own parameter values, by which the modes of variants are tracked."""
         return natural_modes(self.model)[0]
 
     def block(self, values: Values) -> VariantBlock:
-        """Block of variants with these values, (n,) each."""
+        """Block of variants with these parameter values, (n,) each in SI."""
         batch = None if self.plan is None else self.plan.batch(values)
         return VariantBlock(
             self.model, values, self.quantities, batch, method=self.method, nominal=lambda: self.nominal_modes
         )
 
     def rows(self, values: Values, names: tuple[str, ...]) -> FloatArray:
-        """Quantities of some variants side by side (n, n_points of all), calculated in this process."""
+        """Quantities of some variants side by side (n, n_points of all) in SI, calculated in this process."""
         block = self.block(values)
         return np.concatenate([block.of(name) for name in names], axis=1)
 
     def __call__(self, values: Values, names: tuple[str, ...] = ()) -> dict[str, FloatArray]:
-        """Name -> values (n,) of a quantity, (n, n_points) of a curve, for all quantities or those in ``names``.
+        """Quantities by name in SI, (n,) of numbers, (n, n_points) of curves, all of them or those in ``names``.
 
         Variants are calculated in blocks whose size follows from their number alone, so that values are the same to the
         last bit on any number of workers.
@@ -116,7 +116,7 @@ class Evaluator:
         }
 
     def once(self, what: str, values: Mapping[str, float], work: Callable[[], FloatArray]) -> FloatArray:
-        """Numbers (n,) that ``work`` on one variant returns, or returned under the same ``what`` in an earlier run."""
+        """Numbers (n,) that the function ``work`` returns for one variant, or returned as ``what`` in an old run."""
         return work() if self.calculator is None else self.calculator.once(self, what, values, work)
 
     def _is_singly(self, name: str) -> bool:

@@ -1,4 +1,4 @@
-"""The quantity ``type: expression``: a formula of other quantities."""
+"""Expression, a quantity of a study that is a formula of other quantities."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, re
 from torsionnet.study.quantities.variant_block import VariantBlock
 
 ARRAYS = Algebra(number=float, sqrt=np.sqrt, pi=math.pi)
-"""Operations of expressions on arrays."""
+"""Square root, pi and conversion of numbers by which formulas of quantities calculate with arrays."""
 
 
 class QuantityFormula(Spec[Expression]):
-    """Entry for an expression of other quantities."""
+    """Entry of a study file for a formula of other quantities."""
 
     def coerce(self, raw: object) -> Expression:
         if isinstance(raw, Expression):
@@ -50,7 +50,7 @@ class QuantityFormula(Spec[Expression]):
 @register_quantity
 @dataclass(frozen=True, kw_only=True)
 class QuantityExpression(StudyQuantity):
-    """An expression of other quantities of the study, of numbers or of curves over the same points.
+    """Quantity by a formula of other quantities of the study, numbers or curves over the same points.
 
     Examples
     --------
@@ -138,7 +138,7 @@ class QuantityExpression(StudyQuantity):
 
 
 def _dimension(unit: str) -> Dimension | None:
-    """Dimension of a unit; None of a unit without one, such as dB."""
+    """Dimension of a unit, None if it has none, such as dB; None of a unit without one, such as dB."""
     try:
         return parse_unit(unit).dimension if unit else DIMENSIONS["1"]
     except UnitError:

@@ -1,4 +1,4 @@
-"""Order responses of many variants, and their largest values over a range of speeds whatever the step of speeds."""
+"""Order responses of many variants, and their largest values over a range of speeds, whatever the step of speeds."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from torsionnet.study.quantities.variant_block import VariantBlock
 def order_responses(
     block: VariantBlock, output: str, speeds: FloatArray, excitations: Sequence[str] | None = None
 ) -> Iterator[tuple[int, OrderResponse]]:
-    """Number and order response of every variant that has one.
+    """Yield the number and order response of every variant that has one.
 
     Variants whose parameters follow the operating point are solved one by one, at every speed with its own values.
     """
@@ -47,7 +47,7 @@ def order_responses(
 def responses_at(
     block: VariantBlock, output: str, question: OrderRequest, speeds: Sequence[FloatArray]
 ) -> Iterator[OrderResponse]:
-    """Order responses of every variant at its own speeds in rad/s."""
+    """Yield the order response of each variant at its own speeds in rad/s."""
     loads = [question.loads(own) for own in speeds]
     moving = [one.frequencies[one.frequencies > 0] for one in loads]
     longest = max(map(len, moving))
@@ -68,7 +68,7 @@ def responses_at(
 
 
 def common_request(block: VariantBlock, speeds: FloatArray, excitations: Sequence[str] | None) -> OrderRequest | None:
-    """Excitations and speeds that all variants have in common; None where variants differ in them."""
+    """Excitations and speeds (rad/s) that all variants have in common; None where variants differ in them."""
     if block.batch is None or block.model.definition.following:
         return None
     question = OrderRequest.of(block.model, speeds, excitations=excitations)
@@ -76,13 +76,13 @@ def common_request(block: VariantBlock, speeds: FloatArray, excitations: Sequenc
 
 
 Sizes: TypeAlias = Callable[[OrderResponse], FloatArray]
-"""Function from an order response to its sizes (n_speeds,), such as half the range."""
+"""Function from an order response to its size at each speed (n_speeds,), such as half the range."""
 
 
 def largest_orders(
     block: VariantBlock, output: str, speeds: FloatArray, excitations: Sequence[str] | None, sizes: Sizes
 ) -> Iterator[tuple[int, float]]:
-    """Number of every variant with an order response, and the largest of its sizes over the speeds.
+    """Yield the number of each variant with an order response, and the largest of its sizes over the speeds.
 
     Variants whose parameters follow the operating point are solved one by one.
     """
@@ -114,20 +114,23 @@ def largest_orders(
 
 @dataclass(frozen=True, eq=False)
 class _Curve:
-    """Sizes (n_speeds,) at rising speeds in rad/s."""
+    """Sizes (n_speeds,) of a variant's order response at rising speeds in rad/s."""
 
     speeds: FloatArray
     values: FloatArray
 
     def with_more(self, speeds: FloatArray, values: FloatArray) -> _Curve:
-        """Curve with the values at further speeds."""
+        """Curve of a variant's sizes over speed in rad/s, with the sizes at further speeds added."""
         both = np.concatenate([self.speeds, speeds])
         order = np.argsort(both, kind="stable")
         return _Curve(both[order], np.concatenate([self.values, values])[order])
 
 
 def _all_wanted(curves: Sequence[_Curve]) -> list[FloatArray]:
-    """Further speeds needed for each variant; an empty list where no variant needs any."""
+    """Further speeds in rad/s, an array for each variant, that are needed for its largest size.
+
+    An empty list where no variant needs any.
+    """
     found = [speeds_to_refine(curve.speeds, curve.values[:, None]) for curve in curves]
     return found if any(len(one) for one in found) else []
 
@@ -143,7 +146,7 @@ class _Search:
     places: NDArray[np.intp]
 
     def looked(self, curves: list[_Curve], speeds: list[FloatArray]) -> list[_Curve]:
-        """Curves with the values at further speeds of each variant."""
+        """Curves of each variant's sizes over speed in rad/s, with the sizes at further speeds added."""
         some = [number for number, those in enumerate(speeds) if len(those)]
         found = list(curves)
         if some:

@@ -1,4 +1,4 @@
-"""The quantities ``natural_frequency`` and ``damping_ratio`` of a mode tracked from variant to variant."""
+"""Natural frequency and damping ratio of a mode tracked from variant to variant, two quantities of a study."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ MIXED = "veers: a fifth or more of its energy is that of another mode of the mod
 
 @dataclass(frozen=True, kw_only=True)
 class ModeQuantity(StudyQuantity):
-    """Base class of the quantities of one mode of vibration.
+    """Base class of the quantities of one mode of vibration (natural frequency, damping ratio).
 
     ``tracked``, the default, is the mode of every variant whose shape is that of the nominal mode of this number, by
     the modal assurance criterion, wherever its frequency has gone; ``ascending`` the one of this number by size.
@@ -56,13 +56,13 @@ class ModeQuantity(StudyQuantity):
         return f"mode {self.mode}, followed by its shape"
 
     def missing_mode_faults(self, count: int) -> Iterator[Fault]:
-        """Fault where the model has only ``count`` modes of vibration and the quantity names a higher one."""
+        """Yield a fault where the model has only ``count`` modes of vibration and the quantity names a higher one."""
         if self.mode > count:
             there = f"{count} mode{'s' * (count != 1)} of vibration" if count else "no mode of vibration"
             yield Fault(f"there is no mode {self.mode}; the model has {there}", ("mode",))
 
     def eigenvalue(self, block: VariantBlock) -> ComplexArray:
-        """Eigenvalues of the mode in rad/s, (n_variants,); NaN where a variant has no such vibration."""
+        """Eigenvalues (n_variants,), complex, in rad/s of the mode; NaN where a variant has no such vibration."""
         if self.order == ASCENDING:
             return nth_vibration(block.every_mode.eigenvalues, self.mode)
         place = vibrating(block.modes.reference)[self.mode - 1]
@@ -74,7 +74,7 @@ class ModeQuantity(StudyQuantity):
 
 
 def nth_vibration(eigenvalues: ComplexArray, number: int) -> ComplexArray:
-    """Eigenvalue (n_variants,) of the n-th vibration by magnitude among (n_variants, n_modes); NaN without one."""
+    """Eigenvalue (n_variants,) in rad/s of the n-th vibration by magnitude among (n_variants, n_modes), or NaN."""
     vibrates = eigenvalues.imag > 0
     places = np.argsort(np.where(vibrates, np.abs(eigenvalues), np.inf), axis=1, kind="stable")
     if places.shape[1] < number:
@@ -96,7 +96,7 @@ WORDS = {"natural": "natural frequency", "damped": "frequency of the damped vibr
 @register_quantity
 @dataclass(frozen=True, kw_only=True)
 class NaturalFrequency(ModeQuantity):
-    """Frequency of a vibration mode: ``|lambda|/2pi``, damped ``Im lambda/2pi``, or undamped, of M and K alone.
+    """Frequency in Hz of a mode, natural ``|lambda|/2pi``, damped ``Im lambda/2pi``, or undamped, of M and K alone.
 
     Undamped ones are followed by their place among all by size: that of the mode of this number in the nominal model.
     """
@@ -144,7 +144,10 @@ class NaturalFrequency(ModeQuantity):
 
 
 def nth_above_zero(sizes: FloatArray, number: int) -> FloatArray:
-    """Value (n, 1) of the n-th smallest above 0 in every row of values (n, n_values); NaN where there are fewer."""
+    """Value (n, 1) of the n-th smallest above 0 in every row of values (n, n_values), or NaN.
+
+    NaN where there are fewer.
+    """
     rising = np.sort(np.where(sizes > 0, sizes, np.inf), axis=1)
     if rising.shape[1] < number:
         return np.full((len(sizes), 1), np.nan)
@@ -155,7 +158,7 @@ def nth_above_zero(sizes: FloatArray, number: int) -> FloatArray:
 @register_quantity
 @dataclass(frozen=True, kw_only=True)
 class DampingRatio(ModeQuantity):
-    """``-Re lambda/|lambda|`` of a vibration mode."""
+    """Damping ratio ``-Re lambda/|lambda|`` (unit 1) of a vibration mode."""
 
     kind: ClassVar[str] = "damping_ratio"
 

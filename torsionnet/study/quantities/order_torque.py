@@ -1,4 +1,4 @@
-"""The quantity ``type: order_torque``: vibration of a torque, twist or stress over the speeds of the machinery."""
+"""Order torque, a quantity of a study, the vibration of a torque, twist or stress over the machinery's speeds."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ WORDS = {"half_range": "half of the range", "peak": "largest distance from the m
 @register_quantity
 @dataclass(frozen=True, kw_only=True)
 class OrderTorque(SpeedQuantity):
-    """Vibration of a sensor under the model's excitations, all orders summed with their phases, or one of them.
+    """Vibration of a sensor in SI under the model's excitations, all orders summed with their phases, or one of them.
 
     The largest over the model's speeds, between those of a range too, or a curve over them. A stress is asked for as
     ``stress(shaft)``.
@@ -94,7 +94,7 @@ class OrderTorque(SpeedQuantity):
         return found
 
     def _alone(self, model: Drivetrain) -> OrderResponse:
-        """Order response of the nominal model at its first speed, which is refused where any speed would be."""
+        """Order response of the nominal model at its first speed, for the faults that any speed would have."""
         speeds = self.at(model)
         return model.order_response(
             self.output, speeds=speeds[:1] if len(speeds) else None, excitations=self.excitations or None
@@ -108,7 +108,7 @@ class OrderTorque(SpeedQuantity):
         return SIZES[self.size or "half_range"](run) if self.order is None else self._of_one(run)
 
     def _of_one(self, run: OrderResponse) -> FloatArray:
-        """Largest amplitude of one order at each speed (n_speeds,), over all cases of phases between excitations."""
+        """Largest amplitude of one order at each speed (n_speeds,) in SI, over all phases between excitations."""
         assert self.order is not None
         cases = [case.amplitude_of_order(self.order) for case in run.case_responses]
         lines = [place for place, line in enumerate(run.lines) if not line.fixed and isclose(line.order, self.order)]

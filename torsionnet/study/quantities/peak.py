@@ -1,4 +1,4 @@
-"""The quantities ``peak`` and ``peak_frequency``: largest magnitude of a transfer function in a band."""
+"""Peak and peak frequency, two quantities of a study, the largest magnitude of a transfer function in a band."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class PeakQuantity(TransferQuantity):
-    """Base class of the quantities of the largest magnitude in a band."""
+    """Base class of the quantities of the largest magnitude of a transfer function in a band."""
 
     kind: ClassVar[str] = "peak in a band"
 
@@ -35,7 +35,7 @@ class PeakQuantity(TransferQuantity):
         return f"from {self.band[0]:g} to {self.band[1]:g} Hz"
 
     def peaks(self, block: VariantBlock) -> BandPeaks:
-        """Largest magnitude of every variant and its frequency, searched once for all quantities of this band."""
+        """Largest magnitude (n,) of every variant in SI and its frequency (n,) in Hz."""
         return block.once(("peaks", self.output, self.input, self.excitation, self.band), lambda: self._searched(block))
 
     def _searched(self, block: VariantBlock) -> BandPeaks:
@@ -52,7 +52,7 @@ class PeakQuantity(TransferQuantity):
 @register_quantity
 @dataclass(frozen=True, kw_only=True)
 class PeakMagnitude(PeakQuantity):
-    """Largest magnitude of a transfer function in a band, at a peak or at an end of the band.
+    """Largest magnitude in SI of a transfer function in a band, at a peak or at an end of the band.
 
     It is found between the points of a grid, to 1e-9 of itself; peaks less than 1 % apart may count as one. Infinite
     where nothing damps.
@@ -87,7 +87,7 @@ class PeakMagnitude(PeakQuantity):
 @register_quantity
 @dataclass(frozen=True, kw_only=True)
 class PeakFrequency(PeakQuantity):
-    """Frequency of the largest magnitude of a transfer function in a band."""
+    """Frequency in Hz of the largest magnitude of a transfer function in a band."""
 
     kind: ClassVar[str] = "peak_frequency"
 

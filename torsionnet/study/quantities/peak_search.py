@@ -1,4 +1,4 @@
-"""Search of the largest magnitude in a band for many variants at once: local maxima of a grid, refined on finer ones.
+"""Search of the largest magnitude in a band for many variants at once, on a grid of frequencies refined at maxima.
 
 Neighbours on the grid are at most 1 % apart; peaks closer together may be taken for one. The sixteen with the highest
 estimated peaks are refined with steps of a quarter per cent; around the four highest then, rounds shrink the bracket to
@@ -19,29 +19,29 @@ from numpy.typing import NDArray
 from torsionnet.assembly.rows import FloatArray
 
 GRID_STEP = 0.01
-"""Largest relative step of the grid of frequencies: peaks closer together than this may count as one."""
+"""Largest relative step of the grid of frequencies, as peaks closer together than this may count as one."""
 CANDIDATES, FOLLOWED = 16, 4
-"""Number of local maxima that are refined once, and of those that are refined to the end."""
+"""Number of local maxima in a band that are refined once, and of those that are refined to the end."""
 ROUNDS, POINTS = 4, 9
-"""Rounds of refinement, each of which shrinks a bracket to a quarter, and points in a bracket."""
+"""Rounds of refinement of a peak, each of which shrinks its bracket to a quarter, and points in a bracket."""
 UNDAMPED_SHARE = 1e-9
 """Share of its shoulders below which the vertex of the parabola through 1/|H|^2 is a peak without damping."""
 
 
 class BandPeaks(NamedTuple):
-    """Largest magnitudes (n,) and their frequencies (n,) in Hz."""
+    """Largest magnitudes (n,) of n variants in SI and their frequencies (n,) in Hz."""
 
     magnitude: FloatArray
     frequency: FloatArray
 
 
 def band_grid(low: float, high: float) -> FloatArray:
-    """Frequencies in Hz with equal ratios of at most 1.01 from ``low`` to ``high``, both included."""
+    """Frequencies (n_f,) in Hz with equal ratios of at most 1.01 from ``low`` to ``high``, both included."""
     return np.geomspace(low, high, max(math.ceil(math.log(high / low) / GRID_STEP), POINTS) + 1)
 
 
 def largest(magnitude: Callable[[FloatArray], FloatArray], grid: FloatArray) -> BandPeaks:
-    """Search the largest magnitude of every variant between the ends of a grid.
+    """Search the largest magnitude of every variant between the ends of a grid of frequencies.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def largest(magnitude: Callable[[FloatArray], FloatArray], grid: FloatArray) -> 
 
 
 class _Look(NamedTuple):
-    """Frequencies and magnitudes in intervals (n, n_intervals, POINTS), and index of the largest (n, n_intervals)."""
+    """Frequencies in Hz and magnitudes in brackets (n, n_intervals, POINTS), index of the largest (n, n_intervals)."""
 
     at: FloatArray
     values: FloatArray
@@ -98,7 +98,7 @@ def _candidates(values: FloatArray) -> tuple[NDArray[np.intp], NDArray[np.bool_]
 
 
 def _promised(values: FloatArray) -> FloatArray:
-    """Estimated height of peaks by a parabola through 1/|H|^2 at three points; infinite where it reaches 0."""
+    """Estimated heights of peaks at each point by a parabola through 1/|H|^2, infinite where it reaches 0."""
     found = values.copy()
     with np.errstate(all="ignore"):
         inverse = values**-2.0
@@ -111,7 +111,7 @@ def _promised(values: FloatArray) -> FloatArray:
 
 
 def _vertex(look: _Look) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Frequency of the vertex of the parabola around the largest point, and whether the peak is infinite."""
+    """Frequencies in Hz of the vertices of parabolas around the largest points, and whether the peaks are infinite."""
     middle = np.clip(look.best, 1, POINTS - 2)
     f_before, f_here, f_after = (_taken(look.at, middle + side) for side in (-1, 0, 1))
     with np.errstate(all="ignore"):
@@ -125,7 +125,7 @@ def _vertex(look: _Look) -> tuple[FloatArray, NDArray[np.bool_]]:
 
 
 def _taken(rows: FloatArray, places: NDArray[np.intp]) -> FloatArray:
-    """Values at one index of the last axis in each row."""
+    """Values (n, n_intervals) at one index of the last axis of an array (n, n_intervals, POINTS) in each row."""
     return np.asarray(np.take_along_axis(rows, places[..., None], axis=-1)[..., 0])
 
 

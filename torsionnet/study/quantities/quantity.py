@@ -1,4 +1,4 @@
-"""Base class of the quantities of a study: a number for every variant, or a curve over frequency or speed."""
+"""Base class of the quantities of a study, which are a number for every variant, or a curve over frequency or speed."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Q = TypeVar("Q", bound="type[StudyQuantity]")
 
 @dataclass(frozen=True, eq=False)
 class QuantityForm:
-    """Unit of a quantity, and the points of a curve.
+    """SI unit of a quantity, and the points of a curve over frequency or speed.
 
     Attributes
     ----------
@@ -45,19 +45,19 @@ class QuantityForm:
 
 @dataclass(frozen=True, kw_only=True)
 class StudyQuantity(Declared):
-    """Base class of the quantities, one class for each ``type:``, registered by :func:`register_quantity`."""
+    """Base class of a study's quantities, one subclass for each ``type`` in a file (:func:`register_quantity`)."""
 
     article: ClassVar[str] = "a quantity"
     singly: ClassVar[bool] = False
-    """Whether variants are solved one by one, as no solver takes many of them together."""
+    """Whether variants are solved one by one, as no solver takes many of them together for this quantity."""
 
     @property
     def words(self) -> str:
-        """Words for the quantity with names of the model in them."""
+        """Quantity in words, with names of the model in them."""
         raise NotImplementedError
 
     def model_faults(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
-        """Faults of the quantity with a model in one of its configurations."""
+        """Yield the faults of the quantity with a model in one of its configurations."""
         del model, quantities
         yield from ()
 
@@ -67,26 +67,26 @@ class StudyQuantity(Declared):
         return ()
 
     def measure(self, model: Drivetrain) -> QuantityForm:
-        """Unit and points of a quantity that needs no others."""
+        """SI unit and points of a quantity that needs no others."""
         raise NotImplementedError
 
     def measured(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> QuantityForm:
-        """Unit and points of the quantity, given all quantities of the study."""
+        """SI unit and points of the quantity, given all quantities of the study."""
         del quantities
         return self.measure(model)
 
     def evaluate(self, block: VariantBlock) -> FloatArray:
-        """Values (n_variants, n_points) in SI; NaN where a variant has none."""
+        """Values (n_variants, n_points) of the quantity in SI, NaN where a variant has none."""
         raise NotImplementedError
 
 
 QUANTITIES: TypeRegister[type[StudyQuantity]] = TypeRegister(
     "torsionnet.study.quantities", ("natural_frequency", "peak")
 )
-"""Classes of quantities by the word in ``type:``."""
+"""Classes of quantities by the word that a study file writes as their ``type``."""
 
 
 def register_quantity(cls: Q) -> Q:
-    """Class decorator that registers a quantity by its ``kind``."""
+    """Class decorator that registers a class of quantities by its ``kind``, the ``type`` in a study file."""
     QUANTITIES[cls.kind] = cls
     return cls

@@ -1,4 +1,4 @@
-"""Limits of quantities: largest and smallest value allowed."""
+"""Limits of quantities of a study, their largest and smallest values allowed."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from torsionnet.core.units import CELSIUS, DIMENSIONS, Dimension, UnitError, par
 
 
 class ValueInUnit(float):
-    """Number in SI with the dimension and the unit in which it was written; a bare number has neither."""
+    """Number in SI that knows the dimension and the unit in which it was written; a bare number has neither."""
 
     dimension: Dimension | None = None
     unit: str = ""
 
 
 class QuantityValue(AnyNumber):
-    """Entry for a number with the unit of the quantity; stored in SI."""
+    """Entry of a study file for a number with the unit of its quantity; stored in SI."""
 
     def coerce(self, raw: object) -> float:
         if isinstance(raw, ValueInUnit):
@@ -40,7 +40,7 @@ class QuantityValue(AnyNumber):
 
 
 def wrong_unit(value: float | None, quantity: str, unit: str, path: Path) -> Iterator[Fault]:
-    """Fault of a value whose unit has not the dimension of the quantity; a bare number is in SI."""
+    """Yield a fault for a limit whose unit has not the dimension of its quantity; a bare number is in SI."""
     dimension = value.dimension if isinstance(value, ValueInUnit) else None
     try:
         own = parse_unit(unit).dimension if unit else DIMENSIONS["1"]
@@ -64,7 +64,7 @@ def as_written(value: float, unit: str) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class QuantityLimit(Declared):
-    """Largest and smallest value of a quantity that is allowed.
+    """Largest and smallest value in SI that a quantity of a study is allowed.
 
     Of a curve over frequency or speed it is the largest of its values that must stay below, and the smallest that must
     stay above.
@@ -91,13 +91,13 @@ class QuantityLimit(Declared):
         return []
 
     def exceeded(self, values: FloatArray) -> NDArray[np.bool_]:
-        """Whether each value is outside the limits; a missing value (NaN) is outside."""
+        """Whether each value in SI is outside the limits; a missing value (NaN) is outside."""
         low = -np.inf if self.above is None else self.above
         high = np.inf if self.below is None else self.below
         return np.asarray(~((values >= low) & (values <= high)))
 
     def beyond(self, values: FloatArray) -> NDArray[np.bool_]:
-        """Whether each variant (n,) is outside the limits, by values (n,) or at any point of a curve (n, n_points).
+        """Whether each variant (n,) is outside the limits, by values (n,) or at any point of curves (n, n_points).
 
         >>> import numpy as np
         >>> QuantityLimit(below=2.0).beyond(np.array([[1.0, 3.0], [1.0, 1.5]])).tolist()

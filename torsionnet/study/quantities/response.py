@@ -1,4 +1,4 @@
-"""The quantity ``type: response``: a transfer function at one frequency, or as a curve."""
+"""Response, a quantity of a study, a transfer function at one frequency, or as a curve over frequency."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _FREQUENCY = Value("a frequency", "frequency", below=1e9)
 
 
 class FrequencyList(Spec[tuple[float, ...]]):
-    """Entry for one frequency or a rising list of frequencies; stored in Hz."""
+    """Entry of a study file for one frequency or a rising list of frequencies; stored in Hz."""
 
     def coerce(self, raw: object) -> tuple[float, ...]:
         if not isinstance(raw, list | tuple):
@@ -43,7 +43,7 @@ class FrequencyList(Spec[tuple[float, ...]]):
 
 
 DEFAULT_POINTS = 200
-"""Number of points of a curve unless given; fewer may miss a resonance, more take longer."""
+"""Number of points of a response curve unless given, as fewer may miss a resonance, more take longer."""
 
 
 def _decibels(values: ComplexArray) -> FloatArray:
@@ -58,7 +58,7 @@ PARTS: Mapping[str, Callable[[ComplexArray], FloatArray]] = {
     "imaginary": np.imag,
     "dB": _decibels,
 }
-"""Functions from complex values to a part of them; phases in rad from -pi to pi, dB relative to one SI unit."""
+"""Functions by name from complex responses to a part (phase in rad from -pi to pi, dB relative to one SI unit)."""
 _UNITS = {"phase": "rad", "dB": "dB"}
 
 
@@ -102,7 +102,7 @@ class ResponseQuantity(TransferQuantity):
 
     @property
     def frequencies(self) -> FloatArray:
-        """Frequencies of the quantity in Hz, (n_points,)."""
+        """Frequencies (n_points,) in Hz at which the response is asked for."""
         if self.at is not None:
             return np.array(self.at)
         low, high = not_none(self.band)

@@ -1,4 +1,4 @@
-"""Base class of quantities over the speeds of the machinery."""
+"""Base class of quantities of a study over the speeds of the machinery."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ OWN = ("excitations", "speeds", "every")
 
 @dataclass(frozen=True, kw_only=True)
 class SpeedQuantity(StudyQuantity):
-    """Base class of the quantities at all speeds of the model, or at some of them."""
+    """Base class of the quantities of a study at all speeds of the model, or at some of them."""
 
     kind: ClassVar[str] = "over speed"
 
@@ -53,13 +53,13 @@ class SpeedQuantity(StudyQuantity):
 
     @property
     def range_words(self) -> str:
-        """Words for the speeds and excitations, such as "at all speeds"."""
+        """Words for the speeds and excitations of the quantity, such as "at all speeds"."""
         acting = f"under {', '.join(self.excitations)}, " if self.excitations else ""
         over = "at all speeds" if self.speeds is None else speed_words(self.speeds)
         return acting + (over if self.every == 1 else f"{over}, one of {self.every}")
 
     def empty_range_faults(self, model: Drivetrain) -> Iterator[Fault]:
-        """Fault where none of the model's speeds lies in the range of the quantity."""
+        """Yield a fault where none of the model's speeds lies in the range of the quantity."""
         if model.definition.speeds is not None and not len(self.at(model)):
             yield Fault("none of the model's speeds lies in this range", ("speeds",))
 

@@ -1,4 +1,4 @@
-"""Base class of quantities of one transfer function: output, input, excitation."""
+"""Base class of a study's quantities of one transfer function, which have an output, input and excitation."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class TransferQuantity(StudyQuantity):
-    """Base class of the quantities of one transfer function."""
+    """Base class of a study's quantities of one transfer function from an input to an output."""
 
     kind: ClassVar[str] = "transfer function"
 
@@ -51,18 +51,18 @@ class TransferQuantity(StudyQuantity):
         return f"{self.output}/{self.input}{driven_by}"
 
     def unit(self, model: Drivetrain) -> str:
-        """Unit of the transfer function: that of the output over that of the input; empty without one."""
+        """SI unit of the transfer function, that of the output over that of the input, empty if it has none."""
         request = cached_request(model, self.output, self.input, self.excitation)
         found = quotient_unit(request.outputs[0].unit, request.measured[0].unit)
         return "" if found == "1" else found
 
     def values(self, block: VariantBlock, frequencies: FloatArray) -> ComplexArray:
-        """Transfer function (n_variants, n_f) at frequencies (n_f,) or (n_variants, n_f) in Hz."""
+        """Transfer function (n_variants, n_f) in SI at frequencies (n_f,) or (n_variants, n_f) in Hz."""
         return block.responses(self.output, self.input, frequencies, self.excitation)[:, :, 0, 0]
 
 
 def usage_faults(ask: Callable[[], object], *path: str) -> Iterator[Fault]:
-    """Fault with the message of the UsageError that a call raises; none where it raises none."""
+    """Yield a fault with the message of the UsageError that a call raises, if it raises one."""
     try:
         ask()
     except UsageError as error:

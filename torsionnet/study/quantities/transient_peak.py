@@ -1,4 +1,4 @@
-"""The quantity ``type: transient_peak``: peak over time under a step, a ramp or a pulse of torque."""
+"""Transient peak, a quantity of a study, the peak over time under a step, a ramp or a pulse of torque."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ from torsionnet.study.quantities.transfer_quantity import usage_faults
 from torsionnet.study.quantities.variant_block import VariantBlock
 
 HISTORY_FORM = "{file: shock.csv, channel: T_M} or {rate: 1 kHz, values: [0, 10, ...]}"
-"""Example of the entry ``history:``."""
+"""Examples of the entry ``history`` of a transient peak in error messages, a channel of a file or a list of torques."""
 _RATE = Value("samples per second", "frequency", exclusive=True)
 _VALUES = Listed("torques", Value("a torque", "torque", lower=None), form="a list of torques")
 
 
 @dataclass(frozen=True)
 class TorqueHistory:
-    """Torque samples in N m at a sampling rate in Hz."""
+    """Torque samples (n,) in N m at a sampling rate in Hz."""
 
     rate: float
     values: tuple[float, ...]
 
 
 class TorqueHistoryEntry(Composite[TorqueHistory]):
-    """Entry for a torque over time: a channel of a recording, or a list of torques with their sampling rate."""
+    """Entry for a torque over time, a channel of a recording, or a list of torques with their sampling rate."""
 
     @property
     def example(self) -> str:
@@ -66,7 +66,7 @@ class TorqueHistoryEntry(Composite[TorqueHistory]):
         return (None if faults else TorqueHistory(not_none(rate), values)), faults
 
     def plain(self, value: Any) -> Json:
-        """Rate and torques as JSON data, so that a written study can be read without the recording."""
+        """Sampling rate in Hz and torques in N m as JSON data, so that a study can be read without the recording."""
         return {"rate": value.rate, "values": list(value.values)}
 
     def schema(self) -> Schema:
@@ -97,16 +97,16 @@ def _recorded(file: str, channel: str) -> TorqueHistory:
 
 
 SAMPLES_PER_PERIOD = 40
-"""Samples in a period of the nominal model's highest vibration, whose peaks are at most 0.3 % higher between them."""
+"""Samples in a period of the nominal model's highest vibration, between which peaks are at most 0.3 % higher."""
 MOST_SAMPLES = 2_000_000
-"""Most samples of one simulation; more take much time and memory for each variant."""
+"""Most samples of one simulation of a transient, as more take much time and memory for each variant."""
 STEP = "step"
 SHAPES: Mapping[str, Callable[[FloatArray], FloatArray]] = {
     STEP: np.ones_like,
     "ramp": lambda share: np.minimum(share, 1.0),
     "half_sine": lambda share: np.where(share < 1, np.sin(np.pi * share), 0.0),
 }
-"""Shapes of the torque over its size, as functions of time over the rise time."""
+"""Shapes of a torque by name, as functions from time over the rise time to the torque over its size."""
 READ: Mapping[str, Callable[[FloatArray], float]] = {
     "size": lambda values: float(np.abs(values).max()),
     "highest": lambda values: float(values.max()),
@@ -127,7 +127,7 @@ READ_WORDS = {
 @register_quantity
 @dataclass(frozen=True, kw_only=True)
 class TransientPeak(StudyQuantity):
-    """Peak of a sensor after a torque sets in on a drivetrain at rest.
+    """Peak in SI of a sensor after a torque sets in on a drivetrain at rest.
 
     Motion is exact from sample to sample; peaks are those of the samples: with 40 in a period of the highest vibration
     they are at most 0.3 % of that vibration lower than those between. Below, a step makes twice its torque.
@@ -211,7 +211,7 @@ class TransientPeak(StudyQuantity):
         return block.one_by_one(lambda model: READ[self.value](self._motion(model, history)))
 
     def torques(self, model: Drivetrain) -> TorqueHistory:
-        """Torque samples, at a sampling rate that suits the nominal model."""
+        """Torque samples in N m, at a sampling rate in Hz that suits the nominal model."""
         if self.history is not None:
             return self.history
         assert self.torque is not None

@@ -1,4 +1,4 @@
-"""Quantities calculated by Python functions of the user, which study files cannot name."""
+"""Quantities of a study that are calculated by Python functions of the user, which study files cannot name."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ OVER = ("frequency", "speed")
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class UserFunction(StudyQuantity):
-    """Quantity that a Python function calculates for every variant: a number or a curve.
+    """Quantity that a Python function of the user calculates for every variant, a number or a curve.
 
     Attributes
     ----------
@@ -86,11 +86,11 @@ class UserFunction(StudyQuantity):
 
     @property
     def function_name(self) -> str:
-        """Name of the function in messages."""
+        """Name of the user's function in messages."""
         return str(getattr(self.of, "__qualname__", self.of))
 
     def require_picklable(self) -> None:
-        """Refuse a function that other processes cannot be handed.
+        """Refuse a function that cannot be handed to other processes.
 
         Raises
         ------
@@ -104,7 +104,7 @@ class UserFunction(StudyQuantity):
             raise UsageError(f"{self.function_name} cannot be handed to other processes ({error}); {where}") from None
 
     def to_data(self) -> dict[str, Json]:
-        """Identity of the function as JSON data: name, digest of its code and of the values it was made with.
+        """Identity of the user's function as JSON data, its name, a digest of its code and of its captured values.
 
         Functions that it calls, and variables of its module that it reads, are not part of it.
         """
@@ -114,7 +114,10 @@ class UserFunction(StudyQuantity):
 
 
 def _digest(of: Callable[..., Any]) -> str:
-    """Digest of a function's code and default values, equal on every machine; empty where it has no code object."""
+    """Digest of a function's code and default values as a text of 16 digits, equal on every machine.
+
+    Empty where it has no code object.
+    """
     code = getattr(of, "__code__", None)
     if code is None:
         return ""
@@ -138,14 +141,14 @@ def _essence(code: CodeType) -> tuple[Any, ...]:
 
 
 def _in_order(constant: Any) -> Any:
-    """Constant in a fixed order: the order of a set of texts differs with every start of Python."""
+    """Constant of a function in a fixed order, because a set of texts has another order at every start of Python."""
     return sorted(constant, key=repr) if isinstance(constant, frozenset) else constant
 
 
 def function(
     of: Callable[[Drivetrain], ArrayLike], *, unit: str = "", over: str = "", points: ArrayLike = ()
 ) -> UserFunction:
-    """Make a quantity of a Python function that is called for every variant, one by one.
+    """Make a quantity of a study from a Python function that is called for every variant, one by one.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The quantity ``type: utilisation``: largest value over value allowed of the limits of the model."""
+"""Utilisation, a quantity of a study, the largest value over the value allowed of the limits of the model."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from torsionnet.study.quantities.variant_block import VariantBlock
 @register_quantity
 @dataclass(frozen=True, kw_only=True)
 class Utilisation(SpeedQuantity):
-    """Largest value over value allowed of a limit of the model, at any of its speeds; of several criteria the largest.
+    """Largest value over value allowed of a limit of the model, at any of its speeds, of several criteria the largest.
 
     Above 1 the limit does not hold at some speed. NaN where a limit cannot be judged.
 

@@ -29,13 +29,13 @@ from torsionnet.solve.responses.transfer import responses, warn_infinite
 from torsionnet.study.quantities.counted_remarks import remark
 
 GRAPH = "graph"
-"""Default method of the response solver."""
+"""Default method of the response solver, which needs no compiling."""
 
 
 def single_response(
     model: AssembledModel, outputs: Any, inputs: Any, frequencies: FloatArray, excitation: str | None = None
 ) -> ComplexArray:
-    """Transfer functions (n_f, n_out, n_in) at frequencies >= 0 in Hz."""
+    """Transfer functions (n_f, n_out, n_in) in SI of one model at frequencies (n_f,) >= 0 in Hz."""
     request = cached_request(model, outputs, inputs, excitation)
     found = responses([model], request, frequencies, GRAPH)
     warn_infinite(found.values, found.conditioning, frequencies)
@@ -48,11 +48,11 @@ T = TypeVar("T")
 
 _NUMBER = re.compile(r"^variant \d+:? ")
 MOST_VALUES = 2_000_000
-"""Most complex values of responses that are held at a time, 32 MB; more need more memory in each worker."""
+"""Most complex values of responses that are held at a time, 32 MB, as each worker needs as much memory."""
 
 
 class BlockQuantity(Protocol):
-    """Quantity that can be evaluated for a block of variants."""
+    """Quantity of a study that can be evaluated for a block of variants."""
 
     def evaluate(self, block: VariantBlock) -> FloatArray:
         """Values (n_variants, n_points) of the quantity in SI."""
@@ -61,7 +61,7 @@ class BlockQuantity(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class VariantBlock:
-    """Block of variants of a drivetrain in one configuration.
+    """Block of variants of a drivetrain in one configuration, solved together.
 
     Attributes
     ----------
@@ -94,11 +94,14 @@ class VariantBlock:
         return len(next(iter(self.values.values())))
 
     def single(self, index: int) -> Drivetrain:
-        """Drivetrain with the values of one variant."""
+        """Drivetrain with the parameter values of one variant of the block."""
         return self.model.configured(**{name: float(column[index]) for name, column in self.values.items()})
 
     def of(self, name: str) -> FloatArray:
-        """Values (n_variants, n_points) of a quantity, calculated once; NaN where the model refuses a variant."""
+        """Values (n_variants, n_points) in SI of a quantity of the study, calculated once.
+
+        NaN where the model refuses a variant.
+        """
         return self.once(("quantity", name), lambda: self._evaluated(self.quantities[name]))
 
     def _evaluated(self, quantity: BlockQuantity) -> FloatArray:
@@ -113,11 +116,11 @@ class VariantBlock:
 
     @property
     def impossible(self) -> NDArray[np.bool_]:
-        """Whether the model refuses each variant, (n_variants,)."""
+        """Whether the model refuses each variant of the block, (n_variants,)."""
         return np.zeros(len(self), dtype=bool) if self.batch is None else self.batch.impossible
 
     def parts(self, values_each: int) -> Iterator[tuple[slice, VariantBlock]]:
-        """Divide the block by memory: slices of variants and their blocks, for ``values_each`` complex values each."""
+        """Yield slices of variants and their blocks that fit in memory with ``values_each`` complex values each."""
         together = max(1, MOST_VALUES // max(values_each, 1))
         if together >= len(self):
             yield slice(0, len(self)), self
@@ -129,11 +132,14 @@ class VariantBlock:
             yield which, replace(self, values=values, batch=batch, known={})
 
     def remark(self, text: str, count: int = 1) -> None:
-        """Count a warning by its text."""
+        """Count a warning of the block by its text."""
         remark(self.remarks, text, count)
 
     def one_by_one(self, ask: Callable[[Drivetrain], ArrayLike], n_points: int = 1) -> FloatArray:
-        """Results (n_variants, n_points) of a function of a drivetrain for every variant; NaN where it fails."""
+        """Results (n_variants, n_points) of a function that is called with the drivetrain of every variant.
+
+        NaN where it fails.
+        """
         found = np.full((len(self), n_points), np.nan)
         for index in range(len(self)):
             answer = self.call(index, ask)
@@ -142,7 +148,10 @@ class VariantBlock:
         return found
 
     def call(self, index: int, ask: Callable[[Drivetrain], T]) -> T | None:
-        """Result of a function for one variant; None where the variant is refused or the function fails."""
+        """Result of a function that is called with the drivetrain of one variant.
+
+        None where the variant is refused or the function fails.
+        """
         try:
             return ask(self.single(index))
         except TorsionnetError as error:
@@ -151,7 +160,7 @@ class VariantBlock:
 
     @cached_property
     def every_mode(self) -> BatchedModes:
-        """Modes of every variant, in the order of its own eigenvalues."""
+        """Modes of every variant of the block, in the order of its own eigenvalues."""
         found = single_modes(self.model, self.values) if self.batch is None else batched_modes(self.batch)
         for note in found.notes:
             self.remark(_NUMBER.sub("", note))
@@ -165,7 +174,7 @@ class VariantBlock:
     def responses(
         self, outputs: Channels, inputs: Driving, frequencies: FloatArray, excitation: str | None = None
     ) -> ComplexArray:
-        """Transfer functions (n_variants, n_f, n_out, n_in) at frequencies (n_f,) or (n_variants, n_f) in Hz."""
+        """Transfer functions (n_variants, n_f, n_out, n_in) in SI at frequencies (n_f,) or (n_variants, n_f) in Hz."""
         request = cached_request(self.model, outputs, inputs, excitation)
         if self.batch is not None:
             if frequencies.ndim == 2:
@@ -197,7 +206,7 @@ class VariantBlock:
         return found
 
     def once(self, key: Any, work: Callable[[], T]) -> T:
-        """Result of ``work``, calculated once for all quantities under a key."""
+        """Result of ``work``, calculated once for all quantities of the block under a key."""
         if key not in self.known:
             self.known[key] = work()
         found: T = self.known[key]

@@ -1,1 +1,1 @@
-"""Statistics of values that come in chunks: moments, histograms, counts beyond limits, kept values."""
+"""Statistics of values that come in chunks of variants, as moments, histograms, counts beyond limits, kept values."""

@@ -1,4 +1,4 @@
-"""Percentiles of values that come in chunks, to a stated share of themselves and in bounded memory.
+"""Histograms of values that come in chunks, and their percentiles within 0.2 % of themselves, in bounded memory.
 
 Values are counted in bins whose edges are powers of a number a little above 1, so that the middle of a bin is off by at
 most :data:`ACCURACY` of any value in it (Masson, Rim and Lee, DDSketch, 2019). Counts are whole numbers: they add up to
@@ -18,20 +18,20 @@ from numpy.typing import ArrayLike, NDArray
 from torsionnet.assembly.rows import FloatArray
 
 ACCURACY = 0.002
-"""Largest relative error of a percentile, beside the step between neighbouring values; less takes more bins."""
+"""Largest relative error of a percentile, beside the step between neighbouring values, as less takes more bins."""
 MOST_COUNTERS = 4_000_000
-"""Largest number of bins that are counted in a dense array, which is quickest and takes 32 MB at this size."""
+"""Largest number of bins counted in a dense array, which is quickest and takes 32 MB at this size."""
 BIN_RATIO = (1 + ACCURACY) / (1 - ACCURACY)
-"""Ratio of neighbouring bin edges, with which the middle of a bin is off by :data:`ACCURACY` at both edges."""
+"""Ratio of neighbouring histogram edges, such that the middle of a bin is off by :data:`ACCURACY` at both edges."""
 MOST_WAITING_BINS = 2_000_000
-"""Number of bins of histograms that wait before being merged; merging many at once is quicker, but takes memory."""
+"""Number of histogram bins that wait to be merged, as merging many at once is quicker, but takes memory."""
 BIN_OFFSET = 1 << 19
-"""Number added to the bins of positive values; those of negative ones are mirrored at 0, a bin of its own."""
+"""Number added to the bins of positive values, so that those of negative ones are mirrored at 0, a bin of its own."""
 
 
 @dataclass(frozen=True, eq=False)
 class Histogram:
-    """Counts of values in bins, over several points.
+    """Counts of a quantity's values in bins, for each point of a curve.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Histogram:
 
     @classmethod
     def of(cls, values: FloatArray) -> Self:
-        """Histogram of values (n, n_points); values that are not finite are not counted."""
+        """Histogram of values (n, n_points), in which values that are not finite are not counted."""
         there = np.isfinite(values)
         points = np.broadcast_to(np.arange(values.shape[1]), values.shape)[there]
         own = _bins(values[there])
@@ -76,7 +76,10 @@ class Histogram:
         return cls(bins[firsts], np.add.reduceat(counts[order], firsts) if len(firsts) else counts)
 
     def percentiles(self, shares: ArrayLike, n_points: int) -> FloatArray:
-        """Percentiles (n_shares, n_points) at shares in per cent; NaN where no value was counted."""
+        """Percentiles (n_shares, n_points) at shares in per cent, in the unit of the values.
+
+        NaN where no value was counted.
+        """
         wanted = np.asarray(shares, dtype=float) / 100
         found = np.full((len(wanted), n_points), np.nan)
         for point in range(n_points):
@@ -108,7 +111,7 @@ class GrowingHistogram:
     sharing: int = 1
 
     def add(self, part: Histogram) -> None:
-        """Add the histogram of one more part."""
+        """Add the histogram of one more chunk of variants."""
         self.waiting.append(part)
         self.bins += len(part.bins)
         if self.bins > 2 * len(self.waiting[0].bins) + MOST_WAITING_BINS // self.sharing:
@@ -116,7 +119,7 @@ class GrowingHistogram:
             self.bins = len(self.waiting[0].bins)
 
     def whole(self) -> Histogram:
-        """Histogram of all parts added so far."""
+        """Histogram of all chunks added so far."""
         return Histogram.joined(self.waiting)
 
 
@@ -129,7 +132,7 @@ def _bins(values: FloatArray) -> NDArray[np.int64]:
 
 
 def _middles(bins: NDArray[np.int64]) -> FloatArray:
-    """Middle values of bins, with the same relative distance from both edges."""
+    """Middle values of bins by their numbers, with the same relative distance from both edges."""
     sizes = np.abs(bins) - BIN_OFFSET
     middle = np.exp(sizes * log(BIN_RATIO)) * (2 * BIN_RATIO / (1 + BIN_RATIO))
     return np.where(bins == 0, 0.0, np.sign(bins) * middle)

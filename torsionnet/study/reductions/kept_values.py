@@ -1,4 +1,4 @@
-"""Values of single variants that a study keeps: all of them, or every m-th where there are very many."""
+"""Values of single variants that a study keeps, all of them, or every m-th where there are very many."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import numpy as np
 from torsionnet.assembly.rows import FloatArray
 
 Cases = Mapping[tuple[str, str], FloatArray]
-"""Mapping (configuration, name) -> values."""
+"""Mapping of (configuration, quantity or parameter) to its values in SI, (n,), or (n, 2) for the extremes of curves."""
 
 
 @dataclass(frozen=True, eq=False)
 class KeptValues:
-    """Values of the variants 0, m, 2 m, ... of each configuration.
+    """Values in SI of the variants 0, m, 2 m, ... of each configuration.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class KeptValues:
     parameters: Cases = field(default_factory=dict)
 
     def words(self, count: int) -> str:
-        """Words for the part of ``count`` variants that is kept; empty where all are.
+        """Words for the part of ``count`` variants whose values are kept; empty where all are.
 
         >>> KeptValues(every=7).words(20_000_000)
         'one in 7 of 20000000 variants'
@@ -44,7 +44,7 @@ class KeptValues:
 
 
 def kept_indices(start: int, stop: int, every: int) -> slice:
-    """Slice of the kept ones among the variants ``start`` to ``stop - 1``.
+    """Slice of the kept variants, those with multiples of ``every`` as index, among ``start`` to ``stop - 1``.
 
     >>> list(range(10, 20))[kept_indices(10, 20, 4)]
     [12, 16]
@@ -53,7 +53,7 @@ def kept_indices(start: int, stop: int, every: int) -> slice:
 
 
 def extremes(curves: FloatArray) -> FloatArray:
-    """Smallest and largest value (n, 2) of curves (n, n_points); NaN where one of the points has no value.
+    """Smallest and largest value (n, 2) of each of n curves (n, n_points); NaN where one of the points has no value.
 
     >>> import numpy as np
     >>> extremes(np.array([[1.0, 3.0, 2.0], [1.0, np.nan, 2.0]])).tolist()

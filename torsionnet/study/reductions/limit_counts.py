@@ -18,12 +18,12 @@ from torsionnet.core.errors import UsageError
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
 
 MOST_LIMITS = 64
-"""Largest number of limits: a set of limits is a number of 64 bits."""
+"""Largest number of limits in a study, as the set of limits that a variant exceeds is kept as a number of 64 bits."""
 
 
 @dataclass(frozen=True, eq=False)
 class LimitBits:
-    """Bits of a chunk that say which variants are beyond which limit.
+    """Bits that say for each variant of a chunk which limits it is beyond.
 
     Attributes
     ----------
@@ -38,12 +38,12 @@ class LimitBits:
 
     @classmethod
     def of(cls, beyond: NDArray[np.bool_], missing: NDArray[np.int64]) -> Self:
-        """Bits of a boolean array (n_limits, n), true where a variant is beyond a limit."""
+        """Bits from a boolean array (n_limits, n), true where a variant is beyond a limit, and missing values."""
         return cls(np.packbits(beyond, axis=1), missing)
 
     @classmethod
     def union(cls, parts: Sequence[LimitBits]) -> Self:
-        """Bits of the variants beyond a limit in any of several configurations with the same draws."""
+        """Bits of the variants that are beyond a limit in any of several configurations with the same draws."""
         return cls(
             np.bitwise_or.reduce([part.bits for part in parts]), np.sum([part.missing for part in parts], axis=0)
         )
@@ -73,7 +73,7 @@ class LimitCounts:
     missing: NDArray[np.int64] | None = None
 
     def add(self, part: LimitBits) -> None:
-        """Count the variants of one more chunk."""
+        """Count the variants beyond limits of one more chunk."""
         self.missing = part.missing if self.missing is None else self.missing + part.missing
         every = np.unpackbits(part.bits, axis=1)
         some = every[:, every.any(axis=0)]
@@ -83,7 +83,7 @@ class LimitCounts:
             self.sets[int(one)] = self.sets.get(int(one), 0) + int(count)
 
     def beyond(self, limits: Iterable[int]) -> int:
-        """Number of variants beyond any of the limits at these places."""
+        """Number of variants beyond any of some limits, which are given by their places in the order of all limits."""
         wanted = sum(1 << place for place in limits)
         return sum(count for one, count in self.sets.items() if one & wanted)
 
@@ -107,15 +107,15 @@ class LimitTotals:
     any_case: LimitCounts
 
     def beyond(self, names: Sequence[str], configuration: str) -> int:
-        """Number of variants of a configuration beyond any of the limits of these quantities."""
+        """Number of variants of a configuration beyond any of the limits of the quantities ``names``."""
         return self.cases[configuration].beyond(self._places(names))
 
     def beyond_in_any(self, names: Sequence[str]) -> int:
-        """Number of draws beyond any of the limits of these quantities in any configuration."""
+        """Number of draws beyond any of the limits of the quantities ``names`` in at least one configuration."""
         return self.any_case.beyond(self._places(names))
 
     def missing(self, names: Sequence[str]) -> int:
-        """Number of missing values of these quantities in all configurations."""
+        """Number of missing values of the quantities ``names`` in all configurations."""
         found = [one.missing for one in self.cases.values() if one.missing is not None]
         return sum(int(one[place]) for one in found for place in self._places(names))
 

@@ -1,4 +1,4 @@
-"""Number, mean, variance and extremes of values that come in chunks, for several points at once."""
+"""Number, mean, variance and extremes of values that come in chunks, for all points of a curve at once."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from torsionnet.assembly.rows import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Moments:
-    """Number, mean, squared deviations and extremes of all values but NaN, each attribute (n_points,).
+    """Number, mean, squared deviations and extremes of a quantity's finite values, each attribute (n_points,).
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class Moments:
 
     @classmethod
     def of(cls, values: FloatArray, start: int) -> Self:
-        """Moments of values (n, n_points), the first row of which is variant ``start``."""
+        """Moments of the values (n, n_points) of variants, the first of which has the index ``start``."""
         there = np.isfinite(values)
         count = there.sum(axis=0)
         some = count > 0
@@ -66,7 +66,7 @@ class Moments:
         )
 
     def joined(self, other: Moments) -> Moments:
-        """Moments of these values together with those of later variants."""
+        """Moments of the values of some variants together with those of later variants."""
         count = self.count + other.count
         apart = other.mean - self.mean
         share = other.count / np.maximum(count, 1)
@@ -84,5 +84,5 @@ class Moments:
 
     @property
     def deviation(self) -> FloatArray:
-        """Standard deviation of the sample; NaN of fewer than two values."""
+        """Standard deviation (n_points,) of the sample, in the unit of the values; NaN of fewer than two values."""
         return np.where(self.count > 1, np.sqrt(self.squares / np.maximum(self.count - 1, 1)), np.nan)

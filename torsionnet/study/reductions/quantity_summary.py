@@ -1,4 +1,4 @@
-"""Statistics of a quantity over all variants of one configuration."""
+"""Statistics of a quantity over all variants of one configuration, as numbers and for JSON."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from torsionnet.study.reductions.histogram import Histogram
 from torsionnet.study.reductions.moments import Moments
 
 OVER: Schema = {"enum": ["frequency", "speed"]}
-"""JSON Schema of what the points of a curve are."""
+"""JSON Schema of what a curve runs over, frequency or speed."""
 NUMBER_OR_CURVE: Schema = {"anyOf": [NUMBER, NUMBERS], "description": "of a curve one for each point"}
-"""JSON Schema of a statistic of a number or of a curve."""
+"""JSON Schema of a statistic of a quantity, a number, or an array with one for each point of a curve."""
 OverPoints: TypeAlias = Annotated[Any, Out(schema=NUMBER_OR_CURVE)]
-"""Statistic of a number, or of a curve, (n_points,)."""
+"""Type of a statistic of a quantity, a number, or (n_points,) for a curve."""
 
 
 @dataclass(frozen=True, eq=False)
 class QuantityRow:
-    """Statistics of a quantity over all variants of one configuration, SI."""
+    """Statistics in SI of a quantity over all variants of one configuration, as they are written to JSON."""
 
     quantity: str
     configuration: str
@@ -43,18 +43,18 @@ class QuantityRow:
 
 @dataclass(frozen=True, eq=False)
 class Summary:
-    """Statistics of a quantity in one configuration: ``measure`` (unit, points), ``moments``, ``histogram``."""
+    """Statistics of a quantity over all variants of one configuration, ``measure`` being its unit and points."""
 
     measure: QuantityForm
     moments: Moments
     histogram: Histogram
 
     def percentiles(self, shares: ArrayLike) -> FloatArray:
-        """Percentiles (n_shares, n_points) at shares in per cent, within 0.2 % of themselves."""
+        """Percentiles (n_shares, n_points) in SI at shares in per cent, within 0.2 % of themselves."""
         return self.histogram.percentiles(shares, len(self.measure.points))
 
     def row(self, name: str, configuration: str, percentiles: FloatArray) -> QuantityRow:
-        """Statistics as plain data, for JSON, with percentiles (n_shares, n_points)."""
+        """Statistics of the quantity in SI as plain data for JSON, with percentiles (n_shares, n_points)."""
         moments, is_curve = self.moments, self.measure.is_curve
 
         def shown(array: Any) -> Any:

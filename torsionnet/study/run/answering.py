@@ -33,12 +33,12 @@ from torsionnet.study.study_result import StudyResult
 
 @dataclass(frozen=True, eq=False)
 class SharedStudy(Study):
-    """Study whose evaluators leave the calculation of blocks to a :class:`BlockCalculator`."""
+    """Study whose evaluators leave the calculation of blocks of variants to a :class:`BlockCalculator`."""
 
     calculator: BlockCalculator | None = None
 
     def evaluator(self, configuration: str = "", names: tuple[str, ...] = (), method: str = "") -> Evaluator:
-        """Evaluator of the study's quantities, which leaves blocks of variants to the study's block calculator."""
+        """Evaluator of the study's quantities in one configuration, which leaves blocks of variants to others."""
         return replace(super().evaluator(configuration, names, method), calculator=self.calculator)
 
 
@@ -48,12 +48,12 @@ def with_calculator(study: Study, calculator: BlockCalculator) -> SharedStudy:
 
 
 Answering = Callable[[str, int, int | None], None]
-"""Callback with the name of an answer, the number of variants calculated, and that of all, None if not known."""
+"""Callback with the name of an answer, the number of variants calculated, and that of all, None if unknown."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AnsweredStudy:
-    """Result of a study, with its answers.
+    """Result of a study together with the conclusions of its answers.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ def answer_study(
     announce: Callable[[Workload], None] = lambda _: None,
     longest: float = run_chunks.LONGEST_SECONDS,
 ) -> AnsweredStudy:
-    """Calculate the variants of a study and its answers.
+    """Calculate the variants of a study and draw the conclusions of its answers.
 
     What is in the folder is not calculated again, be it variants of the study or those that answers have chosen. The
     result is the same, to the last bit, whoever calculates and however often it was broken off.
@@ -150,7 +150,7 @@ def answer_study(
 def study_for_answers(
     study: Study, folder: Path | None, executor: Executor | None = None
 ) -> Iterator[tuple[SharedStudy, SharedBlocks]]:
-    """Study with a block calculator for its answers that reads back what is in the folder, and that calculator."""
+    """Yield the study with a calculator for its answers that reads back what is in the folder, and that calculator."""
     with _memory(study, folder) as memory:
         calculator = SharedBlocks(executor or SerialExecutor(), memory)
         yield with_calculator(study, calculator), calculator
@@ -158,7 +158,7 @@ def study_for_answers(
 
 @contextmanager
 def _memory(study: Study, folder: Path | None) -> Iterator[EvaluationMemory | None]:
-    """Open the stored evaluations of the answers, locked against other runs; None without a folder."""
+    """Yield the stored evaluations of the answers, locked against other runs; None without a folder."""
     if folder is None or all(one.of_variants for one in study.answers.values()):
         yield None
         return

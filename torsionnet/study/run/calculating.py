@@ -1,4 +1,4 @@
-"""Calculation of one chunk of a study."""
+"""Calculation of one chunk of a study's variants."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from torsionnet.study.study import Study
 
 @dataclass
 class JoinedBlocks:
-    """Values and statistics of the blocks of a chunk, joined in their order.
+    """Values and statistics of the blocks of variants in a chunk, joined in their order.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class JoinedBlocks:
     remarks: Counter[str] = field(default_factory=Counter)
 
     def add(self, start: int, block: VariantBlock, names: tuple[str, ...]) -> None:
-        """Add the next block of variants, the first of which is number ``start``."""
+        """Add the next block of variants, the first of which has the index ``start``."""
         self.impossible += int(block.impossible.sum())
         chosen = kept_indices(start, start + len(block), self.every)
         for name in names:
@@ -76,7 +76,7 @@ class JoinedBlocks:
             remark(self.remarks, text, count)
 
     def whole(self) -> ChunkValues:
-        """Values and statistics of all blocks added."""
+        """Values and statistics of all variants added to the chunk."""
         return ChunkValues(
             _joined(self.numbers),
             self.moments,
@@ -98,17 +98,19 @@ def _joined(parts: Mapping[str, list[FloatArray]]) -> dict[str, FloatArray]:
 
 
 BLOCK_SIZE = 500
-"""Number of variants of a chunk solved together: larger blocks take more memory; it changes no value."""
+"""Number of variants of a chunk solved together, since larger blocks take more memory, but change no value."""
 
 
 def chunk_file(folder: Path, number: int) -> Path:
-    """Path of the file with the values of a chunk."""
+    """Path of the file with the values of one chunk of variants."""
     return folder / "chunks" / f"{number:08d}.npz"
 
 
 @dataclass(frozen=True, eq=False)
 class ChunkWork:
-    """Function that calculates a chunk by its number and keeps it in a folder; other processes receive the study alone.
+    """Function that calculates a chunk of variants by its number and keeps it in a folder.
+
+    Other processes receive the study alone.
 
     Attributes
     ----------
@@ -134,7 +136,7 @@ class ChunkWork:
             raise UsageError(f"the study cannot be handed to other processes ({error}); {text}") from None
 
     def __call__(self, number: int) -> ChunkValues | None:
-        """Calculate a chunk and return its values; None where they were written to the folder."""
+        """Calculate a chunk of variants and return its values; None where they were written to the folder."""
         found = self.calculated(self.chunks[number])
         if self.folder is None:
             return found
@@ -142,7 +144,7 @@ class ChunkWork:
         return None
 
     def calculated(self, chunk: Chunk) -> ChunkValues:
-        """Values and statistics of all quantities of the variants of a chunk."""
+        """Values and statistics in SI of all quantities of the variants of a chunk."""
         if chunk.case not in self._cases:
             evaluator = self.study.evaluator(self.study.configurations[chunk.case])
             self._cases[chunk.case] = evaluator, self.study.space.at(evaluator.model)
@@ -157,5 +159,5 @@ class ChunkWork:
 
 @lru_cache(maxsize=2)
 def _unpacked(packed: bytes) -> ChunkWork:
-    """Chunk work unpacked in another process, cached so that its plans serve for the next chunk."""
+    """Function that calculates chunks, unpacked in another process and cached so that its plans serve again."""
     return ChunkWork(*pickle.loads(packed))  # noqa: S301  (packed by the process that asks)

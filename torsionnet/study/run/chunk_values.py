@@ -17,18 +17,18 @@ from torsionnet.study.reductions.limit_counts import LimitBits
 from torsionnet.study.reductions.moments import Moments
 
 PARTS = ("count", "mean", "squares", "smallest", "largest", "smallest_at", "largest_at")
-"""Names of the arrays of moments in a file."""
+"""Names of the arrays of moments in the file of a chunk of variants."""
 CHECKSUM_BYTES = hashlib.sha256().digest_size
-"""Length of the SHA-256 checksum behind the end of a file."""
+"""Length in bytes of the SHA-256 checksum behind the end of a chunk's file."""
 
 
 class DamagedChunk(Exception):  # noqa: N818  (it is no fault of anybody: the chunk is done again)
-    """Bytes of a chunk file that are incomplete, changed or of another chunk."""
+    """Error of a chunk's file whose bytes are incomplete, changed or of another chunk."""
 
 
 @dataclass(frozen=True, eq=False)
 class ChunkValues:
-    """Results of a chunk of n variants.
+    """Results of a chunk of n variants, their kept values and statistics in SI.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class ChunkValues:
     beyond: LimitBits | None = None
 
     def to_bytes(self, number: int) -> bytes:
-        """Content of the file of chunk ``number``: an npz archive and its checksum; equal values give equal bytes."""
+        """Content of the file of chunk ``number``, an npz archive and its checksum, equal bytes for equal values."""
         arrays: dict[str, NDArray[np.generic]] = {}
         for place, name in enumerate(self.moments):
             if name in self.values:
@@ -87,7 +87,7 @@ class ChunkValues:
 
     @classmethod
     def from_bytes(cls, data: bytes, number: int) -> ChunkValues:
-        """Read the results of chunk ``number`` from the content of its file.
+        """Read the results of chunk ``number`` of variants from the content of its file.
 
         Raises
         ------

@@ -10,11 +10,11 @@ from torsionnet.study.quantities.quantity_limit import QuantityLimit
 from torsionnet.study.study import Study
 
 KEPT_VALUES = 10_000_000
-"""Largest number of values that are kept, 80 MB; of more variants a part with at most so many values is kept."""
+"""Largest number of values that a study keeps, 80 MB, those of a part of the variants where it has more."""
 
 
 def kept_every(study: Study) -> int:
-    """Number m with which every m-th variant of a study keeps its values; 1 where all do.
+    """Number m with which every m-th variant of a study keeps its values, 1 where all do.
 
     m has no factor in common with the number of values on any axis, nor with two: of a grid every tenth variant could
     have one and the same value of a parameter, and every other point of a Sobol sequence lies in the same half.
@@ -31,13 +31,16 @@ def kept_every(study: Study) -> int:
 
 
 def counted_limits(study: Study, every: int) -> dict[str, QuantityLimit]:
-    """Limits by which variants are counted while they are calculated, sorted by name; none where all are kept."""
+    """Limits, by quantity, by which variants are counted while they are calculated, sorted by name.
+
+    None where all are kept.
+    """
     return {} if every == 1 else dict(sorted(study.limits.items()))
 
 
 @dataclass(frozen=True)
 class Chunk:
-    """Variants ``start`` to ``stop - 1`` of one case, a configuration of the model."""
+    """Chunk of a study, the variants ``start`` to ``stop - 1`` of one configuration of the model."""
 
     number: int
     case: int
@@ -50,7 +53,7 @@ class Chunk:
 
 @dataclass(frozen=True)
 class Chunks:
-    """Chunks of a study by number, those of the first case first.
+    """Chunks of a study by number, those of the first configuration first.
 
     Attributes
     ----------
@@ -73,7 +76,7 @@ class Chunks:
 
     @property
     def each(self) -> int:
-        """Number of chunks of a case."""
+        """Number of chunks of variants in each configuration."""
         return ceil(self.count / self.size)
 
     @property
@@ -88,7 +91,7 @@ class Chunks:
         return Chunk(number, case, start, min(start + self.size, self.count))
 
     def side_by_side(self) -> Iterator[range]:
-        """Numbers of the chunks with the same variants in all cases, a range for each such group.
+        """Numbers of the chunks with the same variants in all configurations, a range for each such group.
 
         >>> [list(numbers) for numbers in Chunks(cases=2, count=250, size=100).side_by_side()]
         [[0, 3], [1, 4], [2, 5]]

@@ -18,18 +18,18 @@ import numpy as np
 from torsionnet.assembly.rows import FloatArray
 
 HEAD = Struct("<4sI32s")
-"""Layout of the head of a record of stored evaluations: mark, length of the data, key."""
+"""Layout of the head of a record of stored evaluations, its mark, the length of the data, and the key."""
 MARK = b"tnev"
-"""First bytes of every record of stored evaluations."""
+"""First bytes of every record of stored evaluations, by which a reader recognises it."""
 CHECKSUM_BYTES = hashlib.sha256().digest_size
-"""Length of the SHA-256 checksum behind a record."""
+"""Length in bytes of the SHA-256 checksum behind a record of stored evaluations."""
 ENDING = ".log"
-"""Ending of the names of the log files of stored evaluations."""
+"""Ending of the names of the log files of stored evaluations, by which all of them are found."""
 
 
 @dataclass(frozen=True)
 class LogPlace:
-    """Place of a record: name of the file, first byte, number of bytes."""
+    """Place of a record of stored evaluations by the name of its file, its first byte and its number of bytes."""
 
     file: str
     start: int
@@ -50,7 +50,9 @@ class EvaluationLog:
     _file: BinaryIO | None = None
 
     def append(self, key: bytes, data: bytes, *, shared: bool = False) -> LogPlace:
-        """Write a record and return its place; the system completes the write even if this process is killed.
+        """Write a record to the log and return its place.
+
+        The system completes the write even if this process is killed.
 
         A ``shared`` record can be read on other machines as soon as this returns.
         """
@@ -68,7 +70,7 @@ class EvaluationLog:
         return LogPlace(Path(stream.name).name, start, len(record))
 
     def close(self) -> None:
-        """Close the log file of this process; the next record opens it again."""
+        """Close the log file of this process, which the next record opens again."""
         if self._file is not None:
             self._file.close()
             self._file = None
@@ -84,7 +86,7 @@ class EvaluationLog:
 
 
 def records(file: Path) -> Iterator[tuple[bytes, LogPlace]]:
-    """Keys and places of the records of a file, up to the first incomplete one."""
+    """Yield the keys and places of the records of a log file, up to the first incomplete one."""
     with file.open("rb") as stream:
         start = 0
         while found := _record(stream):
@@ -95,7 +97,7 @@ def records(file: Path) -> Iterator[tuple[bytes, LogPlace]]:
 
 
 def record_at(folder: Path, place: LogPlace) -> tuple[bytes, bytes] | None:
-    """Key and data of the record at a place; None if it is missing or damaged."""
+    """Key and data of the record at a place, None if it is missing or damaged."""
     try:
         with (folder / place.file).open("rb") as stream:
             stream.seek(place.start)
@@ -117,14 +119,14 @@ def _record(stream: BinaryIO) -> tuple[bytes, bytes] | None:
 
 
 ANSWERS = "answers"
-"""Name of the folder of logs in that of the study."""
+"""Name of the folder of logs of stored evaluations in that of the study."""
 MOST_LOG_BYTES = 2**30
-"""Most bytes of all logs, a bound on the disk space; evaluations beyond are calculated again by the next run."""
+"""Most bytes of all logs, which bounds the disk space, so that the next run calculates evaluations beyond again."""
 
 
 @dataclass(eq=False)
 class EvaluationMemory:
-    """Store of arrays by key, read from the logs of all processes that ever wrote into a folder.
+    """Store of number arrays by key, read from the logs of all processes that ever wrote into a folder.
 
     Attributes
     ----------
@@ -143,7 +145,7 @@ class EvaluationMemory:
 
     @classmethod
     def of(cls, study_folder: Path) -> EvaluationMemory:
-        """Store with all records in the folder of a study."""
+        """Store of evaluations with all records in the folder of a study."""
         folder = study_folder / ANSWERS
         memory = cls(folder, EvaluationLog(folder))
         for file in sorted(folder.glob(f"*{ENDING}")):
@@ -156,12 +158,12 @@ class EvaluationMemory:
         return self.size >= MOST_LOG_BYTES
 
     def get(self, key: bytes) -> FloatArray | None:
-        """Numbers (n,) stored under a key; None where it is unknown or damaged."""
+        """Numbers (n,) stored under a key, None where it is unknown or damaged."""
         place = self._places.get(key)
         return None if place is None else self.at(place, key)
 
     def at(self, place: LogPlace, key: bytes) -> FloatArray | None:
-        """Numbers (n,) of the record of a key at a place, which may be of another process; None where it is damaged."""
+        """Numbers (n,) of the record of a key at a place, perhaps of another process, None where it is damaged."""
         found = record_at(self.folder, place)
         if found is None or found[0] != key:
             self._places.pop(key, None)
@@ -170,7 +172,7 @@ class EvaluationMemory:
         return np.frombuffer(found[1]).copy()
 
     def put(self, key: bytes, values: FloatArray) -> None:
-        """Store an array under a key, unless the store is full."""
+        """Store an array of numbers under a key, unless the store is full."""
         if not self.is_full:
             self._know(key, self.log.append(key, array_bytes(values)))
 
@@ -181,5 +183,5 @@ class EvaluationMemory:
 
 
 def array_bytes(values: FloatArray) -> bytes:
-    """Bytes of an array as double numbers, row after row."""
+    """Bytes of an array as double-precision numbers, row after row."""
     return np.ascontiguousarray(values, dtype=np.float64).tobytes()

@@ -11,16 +11,19 @@ T = TypeVar("T")
 
 
 class Executor(Protocol):
-    """Calls a function for every part: the number of a chunk, or a block of variants."""
+    """Executor that calls a function for every part of a study, the number of a chunk, or a block of variants."""
 
     def map(self, work: Callable[[S], T], parts: Iterable[S]) -> Iterator[tuple[S, T]]:
-        """Pairs of part and result, in the order in which they are done; function and parts can be pickled."""
+        """Yield each part of a study with its result, in the order in which they are done.
+
+        Function and parts can be pickled.
+        """
         ...
 
 
 @dataclass(frozen=True)
 class SerialExecutor:
-    """Executor that does one part after the other in this process.
+    """Executor that does one part of a study after the other in this process.
 
     Examples
     --------
@@ -29,13 +32,13 @@ class SerialExecutor:
     """
 
     def map(self, work: Callable[[S], T], parts: Iterable[S]) -> Iterator[tuple[S, T]]:
-        """Pairs of part and result, in the order of the parts."""
+        """Yield each part of a study with its result, in the order of the parts."""
         for part in parts:
             yield part, work(part)
 
 
 def part_name(part: object) -> str:
-    """Words for a part in messages.
+    """Words for a part of a study in messages.
 
     >>> part_name(7)
     'chunk 7'

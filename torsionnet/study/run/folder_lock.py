@@ -14,14 +14,14 @@ from typing import Any
 from torsionnet.core.errors import UsageError
 
 LOCK = "running.json"
-"""Name of the lock file."""
+"""Name of the lock file in the folder of a study."""
 ERROR_ACCESS_DENIED = 5
-"""Error of the Windows API for a process that exists but belongs to another user."""
+"""Error number of the Windows API for a process that exists but belongs to another user."""
 
 
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Lock a folder against other runs.
+    """Lock the folder of a study against other runs within ``with``.
 
     Raises
     ------
@@ -55,7 +55,7 @@ def _take(file: Path, own: dict[str, Any]) -> None:
 
 
 def _put(beside: Path, file: Path) -> None:
-    """Link a file to its final name, or, on file systems without links, write it there if there is none."""
+    """Link the lock file to its final name, or, on file systems without links, write it there if there is none."""
     try:
         os.link(beside, file)
     except FileExistsError:
@@ -86,7 +86,10 @@ def _remove_if_dead(file: Path) -> None:
 
 
 def _remedy(file: Path, began: str | None) -> str:
-    """Advice on a running process; without its start time the number may be that of another program."""
+    """Advice for an error message on a running process that locks the folder.
+
+    Without its start time the number may be that of another program.
+    """
     return "wait for it, or end it" if began else f"wait for it, end it, or, if it is another program, remove {file}"
 
 
@@ -111,7 +114,7 @@ def _is_alive(process: int, began: str | None) -> bool:
 
 
 def _began(process: int) -> str | None:
-    """Start time of a process, which differs from that of a later one with its number; None where it is unknown."""
+    """Start time of a process, by which it differs from a later one of the same number, None where unknown."""
     try:
         state, started = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0:20:19]
     except (OSError, ValueError):

@@ -1,4 +1,4 @@
-"""Executor on several processes of this machine, any of which may die."""
+"""Executor that calculates a study on several processes of this machine, any of which may die."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ S = TypeVar("S")
 T = TypeVar("T")
 
 QUEUED_PER_WORKER = 2
-"""Chunks that wait for each worker: enough that none is idle, few enough to be ended soon."""
+"""Chunks of variants that wait for each worker, enough that none is idle, few enough to be ended soon."""
 MOST_DEATHS = 3
-"""Number of processes that died with the same chunk after which the study stops; a single death may be chance."""
+"""Number of processes that died on the same chunk after which the study stops, as a single death may be chance."""
 ENVIRONMENT = {"MALLOC_TRIM_THRESHOLD_": str(2**30), "MALLOC_MMAP_THRESHOLD_": str(2**25)}
 """Environment variables of the workers with which the C library keeps the memory of one chunk for the next."""
 
@@ -40,7 +40,7 @@ def _begin() -> None:
 
 @contextmanager
 def _uninterrupted() -> Iterator[None]:
-    """Block Ctrl-C; a process that is started meanwhile never receives it, not even while it still imports."""
+    """Block Ctrl-C within ``with``, so that a process started meanwhile never receives it."""
     if os.name == "nt":
         yield
         return
@@ -73,7 +73,7 @@ def _call(packed: bytes, part: Any) -> Any:
 
 @dataclass(eq=False)
 class ProcessExecutor:
-    """Executor on ``workers`` processes; parts of a process that died are done again.
+    """Executor of a study on ``workers`` processes of this machine; parts of a process that died are done again.
 
     Within ``with`` the processes stay from one call of :meth:`map` to the next.
     """
@@ -91,7 +91,7 @@ class ProcessExecutor:
         self._end()
 
     def map(self, work: Callable[[S], T], parts: Iterable[S]) -> Iterator[tuple[S, T]]:
-        """Pairs of part and result, in the order in which they are done.
+        """Yield each part of a study with its result, in the order in which they are done.
 
         Raises
         ------
@@ -137,7 +137,7 @@ class ProcessExecutor:
             )
 
     def _submitted(self, packed: bytes, part: S) -> Future[Any]:
-        """Submit a part to the pool, which starts its processes by spawning on every system alike."""
+        """Submit a part of a study to the pool, which starts its processes by spawning on every system alike."""
         if self._pool is None:
             context = multiprocessing.get_context("spawn")
             self._pool = ProcessPoolExecutor(self.workers, mp_context=context, initializer=_begin)
@@ -152,7 +152,7 @@ class ProcessExecutor:
 
 @contextmanager
 def _surroundings() -> Iterator[None]:
-    """Set the environment variables of the workers while processes are started."""
+    """Set the environment variables of the workers within ``with``, while processes are started."""
     kept = {name: os.environ.get(name) for name in ENVIRONMENT}
     os.environ.update(ENVIRONMENT)
     try:

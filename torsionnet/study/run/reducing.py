@@ -1,4 +1,4 @@
-"""Merging of all chunks of a study into its result."""
+"""Merging of all chunks of a study's variants into its result."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from torsionnet.study.study_result import StudyResult
 def merge_chunks(
     study: Study, chunks: Chunks, chunk: Callable[[int], ChunkValues], every: int = 1, folder: Path | None = None
 ) -> StudyResult:
-    """Result of a study from all its chunks.
+    """Merge all chunks of a study's variants into its result.
 
     Chunks are merged in the order of their numbers, whatever the order in which they were done.
     """

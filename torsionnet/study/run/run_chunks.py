@@ -23,11 +23,11 @@ from torsionnet.study.study import Study
 from torsionnet.study.study_result import StudyResult
 
 SAMPLING = "sampling: {count: 1000}"
-"""Example of the entry that a study without variants needs."""
+"""Example of the ``sampling`` entry that a study without variants needs."""
 
 
 def no_variants(space: Space) -> str:
-    """Message for a study without variants: the entries that it needs.
+    """Message for a study without variants, with the entries that it needs.
 
     Examples
     --------
@@ -49,10 +49,10 @@ def no_variants(space: Space) -> str:
 
 
 LONGEST_SECONDS = 7 * 86400.0
-"""Longest calculation on one core that runs without being asked for; a longer one is usually an error in a range."""
+"""Longest calculation in seconds on one core unless more is asked for, as a longer one is mostly a wrong range."""
 
 Progress = Callable[[int, int], None]
-"""Callback with the number of chunks done and that of all."""
+"""Callback with the number of chunks of variants done and that of all chunks."""
 
 
 def run_study(
@@ -118,7 +118,7 @@ def run_study(
 
 
 def _stored(place: StudyFolder, work: ChunkWork) -> Callable[[int], ChunkValues]:
-    """Function that reads a chunk from the folder, and calculates one again that was damaged."""
+    """Function that reads a chunk of variants from the folder, and calculates one again that was damaged."""
 
     def chunk(number: int) -> ChunkValues:
         found = place.chunk(number)
@@ -136,7 +136,10 @@ def _stored(place: StudyFolder, work: ChunkWork) -> Callable[[int], ChunkValues]
 
 
 def _in_memory(study: Study, work: ChunkWork, executor: Executor, progress: Progress) -> StudyResult:
-    """Result of a study without a folder; only chunks done before their turn are held, as all would not fit."""
+    """Result of a study that is calculated without a folder.
+
+    Only chunks done before their turn are held, as all would not fit.
+    """
     waiting: dict[int, ChunkValues] = {}
     done = enumerate(executor.map(work, chain.from_iterable(work.chunks.side_by_side())), start=1)
 

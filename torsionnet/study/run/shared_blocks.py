@@ -1,4 +1,4 @@
-"""Calculation of the blocks of variants of answers: read back from the folder, in this process, or by workers."""
+"""Calculation of the blocks of variants of answers, read back from the folder, done in this process or by workers."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from torsionnet.study.run.executor import Executor
 
 @dataclass(frozen=True, eq=False)
 class AskedBlock:
-    """Block of variants: its place among the blocks requested together, values of the parameters, and key."""
+    """Block of variants that an answer asks for, with its place among those asked together, its values and key."""
 
     place: int
     values: Values
@@ -38,7 +38,7 @@ class AskedBlock:
 
 @dataclass(frozen=True, eq=False)
 class BlockWork:
-    """Function that calculates quantities ``names`` of a block; in another process it writes them to a log.
+    """Function that calculates quantities ``names`` of a block of variants; in another process it writes them to a log.
 
     Attributes
     ----------
@@ -65,17 +65,17 @@ class BlockWork:
             raise UsageError(f"the study cannot be handed to other processes ({error}); {text}") from None
 
     def __call__(self, block: AskedBlock) -> FloatArray | LogPlace:
-        """Quantities of the block (n, n_points of all), or the place of the record where they were written."""
+        """Quantities of the block (n, n_points of all) in SI, or the place of the record where they were written."""
         rows = self.evaluator.rows(block.values, self.names)
         return rows if self._log is None else self._log.append(block.key, array_bytes(rows), shared=True)
 
     def block(self, place: int, values: Values) -> AskedBlock:
-        """Block of these variants with its key."""
+        """Block of variants with these parameter values and its key."""
         return AskedBlock(place, values, key_of(self.evaluator, ("rows", *self.names), values))
 
 
 def key_of(evaluator: Evaluator, what: tuple[str, ...], values: Mapping[str, FloatArray]) -> bytes:
-    """Key of an evaluation: digest of all it depends on beside the record of the folder."""
+    """Key of an evaluation, a digest of all it depends on beside the record of the folder."""
     asked = [evaluator.configuration, evaluator.method, evaluator.names, what, [*values]]
     digest = hashlib.sha256(json.dumps(asked).encode())
     for column in values.values():
@@ -85,23 +85,23 @@ def key_of(evaluator: Evaluator, what: tuple[str, ...], values: Mapping[str, Flo
 
 @lru_cache(maxsize=16)
 def _unpacked(packed: bytes) -> BlockWork:
-    """Block work unpacked in another process, cached so that its plans serve for the next block."""
+    """Function that calculates blocks, unpacked in another process and cached so that its plans serve again."""
     evaluator, names, logs = pickle.loads(packed)  # noqa: S301  (packed by the process that asks)
     return BlockWork(evaluator, names, logs, None if logs is None else _own_log(logs))
 
 
 @lru_cache(maxsize=16)
 def _own_log(folder: Path) -> EvaluationLog:
-    """Log of this process in a folder, the same one at every call."""
+    """Log of stored evaluations of this process in a folder, the same one at every call."""
     return EvaluationLog(folder)
 
 
 LEAST_SHARED_SECONDS = 2.0
-"""Seconds of work of an answer from which on workers are used; less is done before their processes have started."""
+"""Seconds of an answer's work from which workers are used, as less is done before their processes have started."""
 LEAST_CALL_SECONDS = 0.05
-"""Seconds of one call from which on its blocks go to workers; handing them out takes milliseconds."""
+"""Seconds of one call from which its blocks of variants go to workers, as handing them out takes milliseconds."""
 TIMED_BLOCKS = 2
-"""Number of blocks calculated here to measure their time; the first one prepares plans that the next ones use."""
+"""Number of blocks calculated here to measure their time, of which the first one prepares plans for the others."""
 
 
 @dataclass(eq=False)
@@ -126,7 +126,7 @@ class SharedBlocks:
     _seconds: float = 0.0
 
     def rows(self, evaluator: Evaluator, blocks: Sequence[Values], names: tuple[str, ...]) -> list[FloatArray]:
-        """Quantities ``names`` (n, n_points of all) of every block."""
+        """Quantities ``names`` (n, n_points of all) in SI of every block of variants."""
         work = self._work(evaluator, names)
         found: dict[int, FloatArray] = {}
         left: deque[AskedBlock] = deque()
@@ -146,7 +146,7 @@ class SharedBlocks:
     def once(
         self, evaluator: Evaluator, what: str, values: Mapping[str, float], work: Callable[[], FloatArray]
     ) -> FloatArray:
-        """Numbers (n,) that ``work`` returns, or returned before under the same key."""
+        """Numbers (n,) that the function ``work`` returns for one variant, or returned before under the same key."""
         if self.memory is None:
             return work()
         key = key_of(evaluator, (what,), {name: np.array([value]) for name, value in values.items()})
@@ -157,7 +157,7 @@ class SharedBlocks:
         return found
 
     def _work(self, evaluator: Evaluator, names: tuple[str, ...]) -> BlockWork:
-        """Block work of an evaluator, the same one for evaluators with equal configuration, names and method."""
+        """Function that calculates blocks, the same one for evaluators with equal configuration, names and method."""
         logs = None if self.memory is None or self.memory.is_full else self.memory.folder
         key = (evaluator.configuration, evaluator.names, evaluator.method, names, logs)
         return self._works.setdefault(key, BlockWork(evaluator, names, logs))
@@ -200,7 +200,7 @@ class SharedBlocks:
 
 @dataclass
 class _Pace:
-    """Number of blocks timed, and seconds for each variant in the last of them."""
+    """Number of blocks of variants timed, and seconds for each variant in the last of them."""
 
     count: int = 0
     seconds: float = 0.0

@@ -1,4 +1,4 @@
-"""Folder of a study with its record and the chunks that are done."""
+"""Folder of a study with its record and the chunks of variants that are done."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from torsionnet.study.run.evaluation_memory import ANSWERS
 from torsionnet.study.run.study_record import record_differences, record_text
 
 RECORD = "study.json"
-"""Name of the file with the record of the study."""
+"""Name of the file with the record of the study in its folder."""
 TEMPORARY_SECONDS = 3600.0
-"""Age in seconds from which a temporary file is removed; younger ones may still be written by another process."""
+"""Age in seconds from which a temporary file is removed, as younger ones may still be written by another process."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class StudyFolder:
     path: Path
 
     def open(self, record: dict[str, Any]) -> None:
-        """Make the folder, or refuse one that belongs to another study.
+        """Make the folder of the study, or refuse one that belongs to another study.
 
         Raises
         ------
@@ -61,7 +61,7 @@ class StudyFolder:
             )
 
     def record(self) -> dict[str, Any]:
-        """Record of the study that the chunks belong to."""
+        """Record of the study that the chunks in the folder belong to."""
         try:
             found = json.loads((self.path / RECORD).read_text(encoding="utf-8"))
             if not isinstance(found, dict):
@@ -74,21 +74,21 @@ class StudyFolder:
         return found
 
     def chunk(self, number: int) -> ChunkValues | None:
-        """Results of a chunk; None where its file is missing or damaged."""
+        """Results of a chunk of variants, None where its file is missing or damaged."""
         try:
             return ChunkValues.from_bytes(chunk_file(self.path, number).read_bytes(), number)
         except (OSError, DamagedChunk):
             return None
 
     def remove_temporary_files(self) -> None:
-        """Remove old temporary files, which writers that were killed have left."""
+        """Remove temporary files older than :data:`TEMPORARY_SECONDS`, which writers that were killed have left."""
         for entry in (self.path / "chunks").glob(".*"):
             with suppress(OSError):
                 if time.time() - entry.stat().st_mtime > TEMPORARY_SECONDS:
                     entry.unlink()
 
     def chunk_numbers(self, total: int) -> list[int]:
-        """Numbers of the chunks that have a file, complete or not."""
+        """Numbers of the chunks that have a file in the folder, complete or not."""
         names = [entry.name for entry in os.scandir(self.path / "chunks")]
         numbers = (int(name[:-4]) for name in names if name.endswith(".npz") and name[:-4].isdigit())
         return sorted(number for number in numbers if number < total)
@@ -96,7 +96,7 @@ class StudyFolder:
 
 @contextmanager
 def writing(folder: Path) -> Iterator[None]:
-    """Turn an error of writing in the folder into one that says that its chunks remain."""
+    """Turn an error of writing in the study's folder into one that says that its chunks remain."""
     try:
         yield
     except OSError as error:

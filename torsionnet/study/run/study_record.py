@@ -13,11 +13,11 @@ from torsionnet.study.run.chunks import Chunks, counted_limits
 from torsionnet.study.study import Study
 
 FILE_FORMAT = 2
-"""Version of the format of the files; raised when older files cannot be read any more."""
+"""Version of the format of the files in a study's folder, raised when older files cannot be read any more."""
 LIBRARIES = ("numpy", "scipy", "numba")
-"""Packages whose version may change a number."""
+"""Packages whose version may change a number in the results of a study."""
 AFTERWARDS = ("name", "limits", "answers")
-"""Entries of a study on which no value of a variant depends: they may change between runs in one folder.
+"""Entries of a study on which no value of a variant depends, so that they may change between runs in one folder.
 
 Limits only where the values of all variants are kept; else variants beyond them are counted as they are calculated.
 """
@@ -55,12 +55,12 @@ def study_record(study: Study, chunks: Chunks, every: int) -> dict[str, Any]:
 
 
 def record_text(record: dict[str, Any]) -> str:
-    """JSON text of a record; equal records give equal texts."""
+    """JSON text of a study's record, equal for equal records."""
     return json.dumps(record, indent=1, ensure_ascii=False) + "\n"
 
 
 def record_differences(kept: dict[str, Any], wanted: dict[str, Any]) -> list[str]:
-    """Differences in words between the record of a folder and the one wanted now."""
+    """Differences in words between the record in a study's folder and the one wanted now."""
     return [_said(key, kept.get(key), wanted.get(key)) for key in WORDS if kept.get(key) != wanted.get(key)]
 
 

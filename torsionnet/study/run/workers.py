@@ -13,7 +13,7 @@ from torsionnet.study.run.executor import Executor, SerialExecutor
 from torsionnet.study.run.process_pool import ProcessExecutor
 
 MOST_ON_WINDOWS = 61
-"""Most worker processes on Windows, which lets a program wait for 64 handles, some of which Python needs."""
+"""Most worker processes on Windows, where a program can wait for 64 handles, some of which Python needs."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Workers:
 
     @contextmanager
     def executor(self, folder: Path | None) -> Iterator[Executor]:
-        """Executor on these workers, which ends with the ``with`` block."""
+        """Yield an executor on these workers, which ends with the ``with`` block."""
         if self.cluster:
             with self._of_cluster(folder) as found:
                 yield found

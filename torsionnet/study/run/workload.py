@@ -10,20 +10,20 @@ from torsionnet.core.errors import UsageError
 from torsionnet.study.study import Study
 
 TIMED_VARIANTS = {False: 64, True: 2}
-"""Number of variants that are timed, by whether they are solved one by one."""
+"""Number of variants that are timed, by whether they are solved one by one, which takes longer."""
 CHUNK_POINTS = 4_000_000
-"""Points of responses in a chunk of variants solved together; more take longer between two saved chunks."""
+"""Points of responses in a chunk of variants solved together, as more take longer between two saved chunks."""
 SINGLE_CHUNK_SIZE = 20
-"""Variants in a chunk solved one by one: each may take a second, and all workers are to have some."""
+"""Variants in a chunk solved one by one, as each may take a second, and all workers are to have some."""
 MOST_CHUNK_SIZE = 20_000
 """Most variants in a chunk, so that little is lost when a run is stopped."""
 MOST_FILES = 100_000
-"""Number of chunks of a study, about, beyond which chunks become larger: folders of more files are slow everywhere."""
+"""Number of chunks of a study, about, beyond which chunks become larger, as folders of more files are slow."""
 
 
 @dataclass(frozen=True)
 class Workload:
-    """Number of variants of a study, seconds for each on one core, size of chunks, whether solved one by one."""
+    """Amount of work of a study, its number of variants, seconds for each on one core, and size of chunks."""
 
     count: int
     seconds: float
@@ -32,7 +32,10 @@ class Workload:
 
     @classmethod
     def of(cls, study: Study) -> Workload:
-        """Measure the work on some variants; the size of chunks follows from the study alone, not from the time."""
+        """Measure the amount of work of a study on some of its variants.
+
+        The size of chunks follows from the study alone, not from the time.
+        """
         case = study.configurations[0]
         evaluator = study.evaluator(case)
         singly = evaluator.plan is None or any(one.singly for one in study.quantities.values())
@@ -50,12 +53,12 @@ class Workload:
 
     @property
     def total(self) -> float:
-        """Seconds of the whole study on one core."""
+        """Time of the whole study in seconds on one core."""
         return self.count * self.seconds
 
     @property
     def words(self) -> str:
-        """Words for the number of variants and the time they take."""
+        """Words for the number of variants and the time they take on one core."""
         how = "one by one, " if self.singly else ""
         number = f"{self.count:,}".replace(",", " ")
         return f"{number} variants, {how}about {shown_time(self.total)} on one core"
@@ -71,11 +74,11 @@ class Workload:
 
 
 LEAST_CHUNK_SIZE = 100
-"""Fewest variants in a chunk that are solved together; with fewer the file of each chunk takes longer than its work."""
+"""Fewest variants in a chunk solved together, as with fewer the file of a chunk takes longer than its work."""
 
 
 def shown_time(seconds: float) -> str:
-    """Time in seconds as text in a suitable unit.
+    """Text of a time in seconds, in a suitable unit.
 
     >>> shown_time(0.4), shown_time(150), shown_time(4e7)
     ('1 s', '2.5 min', '4.6e+02 days')

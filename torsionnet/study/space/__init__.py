@@ -1,1 +1,1 @@
-"""Space of the variants of a study: distributions, lists and ranges of parameters, their sampling and correlation."""
+"""Space of the variants of a study, with distributions, lists and ranges of parameters, sampling and correlation."""

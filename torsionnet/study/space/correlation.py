@@ -1,4 +1,4 @@
-"""The ``correlation:`` entry: which parameters vary together."""
+"""Correlation entry of a study file, which says which parameters vary together."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from torsionnet.core.errors import Fault, unknown_name
 
 @dataclass(frozen=True, kw_only=True)
 class Correlation(Declared):
-    """Linear correlation of the values of parameters, of every two where more are named.
+    """Linear correlation, from -1 to 1, of the values of parameters, of every two where more are named.
 
     The distributions are those of the parameters all the same; they are joined as functions of correlated normal
     variables (a Gaussian copula, in structural reliability Nataf's model).
@@ -58,7 +58,7 @@ class Correlation(Declared):
 
 
 def name_faults(correlations: Sequence[Correlation], random: Sequence[str], grid: Sequence[str]) -> list[Fault]:
-    """Faults of names without a distribution, and of pairs that are given twice."""
+    """Faults of correlations that name a parameter without distribution, or a pair twice."""
     faults = []
     seen: dict[frozenset[str], int] = {}
     for index, one in enumerate(correlations):

@@ -14,15 +14,15 @@ from torsionnet.study.space.correlation import Correlation
 from torsionnet.study.space.variations.variation import Marginal
 
 HERMITE_TERMS = 80
-"""Highest degree of the Hermite series of a distribution; a series with fewer fits skewed distributions worse."""
+"""Highest degree of the Hermite series of a distribution, as one with fewer fits skewed distributions worse."""
 INTEGRATED_DEVIATIONS = 9.0
-"""Standard deviations to both sides that are integrated over; 1e-19 of the variants lie beyond."""
+"""Standard deviations to both sides of a distribution that are integrated over, as 1e-19 of variants lie beyond."""
 PANELS, NODES = 120, 8
-"""Panels of the Gauss-Legendre quadrature, and nodes in each."""
+"""Panels of the Gauss-Legendre quadrature over a normal variable, and nodes in each."""
 
 
 class HermiteSeries:
-    """Coefficients of a distribution in Hermite polynomials of a normal variable, scaled to a deviation of 1."""
+    """Coefficients of a distribution in Hermite polynomials of a normal variable, for a standard deviation of 1."""
 
     def __init__(self, marginal: Marginal) -> None:
         nodes, weights = _nodes()
@@ -32,7 +32,7 @@ class HermiteSeries:
 
 
 def _nodes() -> tuple[FloatArray, FloatArray]:
-    """Nodes and weights of the quadrature over a standard normal variable."""
+    """Nodes (n,) and weights (n,) of the quadrature over a standard normal variable."""
     inner, weights = leggauss(NODES)
     edges = np.linspace(-INTEGRATED_DEVIATIONS, INTEGRATED_DEVIATIONS, PANELS + 1)
     half = INTEGRATED_DEVIATIONS / PANELS
@@ -42,7 +42,7 @@ def _nodes() -> tuple[FloatArray, FloatArray]:
 
 
 def _polynomials(nodes: FloatArray) -> FloatArray:
-    """Normalised Hermite polynomials He_k/sqrt(k!) at nodes (n,), k from 0 to HERMITE_TERMS, one row each."""
+    """Normalised Hermite polynomials (HERMITE_TERMS + 1, n) at nodes (n,), He_k/sqrt(k!) of degree k in row k."""
     rows = [np.ones_like(nodes), nodes]
     for k in range(1, HERMITE_TERMS):
         rows.append((nodes * rows[k] - np.sqrt(k) * rows[k - 1]) / np.sqrt(k + 1))
@@ -60,11 +60,11 @@ class CorrelationOfPair:
 
     @property
     def range(self) -> tuple[float, float]:
-        """Lowest and highest correlation that the values can have."""
+        """Lowest and highest correlation, from -1 to 1, that the values of the two parameters can have."""
         return self.of_values(-1.0), self.of_values(1.0)
 
     def of_normals(self, of_values: float) -> float:
-        """Inverse of :meth:`of_values`, for a value in its range."""
+        """Correlation of the normal variables with which the two parameters have the correlation ``of_values``."""
         if of_values == 0:
             return 0.0
         from scipy.optimize import brentq
@@ -73,17 +73,17 @@ class CorrelationOfPair:
 
 
 LEAST_EIGENVALUE = 1e-10
-"""Smallest eigenvalue of a correlation matrix that counts as above 0; below, Cholesky factors lose their digits."""
+"""Smallest eigenvalue of a correlation matrix that counts as above 0, as below Cholesky factors lose their digits."""
 INVOLVED_SHARE = 0.05
-"""Share of the largest component of an eigenvector above which a parameter is named in the message."""
+"""Share of the largest component of an eigenvector above which a message names the parameter as involved."""
 Pair = tuple[int, str, str]
-"""Place of a pair in the entry, and the two names."""
+"""Place of a pair of correlated parameters in the entry, and their two names."""
 
 
 def normal_correlation(
     correlations: Sequence[Correlation], marginals: Mapping[str, Marginal]
 ) -> tuple[FloatArray, list[Fault]]:
-    """Correlation matrix of the normal variables behind all parameters, and faults where it cannot exist."""
+    """Correlation matrix (n, n) of the normal variables behind all n parameters, and faults where it cannot exist."""
     names = list(marginals)
     given, matrix = np.eye(len(names)), np.eye(len(names))
     series = {name: HermiteSeries(marginals[name]) for one in correlations for name in one.between}
@@ -113,7 +113,7 @@ def _pairs(correlations: Sequence[Correlation]) -> Iterator[Pair]:
 def _contradictions(
     correlations: Sequence[Correlation], names: Sequence[str], matrix: FloatArray, what: str
 ) -> Iterator[Fault]:
-    """Faults of coefficients that contradict each other, one for each group of correlated parameters."""
+    """Yield the faults of coefficients that contradict each other, one for each group of correlated parameters."""
     if _least(matrix) >= LEAST_EIGENVALUE:
         return
     together: Groups[str] = Groups()
@@ -127,7 +127,7 @@ def _contradictions(
 
 
 def _contradiction(pairs: Sequence[Pair], group: Sequence[str], matrix: FloatArray, what: str) -> Fault:
-    """Fault of a matrix that is not positive definite, with the smallest change of one coefficient that mends it."""
+    """Fault of a matrix that is not positive definite, with the smallest change of a coefficient that mends it."""
     values, vectors = np.linalg.eigh(matrix)
     weights = np.abs(vectors[:, 0])
     involved = [name for name, weight in zip(group, weights, strict=True) if weight > INVOLVED_SHARE * weights.max()]
@@ -151,7 +151,9 @@ def _least(matrix: FloatArray) -> float:
 
 
 def _possible(matrix: FloatArray, i: int, j: int) -> tuple[float, float] | None:
-    """Lowest and highest coefficient of one pair with which the matrix is positive definite; None if there is none.
+    """Lowest and highest coefficient of one pair with which the correlation matrix is positive definite.
+
+    None if there is none.
 
     They are those of which the partial correlation, given all other parameters, lies between -1 and 1.
     """

@@ -1,4 +1,4 @@
-"""Joint distribution of several parameters: a Gaussian copula."""
+"""Joint distribution of several parameters, joined by a Gaussian copula."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from torsionnet.study.space.variations.variation import Marginal
 
 @dataclass(frozen=True, eq=False)
 class JointDistribution:
-    """Distributions of parameters, joined as functions of correlated normal variables.
+    """Distributions of parameters, joined as functions of correlated normal variables (Gaussian copula).
 
     Attributes
     ----------
@@ -27,7 +27,7 @@ class JointDistribution:
     root: FloatArray | None
 
     def from_unit(self, shares: FloatArray) -> dict[str, FloatArray]:
-        """Values (n,) of the parameters at points of the unit cube (n, n_names).
+        """Values (n,) in SI of each parameter, by its name, at points (n, n_names) of the unit cube.
 
         Where there is correlation, the values of a parameter depend on the shares of those before it, too.
         """
@@ -38,12 +38,12 @@ class JointDistribution:
         return {name: one.ppf(shares[:, place]) for place, (name, one) in enumerate(self.marginals.items())}
 
     def from_standard_normal(self, normal: FloatArray) -> dict[str, FloatArray]:
-        """Values (n,) of the parameters at independent standard normal variables (n, n_names)."""
+        """Values (n,) in SI of each parameter, by its name, at independent standard normal variables (n, n_names)."""
         marginals = enumerate(self.marginals.items())
         return {name: one.from_normal(self._correlated(normal, place)) for place, (name, one) in marginals}
 
     def _correlated(self, normal: FloatArray, place: int) -> FloatArray:
-        """Values (n,) of one correlated normal variable from independent ones.
+        """Values (n,) of one correlated normal variable from independent ones (n, n_names).
 
         Summed term by term: a product of matrices rounds differently with the number of rows.
         """
@@ -53,7 +53,7 @@ class JointDistribution:
         return np.asarray(sum(row[term] * normal[:, term] for term in np.flatnonzero(row).tolist()))
 
     def to_standard_normal(self, values: Mapping[str, FloatArray]) -> FloatArray:
-        """Independent standard normal variables (n, n_names) of parameter values."""
+        """Independent standard normal variables (n, n_names) of parameter values (n,) in SI by name."""
         return self._independent(self._normal(values))
 
     def _normal(self, values: Mapping[str, FloatArray]) -> FloatArray:
@@ -63,7 +63,7 @@ class JointDistribution:
         return correlated if self.root is None else np.asarray(np.linalg.solve(self.root, correlated.T).T)
 
     def log_density(self, values: Mapping[str, FloatArray]) -> FloatArray:
-        """Logarithm of the joint probability density, (n,)."""
+        """Logarithm (n,) of the joint probability density at parameter values (n,) in SI by name."""
         found = np.sum([one.log_density(values[name]) for name, one in self.marginals.items()], axis=0)
         if self.root is None:
             return np.asarray(found)

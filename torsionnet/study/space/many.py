@@ -1,4 +1,4 @@
-"""Entry for a whole number that may be large."""
+"""Entry of a study file for a whole number that may be large."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The ``sampling:`` entry: number and method of the random draws."""
+"""Sampling entry of a study file, the number and method of the random draws."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Samples(Declared):
         return []
 
     def points(self, names: tuple[str, ...]) -> UnitPoints:
-        """Sequence of points in the unit cube with a coordinate for each name."""
+        """Sequence of points in the unit cube with a coordinate for the name of each parameter."""
         if self.method == SOBOL:
             return SobolPoints(len(names), self.count, self.seed)
         if self.method == LATIN:
@@ -55,7 +55,7 @@ class Samples(Declared):
         return RandomPoints(names, self.seed)
 
     def remark(self) -> Fault | None:
-        """Warning where a Sobol sequence has not a power of two points; else None."""
+        """Warning where a Sobol sequence has not a power of two points, None where it has."""
         if self.method != SOBOL or self.count & (self.count - 1) == 0:
             return None
         near = 2 ** round(log2(self.count))

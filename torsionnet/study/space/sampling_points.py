@@ -14,13 +14,13 @@ from torsionnet.response.frequency_response import FloatArray
 
 Words = NDArray[np.uint64]
 FEISTEL_ROUNDS = 4
-"""Rounds of the Feistel network; with fewer, orders look less random."""
+"""Rounds of the Feistel network that permutes draws, as with fewer, orders look less random."""
 MOST_SORTED = 4096
-"""Most numbers that are permuted by sorting; of few numbers a network of few rounds gives too few permutations."""
+"""Most numbers that are permuted by sorting, as of few numbers a Feistel network gives too few permutations."""
 
 
 def permuted(places: NDArray[np.int64], count: int, seed: np.random.SeedSequence) -> NDArray[np.int64]:
-    """Numbers at some places of a random permutation of 0 to ``count - 1``.
+    """Numbers (n,) at some places (n,) of a random permutation of 0 to ``count - 1``.
 
     A Feistel network of two digits orders a square of slightly more numbers; where it leads beyond ``count`` it is
     followed on until it does not, which keeps every number once (Black and Rogaway, 2002).
@@ -60,7 +60,7 @@ def _shuffled(numbers: Words, side: np.uint64, keys: Words) -> Words:
 
 
 def _mixed(numbers: Words, key: np.uint64) -> Words:
-    """Hash of numbers with a key (the finaliser of SplitMix64)."""
+    """Hash (n,) of numbers (n,) with a key (the finaliser of SplitMix64)."""
     z = numbers * np.uint64(0x9E3779B97F4A7C15) + key
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
@@ -68,20 +68,20 @@ def _mixed(numbers: Words, key: np.uint64) -> Words:
 
 
 SEED_BLOCK = 4096
-"""Points from one state of the generator; blocks begin at multiples, so that a point depends on its index alone."""
+"""Points from one state of the random generator, in blocks, so that a point depends on its index alone."""
 
 
 class UnitPoints(Protocol):
     """Sequence of points of the unit cube, any stretch of which depends on the indices alone."""
 
     def __call__(self, start: int, stop: int) -> FloatArray:
-        """Points ``start`` to ``stop - 1``, (stop - start, n_names), above 0 and below 1."""
+        """Points (stop - start, n_names) of the unit cube with the indices ``start`` to ``stop - 1``."""
         ...
 
 
 @dataclass(frozen=True)
 class RandomPoints:
-    """Independent random points.
+    """Independent random points of the unit cube by index.
 
     Every name has its own numbers, which stay the same when another name is added.
     """
@@ -112,7 +112,7 @@ def _uniform(seed: np.random.SeedSequence, count: int) -> FloatArray:
 
 @dataclass(frozen=True)
 class LatinHypercubePoints:
-    """``count`` points of which one lies in each of ``count`` equal parts of every coordinate."""
+    """Latin hypercube of ``count`` points by index, one in each of ``count`` equal parts of every coordinate."""
 
     names: tuple[str, ...]
     count: int

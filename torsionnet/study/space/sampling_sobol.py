@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 from torsionnet.response.frequency_response import FloatArray
 
 COORDINATE_BITS = 30
-"""Number of bits of every coordinate, and of the number of points: the default of scipy."""
+"""Number of bits of every Sobol coordinate, and of the number of points, the default of scipy."""
 LOW_BITS = 12
-"""Number of low bits of the index that one table of 4096 points covers; more bits take a longer table to build."""
+"""Number of low bits of a point's index that one table of 4096 points covers, as a table of more takes longer."""
 Words = NDArray[np.uint32]
 
 
 class SobolPoints:
-    """Scrambled Sobol sequence, that of :class:`scipy.stats.qmc.Sobol`.
+    """Scrambled Sobol sequence of points by index, that of :class:`scipy.stats.qmc.Sobol`.
 
     Point i is the sum modulo 2, over the bits set in the Gray code of i, of direction numbers; these are found from
     the points 0, 1, 2, 4, ... so that any stretch costs no more than another.
@@ -39,7 +39,7 @@ class SobolPoints:
 
 
 def _sums(indices: Words, directions: Words) -> Words:
-    """Sums modulo 2 of the direction numbers (bits, n) over the Gray codes of indices (m,), (m, n)."""
+    """Sums modulo 2 (m, n) of the direction numbers (bits, n) over the Gray codes of indices (m,)."""
     gray = indices ^ (indices >> np.uint32(1))
     found = np.zeros((len(indices), directions.shape[1]), dtype=np.uint32)
     for bit, numbers in enumerate(directions):
@@ -49,7 +49,7 @@ def _sums(indices: Words, directions: Words) -> Words:
 
 @lru_cache(maxsize=8)
 def _table(dimension: int, bits: int, seed: int) -> tuple[Words, Words]:
-    """First points (2^LOW_BITS, n) of the sequence and direction numbers (bits, n)."""
+    """First points (2^LOW_BITS, n) of the Sobol sequence and its direction numbers (bits, n)."""
     from scipy.stats.qmc import Sobol
 
     engine = Sobol(dimension, bits=COORDINATE_BITS, seed=np.random.default_rng(seed))

@@ -1,4 +1,4 @@
-"""Variants of a study by index: values of the varied parameters."""
+"""Space of the variants of a study, which gives the values of the varied parameters by the index of a variant."""
 
 from __future__ import annotations
 
@@ -21,12 +21,14 @@ from torsionnet.study.space.space_reading import BoundSpace, bound_space
 from torsionnet.study.space.variations.variation import GridAxis, Marginal, Variation
 
 COVERAGE = 0.9973
-"""Share of the values within the tolerance of a distribution without limits: three standard deviations of a normal one
-to both sides."""
+"""Share of the values within the tolerance of a distribution that has no limits of its own.
+
+Three standard deviations of a normal one to both sides.
+"""
 
 
 class Space:
-    """Variants of a model: parameters with distributions are drawn, lists and ranges crossed with that and each other.
+    """Variants of a model, with parameters drawn from distributions and crossed with lists and ranges.
 
     Variant i depends on i alone: on nothing that was asked for before, nor on who asks.
 
@@ -72,7 +74,7 @@ class Space:
 
     @classmethod
     def read(cls, raw: object, model: Model) -> tuple[Self | None, list[Fault]]:
-        """Read the space from ``{vary: ..., correlation: ..., sampling: ...}``: None with an error, and findings."""
+        """Read the space of variants from the entries of a study file, None with an error, and all faults found."""
         if not isinstance(raw, Mapping):
             return None, SpaceEntries.read(raw)[1]
         values, faults = SpaceEntries.read_entries(raw)
@@ -84,7 +86,7 @@ class Space:
 
     @classmethod
     def of(cls, entries: SpaceEntries, model: Model) -> tuple[Self | None, list[Fault]]:
-        """Make a space from entries that were read: the space, or None with an error, and all findings."""
+        """Space of variants made from entries that were read, None with an error, and all faults found."""
         bound, faults = bound_space(entries.vary, entries.correlation, entries.sampling, model)
         if bound is None:
             return None, faults
@@ -97,7 +99,7 @@ class Space:
 
     def __setstate__(self, state: tuple[SpaceEntries, BoundSpace, tuple[Fault, ...]]) -> None:
         self.entries, self._bound, self.remarks = state
-        """Warnings about the entries."""
+        """Entries of the space, distributions and axes in SI, and warnings about the entries."""
 
     def at(self, model: Model) -> Self:
         """Space of the same variants for another model or configuration, relative to its values."""
@@ -107,7 +109,7 @@ class Space:
         return new
 
     def to_data(self) -> dict[str, Json]:
-        """The entries of a study file that make this space."""
+        """Entries of a study file that make this space, as JSON data."""
         return self.entries.written_entries()
 
     @property
@@ -116,43 +118,43 @@ class Space:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Parameters that vary, in the order in which they were given."""
+        """Names of the parameters that vary, in the order in which they were given."""
         return tuple(self.entries.vary)
 
     @property
     def marginals(self) -> Mapping[str, Marginal]:
-        """Parameter -> distribution, of the parameters with one."""
+        """Distribution of each parameter that has one, by its name."""
         return MappingProxyType(self._bound.joint.marginals)
 
     @property
     def random_names(self) -> tuple[str, ...]:
-        """Names of the parameters with a distribution."""
+        """Names of the parameters that have a distribution."""
         return tuple(self._bound.joint.marginals)
 
     @property
     def grid(self) -> Mapping[str, GridAxis]:
-        """Parameter -> axis, of the parameters with a list or range; the last one changes first."""
+        """Axis of values of each parameter with a list or range, by its name; the last one changes first."""
         return MappingProxyType(self._bound.axes)
 
     @property
     def nominal(self) -> Mapping[str, float]:
-        """Parameter -> value in the model in SI; NaN where it follows the operating point."""
+        """Value in SI of each varied parameter in the model, by name, NaN where it follows the operating point."""
         return MappingProxyType(self._bound.nominal)
 
     @cached_property
     def draws(self) -> int:
-        """Number of draws of the parameters with a distribution; 1 where there are none."""
+        """Number of draws of the parameters with a distribution, 1 where there are none."""
         if not self.random_names:
             return 1
         return self.sampling.count if self.sampling else 0
 
     @cached_property
     def count(self) -> int:
-        """Number of variants: for each point of the grid, the first parameter slowest, all draws."""
+        """Number of variants in the space, for each point of the grid all draws."""
         return prod(axis.count for axis in self.grid.values()) * self.draws
 
     def values(self, start: int, stop: int) -> dict[str, FloatArray]:
-        """Values in SI of every parameter in the variants ``start`` to ``stop - 1``, (stop - start,) each."""
+        """Values (stop - start,) in SI of every parameter, by its name, in the variants ``start`` to ``stop - 1``."""
         if not 0 <= start <= stop <= self.count:
             raise IndexError(f"variants are 0 to {self.count - 1}, asked for {start} to {stop - 1}")
         if start == stop:
@@ -163,7 +165,7 @@ class Space:
         return {name: found[name] for name in self.names}
 
     def _on_grid(self, point: int, further: Any) -> dict[str, FloatArray]:
-        """Values (n,) of the grid parameters at points ``further`` (n,) steps than the point with this index."""
+        """Values (n,) in SI of each grid parameter at points ``further`` (n,) steps after the point with an index."""
         found = {}
         for name, axis in reversed(list(self.grid.items())):
             point, digit = divmod(point, axis.count)
@@ -185,23 +187,23 @@ class Space:
         return {name: column[places] for name, column in all_of_them.items()}
 
     def from_unit(self, shares: FloatArray) -> dict[str, FloatArray]:
-        """Values of the :attr:`random_names` at points of the unit cube (n, n_random), each (n,) in SI."""
+        """Values (n,) in SI of each of the :attr:`random_names` at points (n, n_random) of the unit cube."""
         return self._bound.joint.from_unit(shares)
 
     def from_standard_normal(self, normal: FloatArray) -> dict[str, FloatArray]:
-        """Values of the :attr:`random_names`, (n,) each, at independent standard normal variables (n, n_random)."""
+        """Values (n,) in SI of each of the :attr:`random_names` at standard normal variables (n, n_random)."""
         return self._bound.joint.from_standard_normal(normal)
 
     def to_standard_normal(self, values: Mapping[str, FloatArray]) -> FloatArray:
-        """Independent standard normal variables (n, n_random) of values of the :attr:`random_names`."""
+        """Independent standard normal variables (n, n_random) of values (n,) in SI of the :attr:`random_names`."""
         return self._bound.joint.to_standard_normal(values)
 
     def log_density(self, values: Mapping[str, FloatArray]) -> FloatArray:
-        """Logarithm of the joint probability density of the :attr:`random_names`, (n,)."""
+        """Logarithm (n,) of the joint probability density of the :attr:`random_names` at values (n,) in SI."""
         return self._bound.joint.log_density(values)
 
     def box(self, coverage: float = COVERAGE) -> dict[str, tuple[float, float]]:
-        """Lowest and highest value of every parameter in SI.
+        """Lowest and highest value in SI of every varied parameter, by its name.
 
         A distribution without a limit on a side ends there where all but ``(1 - coverage)/2`` of its values do.
         """

@@ -1,4 +1,4 @@
-"""The entries of a study file that say what varies: ``vary:``, ``correlation:`` and ``sampling:``."""
+"""Entries of a study file that say what varies, on parameters, their correlation and their sampling."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ SAMPLING = Nested("how variants are drawn", lambda: Samples, "sampling", shown=S
 
 @dataclass(frozen=True, kw_only=True)
 class SpaceEntries(Declared):
-    """Varied parameters, their correlation and their sampling."""
+    """Varied parameters of a study, their correlation and their sampling."""
 
     kind: ClassVar[str] = "space"
     article: ClassVar[str] = "a space of variants"

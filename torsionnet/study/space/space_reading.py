@@ -1,4 +1,4 @@
-"""Variations in SI, relative to the values of a model, and the faults of their entries."""
+"""Variations of a study in SI, relative to the values of a model, and the faults of their entries."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from torsionnet.study.space.variations.nominal import NominalReader, nominals, p
 from torsionnet.study.space.variations.variation import GridAxis, Marginal, Variation
 
 NEGLIGIBLE_SHARE = 1e-9
-"""Share of the variants that may be impossible without a fault; a larger one would hide rare failures to calculate."""
+"""Share of the variants that may be impossible without a fault, as a larger one would hide rare failures."""
 
 
 def unreachable(model: Model, marginals: Mapping[str, Marginal], axes: Mapping[str, GridAxis]) -> list[Fault]:
-    """Errors of variations with values that the model refuses, warnings of those outside a parameter's bounds.
+    """Errors of variations with values that the model refuses, and warnings of values outside a parameter's bounds.
 
     Only parameters that are themselves a value of an element are looked at; what is calculated from several is seen
     where the variants are made.
@@ -74,7 +74,7 @@ def _outside(
 
 
 def _tails(name: str, marginal: Marginal, lower: float, upper: float, what: str) -> Iterator[Fault]:
-    """Faults of the shares of a distribution below and above what is possible."""
+    """Yield the faults of a distribution with values below or above what is possible."""
     tails = (marginal.cdf(lower), "below", lower, "low"), (marginal.sf(upper), "above", upper, "high")
     for share, side, limit, key in tails:
         if share > NEGLIGIBLE_SHARE:
@@ -104,7 +104,7 @@ class BoundSpace:
 def bound_space(
     vary: Mapping[str, Variation], correlation: Sequence[Correlation], sampling: Samples | None, model: Model
 ) -> tuple[BoundSpace | None, list[Fault]]:
-    """Space in SI, None if there is an error, and all findings."""
+    """Distributions and axes of the varied parameters in SI, None if there is an error, and all faults found."""
     faults = [_unknown(name, model) for name in vary if name not in model.parameters]
     known = nominals(model, [name for name in vary if name in model.parameters])
     marginals: dict[str, Marginal] = {}
@@ -145,7 +145,7 @@ def _unknown(name: str, model: Model) -> Fault:
 
 
 def _no_entry(element: Element, key: str, path: Path) -> Fault:
-    """Fault of a varied entry of an element that has no value or does not exist."""
+    """Fault of a varied entry of an element that has no value in the model or does not exist."""
     varying = [name for name, spec in element.specs() if isinstance(spec, QuantityKind)]
     if key in varying:
         text = f"{element.name} has no {key} in the model; give it a value there, then it can vary"

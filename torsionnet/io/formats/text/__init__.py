@@ -1,1 +1,1 @@
-"""Tables of numbers as text: records in many dialects, responses as CSV."""
+"""Tables of numbers as text, with recordings in many dialects, and frequency responses as CSV."""

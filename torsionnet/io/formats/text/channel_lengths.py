@@ -9,11 +9,11 @@ from torsionnet.core.errors import Fault, ModelError
 from torsionnet.io.records.source import FileChannel
 
 EMPTY_CELLS_NOTE = " empty cells are NaN"
-"""End of the note on empty cells, by which an earlier note is found."""
+"""End of the note on a text file's empty cells, by which an earlier note is found."""
 
 
 def check_lengths(rows: NumberRows, channels: Sequence[FileChannel], file: str) -> None:
-    """Refuse rows of which the last are empty in some of the channels, after all of them were read."""
+    """Refuse rows of a text file of which the last are empty in some of the channels, after all were read."""
     lengths = {channel.name: int(rows.filled[channel.column]) for channel in channels}
     if len(set(lengths.values())) > 1:
         sizes = ", ".join(f"{name} has {length}" for name, length in lengths.items())
@@ -21,7 +21,7 @@ def check_lengths(rows: NumberRows, channels: Sequence[FileChannel], file: str) 
 
 
 def count_empty(rows: NumberRows, columns: Sequence[int], discovered: list[str]) -> None:
-    """Update the note on how many cells were empty so far."""
+    """Update the note on how many cells of a text file were empty so far."""
     empty = int(rows.empty[list(columns)].sum())
     if empty:
         discovered[:] = [

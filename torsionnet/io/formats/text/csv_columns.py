@@ -1,4 +1,4 @@
-"""Tables of numbers as CSV with a line of description above them: writing, and reading of that line."""
+"""Tables of numbers as CSV with a line of description above them, which this module also reads."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from torsionnet.core.atomic import atomic_replacement
 from torsionnet.response.recording import FloatArray
 
 ROWS_PER_PIECE = 20_000
-"""Rows that are converted to text at a time: more take more memory, fewer more time."""
+"""Rows of a CSV file that are converted to text at a time, as more take more memory, fewer more time."""
 
 
 def description_in(comments: Iterable[str], key: str) -> str | None:
-    """Text after ``key`` in the first comment that has it; None where none has.
+    """Description after ``key`` in the first comment of a CSV file that has it; None where none has.
 
     >>> description_in(["% a comment", '# torsionnet_recording: {"title": "run 7"}'], "torsionnet_recording")
     '{"title": "run 7"}'
@@ -26,7 +26,7 @@ def description_in(comments: Iterable[str], key: str) -> str | None:
 def write_columns(
     path: Path, key: str, description: str, headings: Sequence[str], columns: Sequence[FloatArray]
 ) -> None:
-    """Write a CSV file: a line of description, headings, and the columns beside each other with all digits."""
+    """Write a CSV file of a line of description, headings, and the columns beside each other with all digits."""
     with atomic_replacement(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as file:
         file.write(f"# {key}: {description}\n{','.join(headings)}\n")
         for first in range(0, len(columns[0]), ROWS_PER_PIECE):

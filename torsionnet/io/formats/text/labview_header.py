@@ -22,13 +22,15 @@ from torsionnet.io.formats.text.labview_lines import (
 )
 
 LARGEST_NUMBER = 1e15
-"""Largest number that a header of a recording may hold; larger ones are damage."""
+"""Largest number that the header of a recording may hold, as larger ones are damage."""
 _NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?")
 
 
 @dataclass(frozen=True)
 class Segment:
-    """Header of a segment; ``columns`` are those of the channels in the rows below, ``times`` those of X_Value.
+    """Header of a segment of a LabVIEW file, with names and units of its channels and their columns.
+
+    ``columns`` are those of the channels in the rows below, ``times`` those of X_Value.
 
     ``interval`` is Delta_X and ``start`` X0, both in s; ``clock`` is the time of day in s.
     """
@@ -49,7 +51,7 @@ class Segment:
 
     @property
     def labels(self) -> list[str]:
-        """Name of every column of the rows."""
+        """Name of every column of the rows in a segment."""
         known = dict(zip(self.columns, self.names, strict=True))
         return [known.get(at, X_VALUE if at in self.times else COMMENT) for at in range(self.width)]
 
@@ -61,7 +63,7 @@ class _Entry:
     text: str
 
     def place(self, file: str, separator: str, cell: int = 1) -> Position:
-        """Position of a cell of the entry in the file."""
+        """Position of a cell of the header's entry in the file."""
         parts = self.text.rstrip("\r\n").split(separator)
         at = sum(len(part) + 1 for part in parts[:cell]) if cell < len(parts) else 0
         width = len(parts[cell]) if cell < len(parts) else len(self.text.rstrip())
@@ -69,7 +71,7 @@ class _Entry:
 
 
 def next_segment(lines: HeadedLines, file: str, dialect: Dialect, *, is_first: bool) -> Segment | None:
-    """Header of the next segment with its row of names; None at the end of the file."""
+    """Header of the next segment of a LabVIEW file with its row of names; None at the end of the file."""
     entries, ends, line, whole = dict[str, _Entry](), 0, "", False
     while line := lines.take():
         key, *cells = (cell.strip() for cell in line.rstrip("\r\n").lstrip("\ufeff").split(dialect.separator))
@@ -164,7 +166,7 @@ def _whole(entry: _Entry | None, key: str, file: str, dialect: Dialect, faults: 
 def _numbers(
     entry: _Entry | None, key: str, file: str, dialect: Dialect, faults: list[Fault]
 ) -> list[tuple[int, float]]:
-    """Numbers of an entry with the number of their cell, whatever their decimal sign."""
+    """Numbers of an entry of a header with the number of their cell, whatever their decimal sign."""
     found = []
     for at, cell in enumerate(entry.cells if entry else (), 1):
         assert entry is not None
@@ -182,6 +184,6 @@ def _numbers(
 
 
 def _clock(text: str) -> float | None:
-    """Seconds since midnight of a time such as ``10:12:13.001``; None for other text."""
+    """Seconds since midnight of a time of day such as ``10:12:13.001``, None for other text."""
     found = re.fullmatch(r"(\d{1,2}):(\d{2}):(\d{2}(?:[.,]\d+)?)", text.strip())
     return int(found[1]) * 3600 + int(found[2]) * 60 + float(found[3].replace(",", ".")) if found else None

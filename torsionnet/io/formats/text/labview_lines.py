@@ -1,4 +1,4 @@
-"""Lines of LabVIEW's text files: headers and rows told apart, and the separator of cells."""
+"""Lines of LabVIEW's text files, of headers and rows told apart, and the separator of their cells."""
 
 from __future__ import annotations
 
@@ -12,33 +12,33 @@ from torsionnet.core.errors import Fault, ModelError, Position
 FIRST_LINE, END, X_VALUE, COMMENT = "LabVIEW Measurement", "***End_of_Header***", "X_Value", "Comment"
 SPECIAL, SPECIAL_END = "***Start_Special***", "***End_Special***"
 SEGMENT_KEYS = frozenset({"Channels", "Samples", "Y_Unit_Label", "Y_Dimension", "X_Dimension", "X0", "Delta_X"})
-"""Entries that the header of a segment has for every channel, besides Date and Time."""
+"""Entries that the header of a LabVIEW segment has for every channel, besides Date and Time."""
 SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";"}
-"""Separators of cells by their names in a header."""
+"""Separators of cells by their names in a header of a LabVIEW file."""
 _KEYS = SEGMENT_KEYS | {"Date", "Time", X_VALUE}
 
 
 @dataclass
 class HeadedLines:
-    """Lines of a file with their numbers; the last line taken can be given back."""
+    """Lines of a text file with their numbers, of which the last one taken can be given back."""
 
     lines: Iterator[str]
     number: int = 0
     _back: list[str] = field(default_factory=list)
 
     def take(self) -> str:
-        """Next line of the file, empty at the end."""
+        """Next line of the LabVIEW file, an empty text at its end."""
         line = self._back.pop() if self._back else next(self.lines, "")
         self.number += bool(line)
         return line
 
     def give_back(self, line: str) -> None:
-        """Put back the line that was taken last."""
+        """Put back the line that was taken last, so that it is read again."""
         self._back.append(line)
         self.number -= 1
 
     def data(self) -> Iterator[str]:
-        """Lines of rows up to the next header; blank lines only where more numbers follow."""
+        """Yield the lines of numbers up to the next header, with blank lines only where more numbers follow."""
         blank = 0
         while line := self.take():
             if line.startswith(SPECIAL):
@@ -63,7 +63,7 @@ def is_labview(lines: Sequence[str]) -> bool:
 
 
 def dialect_of(lines: Iterable[str], file: str, separator: str | None, decimal: str | None) -> Dialect:
-    """Separator and decimal sign that a header gives, unless ``separator`` and ``decimal`` are given."""
+    """Separator and decimal sign that a LabVIEW header gives, unless ``separator`` and ``decimal`` are given."""
     said: dict[str, tuple[int, str]] = {}
     between = "\t"
     for number, line in enumerate(lines, 1):
@@ -89,6 +89,6 @@ def dialect_of(lines: Iterable[str], file: str, separator: str | None, decimal: 
 
 
 def line_error(text: str, file: str, line: int, source: str = "", column: int = 1) -> ModelError:
-    """Error on a line of a text file, with the position."""
+    """Error on a line of a text file, with the position of that line."""
     position = Position(file, line, column, column + 1, source.rstrip()[:200].replace("\t", " "))
     return ModelError([Fault(text, position=position)], file)

@@ -20,13 +20,13 @@ from torsionnet.response.recording import FloatArray
 LARGEST_SEGMENT_GAP = 0.1
 """Share of a sampling interval by which a segment may begin off the end of the one before and still continue it."""
 SECONDS_PER_DAY = 86_400.0
-"""Seconds of a day."""
+"""Number of seconds in a day, after which the time of day in a header begins anew."""
 
 
 def labview_source(
     file: io.TextIOWrapper, name: str, title: str, lines: Sequence[str], separator: str | None, decimal: str | None
 ) -> Source:
-    """Channels of an open file that begins with ``lines``; segments that follow each other are one record."""
+    """Channels of a LabVIEW file that begins with ``lines``, whose consecutive segments are one recording."""
     dialect = dialect_of(lines, name, separator, decimal)
     file.seek(0)
     head = HeadedLines(iter(file))
@@ -63,7 +63,7 @@ def _filled(cells: Sequence[str], at: int) -> bool:
 
 
 class _Reader:
-    """Reader of the rows of all segments; refuses a segment that does not continue the one before."""
+    """Reader of the rows of all segments of a LabVIEW file, which refuses one that does not continue the one before."""
 
     def __init__(
         self,
@@ -80,12 +80,12 @@ class _Reader:
         self.begun: list[tuple[int, int]] = []
 
     def place(self, row: int) -> Position | None:
-        """Position of a sample in the segments read so far; blank lines between rows are not counted."""
+        """Position in the file of a sample in the segments read so far; blank lines between rows are not counted."""
         known = [(first, line) for first, line in self.begun if first <= row]
         return Position(self.name, known[-1][1] + row - known[-1][0], 1, 1) if known else None
 
     def blocks(self, columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
-        """Blocks of ``count`` samples across segments, or all samples where it is 0."""
+        """Yield blocks of ``count`` samples across segments, or all samples where ``count`` is 0."""
         kept: list[list[FloatArray]] = []
         held = 0
         for piece in self._pieces(columns, count):

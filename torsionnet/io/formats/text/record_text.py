@@ -1,4 +1,4 @@
-"""Recordings in CSV and other text files of columns; separator, decimal sign, names and units are detected."""
+"""Recordings in CSV and other text files of columns, whose separator, decimal sign, names and units are detected."""
 
 from __future__ import annotations
 
@@ -30,14 +30,17 @@ from torsionnet.io.records.source import FileChannel, Source, is_time
 from torsionnet.response.recording import FloatArray, Recording
 
 SNIFFED_LINES = 400
-"""Lines from which the format of a text file is detected."""
+"""Number of lines at the beginning from which the format of a text file is detected."""
 READ_ONLY_ENDING = ".lvm"
 """Ending of LabVIEW's measurement files, which are read but not written."""
 
 
 @contextlib.contextmanager
 def open_source(path: Path, separator: str | None = None, decimal: str | None = None) -> Iterator[Source]:
-    """Channels of an open text file; ``separator`` and ``decimal`` are detected where they are not given."""
+    """Yield the channels of a text file of columns.
+
+    ``separator`` and ``decimal`` are detected where they are not given.
+    """
     encoding = detect_encoding(path)
     with path.open(encoding=encoding, newline=None) as file:
         lines = list(islice(file, SNIFFED_LINES))
@@ -148,7 +151,7 @@ def _source(
 def _with_clock(
     channels: Sequence[FileChannel], stamped: Sequence[tuple[int, ...]]
 ) -> tuple[list[FileChannel], tuple[int, ...], tuple[str, ...]]:
-    """Channels with the first column of time stamps among them, unless a column of numbers holds the time.
+    """Channels of a text file with the first column of time stamps, unless a column of numbers holds the time.
 
     Also returned: the columns of these stamps, and notes on other columns of stamps, which are left out.
     """
@@ -166,7 +169,7 @@ def _with_clock(
 
 
 def write(recording: Recording, path: Path) -> None:
-    """Write a CSV file: a description of the recording, headings with units, a column of time, all digits."""
+    """Write a CSV file of a recording in SI, with a description, headings with units, a column of time, all digits."""
     if path.suffix.lower() == READ_ONLY_ENDING:
         words = f"{READ_ONLY_ENDING} files of LabVIEW are read only; write .tdms, which LabVIEW reads, or .csv"
         raise UsageError(f'"{path.name}": {words}')

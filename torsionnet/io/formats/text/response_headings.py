@@ -1,4 +1,4 @@
-"""Headings of a table of frequency responses: quantity and unit of each column."""
+"""Headings of a table of frequency responses, with quantity and unit of each column."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ UNITS = ("rad", "rad/s", "rad/s^2", "N*m", "Pa")
 _UNIT = re.compile(r"(?P<what>.*?)\s*(?:\[(?P<unit>[^\]]*)\])?\s*")
 _TORQUE = re.compile(r"\bN[.·-]?m\b")
 LIKE_UNITS = (UNKNOWN_UNIT, "-")
-"""Texts that stand for the unit of a ratio of like signals."""
+"""Texts that stand for the unit of a ratio of like signals in a table of frequency responses."""
 KNOWN_UNITS = "rad/(N*m), deg/(N*m), (N*m)/rad, N*m/(N*m), 1"
 """Examples of units of frequency responses for error messages."""
 _KINDS = (
@@ -25,12 +25,12 @@ _KINDS = (
     ("coherence", re.compile(r"coherence (?P<pair>.+)")),
 )
 EXPECTED = "expected frequency [Hz], then |output/input| [rad/(N*m)] and phase output/input [deg], or re and im"
-"""Expected headings, as error messages give them."""
+"""Expected headings of a table of frequency responses, as error messages give them."""
 
 
 @dataclass(frozen=True)
 class ColumnHeading:
-    """Heading of a column: ``kind``, pair (output, input), SI units and the factor from these to the values shown."""
+    """Heading of a column of responses, with kind, pair (output, input), SI units and the factor from SI to values."""
 
     kind: str
     unit: str = ""
@@ -45,7 +45,7 @@ class _HeadingError(ValueError):
 
 
 def headings(line: str, separator: str, place: Position) -> list[ColumnHeading]:
-    """Headings of all columns of a table; ModelError lists all that are not understood."""
+    """Headings of all columns of a table of frequency responses; ModelError lists all that are not understood."""
     found: list[ColumnHeading] = []
     faults: list[Fault] = []
     for column, text in enumerate(next(csv.reader([line], delimiter=separator))):
@@ -121,7 +121,7 @@ def _pair(kind: str, label: str, unit: str) -> ColumnHeading:
 
 
 def _split(unit: str, label: str) -> tuple[str, str, float]:
-    """SI units of output and input in the unit of a ratio, and the factor from SI to the values."""
+    """SI units of output and input in the unit of their ratio, and the factor from SI to the values shown."""
     if not unit:
         raise _HeadingError(f"{label} has no unit; expected one such as {KNOWN_UNITS}")
     if unit in LIKE_UNITS:

@@ -1,4 +1,4 @@
-"""Frequency responses in CSV files: those written here, to the last digit, and tables of magnitude and phase."""
+"""Frequency responses in CSV files, those written here to the last digit, and tables of magnitude and phase."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ from torsionnet.response.frequency_response import SIGN_NOTE, FloatArray
 
 _DECIMAL_COMMA = re.compile(r"-?\d+,\d+")
 SEPARATORS = (";", "\t", ",")
-"""Separators of cells that a table of responses may have."""
+"""Separators of cells that a table of frequency responses may have."""
 CONFIGURATION = "configuration"
-"""Heading of the first column of a table that ``torsionnet frf --csv`` writes."""
+"""Heading of the first column of a table of frequency responses that ``torsionnet frf --csv`` writes."""
 
 
 def write(response: FrequencyResponse, path: Path) -> None:
-    """Write a CSV file: a description, headings with units, real and imaginary parts of every pair, all digits."""
+    """Write a CSV file of a frequency response in SI, with a description, headings, real and imaginary parts."""
     columns: list[tuple[str, FloatArray]] = [("frequency [Hz]", response.frequencies)]
     for o, out in enumerate(response.outputs):
         for i, into in enumerate(response.inputs):
@@ -58,7 +58,7 @@ def _quoted(name: str) -> str:
 
 
 def read(path: Path) -> FrequencyResponse:
-    """Frequency response in a CSV file; ModelError lists every fault with its line."""
+    """Frequency response in SI from a CSV file; ModelError lists every fault with its line."""
     comments: list[str] = []
     with path.open(encoding="utf-8-sig") as file:
         configurations: dict[str, None] = {}
@@ -88,7 +88,7 @@ def read(path: Path) -> FrequencyResponse:
 
 
 def _apart_from(comments: list[str], lines: Iterable[str]) -> Iterator[str]:
-    """Lines of a file with empty ones in place of comments, which are collected in ``comments``."""
+    """Yield the lines of a file with empty ones in place of comments, which are collected in ``comments``."""
     for line in lines:
         if line.startswith("#"):
             comments.append(line.rstrip("\n"))
@@ -96,7 +96,7 @@ def _apart_from(comments: list[str], lines: Iterable[str]) -> Iterator[str]:
 
 
 def _without_configuration(found: dict[str, None], lines: Iterable[str]) -> Iterator[str]:
-    """Lines of a table without a first column of configurations, whose names are collected in ``found``."""
+    """Yield the lines of a table without a first column of configurations, whose names are collected in ``found``."""
     beginning = ""
     for line in lines:
         if not beginning and line.strip():

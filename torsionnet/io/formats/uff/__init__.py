@@ -1,1 +1,1 @@
-"""Universal files: records and frequency responses as datasets 58."""
+"""Universal files, which hold recordings and frequency responses as datasets 58."""

@@ -1,4 +1,4 @@
-"""Datasets 58 (functions) of universal files (SDRC, `<https://www.ceas3.uc.edu/sdrluff/>`_), through pyuff."""
+"""Datasets 58 (functions) of universal files, read and written through pyuff."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from torsionnet.core.atomic import atomic_replacement
 from torsionnet.io.formats.extras import import_extra
 
 FUNCTION_DATASET = 58
-"""Number of the dataset of universal files that holds a function."""
+"""Number of the type of dataset in universal files that holds a function."""
 GENERAL_FUNCTION, TIME_RESPONSE, FRF, TRANSMISSIBILITY, COHERENCE = 0, 1, 4, 5, 6
 """Codes of the types of functions in dataset 58 (record 6, field 1)."""
 ROTATION_ABOUT_X = 4
-"""Code of a rotation about +X (record 6, fields 7 and 10); negative about -X, 5 and 6 about Y and Z."""
+"""Code of a rotation about +X as a direction in dataset 58 (record 6, fields 7 and 10), negative about -X."""
 TRANSLATIONS = frozenset({1, 2, 3})
 """Codes of translations along X, Y and Z as directions in dataset 58 (record 6, fields 7 and 10)."""
 ID_LINE_WIDTH = 80
 """Most characters of an ID line in dataset 58."""
 PAIR_SEPARATOR = " / "
-"""Text between the names of output and input in the first ID line."""
+"""Text between the names of output and input in the first ID line of dataset 58."""
 
 DATA_TYPES = {"rad": 8, "rad/s": 11, "rad/s^2": 12, "N*m": 13, "Pa": 2}
-"""Codes of data types by SI unit in dataset 58 (records 9, 10, field 1): rotation, its derivatives, torque, stress."""
+"""Codes of data types by SI unit in dataset 58 (records 9, 10, field 1), for rotation, its rates, torque, stress."""
 UNITS = {code: unit for unit, code in DATA_TYPES.items()} | {9: "N*m"}
-"""SI unit by code of a data type where the file gives no label; 9 is a reaction."""
+"""SI unit by code of a data type in dataset 58 where the file gives no label, the code 9 being a reaction torque."""
 _EMPTY = ("", "NONE")
-"""Texts of an ID line that stand for an empty one."""
+"""Texts of an ID line in dataset 58 that stand for an empty one."""
 _UNUSED = {
     f"{axis}_{entry}": 0
     for axis in ("abscissa", "ordinate", "orddenom", "z_axis")
@@ -43,7 +43,7 @@ def function_dataset(lines: Iterable[str], **entries: Any) -> dict[str, Any]:
 
 
 def text_in(entries: Mapping[str, Any], key: str) -> str:
-    """Text of an entry of a dataset 58; empty where there is none."""
+    """Text of an entry of a dataset 58, empty where there is none."""
     line = str(entries.get(key) or "").strip()
     return "" if line in _EMPTY else line
 

@@ -1,4 +1,4 @@
-"""Recordings in universal files: one dataset 58 for every signal."""
+"""Recordings in universal files, with one dataset 58 for every signal."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.response.recording import Recording, Signal
 
 TIME_AXIS, GENERAL = 17, 1
-"""Data types of the abscissa (time) and of the values (general)."""
+"""Data types in dataset 58 of the abscissa (time) and of the values (general) of a recording."""
 
 
 @contextlib.contextmanager
 def open_source(path: Path) -> Iterator[Source]:
-    """Channels of an open universal file: every time response, named by its first line of text."""
+    """Yield the channels of a universal file, which are its time responses, named by their first line of text."""
     with open_foreign(path, "uff") as content:
         numbers = [at for at, item in enumerate(content.arrays[::2]) if _is_time_response(item)]
         if not numbers:
@@ -59,7 +59,10 @@ def _written_rate(entries: Mapping[str, Any]) -> float | None:
 
 
 def write(recording: Recording, path: Path) -> None:
-    """Write a universal file of one binary dataset 58 for every signal; sequence numbers count down to the last."""
+    """Write a universal file of one binary dataset 58 in SI for every signal of a recording.
+
+    Sequence numbers count down to the last.
+    """
     write_sets([_dataset(recording, signal, number) for number, signal in enumerate(recording, 1)], path)
 
 

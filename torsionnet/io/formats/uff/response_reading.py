@@ -33,7 +33,10 @@ _DIRECTIONS = {0: "", 1: "X", 2: "Y", 3: "Z", 4: "RX", 5: "RY", 6: "RZ"}
 
 
 def response_of_datasets(sets: Sequence[dict[str, Any]], path: Path) -> FrequencyResponse:
-    """Frequency response of all transfer functions in a file; ModelError lists the datasets that do not fit."""
+    """Frequency response in SI of all transfer functions in a universal file.
+
+    ModelError lists the datasets that do not fit.
+    """
     numbered = [(number, item) for number, item in enumerate(sets, 1) if item.get("type") == FUNCTION_DATASET]
     functions = [(number, item) for number, item in numbered if item["func_type"] in (FRF, TRANSMISSIBILITY)]
     if not functions:
@@ -94,7 +97,7 @@ def _cohere(matrix: ResponseMatrix, number: int, item: dict[str, Any]) -> list[F
 
 
 def _pair(item: dict[str, Any]) -> tuple[str, str]:
-    """Names of output and input: as written here in the first line, or else entity, node and direction."""
+    """Names of output and input of a dataset 58, as written here in the first line, or else by node and direction."""
     output, between, driven = text_in(item, "id1").partition(PAIR_SEPARATOR)
     return (output, driven) if between else (_place(item, "rsp"), _place(item, "ref"))
 
@@ -106,7 +109,7 @@ def _place(item: dict[str, Any], side: str) -> str:
 
 
 def _unit(item: dict[str, Any], axis: str, side: str) -> tuple[str, float]:
-    """SI unit of output or input and the factor to it: by its label, or by its code where it is a rotation."""
+    """SI unit of output or input and the factor to it, by its label, or by its code where it is a rotation."""
     label = text_in(item, f"{axis}_axis_units_lab")
     if not label:
         code = int(item.get(f"{axis}_spec_data_type") or 0)

@@ -1,4 +1,4 @@
-"""Frequency responses in universal files: units (dataset 164), channels as nodes (15), functions (58).
+"""Frequency responses in universal files, with units (dataset 164), channels as nodes (15), functions (58).
 
 That is one of type 4 for every transfer function, of type 6 for its coherence. Both sides are rotations about the X
 axis (direction 4). An output and an input have the number of one node only if they have one name, as programs take such
@@ -33,18 +33,18 @@ from torsionnet.response.estimation import estimation_in
 from torsionnet.response.frequency_response import FloatArray, usable_limit_text
 
 ENTITY_WIDTH, LABEL_WIDTH = 10, 20
-"""Characters of the name of an entity, and of the label of a unit, in a dataset 58."""
+"""Most characters of the name of an entity, and of the label of a unit, in a dataset 58."""
 FREQUENCY_AXIS = 18
-"""Data type of an abscissa of frequencies."""
+"""Data type in dataset 58 of an abscissa of frequencies."""
 _SI = {
     "type": 164, "units_code": 1, "units_description": "SI", "temp_mode": 1, "length": 1.0, "force": 1.0, "temp": 1.0,
     "temp_offset": 273.15,
 }  # fmt: skip
-"""Dataset of units: SI."""
+"""Dataset 164 of a universal file, which says that its units are SI."""
 
 
 def read(path: Path) -> FrequencyResponse:
-    """Frequency response of all transfer functions in a universal file."""
+    """Frequency response in SI of all transfer functions in a universal file."""
     with open_foreign(path, "uff") as content:
         sets: list[dict[str, Any]] = [dict(item.attributes) for item in content.arrays[::2]]
         for number, item in enumerate(sets):
@@ -55,7 +55,7 @@ def read(path: Path) -> FrequencyResponse:
 
 
 def write(response: FrequencyResponse, path: Path) -> None:
-    """Write a universal file of binary datasets 58 in double precision."""
+    """Write a universal file of a frequency response in SI as binary datasets 58 in double precision."""
     require_extra("uff")
     if len(response.frequencies) < 2:
         raise UsageError("a universal file takes responses at two frequencies or more; write an .npz or .csv file")
@@ -74,13 +74,13 @@ def write(response: FrequencyResponse, path: Path) -> None:
 
 
 def _numbers(response: FrequencyResponse) -> dict[str, int]:
-    """Number of the node of every channel, by name."""
+    """Number of the node in a universal file of every channel, by name."""
     names = dict.fromkeys(channel.name for channel in (*response.outputs, *response.inputs))
     return {name: number for number, name in enumerate(names, 1)}
 
 
 def _nodes(response: FrequencyResponse) -> dict[str, Any]:
-    """Dataset of nodes: the channels one behind the other on the x axis, as a drivetrain has no places in space."""
+    """Dataset of nodes of a universal file, the channels one behind the other on the x axis."""
     numbers = list(_numbers(response).values())
     aside = np.zeros(len(numbers))
     return {"type": 15, "node_nums": numbers, "x": np.arange(len(numbers), dtype=float), "y": aside, "z": aside}
@@ -116,7 +116,7 @@ def _common(response: FrequencyResponse) -> dict[str, Any]:
 
 
 def _is_even(frequencies: FloatArray) -> bool:
-    """Whether a start and a step of six digits, all that even spacing has room for, give these very frequencies."""
+    """Whether a start and a step of six digits, all that even spacing has room for, give these frequencies in Hz."""
     start, step = (float(f"{value:.5e}") for value in (frequencies[0], frequencies[1] - frequencies[0]))
     return bool(np.array_equal(start + np.arange(len(frequencies)) * step, frequencies))
 

@@ -1,4 +1,4 @@
-"""Task of a worker of a cluster: some chunks of a study, one after the other."""
+"""Task of a cluster's worker, which calculates some chunks of a study, one after the other."""
 
 from __future__ import annotations
 
@@ -17,16 +17,19 @@ if TYPE_CHECKING:
     from distributed import Client
 
 PACKAGES = ("torsionnet", "numpy", "scipy", "numba")
-"""Packages whose version may change a number; without numba another solver is used."""
+"""Packages of a worker whose version may change a number, as without numba another solver is used."""
 
 MOST_LISTED_FAULTS = 10
-"""Most faults of workers that a message lists; of a thousand workers with the same fault a few suffice."""
+"""Most faults of workers that a message lists, as of a thousand workers with the same fault a few suffice."""
 
 Versions = Mapping[str, str]
 
 
 def check_versions(client: Client) -> Versions:
-    """Versions of this process, after all workers were found to have the same; ClusterError where one has others."""
+    """Versions of Python and packages in this process, after all workers were found to have the same.
+
+    ClusterError where one has others.
+    """
     found = client.get_versions(packages=list(PACKAGES))
     needed = _of_process(found["client"])
     workers = {address: _of_process(reported) for address, reported in found["workers"].items()}
@@ -40,14 +43,14 @@ def check_versions(client: Client) -> Versions:
 
 
 def own_versions() -> Versions:
-    """Versions of Python and of the packages in this process."""
+    """Versions of Python and of the packages in this process, by name."""
     from distributed.versions import get_versions
 
     return _of_process(get_versions(packages=PACKAGES))
 
 
 def differences(worker: str, has: Versions, needed: Versions) -> Iterator[str]:
-    """Sentences on the versions in which a worker differs from those needed.
+    """Yield sentences on the versions in which a worker differs from those needed.
 
     >>> list(differences("tcp://n7:9", {"numpy": "2.1"}, {"numpy": "2.2"}))
     ['worker tcp://n7:9 has numpy 2.1, this process has numpy 2.2']
@@ -59,7 +62,7 @@ def differences(worker: str, has: Versions, needed: Versions) -> Iterator[str]:
 
 
 def refuse_faults(faults: list[str], remedy: str) -> None:
-    """Raise ClusterError with the faults of workers and the remedy; no fault, no error."""
+    """Raise ClusterError with the faults of workers and the remedy, if there is a fault."""
     if faults:
         shown = "\n".join(faults[:MOST_LISTED_FAULTS])
         if len(faults) > MOST_LISTED_FAULTS:
@@ -81,7 +84,7 @@ _works: dict[str, Callable[[Any], Any]] = {}
 
 @dataclass(frozen=True)
 class DoneChunk(Generic[T]):
-    """Report of a worker on a chunk that is done; the values of the chunk are in the shared folder.
+    """Report of a worker on a chunk of variants that is done; the values of the chunk are in the shared folder.
 
     Attributes
     ----------
@@ -96,7 +99,7 @@ class DoneChunk(Generic[T]):
 
 
 def done_chunks(work: Callable[[S], T], name: str, parts: Sequence[S], needed: Versions) -> list[DoneChunk[T]]:
-    """Calculate some parts in this worker process, which must have the versions ``needed``.
+    """Reports on some chunks of variants, calculated in this worker, which must have the versions ``needed``.
 
     Work of the same ``name`` is the same: what a process prepares for the first task serves for those after it.
     """

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class ClusterError(TorsionnetError):
-    """A cluster was lost, or its workers cannot do the work; finished chunks are kept."""
+    """Error of a cluster that was lost, or whose workers cannot do the work; finished chunks are kept."""
 
     exit_code = 3
 
@@ -26,7 +26,7 @@ KEPT = "what was calculated is kept, and the study goes on from there when it is
 
 @contextmanager
 def scheduler_errors(client: Client) -> Iterator[None]:
-    """Turn errors of a lost scheduler into ClusterError."""
+    """Turn errors of a cluster's lost scheduler within ``with`` into ClusterError."""
     from distributed import CancelledError
     from distributed.comm import CommClosedError
 
@@ -42,7 +42,7 @@ def scheduler_errors(client: Client) -> Iterator[None]:
 
 @contextmanager
 def worker_errors(parts: Sequence[object]) -> Iterator[None]:
-    """Turn the deaths of workers on these chunks into ClusterError."""
+    """Turn the deaths of workers on these chunks within ``with`` into ClusterError."""
     from distributed import KilledWorker
 
     first, last = parts[0], parts[-1]
@@ -59,21 +59,24 @@ def worker_errors(parts: Sequence[object]) -> Iterator[None]:
 
 
 def cancel_tasks(client: Client, tasks: Iterable[Future]) -> None:
-    """Cancel tasks whose results are not needed any more."""
+    """Cancel tasks of the cluster whose results are not needed any more."""
     if client.status == "running":
         with suppress(OSError):
             client.cancel(list(tasks))
 
 
 LOOK_EVERY, SAID_FIRST = 2.0, 10.0
-"""Seconds from one look for workers to the next, and to the second message; later ones take twice as long each."""
+"""Seconds from one look for workers to the next, and from the first message of their absence to the second.
+
+Later ones take twice as long each.
+"""
 
 Notify = Callable[[str], None]
 
 
 @dataclass
 class WorkerAbsence:
-    """Messages while a cluster has no workers: at once, and again from time to time with the time waited.
+    """Messages while a cluster has no workers, at once, and again from time to time with the time waited.
 
     Attributes
     ----------
@@ -97,7 +100,7 @@ class WorkerAbsence:
     _every: float = 0.0
 
     def update(self, threads: int, left: int | None = None) -> None:
-        """Take note of the number of threads now, and of the chunks left where some were calculated before."""
+        """Take note of the workers' number of threads now, and of the chunks left where some were calculated before."""
         if threads:
             self._began = None
             return
@@ -121,7 +124,7 @@ def await_workers(
     clock: Callable[[], float] = time.monotonic,
     sleep: Callable[[float], None] = time.sleep,
 ) -> int:
-    """Wait for the first worker and return the number of threads of all workers.
+    """Wait for the first worker of a cluster and return the number of threads of all workers.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def require_scheduler(address: str, patience: float) -> None:
-    """Refuse an address where no scheduler answers within ``patience`` seconds."""
+    """Refuse an address at which no scheduler of a cluster answers within ``patience`` seconds."""
     from distributed.utils import LoopRunner
 
     runner = LoopRunner(asynchronous=False)
@@ -66,7 +66,7 @@ SURROUNDINGS = {
     "MKL_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
 }
-"""Environment variables of the workers: the C library keeps the memory of one chunk for the next, BLAS has one thread.
+"""Environment variables of the workers, by which memory of one chunk is kept for the next, and BLAS has one thread.
 
 By dask's own setting every array above 64 KiB goes back to the system when it is let go, and fetching it again costs
 more than what is calculated with it.
@@ -80,7 +80,9 @@ SETTINGS = {
 
 @contextmanager
 def local_workers(count: int | None = None) -> Iterator[str]:
-    """Start ``count`` workers of one thread each (default: one for each core) and yield their scheduler's address.
+    """Start ``count`` workers of one thread each, by default one for each core, and yield their scheduler's address.
+
+    One for each core) and yield their scheduler's address.
 
     A worker that dies is replaced. Workers end with this process, however it ends.
     """
@@ -114,12 +116,12 @@ ADDRESS_FORMS = (
 )
 LOCAL = re.compile(r"local(?::(\d+))?")
 ANSWER_SECONDS = 10.0
-"""Longest time in seconds for the answer of a scheduler; one on a busy network takes a few."""
+"""Longest time in seconds for the answer of a cluster's scheduler, as one on a busy network takes a few."""
 
 
 @contextmanager
 def connected(where: str, patience: float = ANSWER_SECONDS) -> Iterator[Client]:
-    """Connect to a cluster and yield its client, whose ``dashboard_link`` shows what the workers do.
+    """Connect to a cluster and yield its client.
 
     Parameters
     ----------
@@ -165,7 +167,7 @@ def _needs_distributed() -> None:
 
 
 def _address_in(file: Path) -> str:
-    """Address in a scheduler file, which ``dask scheduler --scheduler-file`` writes."""
+    """Address of the scheduler in a scheduler file, which ``dask scheduler --scheduler-file`` writes."""
     try:
         address = json.loads(file.read_text())["address"]
     except FileNotFoundError:
@@ -196,7 +198,7 @@ def _client(address: str, patience: float) -> Iterator[Client]:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Silence messages of dask on versions and lost connections, which are errors of the study here."""
+    """Silence messages of dask on versions and lost connections, which a study reports as errors itself."""
     from distributed.versions import VersionMismatchWarning
 
     logger = logging.getLogger("distributed.client")

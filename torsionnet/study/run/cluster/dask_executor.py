@@ -1,4 +1,4 @@
-"""Executor on the workers of a cluster."""
+"""Executor that calculates chunks of a study on the workers of a cluster."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def check_folder(client: Client, folder: Path) -> None:
 
 
 def folder_fault(token: str, word: str) -> str:
-    """Message of why this worker cannot use the folder in which another process wrote ``word``; empty if it can."""
+    """Message of why this worker cannot use the folder in which another process wrote ``word``, empty if it can."""
     file = Path(token)
     try:
         if file.read_text() != word:
@@ -60,15 +60,15 @@ def folder_fault(token: str, word: str) -> str:
 
 
 TASK_SECONDS = 2.0
-"""Shortest time of a task in seconds; the overhead of each is some milliseconds of a worker."""
+"""Shortest time of a worker's task in seconds, as the overhead of each task is some milliseconds."""
 
 TASKS_A_SECOND = 50.0
-"""Most tasks in a second of all workers together; a scheduler and a client manage some hundred."""
+"""Most tasks in a second of all workers together, as a scheduler and a client manage some hundred."""
 
 
 @dataclass
 class TaskSize:
-    """Number of chunks in a task, by the time that the last chunks took.
+    """Number of chunks of variants in a worker's task, by the time that the last chunks took.
 
     Examples
     --------
@@ -85,11 +85,14 @@ class TaskSize:
     seconds: deque[float] = field(default_factory=lambda: deque(maxlen=50))
 
     def learn(self, seconds: Iterable[float]) -> None:
-        """Take note of the wall-clock times of finished chunks in seconds."""
+        """Take note of the wall-clock times in seconds of finished chunks of variants."""
         self.seconds.extend(seconds)
 
     def chunks(self, left: int, workers: int) -> int:
-        """Number of chunks in the next task; fewer towards the end, so that no worker idles while another has many."""
+        """Number of chunks in a worker's next task.
+
+        Fewer towards the end, so that no worker idles while another has many.
+        """
         if not self.seconds:
             return 1
         wanted = ceil(max(TASK_SECONDS, workers / TASKS_A_SECOND) / max(median(self.seconds), 1e-6))
@@ -103,7 +106,7 @@ TASKS_AHEAD = 2
 """Tasks queued for each thread of a worker beside the one it calculates, so that it never waits for this process."""
 
 TASK_RETRIES = 2
-"""Times that a failed task is tried again, as a shared file system may fail for a moment."""
+"""Times that a failed task of a worker is tried again, as a shared file system may fail for a moment."""
 
 LOOK_EVERY, PAUSE = 2.0, 0.1
 """Seconds from one look for workers to the next, and from one look for finished tasks to the next."""
@@ -131,7 +134,7 @@ class DaskExecutor:
     notify: Notify = lambda _text: None
 
     def map(self, work: Callable[[S], T], parts: Iterable[S]) -> Iterator[tuple[S, T]]:
-        """Pairs of part and result, in the order in which they are done.
+        """Yield each part of a study with its result, in the order in which they are done.
 
         Raises
         ------
@@ -150,14 +153,14 @@ class DaskExecutor:
 
     @cached_property
     def _versions(self) -> Versions:
-        """Versions that all workers have; checked once, as is their access to the folder."""
+        """Versions of Python and packages that all workers have, checked once together with access to the folder."""
         needed = check_versions(self.client)
         check_folder(self.client, self.folder)
         return needed
 
 
 class _Running(Generic[S]):
-    """Tasks submitted to the scheduler and not finished yet."""
+    """Tasks submitted to the cluster's scheduler and not finished yet."""
 
     def __init__(self, client: Client, name: str, needed: Versions, absence: WorkerAbsence) -> None:
         from distributed import as_completed
@@ -193,13 +196,13 @@ class _Running(Generic[S]):
             self.finished.add(task)
 
     def _threads(self) -> int:
-        """Number of threads of all workers, asked for every few seconds."""
+        """Number of threads of all workers of the cluster, asked for every few seconds."""
         if monotonic() > self.looked + LOOK_EVERY:
             self.threads, self.looked = sum(self.client.nthreads().values()), monotonic()
         return self.threads
 
     def _await(self, later: int) -> None:
-        """Wait until a task is finished, with messages where no worker is left."""
+        """Wait until a task of the cluster is finished, with messages where no worker is left."""
         while not self.finished.has_ready():
             with self.finished.thread_condition:
                 self.finished.thread_condition.wait(PAUSE)
@@ -207,7 +210,7 @@ class _Running(Generic[S]):
                 self.absence.update(self._threads(), later + sum(map(len, self.tasks.values())))
 
     def _next(self) -> list[tuple[S, DoneChunk[Any]]]:
-        """Pairs of part and report of the tasks that finished since the last call, one task at least."""
+        """Parts of the study and the workers' reports on them, of the tasks that finished since the last call."""
         ended = self.finished.next_batch(block=True)
         for task in ended:
             if task.status != "finished":

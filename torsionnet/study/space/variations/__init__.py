@@ -1,1 +1,1 @@
-"""Variations of a parameter: distributions, lists and ranges, one class for each word in ``type:``."""
+"""Variations of a parameter, which are distributions, lists and ranges, one class for each type in a study file."""

@@ -1,4 +1,4 @@
-"""The variation ``type: list``: given values of a parameter, one after the other."""
+"""Variation of a parameter over a list of given values, one after the other."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from torsionnet.study.space.variations.variation import (
 @register_variation
 @dataclass(frozen=True, kw_only=True)
 class ListOfValues(Variation):
-    """Values in a list, each crossed with whatever else varies.
+    """Variation of a parameter over a list of values, each crossed with whatever else varies.
 
     Examples
     --------
@@ -60,7 +60,7 @@ class ListOfValues(Variation):
 
 @dataclass(frozen=True, eq=False)
 class ValueTable:
-    """Function from indices to the values of a list."""
+    """Function from indices (n,) to the values (n,) of a list in SI."""
 
     values: FloatArray
 

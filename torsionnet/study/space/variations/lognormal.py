@@ -1,4 +1,4 @@
-"""The variation ``type: lognormal``: values above 0 whose logarithms are normally distributed."""
+"""Lognormal variation of a parameter, with values above 0 whose logarithms are normally distributed."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ class LognormalMarginal(Marginal):
 
     def __init__(self, mean: float, deviation: float) -> None:
         self.deviation = sqrt(log1p((deviation / mean) ** 2))
-        """Standard deviation of the logarithm."""
+        """Standard deviation of the natural logarithm of the values in SI, from their mean and standard deviation."""
         self.middle = log(mean) - self.deviation**2 / 2
-        """Logarithm of the median."""
+        """Natural logarithm of the median of the values in SI, which is the mean of their logarithms."""
 
     def to_normal(self, values: ArrayLike) -> FloatArray:
         with np.errstate(divide="ignore"):
@@ -68,7 +68,7 @@ class LognormalMarginal(Marginal):
 @register_variation
 @dataclass(frozen=True, kw_only=True)
 class Lognormal(Variation):
-    """Lognormal distribution; mean and deviation are those of the values themselves, not of their logarithms.
+    """Lognormal variation of a parameter, by mean and deviation of the values themselves, not of their logarithms.
 
     With limits, values beyond them are left out and the rest keeps its proportions.
 

@@ -16,14 +16,14 @@ from torsionnet.model.parameters import dimensions
 
 @dataclass(frozen=True)
 class ParameterUse:
-    """Entry of an element that a parameter gives: its kind of quantity, and the name of its dimension."""
+    """Use of a parameter as the value of an element's entry, with its kind of quantity and its dimension."""
 
     quantity: QuantityKind[object]
     dimension: str
 
 
 def parameter_uses(model: Model) -> dict[str, list[ParameterUse]]:
-    """Entries that every parameter gives alone, without an expression; entries of the same kind once."""
+    """Uses of every parameter, by name, as the value of an element's entry without an expression, one of each kind."""
     found: dict[str, dict[object, ParameterUse]] = {}
     for element in model.definition.elements.values():
         for _, spec, expression, dimension in element.expressions():
@@ -34,17 +34,17 @@ def parameter_uses(model: Model) -> dict[str, list[ParameterUse]]:
 
 
 LEAST_BARE_DEVIATION = 1e-3
-"""Share of a mean below which a deviation without unit is refused: 0.05 usually means 5 %, not 0.05 N m/rad."""
+"""Share of a mean below which a deviation without unit is refused, as 0.05 usually means 5 %, not 0.05 N m/rad."""
 
 
 def is_share(number: Number) -> bool:
-    """Whether a value was written in percent."""
+    """Whether a number of a study file was written in percent."""
     return number.unit_dimension == DIMENSIONS["1"] and (number.text or "").rstrip().endswith("%")
 
 
 @dataclass(frozen=True)
 class Nominal:
-    """Value and unit of a parameter in the model.
+    """Value in SI and unit of a parameter in the model.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class Nominal:
 
 
 def nominals(model: Model, names: Iterable[str]) -> dict[str, Nominal]:
-    """Value and unit of each of the named parameters in the model."""
+    """Value in SI and unit in the model of each of the named parameters, by name."""
     known, _ = dimensions(model.definition.parameters)
     uses = parameter_uses(model)
     return {name: _nominal(model, name, known.get(name), uses.get(name, [])) for name in names}
@@ -99,7 +99,7 @@ class NominalReader:
         return nan
 
     def value(self, number: Number | None, *path: str | int) -> float:
-        """Value in SI of a number, of a signed percentage of the model's value, or, of None, the model's value."""
+        """Value in SI of a number, of a signed percentage of the model's value, or, for None, the model's value."""
         nominal = self.nominal
         if number is None:
             if nominal.value is None:
@@ -122,7 +122,7 @@ class NominalReader:
         return nominal.value + float(number.value) * abs(nominal.value)
 
     def spread(self, number: Number, of: float, *path: str | int) -> float:
-        """Standard deviation in SI from a number or a percentage ``of`` a value; above 0."""
+        """Standard deviation in SI, above 0, from a number or a percentage ``of`` a value."""
         if number.value <= 0:
             return self.fault(f"must be greater than 0, got {number}", *path)
         if not is_share(number):

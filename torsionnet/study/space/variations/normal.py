@@ -1,4 +1,4 @@
-"""The variation ``type: normal``: normally distributed values."""
+"""Normal variation of a parameter, with normally distributed values."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ HIGH = ParameterValue("no value is above; by default there is no such limit")
 
 
 class NormalMarginal(Marginal):
-    """Normal distribution by mean and standard deviation in SI."""
+    """Normal distribution of a parameter by mean and standard deviation in SI."""
 
     low, high = -inf, inf
 
@@ -65,7 +65,7 @@ class NormalMarginal(Marginal):
 @register_variation
 @dataclass(frozen=True, kw_only=True)
 class Normal(Variation):
-    """Normal distribution; with limits, values beyond them are left out and the rest keeps its proportions.
+    """Normal variation of a parameter, with limits beyond which values are left out and the rest keeps its proportions.
 
     Mean and deviation are those before anything is left out.
 

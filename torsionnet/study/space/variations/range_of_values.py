@@ -1,4 +1,4 @@
-"""The variation ``type: range``: values at equal steps or equal ratios between two ends."""
+"""Variation of a parameter over a range, at equal steps or equal ratios between two ends."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ from torsionnet.study.space.variations.variation import (
 
 LOG = "log"
 OTHER_ENDS = ("from", "to", "start", "stop")
-"""Keys that other tools use for the ends, which are refused with the right names."""
+"""Keys that other tools use for the ends of a range, which are refused with the right names."""
 
 
 @register_variation
 @dataclass(frozen=True, kw_only=True)
 class ValueRange(Variation):
-    """Values from the lowest to the highest, both included, each crossed with whatever else varies.
+    """Variation of a parameter from the lowest to the highest value, both included, crossed with whatever else varies.
 
     Examples
     --------
@@ -76,7 +76,10 @@ class ValueRange(Variation):
 
 @dataclass(frozen=True)
 class Steps:
-    """Function from indices to values at equal steps or ratios; both ends are exact."""
+    """Function from indices (n,) to values (n,) in SI at equal steps or ratios between two ends.
+
+    Both ends are exact.
+    """
 
     low: float
     high: float

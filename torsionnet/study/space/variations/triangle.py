@@ -1,4 +1,4 @@
-"""The variation ``type: triangular``: values between two limits with a most frequent one."""
+"""Triangular variation of a parameter, between two limits with a most frequent value."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from torsionnet.study.space.variations.variation import (
 
 
 class TriangularMarginal(Marginal):
-    """Triangular distribution by lowest, most frequent and highest value in SI."""
+    """Triangular distribution of a parameter by lowest, most frequent and highest value in SI."""
 
     def __init__(self, low: float, mode: float, high: float) -> None:
         self.low, self.mode, self.high = low, mode, high
@@ -71,7 +71,7 @@ class TriangularMarginal(Marginal):
 @register_variation
 @dataclass(frozen=True, kw_only=True)
 class Triangular(Variation):
-    """Triangular distribution.
+    """Triangular variation of a parameter, by lowest, most frequent and highest value.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Truncated distributions: only the values between two limits are left."""
+"""Truncated distributions of a parameter, of which only the values between two limits are left."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from torsionnet.study.space.variations.nominal import NominalReader
 from torsionnet.study.space.variations.variation import Marginal
 
 LEAST_SHARE_LEFT = 1e-9
-"""Smallest share of a distribution that may be left between limits; less is an error in the entry."""
+"""Smallest share of a distribution that may be left between its limits, as less is an error in the entry."""
 
 
 class TruncatedMarginal(Marginal):
-    """Distribution of the values of ``whole`` from ``low`` to ``high``, as if all others were drawn again.
+    """Distribution of the values of ``whole`` from ``low`` to ``high`` in SI, as if all others were drawn again.
 
     Examples
     --------
@@ -32,7 +32,7 @@ class TruncatedMarginal(Marginal):
         self._below, self._above = whole.cdf(ends), whole.sf(ends)
         by_below, by_above = self._below[1] - self._below[0], self._above[0] - self._above[1]
         self.share = float(by_below if self._below[0] < 0.5 else by_above)
-        """Share of the values of the whole distribution that are left."""
+        """Share of the values of the whole distribution, from 0 to 1, that are left between the limits."""
 
     def _both(self, values: ArrayLike) -> tuple[FloatArray, FloatArray]:
         inside = np.clip(np.asarray(values, dtype=float), self.low, self.high)
@@ -67,7 +67,7 @@ class TruncatedMarginal(Marginal):
 
 
 def truncated(whole: Marginal, low: Number | None, high: Number | None, reader: NominalReader) -> Marginal:
-    """Distribution between the limits of a variation; the whole one without limits."""
+    """Distribution between the limits of a variation, the whole one if there are no limits."""
     if low is None and high is None:
         return whole
     ends: Any = [

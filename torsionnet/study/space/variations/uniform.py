@@ -1,4 +1,4 @@
-"""The variation ``type: uniform``: values between two limits, all equally likely."""
+"""Uniform variation of a parameter, with values between two limits, all equally likely."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ HIGHEST = ParameterValue("highest value; +10 % is relative to the value in the m
 
 
 class UniformMarginal(Marginal):
-    """Uniform distribution by lowest and highest value in SI."""
+    """Uniform distribution of a parameter by lowest and highest value in SI."""
 
     def __init__(self, low: float, high: float) -> None:
         self.low, self.high = low, high
@@ -44,7 +44,7 @@ class UniformMarginal(Marginal):
         return self._inside(self.high - (self.high - self.low) * np.asarray(shares, dtype=float))
 
     def _inside(self, values: FloatArray) -> FloatArray:
-        """Values clipped to the limits, beyond which rounding must not lead."""
+        """Values in SI clipped to the limits, beyond which rounding must not lead."""
         return np.clip(values, self.low, self.high)
 
     def log_density(self, values: ArrayLike) -> FloatArray:
@@ -55,7 +55,7 @@ class UniformMarginal(Marginal):
 @register_variation
 @dataclass(frozen=True, kw_only=True)
 class Uniform(Variation):
-    """Uniform distribution.
+    """Uniform variation of a parameter, by lowest and highest value.
 
     Examples
     --------

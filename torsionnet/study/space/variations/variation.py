@@ -1,4 +1,4 @@
-"""Base classes of variations, of distributions and of axes with given values."""
+"""Base classes of a parameter's variations, of distributions and of axes with given values."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from torsionnet.study.space.variations.nominal import NominalReader
 
 
 class Marginal:
-    """Base class of the distributions of one parameter.
+    """Base class of the distributions of one parameter, with cumulative shares and their inverses.
 
     Both tails are exact: what is close to the upper end is asked for by the share above it.
 
@@ -34,27 +34,27 @@ class Marginal:
     high: float
 
     def cdf(self, values: ArrayLike) -> FloatArray:
-        """Share of the variants below the values (cumulative distribution function)."""
+        """Share of the variants below each of the values in SI (cumulative distribution function)."""
         raise NotImplementedError
 
     def sf(self, values: ArrayLike) -> FloatArray:
-        """Share of the variants above the values (survival function)."""
+        """Share of the variants above each of the values in SI (survival function)."""
         raise NotImplementedError
 
     def ppf(self, shares: ArrayLike) -> FloatArray:
-        """Values with given shares of the variants below them (inverse of :meth:`cdf`)."""
+        """Values in SI with given shares of the variants below them (inverse of :meth:`cdf`)."""
         raise NotImplementedError
 
     def isf(self, shares: ArrayLike) -> FloatArray:
-        """Values with given shares of the variants above them (inverse of :meth:`sf`)."""
+        """Values in SI with given shares of the variants above them (inverse of :meth:`sf`)."""
         raise NotImplementedError
 
     def log_density(self, values: ArrayLike) -> FloatArray:
-        """Logarithm of the probability density; minus infinity where no value is possible."""
+        """Logarithm of the probability density at values in SI; minus infinity where no value is possible."""
         raise NotImplementedError
 
     def from_normal(self, normal: ArrayLike) -> FloatArray:
-        """Values at the same shares as values of a standard normal variable."""
+        """Parameter values in SI at the same shares as values of a standard normal variable."""
         u = np.asarray(normal, dtype=float)
         from scipy.special import ndtr
 
@@ -62,7 +62,7 @@ class Marginal:
         return np.where(u < 0, self.ppf(tail), self.isf(tail))
 
     def to_normal(self, values: ArrayLike) -> FloatArray:
-        """Values of a standard normal variable at the same shares as parameter values."""
+        """Values of a standard normal variable at the same shares as parameter values in SI."""
         below, above = self.cdf(values), self.sf(values)
         from scipy.special import ndtri
 
@@ -74,7 +74,7 @@ Indices = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class GridAxis:
-    """Axis of the grid of variants: values of a parameter by index, calculated when needed.
+    """Axis of the grid of variants, which gives values of a parameter by index, calculated when needed.
 
     Attributes
     ----------
@@ -92,7 +92,7 @@ class GridAxis:
 
     @property
     def values(self) -> FloatArray:
-        """All values of the axis in SI, (count,)."""
+        """All values (count,) of the axis in SI."""
         return self.at(np.arange(self.count))
 
 
@@ -104,7 +104,7 @@ V = TypeVar("V", bound="type[Variation]")
 
 
 class ParameterValue(Spec[Number]):
-    """Entry for a value of a parameter: with unit, in SI, or in percent of the value in the model."""
+    """Entry for a value of a parameter, with unit, in SI, or in percent of the value in the model."""
 
     def coerce(self, raw: object) -> Number:
         value = raw if isinstance(raw, Number) else read_value(raw)
@@ -123,7 +123,7 @@ class ParameterValue(Spec[Number]):
 
 @dataclass(frozen=True, kw_only=True)
 class Variation(Declared):
-    """Base of the variations; a class of its own for each ``type:``, registered by :func:`register_variation`."""
+    """Base class of a parameter's variations, one subclass for each ``type`` (:func:`register_variation`)."""
 
     article: ClassVar[str] = "a variation"
     is_random: ClassVar[bool] = True
@@ -139,15 +139,15 @@ class Variation(Declared):
         raise NotImplementedError
 
     def bound(self, reader: NominalReader) -> Marginal | GridAxis | None:
-        """Distribution or axis of values in SI; None where the reader found faults."""
+        """Distribution or axis of the parameter's values in SI, None where the reader found faults."""
         raise NotImplementedError
 
 
 VARIATIONS: TypeRegister[type[Variation]] = TypeRegister("torsionnet.study.space.variations", ("triangle",))
-"""Classes of variations by the word in ``type:``."""
+"""Classes of variations by the word that a study file writes as their ``type``."""
 
 
 def register_variation(cls: V) -> V:
-    """Class decorator that registers a variation by its ``kind``."""
+    """Class decorator that registers a class of variations by its ``kind``, the ``type`` in a study file."""
     VARIATIONS[cls.kind] = cls
     return cls
