@@ -23,7 +23,10 @@ names that have nothing in common."""
 
 @dataclass(frozen=True)
 class Position:
-    """Stretch of one line in a file; line and columns count from 1, ``end_column`` is exclusive."""
+    """Position of a fault in a file, a stretch of one line.
+
+    Line and columns count from 1, ``end_column`` is exclusive.
+    """
 
     file: str
     line: int
@@ -196,7 +199,10 @@ def nearest(name: str, candidates: Iterable[str]) -> str:
 
 @lru_cache(maxsize=2**15)
 def _letters(text: str) -> int:
-    """Bit mask of the letters of a text with their counts; letters that share a bit only make texts look more alike."""
+    """Bit mask of the letters in a text and of how often each occurs, for quick comparison of names.
+
+    Letters that share a bit only make texts look more alike.
+    """
     seen: dict[int, int] = {}
     bits = 0
     for letter in text:
@@ -207,7 +213,7 @@ def _letters(text: str) -> int:
 
 
 def did_you_mean(name: str, candidates: Iterable[str]) -> str:
-    """Question whether the nearest candidate was meant, ``; did you mean "x"?``, or the empty string.
+    """Question whether the nearest candidate was meant, or the empty string where none is near.
 
     >>> did_you_mean("gerbox", ["gearbox", "motor"])
     '; did you mean "gearbox"?'

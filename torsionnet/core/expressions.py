@@ -44,14 +44,17 @@ class Algebra:
 
 
 RATIONAL = Algebra(number=lambda number: number, sqrt=exact_sqrt, pi=math.pi)
-"""Algebra of exact fractions, with floats where a root or pi needs them."""
+"""Algebra that evaluates expressions as exact fractions, with floats where a root or pi needs them."""
 FLOAT = Algebra(number=float, sqrt=exact_sqrt, pi=math.pi)
-"""Algebra of floats."""
+"""Algebra that evaluates expressions as floats."""
 
 
 @dataclass(frozen=True)
 class Expression:
-    """Tree of numbers, names and arithmetic; ``str`` gives a text that parses back to an equal tree."""
+    """Expression of parameters as a tree of numbers, names and arithmetic.
+
+    ``str`` gives a text that parses back to an equal tree.
+    """
 
     @cached_property
     def names(self) -> frozenset[str]:
@@ -59,7 +62,10 @@ class Expression:
         raise NotImplementedError
 
     def evaluate(self, values: Mapping[str, Any], algebra: Algebra = RATIONAL) -> Any:
-        """Calculate the value in an algebra; raises :class:`ExpressionError`, also for results beyond a float."""
+        """Value of the expression in SI units, as a number of an algebra, for given values of its parameters.
+
+        Raises :class:`ExpressionError`, also for results beyond a float.
+        """
         try:
             result = self.value_in(values, algebra)
             finite = not isinstance(result, int | float | Fraction) or math.isfinite(result)
@@ -77,11 +83,11 @@ class Expression:
         return kind if isinstance(kind, Dimension) else None
 
     def value_in(self, values: Mapping[str, Any], algebra: Algebra) -> Any:
-        """Value of this node of the tree in an algebra."""
+        """Value in SI units of this node of the tree, as a number of an algebra."""
         raise NotImplementedError
 
     def kind_of(self, dimensions: Mapping[str, Dimension | None]) -> _Kind:
-        """Physical dimension of the value, or which of two it is without one: a bare number or unknown."""
+        """Physical dimension of the value, or a mark that it is a bare number or unknown."""
         raise NotImplementedError
 
     def renamed(self, name: Callable[[str], str]) -> Expression:
@@ -103,7 +109,10 @@ class Expression:
 
 @dataclass(frozen=True)
 class Number(Expression):
-    """Exact number in SI units; ``text`` is what was written, for example ``0.46 kN*m/rad``."""
+    """Exact number in SI units as part of an expression.
+
+    ``text`` is what was written, for example ``0.46 kN*m/rad``.
+    """
 
     value: Any  # a real number; stored as a Fraction
     unit_dimension: Dimension | None = None
@@ -178,7 +187,7 @@ class Name(Expression):
 
 @dataclass(frozen=True)
 class Compound(Expression):
-    """Operator, function or constant with its operands; ``sign`` is a key of :data:`RULES`."""
+    """Operator, function or constant with its operands as part of an expression; ``sign`` is a key of :data:`RULES`."""
 
     sign: str
     operands: tuple[Expression, ...] = ()

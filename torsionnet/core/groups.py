@@ -30,7 +30,10 @@ class Groups(Generic[T]):
         return self.home.setdefault(name, [name])
 
     def join(self, first: T, *others: T) -> bool:
-        """Merge the groups of these names; False if some of them were together before."""
+        """Merge the groups of these names, and return whether all were apart before.
+
+        False if some of them were together before.
+        """
         self.of(first)
         were_apart = [self._joined(first, other) for other in others]
         return all(were_apart)

@@ -83,7 +83,7 @@ class Typed(Composite[D]):
     kinds: Kinds[D]
     what: str
     name: str
-    """Name of the definition in the JSON Schema; the names of the kinds begin with it."""
+    """Name under which the JSON Schema defines the entry; the names of the kinds begin with it."""
     shown: str = ""
     key: str = "type"
 
@@ -147,9 +147,9 @@ class Named(Composite[Mapping[str, Stored_co]], Plural[Mapping[str, Stored_co]])
 
     of: Spec[Stored_co]
     refused: Callable[[str], str | None] = field(default=lambda _: None)
-    """Function that says why a name is not allowed, or returns None."""
+    """Function that returns why a name in the table is not allowed, or None where it is."""
     names: Schema = field(default_factory=dict)
-    """JSON Schema of the names."""
+    """JSON Schema that every name in the table has to fit."""
     form: str = "entries by name"
     fewest: int = 0
 
