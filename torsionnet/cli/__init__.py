@@ -11,7 +11,7 @@ import os
 from collections.abc import Sequence
 
 OBJECTS_BETWEEN_COLLECTIONS = 100_000
-"""New objects between two runs of the garbage collector; fewer make starting up slower, more take memory."""
+"""New objects between two runs of the garbage collector, as fewer slow down starting and more take memory."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
