@@ -28,13 +28,13 @@ from torsionnet.response.limits.limit_check import PASS, LimitCheck, LimitVerdic
 from torsionnet.response.limits.limit_conclusion import LimitConclusion
 
 MOST_DRAWN = 8
-"""Limits drawn over speed, each in its worst condition."""
+"""Largest number of limits that a report draws over speed, each in its worst condition."""
 MOST_ROWS = 24
-"""Conditions whose conclusion is shown; the verdict is on all."""
+"""Largest number of conditions whose conclusion a report shows; the verdict is on all."""
 
 
 def limits_section(subject: ReportData) -> Section | None:
-    """Section on stresses and limits; None for a model without limits."""
+    """Section of a report on stresses and limits; None for a model without limits."""
     found = subject.limit_conclusion
     if found is None:
         return None
@@ -48,12 +48,12 @@ def limits_section(subject: ReportData) -> Section | None:
 
 
 def verdict(found: LimitConclusion) -> Paragraph:
-    """Paragraph with the verdict on the model, and first of all what was not examined."""
+    """Paragraph with the verdict on the model's limits, and first of all what was not examined."""
     return Paragraph((Strong(f"Verdict on stresses and limits: {found.verdict}."), f" {capital(found.sentence)}."))
 
 
 def conclusion(found: LimitConclusion) -> TableBlock:
-    """Table with one sentence for every condition; of many conditions the gravest."""
+    """Table with one sentence on the limits for every condition; of many conditions the gravest."""
     columns = (Heading("Configuration"), Heading("Verdict"), Heading("Conclusion", wide=True))
     kept = [one for one in found.checks if one.verdict != PASS] if len(found.checks) > MOST_ROWS else found.checks
     rows = [(check.configuration, check.verdict, as_words(check.finding())) for check in kept[:MOST_ROWS]]
@@ -63,7 +63,10 @@ def conclusion(found: LimitConclusion) -> TableBlock:
 
 
 def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableBlock:
-    """Table of the worst speed of every condition and criterion of one limit; of many conditions the gravest."""
+    """Table of the worst speed of every condition and criterion of one limit, with value and value allowed there.
+
+    Of many conditions the gravest.
+    """
     checks = _gravest(judged, name)
     found = [(check, one) for check in checks for one in check.verdicts if one.limit == name]
     columns = (
@@ -98,7 +101,7 @@ def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableB
 
 
 def _gravest(found: LimitConclusion, name: str) -> list[LimitCheck]:
-    """Checks of the conditions that are shown of one limit, in their order."""
+    """Checks of the limits in those conditions that the report shows of one limit, in their order."""
 
     def grave(check: LimitCheck) -> tuple[bool, float]:
         verdicts = [one.verdict for one in check.verdicts if one.limit == name]
@@ -119,7 +122,7 @@ def _numbers(subject: ReportData, check: LimitCheck, one: LimitVerdict) -> tuple
 
 
 def _picture(subject: ReportData, judged: LimitConclusion, name: str, number: int) -> list[Picture]:
-    """Picture of a limit over speed in the condition in which it is used most."""
+    """Figures of a limit over speed in the condition in which the limit is used most."""
     from torsionnet.plot.limit_check import limit_check
 
     use = [_most_used(check, name) for check in judged.checks]
@@ -140,7 +143,10 @@ def _most_used(check: LimitCheck, name: str) -> float:
 
 
 def _rules(found: LimitConclusion) -> list[Block]:
-    """Blocks on the rules that limits rest on: source, formula and what is not covered; and the remarks."""
+    """Blocks of the report on the rules that limits rest on.
+
+    Source, formula and what is not covered; and the remarks.
+    """
     texts = {text: names for check in found.checks for text, names in check.texts().items()}
     rules = tuple(
         (Strong(", ".join(map(as_words, names))), f": {text.source}. {text.formula}. Not covered: {text.not_covered}.")
@@ -154,7 +160,7 @@ def _rules(found: LimitConclusion) -> list[Block]:
 
 
 def _remarks(found: LimitConclusion) -> list[str]:
-    """Remarks on limits, each once, with its configurations unless they are all."""
+    """Texts of the remarks on limits, each once, with its configurations unless they are all."""
     known = list(dict.fromkeys(check.configuration for check in found.checks))
     said = (
         (f"{as_words(one.limit)}, {as_words(one.criterion)}", check.configuration, remark)
