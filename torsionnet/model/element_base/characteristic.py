@@ -1,4 +1,4 @@
-"""Entry for a characteristic: rows of plain numbers, interpolated linearly over the first column."""
+"""Entry for a characteristic, rows of plain numbers interpolated linearly over the first column."""
 
 from __future__ import annotations
 

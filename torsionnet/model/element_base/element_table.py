@@ -83,5 +83,5 @@ def _kind_fault(kind: Any) -> Fault:
 
 
 def element_kinds() -> Mapping[str, type[Element]]:
-    """Registered element classes by kind."""
+    """Class of every registered element type, by the word in ``type:``."""
     return ELEMENT_TYPES

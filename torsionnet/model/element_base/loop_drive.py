@@ -1,4 +1,4 @@
-"""Base of belts and chains: a loop over wheels, rigid or with elastic spans."""
+"""Base of belts and chains, a loop over wheels that is rigid or has elastic spans."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class LoopDrive(Element):
     glyph: ClassVar[str] = "belt"
     sign: ClassVar[str] = "positive when the first wheel drives the loop in the positive sense"
     wheels_field: ClassVar[str] = ""
-    """Name of the entry with the radii or teeth of the wheels by node."""
+    """Name of the entry with the radii or teeth of the wheels by node, in the class of a drive."""
 
     stiffness: tuple[Expression, ...] = entry(SPANS, None, kw_only=True)
     axial_stiffness: Expression | None = entry(
@@ -150,11 +150,11 @@ class LoopDrive(Element):
         return [value(self.axial_stiffness) / value(length) for length in self.lengths]
 
     def _by_arm(self, one: str, other: str, radius: Any, value: Values) -> list[tuple[str, Any]]:
-        """(arm node, coefficient) by which the tensioner arm shortens a span, over the radius of the first wheel."""
+        """Arm node, and coefficient by which the tensioner arm shortens a span over the first wheel's radius."""
         levers = zip((other, one), self.levers, strict=False)
         return [(not_none(self.arm), -value(lever) / radius) for end, lever in levers if end == self.tensioner]
 
     def _row(self, ends: Ends) -> Any:
-        """Row of the given ends relative to the housing, which carries wheels and arm."""
+        """Row of weights of the given ends relative to the housing, which carries wheels and arm."""
         carried = [] if self.housing is None else [(self.housing, -sum(coefficient for _, coefficient in ends))]
         return make_row([*ends, *carried])

@@ -50,7 +50,7 @@ class SpeedStep:
     alike: bool = False
 
     def ratio(self, value: Values) -> Any:
-        """Speed of the end node over that of the start node."""
+        """Speed of the step's end node over that of its start node, in the algebra of ``value``."""
         if self.alike:
             return Fraction(1)
         row = self.element.mean_speed_rows(value)[self.row]
@@ -64,14 +64,14 @@ class SpeedPath:
     steps: tuple[SpeedStep, ...]
 
     def ratio(self, value: Values) -> Any:
-        """Speed of the shaft at the end over that at the start, in the algebra of ``value``."""
+        """Speed of the path's last shaft over that of its first, in the algebra of ``value``."""
         total: Any = Fraction(1)
         for step in self.steps:
             total = step.ratio(value) * total
         return total
 
     def actual(self, parts: Iterable[Part], value: Values) -> tuple[Part, ...]:
-        """Laws converted from the shaft at the end, where their values are quoted, to the shaft at the start."""
+        """Laws converted from the speed of the path's last shaft, where they are quoted, to that of the first."""
         if not self.steps:
             return tuple(parts)
         factor = self.ratio(value) ** 2
@@ -104,14 +104,14 @@ def _scaled(law: Law, factor: Any) -> Law:
 
 @dataclass(frozen=True)
 class _Held:
-    """Mean-speed row of an element: its motion is zero on average."""
+    """Row of node speeds that an element makes zero on average."""
 
     element: SpeedTransmitter
     number: int
     row: Row
 
     def leads(self, start: str, still: set[str]) -> Iterator[str]:
-        """Nodes of the row whose speed follows from that of ``start``."""
+        """Nodes of the row whose mean speed follows from that of ``start``."""
         if start in self.row:
             moving = [node for node in self.row if node not in still]
             if start in moving and (len(moving) == 2 or self.is_alike(still)):
@@ -124,13 +124,13 @@ class _Held:
 
     @property
     def is_unity(self) -> bool:
-        """Whether both nodes always turn at one speed: the coefficients are 1 and -1 whatever the values."""
+        """Whether both nodes of the row always turn at one speed: the coefficients are 1 and -1 whatever the values."""
         return len(self.row) == 2 and all(type(a) is int for a in self.row.values()) and sum(self.row.values()) == 0
 
 
 @dataclass(frozen=True)
 class SpeedTree:
-    """Next step towards an end node, by node, over rows in which all other nodes stand still.
+    """Next step towards an end node from every node, over rows in which all other nodes stand still.
 
     ``closing`` are the steps of the rows that close loops, each in both directions.
     """
@@ -225,5 +225,5 @@ class SpeedPaths:
 
 
 def own_node(ports: Mapping[str, str]) -> str:
-    """Node whose shaft the values of an element belong to: its first node that is not ground."""
+    """Node of an element, the first but ground, to whose shaft its values belong."""
     return next((node for node in ports.values() if node != GROUND), GROUND)
