@@ -116,7 +116,7 @@ class Model:
 
     @property
     def definition(self) -> Definition:
-        """Definition of the model, its typed content."""
+        """Definition of the model, the typed content of its file."""
         return self._definition
 
     @property
@@ -159,17 +159,20 @@ class Model:
 
     @property
     def parameter_definitions(self) -> Mapping[str, Parameter]:
-        """Parameters as written: expression, unit, description, bounds."""
+        """Parameters of the model as written, by name: expression, unit, description, bounds."""
         return MappingProxyType(dict(self._definition.parameters))
 
     @cached_property
     def exact_values(self) -> Mapping[str, Any]:
-        """Value in SI of every parameter; a Fraction unless a root or pi was involved."""
+        """Value in SI of every parameter, by name, exact where possible.
+
+        A Fraction unless a root or pi was involved.
+        """
         return MappingProxyType(resolve(self._definition.parameters)[0])
 
     @property
     def axes(self) -> Mapping[str, tuple[str, ...]]:
-        """Axes of configurations and the alternatives on each."""
+        """Names of the alternatives on each axis of configurations, by axis."""
         return MappingProxyType({axis: tuple(names) for axis, names in self._definition.configurations.items()})
 
     @property
@@ -347,7 +350,7 @@ class Model:
 
     @cached_property
     def external_torques(self) -> ExternalTorques:
-        """Mean external torques over speed, with the speed ratios that they need."""
+        """Mean external torques over speed on the model, with the speed ratios that they need."""
         return ExternalTorques(self._definition, self.exact_values)
 
     @cached_property
@@ -357,7 +360,10 @@ class Model:
 
     @cached_property
     def mean_torques(self) -> Mapping[str, float]:
-        """Mean external torque in N m by node: of the load at the speed of the operating point, else as given there."""
+        """Mean external torque in N m on the model, by node.
+
+        Of the load at the speed of the operating point, else as given there.
+        """
         return MappingProxyType(mean_torques(self.external_torques))
 
     _definition: Definition
@@ -367,7 +373,7 @@ class Model:
     _findings: tuple[Fault, ...]
 
     def __getstate__(self) -> dict[str, Any]:
-        """State for pickling: the definition and changes, without calculated results."""
+        """State of the model for pickling: the definition and changes, without calculated results."""
         return _state(self._definition, self._base, self._choice, self._changes, self._findings)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -394,7 +400,7 @@ def _state(
 
 
 def as_part(model: Any) -> Any:
-    """Part of a model with ports; other objects are returned unchanged."""
+    """Part made of a model with ports, to be put into another model; other objects are returned unchanged."""
     return part_of(model.definition)[0] if isinstance(model, Model) else model
 
 

@@ -1,4 +1,4 @@
-"""Sequential elimination: rows solved one after the other, each for one of its unknowns.
+"""Sequential elimination of unknowns in linear equations, each row solved for one of its unknowns.
 
 A row that leaves two names ties these in proportion. Nothing is substituted ahead of need: a row is reduced to names
 that are still free, and the solution of a name is calculated when it is used.
@@ -62,7 +62,7 @@ class Elimination:
         return new
 
     def add(self, row: Mapping[Any, Any]) -> None:
-        """Add a row and solve it."""
+        """Add a row to the elimination and solve it for one of its unknowns."""
         index, self.count = self.count, self.count + 1
         current, derivation = self.condensed(row)
         leads = {self.proportions.group(name).lead: name for name in current}
@@ -78,7 +78,7 @@ class Elimination:
             self.derivation[index] = derivation
 
     def blocks(self, row: Mapping[Any, Any]) -> bool:
-        """Whether the row, reduced, has only names to be kept."""
+        """Whether the row, reduced, has only unknowns that are to be kept."""
         current, _ = self.condensed(row)
         return bool(current) and all(self.proportions.group(name).lead in self.keep for name in current)
 
@@ -122,7 +122,10 @@ class Elimination:
         waiting: list[tuple[int, ProportionalGroup]],
         derivation: Derivation,
     ) -> None:
-        """Add terms to ``found``, one for each group; groups with a solution go to ``waiting``, the earliest first."""
+        """Add terms of a row to ``found``, one for each group of names in proportion.
+
+        Groups with a solution go to ``waiting``, the earliest first.
+        """
         for name, coefficient in terms:
             group = self.proportions.group(name)
             if group in found:

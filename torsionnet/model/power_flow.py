@@ -24,7 +24,7 @@ from torsionnet.response.worst_response import WorstResponse
 
 @dataclass(frozen=True)
 class PowerFlow:
-    """Torque sensor, motion sensor and sign of a power flow: +1 into the element, -1 out of it."""
+    """Torque sensor, motion sensor and sign of a power flow into an element: +1 into the element, -1 out of it."""
 
     torque: Sensor
     motion: Sensor
@@ -32,7 +32,9 @@ class PowerFlow:
 
 
 def power_flows(element: Element, values: Values) -> tuple[PowerFlow, ...]:
-    """Power flows of an element: torque on its twist if that is its only law, else torque and motion at each port.
+    """Power flows into an element, one for each port or one for its twist.
+
+    Torque on its twist if that is its only law, else torque and motion at each port.
 
     The rate of a twist is used because the difference of the rates of large angles would lose digits.
     """
@@ -48,12 +50,15 @@ def power_flows(element: Element, values: Values) -> tuple[PowerFlow, ...]:
 
 
 def power_sensors(flows: Sequence[PowerFlow]) -> list[Sensor]:
-    """Torque sensors, and angle or twist sensors, that the power flows need."""
+    """Torque sensors, and angle or twist sensors, that power flows need."""
     return [sensor for flow in flows for sensor in (flow.torque, flow.motion)]
 
 
 def mean_power(run: OrderResponse, flows: Sequence[PowerFlow]) -> FloatArray:
-    """Mean power in W over speed, shape (n_speeds,), the largest of all cases; needs the sensors as outputs."""
+    """Mean power of a vibration in W over speed, shape (n_speeds,), the largest of all cases.
+
+    Needs the sensors as outputs.
+    """
     if isinstance(run, WorstResponse) and run.scattered:
         text = f"{run.title}: dissipated power is that without the spread of cylinders"
         warnings.warn(text, TorsionnetWarning, stacklevel=2)
@@ -61,7 +66,7 @@ def mean_power(run: OrderResponse, flows: Sequence[PowerFlow]) -> FloatArray:
 
 
 def _mean_power(run: OrderResponse, flows: Sequence[PowerFlow]) -> FloatArray:
-    """Mean power in W of a case over speed, with engines of unknown crank angle at the worst angle.
+    """Mean power in W of a case over speed, shape (n_speeds,), with engines of unknown crank angle at the worst angle.
 
     Power is that of each engine alone and that which every two of them make together, a sum of waves over the angle
     between them. Of more than two the largest values of all pairs are added.
@@ -75,7 +80,7 @@ def _mean_power(run: OrderResponse, flows: Sequence[PowerFlow]) -> FloatArray:
 
 
 def _only(run: OrderResponse, places: Sequence[int]) -> OrderResponse:
-    """Response with all lines but those at ``places`` set to zero."""
+    """Response by order with all lines but those at ``places`` set to zero."""
     kept = np.isin(np.arange(len(run.lines)), places)
     return replace(run, values=run.values * kept[:, None])
 

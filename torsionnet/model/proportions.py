@@ -13,7 +13,7 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 LONG_RATIO_BITS = 1024
-"""Bits of numerator or denominator beyond which exact ratios are not multiplied: products would grow without end."""
+"""Largest number of bits in exact ratios that are multiplied, as products would grow without end."""
 
 
 def short_product(factor: Any, ratio: Any) -> Any:
@@ -37,7 +37,7 @@ def _lengths(ratio: Fraction) -> tuple[int, int]:
 
 
 class ProportionSolution(NamedTuple):
-    """Solution of a group of names: ``anchor`` = sum of ``row`` by equation ``number``.
+    """Solution of a group of names in proportion: ``anchor`` = sum of ``row`` by equation ``number``.
 
     No two names of the row are in proportion. An empty row holds the group at zero.
     """
@@ -90,11 +90,11 @@ class Proportions:
         return list(self._home)
 
     def groups(self) -> list[ProportionalGroup]:
-        """Groups of names, without duplicates."""
+        """Groups of names in proportion, without duplicates."""
         return [group for group in dict.fromkeys(self._home.values()) if group.joined is None]
 
     def group(self, name: Hashable) -> ProportionalGroup:
-        """Group of a name; a name without links is alone in its group."""
+        """Group of names in proportion to a name; a name without links is alone in its group."""
         found = self._home.get(name)
         if found is None:
             found = self._home[name] = ProportionalGroup(name)
@@ -147,7 +147,7 @@ class Proportions:
         return ratio
 
     def ratio(self, first: Hashable, second: Hashable) -> Any:
-        """Ratio of two different names of one group.
+        """Ratio of two different names of one group, the first over the second.
 
         This is the ratio of their ratios to the root if these are short, else a product over the links between them.
         """

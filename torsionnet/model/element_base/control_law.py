@@ -71,7 +71,10 @@ def _with_roots(roots: Sequence[Any]) -> Polynomial:
 
 
 def _of_matrices(given: dict[str, Any]) -> tuple[Polynomial, Polynomial]:
-    """C (s I - A)^-1 B + D by the Faddeev-LeVerrier algorithm, which divides by whole numbers only."""
+    """Numerator and denominator, ascending in s, of the state space that four matrices give.
+
+    C (s I - A)^-1 B + D by the Faddeev-LeVerrier algorithm, which divides by whole numbers only.
+    """
     A, B, C, D = (given[name] for name in "ABCD")
     n, zero = len(A), 0 * D
     adjugate = [[zero + (1 if i == j else 0) for j in range(n)] for i in range(n)]

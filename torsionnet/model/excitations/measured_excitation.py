@@ -64,7 +64,7 @@ class OrderTable(Declared):
 
     @cached_property
     def lines(self) -> MeasuredLines:
-        """Recorded lines of the table by order or frequency."""
+        """Lines of the table by order or frequency, with their peak values over speed."""
         return measured_lines(self.columns, np.array(self.rows, dtype=float))
 
 

@@ -82,7 +82,10 @@ def _names_pressure(key: Any) -> bool:
 
 
 def amplitudes(table: Mapping[float, TangentialHarmonic], orders: FloatArray, phase_of: str) -> ComplexArray:
-    """Complex tangential pressure in Pa by order, shape (n_orders,); 0 at orders that the table lacks."""
+    """Complex tangential pressure in Pa at orders, shape (n_orders,), from a table by order.
+
+    0 at orders that the table lacks.
+    """
     found = np.zeros(len(orders), dtype=complex)
     for order, one in table.items():
         found[np.isclose(orders, order)] = one.complex_amplitude(phase_of)

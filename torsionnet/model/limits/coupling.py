@@ -1,4 +1,4 @@
-"""Limits of flexible couplings: nominal, maximum and vibratory torque, heat and twist as makers state them."""
+"""Limits of flexible couplings on torque, heat and twist as makers state them."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ FORMULA = (
     "P <= P_KV times the factor for temperature, P = sum over frequencies of Re(T conj(dgamma/dt))/2 with T the whole "
     "torque, elastic and damping; T_v: half range of the sum of all orders; S_theta = {theta:g}"
 )
-"""Formula of the rule as reports print it."""
+"""Formula of the rule for couplings as reports print it."""
 
 
 @register_rule
