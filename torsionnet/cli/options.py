@@ -58,7 +58,7 @@ class SettingOption(PairOption):
 class StepsOption(PairOption):
     """Type of an option value ``CHANNEL=STEPS``, read as a channel and its steps per revolution.
 
-    A channel and its steps per revolution, above 0.
+    The number of steps is above 0.
     """
 
     def __init__(self) -> None:

@@ -235,7 +235,7 @@ def _quotient(compound: Compound, _: Algebra, left: Any, right: Any) -> Any:
 
 
 def _power(compound: Compound, algebra: Algebra, base: Any, _: Any = None) -> Any:
-    """Value of a power, or of a square root, which has no second operand."""
+    """Value, in an algebra, of a power, or of a square root, which has no second operand."""
     source, exponent = compound.operands[0], _exponent(compound)
     if exponent < 0:
         _refuse_zero(base, source)

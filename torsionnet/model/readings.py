@@ -29,7 +29,7 @@ POWERS_OF_S = {"angle": 0, "velocity": 1, "acceleration": 2}
 class Reading:
     """Reading of a sensor as a motion of nodes, or as a sum of torques of an element's laws and constraints.
 
-    S^power (row theta), or without a row sum_i laws[i] kappa_i (a_i theta) + sum_j constraints[j] lambda_j.
+    It is s^power (row theta), or without a row sum_i laws[i] kappa_i (a_i theta) + sum_j constraints[j] lambda_j.
 
     Attributes
     ----------

@@ -125,11 +125,7 @@ def mean_speeds(definition: Definition, values: Mapping[str, Any]) -> dict[str, 
 def speeds_by_reference(
     definition: Definition, values: Mapping[str, Any], reference: str, mean: Mapping[str, float] | None = None
 ) -> dict[str, float]:
-    """Mean speed of every node, by node, as a multiple of the reference's speed.
-
-    In rad/s where the operating point has one.
-
-    The mean speeds where the operating point has them.
+    """Mean speed by node, in rad/s where the operating point gives speeds, else over that of the reference.
 
     ``mean`` is the result of :func:`mean_speeds`, if known already.
 

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from torsionnet.solve.sensitivity import ModeSensitivities
 
 NEGLIGIBLE_EFFECT = 1e-9
-"""Effect, in percent of frequency or damping per percent of a parameter, that is left out as mere rounding."""
+"""Largest effect, in percent of frequency or damping per percent of a parameter, left out as mere rounding."""
 EFFECTS_SHOWN = 10
-"""Number of effects shown on the screen unless modes, parameters or all are asked for."""
+"""Number of effects of parameters on modes that the screen shows unless modes, parameters or all are asked for."""
 
 
 class SensitivityCommand(ModelCommand):

@@ -80,7 +80,10 @@ def plain_scalar(value: Expression) -> int | float | str:
 
 
 def plain_number(value: Fraction | float) -> int | float | str:
-    """Shortest exact way to write a number in a file; a fraction that no decimal can hold stays a quotient."""
+    """Number as a file holds it, written in the shortest exact way.
+
+    A fraction that no decimal can hold stays a quotient.
+    """
     if isinstance(value, Fraction):
         if value.denominator == 1 and abs(value) < 10**15:
             return int(value)

@@ -111,7 +111,10 @@ def reference(name: str) -> Schema:
 
 
 class Plural(Spec[Stored_co]):
-    """Base of specifications of collections; an entry that is not given is stored as an empty one."""
+    """Base of specifications of entries that hold several values.
+
+    An entry that is not given is stored as an empty one.
+    """
 
     @property
     def absent(self) -> Stored_co:

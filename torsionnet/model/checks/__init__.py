@@ -89,10 +89,7 @@ def has_errors(faults: list[Fault]) -> bool:
 
 
 def _refused_everywhere(base: list[Fault], others: Iterable[list[Fault]]) -> list[Fault]:
-    """Findings of the base model, in which an entry that no configuration can use becomes an error.
-
-    An entry that can be used in no configuration becomes an error.
-    """
+    """Findings of the base model, in which an entry that no configuration can use becomes an error."""
     useless = {fault.path for fault in base if fault.kind == USELESS}
     for found in others:
         useless &= {fault.path for fault in found if fault.kind == USELESS}

@@ -31,7 +31,7 @@ def unfit_limits(definition: Definition) -> list[Fault]:
 
 
 def _unfit(limit: Limit, subject: LimitSubject) -> Iterator[Fault]:
-    """Faults of one limit, completed with the catalogue of its element."""
+    """Faults of one limit after its missing entries were taken from the catalogue of its element."""
     try:
         yield from limit.fitted(subject.elements).unfit(subject)
     except ModelError as error:

@@ -11,7 +11,7 @@ from torsionnet.model.kinematics import Kinematics, exact_row, pseudo_node
 
 
 def free_motions(kinematics: Kinematics, answers: Callable[[Law], bool]) -> Reduction:
-    """Reduction to those motions of the drivetrain in which all laws chosen by ``answers`` stay at rest.
+    """Reduction of the drivetrain to the motions in which every law that ``answers`` chooses stays at rest.
 
     Imposed angles stand still.
     """

@@ -122,7 +122,7 @@ class ShaftStiffness(DynamicStiffness):
 
     @staticmethod
     def _in_functions(x: Any, functions: Any) -> Any:
-        """Dynamic stiffness of a shaft over K, dimensionless, by the sine and tangent of a library."""
+        """Dynamic stiffness of a shaft over its complex stiffness K, by the sine and tangent of a library."""
         raise NotImplementedError
 
     @property

@@ -59,7 +59,10 @@ class SpeedStep:
 
 @dataclass(frozen=True)
 class SpeedPath:
-    """Steps from a shaft to the shaft that values are referred to; steps whose ratio is always 1 are left out."""
+    """Steps, each with a mean speed ratio, from a shaft to the shaft that values are referred to.
+
+    Steps whose ratio is always 1 are left out.
+    """
 
     steps: tuple[SpeedStep, ...]
 

@@ -131,7 +131,10 @@ class LocatedDocument:
         return home.place(node.key if show_key and node.key else node.span)
 
     def place(self, span: Span) -> Position:
-        """Position with the name of the file and lines from 1 of a span; of several lines the first."""
+        """Position in the file, with line and columns from 1, of a span that counts from 0.
+
+        Of several lines the first.
+        """
         source = self.lines[span.line] if span.line < len(self.lines) else ""
         end = span.end_column if span.end_line == span.line else len(source.rstrip())
         shown = "" if len(source) > LONGEST_EXCERPT else "".join(char if char.isprintable() else " " for char in source)

@@ -39,7 +39,7 @@ ALLOWED_FILTERS = (
     "truncate",
     "upper",
 )
-"""Names of the filters that a template may use: none returns a text that would pass for markup."""
+"""Names of the filters that a template may use, none of which returns a text that would pass for markup."""
 PAGE_NAMES = (
     "title",
     "subtitle",
