@@ -1,4 +1,4 @@
-"""The command line: ``torsionnet COMMAND ...``, also as ``python -m torsionnet``.
+"""The command line of the package, called as ``torsionnet COMMAND ...``; also as ``python -m torsionnet``.
 
 Results go to stdout, messages to stderr. Exit codes: 0 done, 1 wrong model, 2 wrong usage, 3 no numerical answer,
 4 missing package, 70 a bug, 74 a file that cannot be written, 130 interrupted.

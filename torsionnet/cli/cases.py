@@ -1,4 +1,4 @@
-"""Drivetrains that a command calculates: one model in the configurations chosen, with the parameters set."""
+"""Drivetrains that a command calculates, one model in the configurations chosen, with parameters set."""
 
 from __future__ import annotations
 

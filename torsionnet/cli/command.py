@@ -34,7 +34,7 @@ numbers."""
 
 
 class Output(Arguments):
-    """Output options that commands share: JSON, CSV, digits, picture."""
+    """Output options that commands share, for data, tables, digits and picture."""
 
     as_json: bool = option("--json", help="Print JSON instead of tables.")
     csv_file: str | None = option("--csv", type=OutputFile(), help="Write the table as CSV, in full precision.")

@@ -1,4 +1,6 @@
-"""Command-line arguments as fields of a class: option words, type and help stand beside the name of the value.
+"""Declarations of command-line arguments as fields of a class.
+
+Option words, type and help stand beside the name of the value.
 
 The type of a field implies a flag, a repeatable or required option, or a number. An option of several commands is a
 constant in ``cli/options.py``; options that go together are a class of their own, and a field of that class.
@@ -26,7 +28,10 @@ class Declaration:
         self.makes, self.words, self.settings = makes, words, settings
 
     def parameter(self, name: str, hint: Any) -> click.Parameter:
-        """Click option or argument whose value has the name given; ``hint`` is the type of the field."""
+        """Click option or argument made from the settings, whose value has the name given.
+
+        ``hint`` is the type of the field.
+        """
         return self.makes([*self.words, name], **{**self._implied(hint), **self.settings})
 
     def default(self, hint: Any) -> Any:

@@ -76,7 +76,7 @@ def simplification_errors(short: Simplified) -> SimplificationErrors:
 
 
 def equations_of_motion(rig: Drivetrain) -> EquationsOfMotion:
-    """Equations of motion of a drivetrain as texts."""
+    """Record with the equations of motion of a drivetrain as texts."""
     system = rig.symbolic()
     matrices = ([[str(cell) for cell in row] for row in getattr(system, symbol).tolist()] for symbol in "MCK")
     return EquationsOfMotion(

@@ -89,7 +89,7 @@ def full_table(response: FrequencyResponse, shown: DisplayUnits) -> Table:
 
 @dataclass(frozen=True, eq=False)
 class CurveRow:
-    """Transfer function of one output to one input in the angle unit chosen, at all frequencies."""
+    """Complex transfer function of one output to one input in the angle unit chosen, at all frequencies."""
 
     output: str
     input: str

@@ -76,7 +76,7 @@ class StepsOption(PairOption):
 
 
 class EntryOption(EntryType):
-    """Type of an option value that is read like an entry of a model file.
+    """Type of an option value that is read like an entry of a model file, with its unit.
 
     ``entry`` is the ``module:name`` of the specification of that entry, imported when a value is read.
     """

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class ShowProgress(Protocol):
-    """Function that shows how far a stage is: name, amount done, total amount (None: unknown)."""
+    """Function that shows how far a stage of a calculation is: name, amount done, total amount (None: unknown)."""
 
     def __call__(self, stage: str, done: float, total: float | None, words: str = "") -> None:
         """Update the progress bar of a stage.

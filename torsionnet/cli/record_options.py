@@ -43,7 +43,7 @@ class RecordReading(Arguments):
 
     @property
     def arguments(self) -> dict[str, Any]:
-        """Keyword arguments of :func:`read_recording` from these options."""
+        """Keyword arguments of :func:`read_recording` that follow from these options, by name."""
         dialect = {"separator": self.separator, "decimal": self.decimal}
         return {
             "quantities": dict(self.quantities),

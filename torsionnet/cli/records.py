@@ -1,4 +1,4 @@
-"""Recordings read and checked for commands; a large file is read in blocks."""
+"""Recordings of signals read and checked for commands; a large file is read in blocks."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LARGE_FILE = 300_000_000
 """Bytes of a file of signals above which it is read in blocks, so that it does not fill the memory; a larger value
 takes more memory, a smaller one blocks needlessly."""
 BLOCK_SECONDS = 60.0
-"""Duration in s of a block of a large file; a longer block takes more memory, a shorter one more reads."""
+"""Duration in s of a block of a large file, as longer ones take more memory and shorter ones more reads."""
 
 
 def load_record(

@@ -1,4 +1,4 @@
-"""Study and what was concluded from it, as ``torsionnet study --json`` prints them."""
+"""Record of a study and what was concluded from it, as ``torsionnet study --json`` prints it."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def study_json(study: Study, answered: AnsweredStudy) -> dict[str, Any]:
 
 
 def study_schema() -> Schema:
-    """JSON Schema of the data of :func:`study_json`."""
+    """JSON Schema of the data of a study that :func:`study_json` returns."""
     fields = (*out_fields(StatisticsRecord), *out_fields(StudyRecord))
     properties = {str(one.key): one.schema for one in fields}
     return record_schema(properties, optional=properties.keys() - {"title", "answers"})

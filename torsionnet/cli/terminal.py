@@ -1,4 +1,4 @@
-"""Printing to the terminal: messages on stderr, tables and JSON on stdout."""
+"""Printing of messages on stderr, and of tables and data on stdout."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ COLOURS = {"error": "red", "warning": "yellow", "note": "blue"}
 NARROWEST_HEADING, NARROWEST_TEXT, BETWEEN_COLUMNS = 9, 16, 2
 """Least width in characters of a broken heading and of a framed text column, and the gap between columns."""
 NARROWEST_FOLDED = 30
-"""Least width in characters of a column into which long texts are folded; narrower ones are hard to read."""
+"""Least width in characters of a column into which long texts are folded, as narrower ones are hard to read."""
 SCREEN_WIDTH = 120
 """Characters of a line to which tables are folded or split, so that a usual terminal does not wrap them."""
 
@@ -105,7 +105,10 @@ def _coloured(stream: Any) -> bool:
 
 
 def _aligned(table: Table) -> list[str]:
-    """Lines of a table as aligned text: title, broken headings, rows; numbers to the right, long texts folded."""
+    """Lines of a table as text with aligned columns.
+
+    Title, broken headings, rows; numbers to the right, long texts folded.
+    """
     cells = table.cells()
     right = [table.is_numeric(index) for index in range(len(table.columns))]
     widths, headings = [], []

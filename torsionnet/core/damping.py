@@ -72,7 +72,7 @@ MEASURES: dict[str, Measure] = {
         "damping",
     ),
 }
-"""Damping measures by the name they have in model files."""
+"""Measures of damping such as ``zeta`` and ``Q``, by the name they have in model files."""
 
 
 def _measure(name: str) -> Measure:
@@ -126,7 +126,9 @@ def _is_zero(value: Any) -> bool:
 
 @dataclass(frozen=True)
 class DampingMeasure:
-    """Damping of a spring by a measure instead of c: the measure, its value, and the frequency in Hz where it holds.
+    """Damping of a spring by a measure, as zeta = 0.02 at 12 Hz, instead of c.
+
+    The measure, its value, and the frequency in Hz where it holds.
 
     >>> quality = DampingMeasure("Q", Number(20), Number(50))
     >>> round(quality.viscous(1000.0, {}, FLOAT), 6)

@@ -66,7 +66,7 @@ class Fault:
     defined_at: Position | None = None
 
     def under(self, *prefix: str | int) -> Fault:
-        """Copy of the fault with its path below ``prefix``."""
+        """Copy of the fault with its path below the path ``prefix``."""
         return replace(self, path=(*prefix, *self.path))
 
     def at(self, position: Position | None) -> Fault:
@@ -130,7 +130,10 @@ class TorsionnetError(Exception):
 
 
 class ModelError(TorsionnetError, ValueError):
-    """Error of a model, or of a question asked of it; ``faults`` lists all faults, not only the first."""
+    """Error that a model, or a question asked of it, is wrong, with all its faults.
+
+    ``faults`` lists all faults, not only the first.
+    """
 
     outcome = "Nothing was calculated."
 
@@ -235,7 +238,7 @@ def _question(meant: str) -> str:
 
 
 def unknown_key(key: object, known: Iterable[str], path: Path, rest: str) -> Fault:
-    """Fault of a key that does not exist there; ``rest`` says which keys do."""
+    """Fault of a key that an entry of the model does not have; ``rest`` says which keys do."""
     name = str(key)
     meant = nearest(name, known)
     text = f'unknown key "{name}"{_question(meant)}; {rest}'.replace("?; ", "? ")
@@ -245,7 +248,10 @@ def unknown_key(key: object, known: Iterable[str], path: Path, rest: str) -> Fau
 def unknown_name(
     what: str, name: str, known: Iterable[str], path: Path, *, on_key: bool = False, rest: str = ""
 ) -> Fault:
-    """Fault of a name nobody defines: ``no node is named "x"; did you mean "y"?``; ``rest`` says which there are."""
+    """Fault of a name in the model that nothing defines.
+
+    ``no node is named "x"; did you mean "y"?``; ``rest`` says which there are.
+    """
     meant = nearest(name, known)
     text = f'no {what} is named "{name}"{_question(meant)}'
     text = f"{text}; {rest}".replace("?; ", "? ") if rest else text

@@ -36,7 +36,7 @@ class ExpressionError(TorsionnetError, ValueError):
 
 @dataclass(frozen=True)
 class Algebra:
-    """Number system in which an expression is evaluated: how numbers enter it, its square root and its pi."""
+    """Number system in which expressions are evaluated: how numbers enter it, its square root and its pi."""
 
     number: Callable[[Fraction], Any]
     sqrt: Callable[[Any], Any]
@@ -124,7 +124,7 @@ class Number(Expression):
 
     @property
     def unit_written(self) -> str:
-        """Unit behind the number as it was written; empty where there is none.
+        """Unit behind the number as the text of the expression has it; empty where there is none.
 
         >>> Number(460, units.DIMENSIONS["stiffness"], "0.46 kN*m/rad").unit_written
         'kN*m/rad'
@@ -158,7 +158,7 @@ class Number(Expression):
 
 @dataclass(frozen=True)
 class Name(Expression):
-    """Parameter in an expression."""
+    """Name of a parameter as part of an expression."""
 
     name: str
 

@@ -10,7 +10,7 @@ T = TypeVar("T")
 
 
 class Memo:
-    """Cache of results by their type and a key; whoever shares the memo shares them.
+    """Cache of results, by their type and a key, that copies of a value share; whoever shares the memo shares them.
 
     Examples
     --------

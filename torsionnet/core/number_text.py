@@ -1,4 +1,4 @@
-"""Text of numbers, units and missing values: on the screen, in files, in documents and pictures.
+"""Text of numbers, units and missing values on the screen, in files and in documents.
 
 Whoever shows a table asks here. A screen has plain characters only (``-`` for nothing, ``1e+06``), a document has
 typeset ones (``–``, ``10⁶``), a file all digits and an empty cell.
@@ -16,9 +16,9 @@ SMALLEST_PLAIN, LARGEST_PLAIN = 1e-4, 1e6
 MISSING, MISSING_TYPESET = "-", "–"
 """Dash for a missing value, on a screen and in a document."""
 MOST_DECIMALS = 4
-"""Most decimals of an aligned column, as long as its largest value then has all its digits."""
+"""Largest number of decimals of an aligned column, as long as its largest value then has all its digits."""
 COLUMN_LARGEST, COLUMN_SMALLEST, COLUMN_SPREAD = 1e5, 1e-3, 1e4
-"""Largest and smallest value of a column, and their ratio, beyond which each number has its own digits."""
+"""Largest and smallest value of a column, and their ratio, beyond which digits are set for each number alone."""
 ZERO_ERROR_RATIO = 1e-6
 """Relative standard error below which an error is taken for zero: rounding of an exact fit leaves about as much."""
 USUAL_DIGITS, FEWEST_DIGITS, MOST_DIGITS = 5, 2, 9

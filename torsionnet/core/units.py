@@ -139,7 +139,7 @@ _JOINED = {"Nm": "N m", "kNm": "kN m", "MNm": "MN m", "GNm": "GN m", "mNm": "mN 
            "kgcm^2": "kg cm cm", "kgmm^2": "kg mm mm", "gcm^2": "g cm cm", "gmm^2": "g mm mm", "tm^2": "t m m",
            "kgm2": "kg m m"}  # fmt: skip
 ANGLES = frozenset(name for name, (_, dimension) in _ATOMS.items() if dimension == _NUMBER and name != "%")
-"""Names of the units of angle."""
+"""Names of the units that stand for an angle."""
 _ANGULAR = {*ANGLES, "rpm", *(name for name, (_, dimension) in _ATOMS.items() if dimension.cycle)}
 
 
@@ -162,8 +162,8 @@ _TOKEN = re.compile(
 _MEAN = {"lbin": "lbf*in", "inlb": "lbf*in", "lbft": "lbf*ft", "ftlb": "lbf*ft", "sec": "s", "Kg": "kg", "KNm": "kNm",
          "NM": "Nm", "kgm": 'kg*m" or "kgm^2', "degree": "deg", "rads": "rad/s", "inch": "in", "°": "deg"}  # fmt: skip
 CELSIUS = "degC"
-"""Unit of a temperature in °C, not of a difference: it stands alone after a number, and has an offset instead of a
-factor."""
+"""Name of the unit of a temperature in °C, not of a difference: it stands alone after a number, and has an offset
+instead of a factor."""
 _ICE = Fraction("273.15")
 _SIGNS = str.maketrans({"·": "*", "⋅": "*", "∙": "*", "×": "*", "µ": "u", "μ": "u", "°": "deg",
                         "\N{NO-BREAK SPACE}": " ", "\N{NARROW NO-BREAK SPACE}": " ", "−": "-"})  # fmt: skip

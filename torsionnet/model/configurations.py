@@ -57,7 +57,10 @@ class Overlay:
 
 
 class AlternativeEntry(Plural[Overlay]):
-    """Entry for an alternative: ``{parameter: value, on: [element], operating_point: {...}, box.engaged: II}``."""
+    """Entry for an alternative of a configuration with its changes to the model.
+
+    ``{parameter: value, on: [element], operating_point: {...}, box.engaged: II}``.
+    """
 
     @property
     def absent(self) -> Overlay:
@@ -125,7 +128,10 @@ def _name_fault(name: str) -> str | None:
 
 
 class AxesEntry(Plural[dict[str, dict[str, Overlay]]]):
-    """Entry for axes of alternatives: ``{gear: {II: {tau: 7.96}}}``, or ``{II: {tau: 7.96}}`` for a single axis."""
+    """Entry for the axes of configurations and the alternatives on each.
+
+    ``{gear: {II: {tau: 7.96}}}``, or ``{II: {tau: 7.96}}`` for a single axis.
+    """
 
     @property
     def absent(self) -> dict[str, dict[str, Overlay]]:

@@ -45,7 +45,7 @@ class Authored(Protocol):
         """Definition of the model as written, before its parts are put in."""
 
     def data(self, flat: Definition) -> dict[str, Any]:
-        """Entries of a model file for ``flat``, written with parts as far as possible."""
+        """Entries of a model file that give the flat definition ``flat``, written with parts as far as possible."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,10 @@ class Definition(Declared):
     """Model as written, if this is the definition with all parts put in, else None."""
 
     def __post_init__(self) -> None:
-        """Accept the typed values as they are; reading them again would cost as much as reading the file."""
+        """Accept the typed values of the definition as they are, without checks.
+
+        Reading them again would cost as much as reading the file.
+        """
         for name, stored in self.defaults().items():
             if getattr(self, name) is None:
                 object.__setattr__(self, name, stored)
@@ -89,7 +92,7 @@ class Definition(Declared):
 
     @property
     def is_flat(self) -> bool:
-        """Whether the definition has no parts, and no element that stands for several elements."""
+        """Whether the definition of the model has no parts, and no element that stands for several elements."""
         if self.use or self.parts:
             return False
         return all(element.expanded() == (element,) for element in self.elements.values())

@@ -30,7 +30,7 @@ def given(element: Element) -> Iterator[tuple[str, Spec[object], Any]]:
 
 
 def has_own_column(name: str, spec: Spec[object]) -> bool:
-    """Whether a table shows the entry in a column of its own: nodes, and remarks."""
+    """Whether a table of elements shows the entry in a column of its own: nodes, and remarks."""
     nodes = isinstance(spec, NodeName | NodePair) and not isinstance(spec, ReferenceNode)
     return nodes or name in REMARKS
 

@@ -24,7 +24,7 @@ class OwnedPart:
 
 @dataclass(frozen=True, eq=False)
 class MadeParts:
-    """Parts of an element with the parameter values from which they were made, for reuse."""
+    """Laws and constraints of an element, and the parameter values from which they were made, for reuse."""
 
     of: Element
     names: tuple[str, ...]
@@ -99,7 +99,7 @@ UNIT = pseudo_node("")
 
 
 def owned_parts(definition: Definition, value: Values) -> tuple[OwnedPart, ...]:
-    """Laws, constraints and actions of all elements that are switched on."""
+    """Laws, constraints and actions, each with its element's name, of all elements that are switched on."""
     return tuple(OwnedPart(element.name, part) for element in definition.active for part in element.parts(value))
 
 
@@ -123,7 +123,7 @@ def _made_once(element: Element, value: Values, known: MadeParts | None) -> Made
 
 
 def _names(element: Element) -> tuple[str, ...]:
-    """Names of the parameters in the expressions of an element."""
+    """Names of the parameters in the expressions of an element's entries."""
     return tuple(sorted({name for _, _, expression, _ in element.expressions() for name in expression.names}))
 
 
@@ -149,7 +149,9 @@ def imposed_rows(definition: Definition, nodes: Collection[str]) -> dict[str, Ro
 def solve_kinematics(
     definition: Definition, value: Values, referred_to: Collection[str] = (), like: Kinematics | None = None
 ) -> Kinematics:
-    """Kinematics with all constraints solved exactly; ``referred_to`` are nodes to keep as coordinates, in this order.
+    """Kinematics of a drivetrain's definition with all constraints solved exactly.
+
+    ``referred_to`` are nodes to keep as coordinates, in this order.
 
     Where ``like``, of another configuration, has the same nodes and constraints, its solution is taken over.
 
@@ -201,7 +203,7 @@ def kinematics_on(
 
 
 def in_order_given(coordinates: Sequence[str], referred_to: Collection[str]) -> tuple[str, ...]:
-    """Coordinates in the order of the nodes, with those of ``referred_to`` in the order given.
+    """Names of coordinates in the order of the nodes, with those of ``referred_to`` in the order given.
 
     >>> in_order_given(["a", "b", "c"], ["c", "a"])
     ('c', 'b', 'a')
@@ -285,7 +287,7 @@ def virtual_motion(kinematics: Kinematics, index: int, number: Callable[[Any], A
 
 
 def torques_are_determinate(kinematics: Kinematics) -> bool:
-    """Whether no constraint follows from others, so that equilibrium gives the torque of each."""
+    """Whether no rigid constraint follows from others, so that equilibrium gives the torque of each."""
     return not kinematics.reduction.redundant and not kinematics.reduction.blocked
 
 

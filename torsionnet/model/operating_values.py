@@ -52,7 +52,9 @@ class OperatingPoints:
     external: ExternalTorques
 
     def at(self, speed: float) -> dict[str, float]:
-        """Values in SI by parameter at a speed in rad/s; parameters over a vibration are taken at the smallest.
+        """Value in SI units of every parameter that follows the operating point, by name, at a speed in rad/s.
+
+        Parameters over a vibration are taken at the smallest.
 
         Raises
         ------
@@ -122,7 +124,10 @@ def at_operating_point(definition: Definition) -> Definition:
 
 
 def operating_speed_notes(external: ExternalTorques) -> tuple[str, ...]:
-    """Note on the speed at which natural frequencies hold; empty if no parameter follows the operating point."""
+    """Note on the speed at which the natural frequencies of the model hold.
+
+    Empty if no parameter follows the operating point.
+    """
     following = external.definition.following
     if not following:
         return ()

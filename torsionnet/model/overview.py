@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from torsionnet.model.model import Model
 
 MODEL_FILE: Schema = {"type": "object", "description": "a model file, see torsionnet schema"}
-"""JSON Schema of the content of a model file, in short."""
+"""JSON Schema of the content of a model file, which it does not check in detail."""
 MOST_ROWS = 60
 """Largest number of rows of a table in a notebook, beyond which the table is cut: a page that scrolls, and loads at
 once."""
@@ -63,7 +63,7 @@ def _beginning(table: Table) -> Table:
 
 
 def elements_table(rig: Model) -> Table:
-    """Table of the elements of a model: name, type, nodes, values, remark."""
+    """Table of a model's elements with type, nodes, values and remark."""
     columns = (Column("element"), Column("type"), Column("nodes"), Column("values"), Column("description"))
     rows = tuple(
         (element.name, element.kind, nodes_text(element), _listed(values_of(element, rig)), _remark(element))
@@ -79,7 +79,7 @@ def without_empty_columns(table: Table) -> Table:
 
 
 def _listed(values: Iterable[Written]) -> Written:
-    """Several texts as one text, joined by semicolons."""
+    """Texts of several values as one text, joined by semicolons."""
     parts = [part for value in values for part in ("; ", *value)]
     return tuple(parts[1:])
 
@@ -211,7 +211,7 @@ def speeds_table(rig: Model) -> Table:
 
 @dataclass(frozen=True)
 class ResolvedParameter:
-    """Value of a parameter in its SI unit."""
+    """Value of a parameter in its SI unit, with the unit as text."""
 
     value: float
     unit: str
@@ -230,7 +230,7 @@ class ModelRecord:
 
 
 def model_record(rig: Model) -> ModelRecord:
-    """Model as plain data, for JSON."""
+    """Record of a model's file and resolved values as plain data for a program."""
     units = parameter_units(rig.definition)
     parameters = {name: ResolvedParameter(value, units[name]) for name, value in rig.parameters.items()}
     content = rig.definition.flat_data()

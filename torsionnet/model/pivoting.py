@@ -16,7 +16,7 @@ from torsionnet.model.proportions import ProportionalGroup, ProportionLink, Prop
 
 @dataclass
 class Derivation:
-    """Rows, and pairs of names in proportion, from which a conclusion on a row follows."""
+    """Rows of equations, and pairs of proportional unknowns, from which a conclusion on a row follows."""
 
     rows: list[int] = field(default_factory=list)
     pairs: list[tuple[Any, Any]] = field(default_factory=list)
@@ -53,7 +53,7 @@ class Elimination:
         self._to_anchor: dict[Any, Any] = {}
 
     def copy(self, order: Mapping[Any, int], keep: Collection[Any] = ()) -> Elimination:
-        """Copy of the elimination, to which other rows can be added."""
+        """Copy of the elimination with another order of unknowns, to which further rows can be added."""
         new = Elimination(order, keep)
         new.proportions = self.proportions.copy()
         new.derivation, new.redundant, new.blocked = dict(self.derivation), [*self.redundant], [*self.blocked]
@@ -98,7 +98,10 @@ class Elimination:
             self.proportions.make_root(solution.anchor)
 
     def condensed(self, row: Mapping[Any, Any]) -> tuple[dict[Any, Any], Derivation]:
-        """Row over free names of which no two are in proportion, and the rows used for that; exact zeros drop out."""
+        """Coefficients by free name of a row, no two names in proportion, and the rows used for that.
+
+        Exact zeros drop out.
+        """
         derivation = Derivation()
         found: dict[ProportionalGroup, tuple[Any, Any]] = {}
         waiting: list[tuple[int, ProportionalGroup]] = []
@@ -144,7 +147,9 @@ class Elimination:
                 derivation.pairs.append((name, group.solution.anchor))
 
     def back_substitute(self) -> None:
-        """Reduce every solution to free names; a solution that is a multiple of a name joins its group.
+        """Reduce the solution of every eliminated unknown to free names.
+
+        A solution that is a multiple of a name joins its group.
 
         A solution is made of names that were solved later or never, so the last one comes first.
         """

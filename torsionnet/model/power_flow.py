@@ -86,7 +86,7 @@ def _only(run: OrderResponse, places: Sequence[int]) -> OrderResponse:
 
 
 def _power_between(torques: OrderResponse, motions: OrderResponse, flows: Sequence[PowerFlow]) -> ComplexArray:
-    """Torques of a response times conjugate rates of another in W by frequency, shape (n_speeds, n_frequencies)."""
+    """Complex power in W by frequency of one response's torques and another's rates, (n_speeds, n_frequencies)."""
     rates = replace(motions, values=motions.values * (2j * math.pi * motions.frequencies)[:, :, None]).by_frequency()
     amplitudes = torques.by_frequency()
     total = np.zeros(rates.shape[:2], dtype=complex)
@@ -97,7 +97,10 @@ def _power_between(torques: OrderResponse, motions: OrderResponse, flows: Sequen
 
 
 def _largest_over_angle(values: ComplexArray, lines: Sequence[OrderLine]) -> FloatArray:
-    """Largest value (n_speeds,) of Re sum X exp(j r angle), X by frequency and r its vibrations per revolution."""
+    """Largest value, over the angle between two engines, of a sum of waves in W by speed, shape (n_speeds,).
+
+    It is that of Re sum X exp(j r angle), X by frequency and r its vibrations per revolution.
+    """
     relatives = list({(line.relative, line.fixed): line.relative for line in lines}.values())
     moving = [at for at in range(len(relatives)) if relatives[at] and values[:, at].any()]
     cycle = common_cycle([relatives[at] for at in moving])

@@ -56,7 +56,9 @@ def reading(
     constraints: Iterable[tuple[str, Row]],
     actions: Iterable[tuple[str, Mapping[str, Any]]] = (),
 ) -> Reading:
-    """Reading of an existing sensor; laws, constraints and actions are (element, row) in order.
+    """Reading of a sensor in terms of node motions and of the torques of an element.
+
+    Laws, constraints and actions are (element, row) in order.
 
     Raises
     ------

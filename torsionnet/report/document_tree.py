@@ -152,7 +152,7 @@ class TableBlock:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """Figure of a report: name of its file, drawing, caption, and a text for readers who cannot see it."""
+    """Figure of a report with file name, drawing, caption and a text that describes it."""
 
     name: str
     figure: Figure
@@ -174,7 +174,7 @@ class Details:
 
 @dataclass(frozen=True)
 class Section:
-    """Section of a report: its heading and the blocks below it, further sections included."""
+    """Section of a report with its heading and the blocks below it."""
 
     name: str
     title: Text

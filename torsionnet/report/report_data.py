@@ -178,7 +178,7 @@ class ReportData:
 
     @cached_property
     def left_out(self) -> tuple[str, ...]:
-        """Names of the model's configurations that are no case of this report."""
+        """Names of the model's configurations that the report does not show."""
         others = [set(case.drivetrain.other_configurations) for case in self.cases]
         return tuple(name for name in self.model.configurations if all(name in missing for missing in others))
 

@@ -10,7 +10,7 @@ from torsionnet.response.table import Column, Table
 from torsionnet.study.shown_units import ShownUnits
 
 UNIT = "unit"
-"""Heading of a column of units, which belong to the numbers beside it."""
+"""Heading of a table's column of units, which belong to the numbers beside it."""
 
 
 def in_shown_units(found: Table, units: ShownUnits) -> Table:

@@ -10,18 +10,18 @@ from torsionnet.core.errors import ModelError, Position
 from torsionnet.report.wording import Wording
 
 STYLE = "style.css"
-"""Name of the style sheet in a template folder."""
+"""Name of the file with the style sheet in a template folder."""
 
 
 class TemplateFolderError(ModelError):
-    """Error in a template folder."""
+    """Error that a file in a template folder cannot be used."""
 
     outcome = "Nothing was written."
 
 
 @dataclass(frozen=True)
 class TemplateFolder:
-    """Texts, images, wording and language of a template folder.
+    """Texts, images, wording and language that a template folder holds.
 
     Attributes
     ----------

@@ -23,7 +23,7 @@ WORDS = "words.yaml"
 IMAGES = (".svg", ".png", ".jpg", ".jpeg", ".pdf")
 _IMAGE_NAME = re.compile(r"[A-Za-z0-9_-]+\.\w+")
 _PUT_IN = "write {{{{ image('{0}') }}}} for a file of the folder"
-"""Advice of error messages on how a page refers to an image of the template folder."""
+"""Advice in error messages on how a page refers to an image of the template folder."""
 _FROM_ELSEWHERE = {
     r"<(script|link|iframe|object|embed|base|form)\b": "a report runs no scripts and loads no other files; delete <{0}",
     r"@import\b": "a report loads no other style sheets; write the rules into style.css",
@@ -34,7 +34,7 @@ _FROM_ELSEWHERE = {
 
 
 def read_template(path: str | os.PathLike[str]) -> TemplateFolder:
-    """Content of a template folder.
+    """Texts, images, wording and language that a template folder holds.
 
     Raises
     ------

@@ -35,7 +35,7 @@ PLACEHOLDER = re.compile(r"\{(\w+)\}")
 REPORTED_ENTRIES = (QuantityKind, Value, Teeth, Count, OneOf, TableEntry, Characteristic, LookupCurve)
 """Kinds of entries that a report on a model has a row for; an entry of several values has a row for each."""
 LIST_OF_TEXTS = 'the page "A report in your own words" lists them'
-"""Words of error messages for where all replaceable texts are listed."""
+"""Words in error messages that say where all replaceable texts are listed."""
 
 
 @cache

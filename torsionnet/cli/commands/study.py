@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from torsionnet.study.study_result import StudyResult
 
 LONG_STUDY = 10.0
-"""Seconds of calculation above which the time of a study is announced before it starts."""
+"""Seconds of calculation from which a study's duration is announced before it starts."""
 
 
 LONGEST_TABLE, LINES_OF_LONG_TABLE = 100, 10

@@ -24,7 +24,9 @@ class Composite(Spec[Stored_co]):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Nested(Composite[D]):
-    """Entry that holds an object of another class; with ``shorthand`` a bare value stands for the entry of that name.
+    """Entry that holds an object described by further entries.
+
+    With ``shorthand`` a bare value stands for the entry of that name.
 
     ``name`` is that of its definition in the schema.
     """

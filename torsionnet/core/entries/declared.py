@@ -164,7 +164,7 @@ class Declared:
         return self.written_entries()
 
     def written_entries(self) -> dict[str, Json]:
-        """Plain value of every entry that differs from its default, by name."""
+        """Plain value of every entry of the object that differs from its default, by name."""
         defaults = self.defaults()
         required = self.required()
         return {

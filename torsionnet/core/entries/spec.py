@@ -1,4 +1,4 @@
-"""Specifications of entries: each kind of value knows how to read, describe and write its value."""
+"""Specifications of entries, which read, check, describe and write their values."""
 
 from __future__ import annotations
 

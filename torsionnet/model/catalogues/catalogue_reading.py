@@ -49,7 +49,7 @@ def read_catalogue(path: str | os.PathLike[str]) -> Catalogue:
 
 
 def catalogue_row(path: Path, file: str, size: str) -> CatalogueRow:
-    """Row of one size in a catalogue that the model calls ``file``.
+    """Catalogue row of one size, from a catalogue that the model calls ``file``.
 
     Raises
     ------

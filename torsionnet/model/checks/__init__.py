@@ -1,4 +1,4 @@
-"""Consistency checks of a model; :func:`check_definition` runs them all.
+"""Consistency checks of a model, of which :func:`check_definition` runs all.
 
 Checks of names and values say everything they find. The structural ones need a model whose names and values are sound,
 and run on the base model and on every alternative of every axis.
@@ -44,7 +44,7 @@ def check_definition(definition: Definition) -> list[Fault]:
 
 
 def check_variant(definition: Definition) -> list[Fault]:
-    """Faults of a model's definition that depend on its values.
+    """Faults of a model's definition that depend on the values of its parameters.
 
     For a configuration or changed parameters of a sound model.
     """
@@ -97,7 +97,7 @@ def _refused_everywhere(base: list[Fault], others: Iterable[list[Fault]]) -> lis
 
 
 def _in_configuration(name: str, found: list[Fault], base: list[Fault]) -> list[Fault]:
-    """Findings about entries of a configuration that the base model does not have, with its name."""
+    """Findings on a configuration that the base model does not have, with the configuration's name."""
     known = {(fault.path, fault.message) for fault in base}
     return [
         replace(fault, configuration=name)

@@ -90,7 +90,10 @@ def _wrong_way(node: str, torque: float, speeds: Mapping[str, float], name: str,
 
 
 def _beyond_curves(external: ExternalTorques) -> list[Fault]:
-    """Faults of working points outside the rows of a curve, also over the range of speeds; one for each entry."""
+    """Faults of operating values of elements that lie outside the rows of a curve, also over the range of speeds.
+
+    One for each entry.
+    """
     faults: dict[Path, Fault] = {}
     for where, values in _working_points(external):
         for path, what in _beyond(external.definition, values):

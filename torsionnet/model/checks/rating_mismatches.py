@@ -18,15 +18,15 @@ from torsionnet.model.load.load_places import ENGINE
 SAME_POWER_SHARE, SAME_SPEED_SHARE = 0.05, 0.005
 """Relative differences up to which powers and speeds agree, for rounding of data sheets and slip."""
 SAME_SLIP_SHARE = 0.4
-"""Relative spread of the ratios of several machines to the load up to which one slip of the load explains all:
-indicated powers are above those at the coupling."""
+"""Relative spread of machines' powers over the load up to which one slip of the load's unit explains all: indicated
+powers are above those at the coupling."""
 PROPELLER = "propeller"
 """Type of the excitation by a propeller, as in ``type:``."""
 
 
 @dataclass(frozen=True)
 class _Machine:
-    """Excitation that states a rating, and the speed in rad/s that its shaft has at rated speed."""
+    """Machine of an excitation that states a rating, and the speed in rad/s that its shaft has at rated speed."""
 
     name: str
     excitation: OrderExcitation
@@ -48,7 +48,7 @@ class _Machine:
 
 @dataclass(frozen=True)
 class _Unlike:
-    """Fault of a machine whose power does not agree, and its power over the expected one."""
+    """Fault of a machine whose power does not agree with others, and its power over the expected one."""
 
     machine: _Machine
     share: float
@@ -101,7 +101,7 @@ def _machines(external: ExternalTorques, rated: float) -> Iterator[_Machine]:
 
 
 def _powers(external: ExternalTorques, rated: float) -> dict[str, float]:
-    """Power in W by node that the load gives or takes at rated speed; empty without a load."""
+    """Power in W, by node, that the load gives or takes at rated speed; empty without a load."""
     if external.definition.load is None:
         return {}
     return {node: torque * external.ratios.get(node, 0.0) * rated for node, torque in external.at(rated).items()}

@@ -11,7 +11,10 @@ from torsionnet.core.piecewise_linear import Rows
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Characteristic(NumberTable[Rows]):
-    """Entry for a function of an operating value: two rows or more, interpolated linearly between the rows."""
+    """Entry for a function of an operating value, given by rows of plain numbers.
+
+    There are two rows or more, interpolated linearly.
+    """
 
     is_read_off: ClassVar[bool] = True
 

@@ -52,7 +52,10 @@ class SensedMotion:
 
 
 class SensedEntry(Spec[SensedMotion]):
-    """Entry for a sensed motion: ``{velocity: node}``, or ``{velocity: [first, second]}`` for first minus second."""
+    """Entry for the motion that a controller senses.
+
+    ``{velocity: node}``, or ``{velocity: [first, second]}`` for first minus second.
+    """
 
     def coerce(self, raw: object) -> SensedMotion:
         if isinstance(raw, SensedMotion):
@@ -115,7 +118,10 @@ class OneOrTwoNodes(Spec[tuple[str, ...]]):
 
 
 class ControlLawEntry(Spec[ControlLaw]):
-    """Entry for a control law: gain, PID, polynomials, zeros and poles, state space, or a python-control object."""
+    """Entry for the control law of a controller in any of its forms.
+
+    Gain, PID, polynomials, zeros and poles, state space, or a python-control object.
+    """
 
     def coerce(self, raw: object) -> ControlLaw:
         if isinstance(raw, ControlLaw):

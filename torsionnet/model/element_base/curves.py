@@ -89,7 +89,7 @@ def is_share(key: Number) -> bool:
 def with_curve_ranges(
     found: Iterable[tuple[Path, Spec[object], Expression, str]], curves: Mapping[str, tuple[Rows, Fraction | float]]
 ) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
-    """Expressions of an element, of which those that a curve is read at carry the curve's range.
+    """Expressions of an element, each with its path, specification and dimension, operating values with their range.
 
     Operating values of a curve get a specification with the range of that curve.
 
@@ -106,7 +106,7 @@ def with_curve_ranges(
 
 @dataclass(frozen=True, eq=False, repr=False)
 class OnCurve(PhysicalQuantity):
-    """Specification of an operating value that has to lie within the rows of a curve."""
+    """Specification of an entry with an operating value that has to lie within the rows of a curve."""
 
     rows: Rows = ()
     share_of: Fraction | float = 1

@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 
 
 class DynamicStiffness(ABC):
-    """Dynamic stiffness kappa(omega) = k + j omega c in N m/rad of a law; subclasses are frozen dataclasses.
+    """Dynamic stiffness kappa(omega) = k + j omega c of a law in N m/rad, over omega in rad/s.
+
+    Subclasses are frozen dataclasses.
 
     Its ``coefficients`` are numbers in the algebra of the element that made it. Derivatives to parameters follow from
     ``slopes``, the derivatives to the coefficients.

@@ -16,7 +16,7 @@ FORM = "{name: {type: inertia, node: ..., inertia: ...}, ...}"
 
 
 class ElementTable(Named[Element]):
-    """Entry for elements by name; an element gets its name, which messages on the element contain."""
+    """Entry for the elements of a model by name; an element gets its name, which messages on the element contain."""
 
     @property
     def example(self) -> str:

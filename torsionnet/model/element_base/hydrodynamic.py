@@ -25,7 +25,10 @@ _FORMS = {"pump_torque": ("test_speed",), "performance": ("diameter",), "k_facto
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Hydrodynamic(Element):
-    """Base class of hydrodynamic elements: pump torque T_p = C(nu) omega_p^2 with nu = omega_t / omega_p."""
+    """Base class of fluid couplings and torque converters.
+
+    Pump torque T_p = C(nu) omega_p^2 with nu = omega_t / omega_p.
+    """
 
     glyph: ClassVar[str] = "hydrodynamic"
     sign: ClassVar[str] = "positive when the drivetrain drives the pump in the positive sense"

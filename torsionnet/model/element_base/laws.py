@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
 
 GROUND = "ground"
-"""Name of the node whose angle is zero; its coefficient drops out of every row."""
+"""Name of the node that never moves, whose angle is zero; its coefficient drops out of every row."""
 
 Row: TypeAlias = dict[str, Any]
 """Type of a row, the weight of every node's angle in a sum, by node."""
@@ -67,7 +67,7 @@ class Constraint:
 
 @dataclass(frozen=True)
 class Action:
-    """Torque kappa(s) gamma_sensed on one row by the motion of another row; a positive torque drives.
+    """Torque in N m on one row of nodes, kappa(s) times the motion of another row of nodes; a positive torque drives.
 
     kappa(s) = (n_0 + n_1 s + ...)/(d_0 + d_1 s + ...) e^(-s delay) in N m/rad, ``numerator`` and ``denominator``
     ascending in s, ``delay`` in s. A law that opposes its own motion is a :class:`Law`; an action need not be passive,
@@ -128,7 +128,7 @@ class Values:
         return scalar.evaluate(self.parameters, self.algebra)
 
     def root(self, square: Any, reason: str) -> Any:
-        """Square root, or an ArithmeticError with ``reason`` if the square is below zero."""
+        """Square root in the algebra of the values, or an ArithmeticError with ``reason`` if it does not exist."""
         try:
             return self.algebra.sqrt(square)
         except ArithmeticError:

@@ -74,7 +74,7 @@ class LoopDrive(Element):
 
     @property
     def wheels(self) -> tuple[str, ...]:
-        """Nodes of the wheels in the order in which the loop runs over them."""
+        """Names of the wheels' nodes in the order in which the loop runs over them."""
         return tuple(node for node, _ in getattr(self, self.wheels_field))
 
     @property
@@ -125,7 +125,7 @@ class LoopDrive(Element):
         raise NotImplementedError
 
     def first_radius(self, value: Values) -> Any:
-        """Radius in m of the first wheel."""
+        """Radius in m of the first wheel of the belt or chain drive."""
         raise NotImplementedError
 
     def parts(self, value: Values) -> tuple[Part, ...]:

@@ -29,7 +29,7 @@ DECAYED_ARGUMENT = 300.0
 
 @dataclass(frozen=True)
 class ShaftStiffness(DynamicStiffness):
-    """Base class of the two laws of a shaft with total stiffness k, total inertia J and loss factor eta."""
+    """Base class of both dynamic stiffnesses of a shaft with stiffness k, inertia J and loss factor eta."""
 
     stiffness: Any
     inertia: Any
@@ -223,7 +223,7 @@ class ShaftEnd(ShaftStiffness):
 
 
 def quadratic_forms(x: complex) -> tuple[float, float, float, float]:
-    """Coefficients (a, b, c, d) of the mean squares of angle and twist along a shaft, in the angles of its ends.
+    """Coefficients (a, b, c, d), without unit, of mean squares of angle and twist along a shaft in its end angles.
 
     The mean of |theta|^2 over the length is a (|theta_1|^2 + |theta_2|^2) + 2 b Re(theta_1 theta_2*), and that of
     |dtheta/dxi|^2 the same with c and d.

@@ -38,7 +38,7 @@ class SpeedTransmitter(Protocol):
 
 @dataclass(frozen=True)
 class SpeedStep:
-    """Step of a speed path from one node to the next, by a mean-speed row of an element.
+    """Step of a speed path from one node to the next, by a row of node speeds that an element gives.
 
     ``alike`` says that all nodes of the row turn at one speed, as those of an open differential.
     """
@@ -87,7 +87,7 @@ class SpeedPath:
 
 @dataclass(frozen=True)
 class _ActualParts:
-    """Laws of an element converted to its own shaft; constraints are unchanged."""
+    """Laws of an element converted from the shaft where they are quoted to its own shaft; constraints are unchanged."""
 
     quoted: SpeedTransmitter
     path: SpeedPath
@@ -143,7 +143,7 @@ class SpeedTree:
 
 
 class SpeedPaths:
-    """Speed paths between shafts through a sequence of elements, in one algebra."""
+    """Finder of speed paths between shafts through a sequence of elements, in one algebra."""
 
     def __init__(self, elements: Sequence[SpeedTransmitter], value: Values) -> None:
         self.elements: Sequence[SpeedTransmitter] = elements
@@ -151,7 +151,7 @@ class SpeedPaths:
         self._trees: dict[str, SpeedTree] = {}
 
     def between(self, start: str, end: str) -> SpeedPath | None:
-        """Speed path from one node to another, or None without a connection."""
+        """Speed path from one node to another, or None where no connection exists."""
         tree = self.tree(start, end).steps
         if start not in tree:
             return None
@@ -167,7 +167,10 @@ class SpeedPaths:
         return SpeedPath(tuple(steps))
 
     def tree(self, start: str, end: str) -> SpeedTree:
-        """Steps from all connected nodes to the node ``end``; ``start`` is included if any way leads there."""
+        """Next steps from all connected nodes towards the node ``end``.
+
+        ``start`` is included if any way leads there.
+        """
         if end not in self._trees:
             self._trees[end] = self._tree(end, ())
         tree = self._trees[end]

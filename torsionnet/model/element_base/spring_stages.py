@@ -16,7 +16,7 @@ from torsionnet.core.units import DIMENSIONS
 
 
 class StageEnd(Spec[Number]):
-    """Entry for the end of a stage: a torque or an angle, distinguished by the unit."""
+    """Entry for the torque or angle at which a stage of a spring ends; the unit tells them apart."""
 
     def coerce(self, raw: object) -> Number:
         end = read_value(raw)
@@ -50,7 +50,10 @@ class SpringStage(Declared):
 
 
 class SpringStages(Composite[tuple[SpringStage, ...]], Plural[tuple[SpringStage, ...]]):
-    """Entry for stages, as ``[{stiffness: 6 N*m/deg, to: 120 N*m}, {stiffness: 14 N*m/deg}]``, from zero torque on."""
+    """Entry for the stages of a spring from zero torque on.
+
+    ``[{stiffness: 6 N*m/deg, to: 120 N*m}, {stiffness: 14 N*m/deg}]``.
+    """
 
     is_read_off: ClassVar[bool] = True
 

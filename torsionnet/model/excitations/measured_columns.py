@@ -25,7 +25,7 @@ _HEADING = re.compile(r"\s*(\w+)\s*(?:\[([^\]]*)\])?\s*")
 
 @dataclass(frozen=True, eq=False)
 class MeasuredLines:
-    """Recorded lines: quantity, orders or frequencies, and peak values over speed.
+    """Recorded lines of a torque or motion by order (or Hz), with complex peak values in SI units over speed.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class MeasuredLines:
 
 
 def measured_lines(headings: Sequence[str], rows: FloatArray) -> MeasuredLines:
-    """Recorded lines from rows of numbers (n, n_columns) under given headings.
+    """Lines by order or frequency from rows of a recording, shape (n, n_columns), under given headings.
 
     Raises
     ------

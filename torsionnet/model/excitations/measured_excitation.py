@@ -32,7 +32,7 @@ _NUMBER = Value("a number in the unit of its column", "1", lower=None)
 
 @dataclass(frozen=True, kw_only=True)
 class OrderTable(Declared):
-    """Rows by order or frequency, with or without speeds, under headings with units."""
+    """Rows of recorded values by order or frequency, with or without speeds, under headings with units."""
 
     kind: ClassVar[str] = "table"
     article: ClassVar[str] = "a table"

@@ -56,7 +56,10 @@ _BY_PRESSURE = TableByPressure("mean indicated pressure -> orders", _BY_ORDER)
 
 
 class HarmonicTables(Composite[Tables]):
-    """Entry for a table by order, or for several by mean indicated pressure in Pa; a single table has the key None."""
+    """Entry for tangential pressures in a table by order, or in several by mean indicated pressure in Pa.
+
+    A single table has the key None.
+    """
 
     def read(self, raw: object) -> tuple[Any, list[Fault]]:
         if isinstance(raw, Mapping) and (None in raw or any(_names_pressure(key) for key in raw)):

@@ -28,7 +28,10 @@ _ANGLE = Value("crank angle of the first pressure", "angle", lower=None)
 
 
 class TraceEntry(Composite[PressureTrace]):
-    """Entry for a pressure trace: a list at even steps, a list with its first angle, or the name of a file."""
+    """Entry for a pressure trace of a cylinder over one cycle.
+
+    A list at even steps, a list with its first angle, or the name of a file.
+    """
 
     @property
     def example(self) -> str:

@@ -42,7 +42,7 @@ _CONTROL = "[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000
 
 
 class PythonParser(yaml.reader.Reader, yaml.scanner.Scanner, yaml.parser.Parser):
-    """Source of YAML events where PyYAML comes without its C library."""
+    """Source of YAML events in plain Python, where PyYAML comes without its C library."""
 
     def __init__(self, text: str) -> None:
         yaml.reader.Reader.__init__(self, text)
@@ -59,7 +59,7 @@ def _fastest() -> Any:
 
 
 class Span(NamedTuple):
-    """Stretch of text by lines and columns from 0, the end exclusive."""
+    """Stretch of text by lines and columns from 0, the end not included."""
 
     line: int
     column: int
@@ -100,7 +100,7 @@ class LocatedNode:
 
 @dataclass
 class LocatedDocument:
-    """Data of a file with the position of each entry.
+    """Data of a YAML file with the position of each entry.
 
     ``dropped`` holds values that a duplicate key made unreadable: what they name is not in ``data``.
     """
@@ -170,7 +170,7 @@ def compose(text: str, file: str, parser: Any = None) -> LocatedDocument:
 
 
 class _Composer:
-    """Composer of located nodes from YAML events, by recursion as deep as the data, which is bounded."""
+    """Composer that makes values with positions from YAML events, recursive as deep as the data are nested."""
 
     def __init__(self, events: Any, document: LocatedDocument) -> None:
         self.events = events

@@ -40,7 +40,7 @@ class ValuePlace:
 
 
 def place_of(definition: Definition, choice: Mapping[str, str], parameter: str) -> ValuePlace:
-    """Place of a parameter's value under a choice of alternatives: the axis that sets it, or the base.
+    """Place of a parameter's value in a model under a choice of alternatives: the axis that sets it, or the base.
 
     Examples
     --------

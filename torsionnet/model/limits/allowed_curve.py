@@ -22,7 +22,10 @@ Pairs = tuple[tuple[float, Number], ...]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AllowedTable(Plural[Pairs]):
-    """Entry of a table of allowed values: ``{300 rpm: 40 MPa, 750 rpm: 25 MPa}``, stored as pairs by rising key."""
+    """Entry of a table of values that a limit allows, over speed or speed ratio.
+
+    ``{300 rpm: 40 MPa, 750 rpm: 25 MPa}``, stored as pairs by rising key.
+    """
 
     over: str
     """Dimension of the table's keys, "speed" or "1": "speed" or "1"."""

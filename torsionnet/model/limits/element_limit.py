@@ -22,7 +22,7 @@ from torsionnet.model.limits.subject import LimitSubject
 
 @dataclass(frozen=True, kw_only=True)
 class ElementLimit(Limit):
-    """Base of limits with values for some of an element's criteria."""
+    """Base of limits with allowed values for some of an element's torque, twist and heat."""
 
     criteria: ClassVar[tuple[str, ...]] = ()
     """Names of the entries of a limit of which at least one has to be given."""
@@ -48,7 +48,7 @@ class ElementLimit(Limit):
 
     @property
     def twisting(self) -> Sensor:
-        """Sensor of the element's twist."""
+        """Sensor of the twist of the limited element."""
         return Sensor("twist", self.element)
 
     def fitted(self, elements: Mapping[str, Element]) -> Self:
@@ -92,5 +92,5 @@ class ElementLimit(Limit):
 
 
 def constant_over_speed(value: float, evidence: Evidence) -> Any:
-    """Array of the same value at every speed, shape (n_speeds,)."""
+    """Array of one value in its own unit at every speed, shape (n_speeds,)."""
     return np.full(len(evidence.speeds), float(value))

@@ -40,7 +40,7 @@ UNDAMPED_STEP = 1e-6
 TOLERANCE = Value("how wrong a tachometer may be, as 2 %: ranges are wider by it", "1", below=0.2)
 """Specification of a limit's entry for the error of a tachometer."""
 NOT_EXAMINED = ("no lower speed was examined", "no higher speed was examined")
-"""Remarks on a barred range that is cut off at the lowest or the highest speed examined."""
+"""Remarks on a barred range of speeds that is cut off at the lowest or the highest speed examined."""
 
 
 def register_rule(cls: L) -> L:
@@ -150,7 +150,7 @@ class Limit(Declared):
         )  # fmt: skip
 
     def peak(self, line: LimitLine, name: str, evidence: Evidence) -> LimitVerdict:
-        """Verdict on a criterion that no speed may exceed, not even while it is passed."""
+        """Verdict of the limit on a criterion that no speed may exceed, not even while it is passed."""
         above = spans_above(evidence.speeds, line.values, line.allowed)
         over = tuple(f"exceeded from {span}" for span in above)
         return self._verdict(line, name, evidence, FAIL if above else PASS, (), over)
@@ -161,7 +161,9 @@ class Limit(Declared):
         return 0.0
 
     def continuous(self, line: LimitLine, name: str, evidence: Evidence) -> LimitVerdict:
-        """Verdict on a criterion for continuous operation: speeds where it is exceeded are to be barred, if possible.
+        """Verdict of the limit on a criterion for continuous operation.
+
+        Speeds where it is exceeded are to be barred, if possible.
 
         In normal firing neither the rated nor the highest speed can be barred.
         """

@@ -42,7 +42,7 @@ def drivers(definition: Definition, load: Load) -> dict[Input, float]:
 
 
 def reacting(definition: Definition, text: str) -> Input:
-    """Place where a driver or absorber acts, with the node that takes its reaction.
+    """Torque input where a driver or absorber acts, with the node that takes its reaction.
 
     On a node alone it is the machine whose excitation acts there, and reacts where that does.
     """

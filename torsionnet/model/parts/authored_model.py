@@ -13,7 +13,7 @@ from torsionnet.model.parts.use import Use
 
 @dataclass(frozen=True)
 class AuthoredModel:
-    """Definition with its parts, and the flat definition without parts that follows from it.
+    """Definition of a model with its parts, and the flat definition without parts that follows from it.
 
     A changed flat definition is written with its parts where changes of the model's own entries and of the values given
     to parts can make it; else flat.
@@ -87,7 +87,10 @@ def with_copy_value(use: Use, own: str, index: int, value: Any, before: tuple[An
 
 
 def _same(one: Definition, other: Definition) -> bool:
-    """Whether all entries of two definitions are the same objects; equal contents are compared more slowly."""
+    """Whether all entries of two definitions of a model are the same objects.
+
+    Equal contents are compared more slowly.
+    """
     return all(
         getattr(one, entry.name) is getattr(other, entry.name) for entry in fields(one) if entry.name != "authored"
     )

@@ -61,7 +61,7 @@ def _one(value: Any, index: int) -> Any:
 
 
 def use_faults(use: Use, ports: Collection[str], parameters: Collection[str]) -> Iterator[Fault]:
-    """Faults of a use of a part that has these ports and parameters."""
+    """Faults of a use that contradict the ports and parameters of the part it names."""
     yield from _unknown(use, ports, parameters)
     missing = [port for port in ports if port not in _joined(use)]
     missing += [port for port in use.chain or () if port in ports and port not in use.at]

@@ -26,7 +26,7 @@ MOST_LEVELS = 20
 
 @dataclass
 class PartContent:
-    """Contents of a model or a part, by section."""
+    """Elements, parameters and other contents of a model or a part, by section."""
 
     parameters: dict[str, Any] = field(default_factory=dict)
     elements: dict[str, Any] = field(default_factory=dict)
@@ -78,7 +78,7 @@ class _Flattening:
                 self.faults.append(Fault(text, ("parts", name), "warning", on_key=True, about=name))
 
     def content(self, owner: Definition | Part, path: Path, within: tuple[str, ...]) -> PartContent:
-        """Contents of a model or a part with everything it uses."""
+        """Elements, parameters and other contents of a model or a part with everything it uses."""
         found = PartContent(**{name: dict(getattr(owner, name)) for name in SECTIONS})
         _expand(found)
         for name, use in owner.use.items():
@@ -223,7 +223,7 @@ def _overlay(overlay: Overlay, names: Renaming, part: PartContent) -> Overlay:
 
 
 def _expand(content: PartContent) -> None:
-    """Replace elements that stand for several by those, also where configurations switch them."""
+    """Replace elements that stand for several by these, also where configurations switch them."""
     groups: dict[str, tuple[Element, ...]] = {}
     elements: dict[str, Element] = {}
     for name, element in content.elements.items():

@@ -15,7 +15,7 @@ from torsionnet.model.parts.part import Part
 
 @dataclass(frozen=True)
 class PlaceInPart:
-    """Path of an entry as written, the uses that lead to it, outermost first, and the prefix they put before names."""
+    """Path of a part's entry as written, the uses that lead to it, outermost first, and their prefix of names."""
 
     path: Path
     uses: tuple[Path, ...] = ()

@@ -21,7 +21,7 @@ ANGLES = ("rad", "deg")
 
 @dataclass(frozen=True)
 class Pair:
-    """Transfer function of output over input, with the excitation where the input is a measured one.
+    """Transfer function of an output over an input for a report, with the excitation if the input is measured.
 
     Examples
     --------
@@ -60,7 +60,7 @@ class Pair:
 
 
 class PairEntry(Spec[Pair]):
-    """Entry of a transfer function: ``OUTPUT/INPUT``, or its parts by name."""
+    """Entry of a transfer function for the report of a model: ``OUTPUT/INPUT``, or its parts by name."""
 
     def coerce(self, raw: object) -> Pair:
         if isinstance(raw, Pair):

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class MassElasticSheet:
-    """Contents of a mass-elastic sheet: masses, the shafts between them, and how its columns were read.
+    """Masses and shafts of a mass-elastic sheet, and how its columns were read.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ def read_sheet(path: Path, name: str = "") -> MassElasticSheet:
 
 
 def parse_sheet(grid: CellGrid) -> MassElasticSheet:
-    """Mass-elastic sheet from cells that are already read.
+    """Mass-elastic sheet made from cells that are already read.
 
     >>> from torsionnet.core.delimited.cell_grid import parse_grid
     >>> grid = parse_grid(["Masse;J [kgm²];k [MNm/rad]", "Zyl. 1;0,45;2,1", "Schwungrad;14;"], "sheet.csv")

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from torsionnet.core.units import DIMENSIONS, Dimension
 
 DAMPING = "damping"
-"""Meaning of a damping column that does not say whether it acts to ground or in the shaft."""
+"""Meaning of a sheet's damping column that does not say whether it acts to ground or in the shaft."""
 
 
 @dataclass(frozen=True)
 class Meaning:
-    """Meaning of a column: its dimensions (none: text), the words for it, and an example of a heading."""
+    """Meaning that a column of a mass-elastic sheet can have, with dimensions and words for it."""
 
     key: str
     shown: str

@@ -176,7 +176,10 @@ def _preferred(fitting: Sequence[Meaning], unit: SheetUnit | None) -> Meaning:
 
 
 def _text_or_not(known: Sequence[Meaning], below: Sequence[Cell]) -> str:
-    """Meaning "name" or "number" where the words leave it open: ``Drehmasse`` and ``Mass`` head both."""
+    """Meaning "name" or "number" of a sheet's column where the words of its heading leave it open.
+
+    ``Drehmasse`` and ``Mass`` head both.
+    """
     keys = [meaning.key for meaning in known]
     numbers = sum(is_like_number(cell.text) for cell in below)
     if not {"name", "number"} & set(keys) or not below:
@@ -240,7 +243,7 @@ def _without_doubles(columns: Sequence[SheetColumn], faults: list[Fault], grid: 
 
 
 def _misspelt(column: SheetColumn, columns: Sequence[SheetColumn], grid: CellGrid) -> Iterator[Fault]:
-    """Fault of a heading that is not understood, but nearly a word for a column that the sheet lacks."""
+    """Fault of a column's heading that is not understood, but nearly a word for a column that the sheet lacks."""
     if column.meaning or not column.heading or column.remark:
         return
     plain = plain_heading(named_unit(column.heading)[0])

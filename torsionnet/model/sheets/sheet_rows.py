@@ -59,7 +59,7 @@ class SheetLink:
 
 @dataclass
 class _Begun:
-    """Shaft or mesh that is read from a row before the mass at its end is known."""
+    """Shaft or mesh that is read from a sheet's row before the mass at its end is known."""
 
     row: Row
     first: str | None

@@ -33,7 +33,7 @@ class SheetValue:
 
     @property
     def raw(self) -> str | Real:
-        """Value as an entry of an element takes it."""
+        """Text or number in SI units with which an element's entry takes the value."""
         return self.text or self.si
 
     def times(self, factor: Fraction) -> SheetValue:

@@ -1,4 +1,4 @@
-"""Section of a report on the checks: findings on the model, and results calculated a second way."""
+"""Section of a report with findings of the checks, and results calculated a second way."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def warned(subject: ReportData) -> list[Fault]:
 
 
 def checks_section(subject: ReportData) -> Section:
-    """Section with the findings of the checks and the comparison of two ways of calculation."""
+    """Section of a report with the findings of the checks and the comparison of two ways of calculation."""
     found = [*findings(subject), *warned(subject)]
     blocks: list[Block] = []
     if not found:

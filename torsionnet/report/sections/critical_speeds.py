@@ -1,4 +1,4 @@
-"""Section of a report on critical speeds: crossings of orders and modes, what excites them, Holzer tables."""
+"""Section of a report on critical speeds, with crossings of orders and modes and Holzer tables."""
 
 from __future__ import annotations
 
@@ -35,7 +35,10 @@ INTRODUCTION = (
 
 
 def critical_speeds_section(subject: ReportData) -> Section | None:
-    """Section on critical speeds; None for a model without excitations."""
+    """Section of a report on critical speeds, at which orders meet natural frequencies.
+
+    None for a model without excitations.
+    """
     if not subject.has_excitations:
         return None
     blocks: list[Block] = [Paragraph((INTRODUCTION, *subject.coverage_note))]

@@ -37,7 +37,7 @@ Row = tuple[Cell, ...]
 
 
 def elements_section(subject: ReportData) -> Section:
-    """Section with tables of the elements and of inputs and sensors."""
+    """Section of a report with tables of the elements and of inputs and sensors."""
     rig = subject.cases[0].drivetrain
     blocks: list[Block] = [_elements(rig, several=len(subject.cases) > 1)]
     if rig.inputs or rig.sensors:

@@ -65,7 +65,7 @@ MOST_NUMERIC_COORDINATES = 12
 
 
 def equations_section(subject: ReportData) -> Section:
-    """Section with the equations of motion, in symbols for models of few coordinates."""
+    """Section of a report with the equations of motion, in symbols for models of few coordinates."""
     if (n := subject.n_coordinates) > MOST_SYMBOLIC:
         lead = f"The model has {n} coordinates; its equations are given by the entries of their matrices."
         return Section("equations", ("Equations of motion",), (Paragraph((lead,)), *_entries(subject)))
@@ -144,7 +144,7 @@ def _matrices(system: SymbolicSystem) -> list[Block]:
 
 
 def _laws(system: SymbolicSystem) -> list[Block]:
-    """Formulas of the torques of controllers, by their Laplace transforms."""
+    """Formulas of the torques of controllers, as Laplace transforms of their laws."""
     import sympy
 
     found: list[Block] = []

@@ -1,4 +1,4 @@
-"""Section of a report on kinematic relations: nodes that follow others, by which element and ratio."""
+"""Section of a report on kinematic relations, nodes that follow others and by which ratio."""
 
 from __future__ import annotations
 

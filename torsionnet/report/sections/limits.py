@@ -1,4 +1,4 @@
-"""Section of a report on limits: verdicts in all conditions, limits over speed, the rules they rest on."""
+"""Section of a report on limits, with verdicts, limits over speed and the rules they rest on."""
 
 from __future__ import annotations
 
@@ -112,7 +112,10 @@ def _gravest(found: LimitConclusion, name: str) -> list[LimitCheck]:
 
 
 def _numbers(subject: ReportData, check: LimitCheck, one: LimitVerdict) -> tuple[float | None, ...]:
-    """Worst speed in r/min, value and allowed value there, utilisation in per cent; None each where there is none."""
+    """Worst speed in r/min, value and value allowed there, and utilisation in per cent, of a verdict.
+
+    None each where there is none.
+    """
     at = one.worst
     if at is None:
         return (None, None, None, None)

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 MOST_PEAKS, FEW_PEAKS = 6, 3
 """Number of peaks listed of each configuration where configurations are few, and where they are many."""
 LEAST_PROMINENCE = 1.001
-"""Ratio of a peak to the higher of the valleys beside it from which on it is listed; smaller ones are ripples."""
+"""Least ratio of a listed peak to the higher valley beside it, as smaller ones are ripples."""
 MOST_CURVES = 7
 """Largest number of curves in one plot of responses, as more cannot be told apart."""
 

@@ -63,7 +63,9 @@ def inline(cell: Cell) -> str:
 
 
 def breakable(part: Inline) -> str:
-    r"""LaTeX of a part of a cell in a narrow column: words may also break after signs, and long ones anywhere.
+    r"""LaTeX of a part of a table's cell, which may break over lines in a narrow column.
+
+    Words may also break after signs, and long ones anywhere.
 
     >>> print(breakable("gear=V,clutch=open"))
     gear=\allowbreak{}V,\allowbreak{}clutch=\allowbreak{}open

@@ -96,7 +96,7 @@ class TextFormat:
 
 @dataclass(frozen=True)
 class Illustrations:
-    """Functions that give the text by which figures and images stand in a file.
+    """Functions that give the text by which figures and images stand in a report's file.
 
     Attributes
     ----------
