@@ -107,7 +107,7 @@ class Sensor:
 class Input:
     """Input of a drivetrain, a torque on a node, or an imposed angle or twist.
 
-    ``torque``, ``angle`` of a node, ``twist`` of an element.
+    Its ``quantity`` is ``torque`` or ``angle`` at a node, or ``twist`` in an element.
 
     With ``against``, a second node, +T acts on the first node and -T on the second, or the angle of the first relative
     to the second is imposed. Against the ground that is the same as on the node alone. An imposed twist e is what the

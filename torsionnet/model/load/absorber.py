@@ -22,7 +22,7 @@ MOST_EXPONENT = 10
 class TorqueOverSpeed(Plural[tuple[tuple[float, float], ...]]):
     """Entry of a table of torque over speed, stored as pairs in rad/s and N m.
 
-    ``{300 rpm: 30 kN*m}``, stored as pairs in rad/s and N m, sorted.
+    A file has ``{300 rpm: 30 kN*m}``; the pairs rise with the speed.
     """
 
     @property
