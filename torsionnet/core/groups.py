@@ -52,5 +52,5 @@ class Groups(Generic[T]):
         return True
 
     def groups(self) -> list[list[T]]:
-        """List of all groups, in the order of their names first mentioned."""
+        """List of all groups of connected names, in the order in which their names were first mentioned."""
         return list({id(group): group for group in self.home.values()}.values())

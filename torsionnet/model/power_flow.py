@@ -86,7 +86,7 @@ def _only(run: OrderResponse, places: Sequence[int]) -> OrderResponse:
 
 
 def _power_between(torques: OrderResponse, motions: OrderResponse, flows: Sequence[PowerFlow]) -> ComplexArray:
-    """Complex power in W by frequency of one response's torques and another's rates, (n_speeds, n_frequencies)."""
+    """Product in W of one response's torques and another's conjugate rates, shape (n_speeds, n_frequencies)."""
     rates = replace(motions, values=motions.values * (2j * math.pi * motions.frequencies)[:, :, None]).by_frequency()
     amplitudes = torques.by_frequency()
     total = np.zeros(rates.shape[:2], dtype=complex)

@@ -1,4 +1,4 @@
-"""Entries composed of other entries: an object, one of several kinds, a table by name, a list, a pair."""
+"""Entries composed of other entries, as an object, a table by name, a list or a pair."""
 
 from __future__ import annotations
 

@@ -89,7 +89,7 @@ def equations_section(subject: ReportData) -> Section:
 
 
 def _is_short(system: SymbolicSystem) -> bool:
-    """Whether every entry of the matrices fits a line."""
+    """Whether every entry of a system's symbolic matrices fits a line of the report."""
     return all(
         formula_letters(cell) <= WIDEST_FORMULA for key in MATRIX_UNITS for cell in getattr(system, key) if cell != 0
     )
