@@ -1,4 +1,4 @@
-"""The command line: ``torsionnet COMMAND ...``, also as ``python -m torsionnet``.
+"""The command line of the package, called as ``torsionnet COMMAND ...``; also as ``python -m torsionnet``.
 
 Results go to stdout, messages to stderr. Exit codes: 0 done, 1 wrong model, 2 wrong usage, 3 no numerical answer,
 4 missing package, 70 a bug, 74 a file that cannot be written, 130 interrupted.
@@ -11,7 +11,7 @@ import os
 from collections.abc import Sequence
 
 OBJECTS_BETWEEN_COLLECTIONS = 100_000
-"""New objects between two runs of the garbage collector; fewer make starting up slower, more take memory."""
+"""New objects between two runs of the garbage collector, as fewer slow down starting and more take memory."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -1,4 +1,4 @@
-"""Drivetrains that a command calculates: one model in the configurations chosen, with the parameters set."""
+"""Drivetrains that a command calculates, one model in the configurations chosen, with parameters set."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from torsionnet.response.table import Table
 
 CONFIGURATIONS_NAMED = 12
-"""Configurations that a note names before it ends in "...": about two lines of a terminal."""
+"""Number of configurations that a note names before it ends in "...", about two lines of a terminal."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,10 @@ class ModelCommand(Command):
     settings: tuple[tuple[str, str], ...] = SETTINGS
 
     def cases(self) -> list[ConfiguredCase]:
-        """Drivetrains in every configuration asked for; warnings and notes about the model go to stderr."""
+        """Drivetrain in every configuration that the command line asks for, with parameters set.
+
+        Warnings and notes about the model go to stderr.
+        """
         rig = load_model(self.model)
         found = list(rig.check())
         names = _names(rig, self.configurations)
@@ -59,14 +62,14 @@ class ModelCommand(Command):
         return cases
 
     def require_one(self, why: str) -> None:
-        """Refuse several configurations with the message given."""
+        """Raise an error with the message given where several configurations are asked for."""
         from torsionnet.model.configurations import ALL_CONFIGURATIONS
 
         if len(self.configurations) > 1 or ALL_CONFIGURATIONS in self.configurations:
             raise click.UsageError(why)
 
     def combined_table(self, cases: Sequence[ConfiguredCase], tables: Sequence[Table]) -> Table:
-        """Table with the rows of all cases, and the configuration in the first column if any was named.
+        """Table with the rows of all drivetrains, and the configuration in the first column if any was named.
 
         Equal notes stand once; a note that is not on all cases begins with the names of its configurations.
         """

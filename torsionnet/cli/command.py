@@ -29,11 +29,12 @@ if TYPE_CHECKING:
 JSON = ("as_json",)
 NUMBERS = (*JSON, "digits")
 TABLE = ("as_json", "csv_file", "digits")
-"""Output options of a command that prints one table; JSON and NUMBERS: of commands that print words, or numbers."""
+"""Names of the output options of a command that prints one table; JSON and NUMBERS: of commands that print words, or
+numbers."""
 
 
 class Output(Arguments):
-    """Output options that commands share: JSON, CSV, digits, picture."""
+    """Output options that commands share, for data, tables, digits and picture."""
 
     as_json: bool = option("--json", help="Print JSON instead of tables.")
     csv_file: str | None = option("--csv", type=OutputFile(), help="Write the table as CSV, in full precision.")
@@ -43,13 +44,13 @@ class Output(Arguments):
     plot_file: str | None = plot_option("a picture")
 
     def with_digits(self, table: Table) -> Table:
-        """Copy of a table with the digits asked for."""
+        """Copy of a table with as many significant digits as the command line asks for."""
         return table.with_digits(self.digits) if self.digits else table
 
 
 @dataclass(frozen=True, kw_only=True)
 class Answer:
-    """Result of a command as functions that give text, JSON data, CSV tables, pictures and files, and exit code.
+    """Result of a command as functions that give its text, data, tables, pictures and files, and its exit code.
 
     Tables and pictures for files have a name (of a configuration or channel), which becomes part of the file's name.
     """
@@ -58,7 +59,7 @@ class Answer:
     data: Callable[[], Any] = tuple
     csv: Callable[[], Sequence[tuple[str, Table]]] = tuple
     figures: Callable[[ModuleType], Iterable[tuple[str, Figure]]] = lambda _: ()
-    """Names and figures, drawn by :mod:`torsionnet.plot`, which is imported only if a picture is asked for."""
+    """Function that gives names and figures of the pictures, called only if a picture is asked for."""
     files: Sequence[tuple[str | Path | None, Callable[[Any], Any]]] = ()
     exit_code: int = 0
 
@@ -69,17 +70,17 @@ class Command(Arguments):
     forms: ClassVar[tuple[str, ...]] = ()
     """Names of the options of :class:`Output` that the command has."""
     picture: ClassVar[str] = ""
-    """Words of the help of ``--plot`` on what it draws; empty: the command draws nothing."""
+    """Words on what the option ``--plot`` draws, for the help of the command; empty: the command draws nothing."""
 
     output: Output
 
     def answer(self) -> Answer:
-        """Calculate the result of the command."""
+        """Calculate the result of the command and return it as texts, data, tables and files to be written."""
         raise NotImplementedError
 
 
 def click_command(name: str, declared: type[Command]) -> click.Command:
-    """Click command of a class of arguments."""
+    """Click command made from a class of arguments."""
 
     def run(**values: Any) -> None:
         command = declared(**values)
@@ -95,7 +96,7 @@ def click_command(name: str, declared: type[Command]) -> click.Command:
 
 
 def write_answer(answer: Answer, output: Output) -> None:
-    """Write and print an answer in the forms asked for."""
+    """Write and print the answer of a command in the forms asked for."""
     figures: list[tuple[str, Figure]] = []
     if output.plot_file:
         import torsionnet.plot as plot
@@ -141,14 +142,14 @@ def result_path(file: str, name: str, count: int) -> str:
 
 
 def text_answer(text: str, file: str | None) -> Answer:
-    """Answer of a command whose result is a text: written to a file, or printed if none is given."""
+    """Answer of a command whose result is one text: written to a file, or printed if none is given."""
     if file is None:
         click.echo(text, nl=False)
     return Answer(files=[(file, lambda path: write_text(path, text))])
 
 
 def separated_by_lines(parts: Iterable[Table]) -> Iterator[Table | str]:
-    """Tables with an empty line between them."""
+    """Tables one after the other, with an empty line between them."""
     for number, part in enumerate(parts):
         if number:
             yield ""

@@ -1,4 +1,6 @@
-"""Command-line arguments as fields of a class: option words, type and help stand beside the name of the value.
+"""Declarations of command-line arguments as fields of a class.
+
+Option words, type and help stand beside the name of the value.
 
 The type of a field implies a flag, a repeatable or required option, or a number. An option of several commands is a
 constant in ``cli/options.py``; options that go together are a class of their own, and a field of that class.
@@ -20,21 +22,24 @@ import click
 
 
 class Declaration:
-    """Settings from which a :class:`click.Option` or :class:`click.Argument` is made."""
+    """Settings from which a field of a class becomes a :class:`click.Option` or :class:`click.Argument`."""
 
     def __init__(self, makes: type[click.Parameter], words: tuple[str, ...], settings: dict[str, Any]) -> None:
         self.makes, self.words, self.settings = makes, words, settings
 
     def parameter(self, name: str, hint: Any) -> click.Parameter:
-        """Click option or argument whose value has the name given; ``hint`` is the type of the field."""
+        """Click option or argument made from the settings, whose value has the name given.
+
+        ``hint`` is the type of the field.
+        """
         return self.makes([*self.words, name], **{**self._implied(hint), **self.settings})
 
     def default(self, hint: Any) -> Any:
-        """Value of an option that is not on the command line."""
+        """Value of the field if its option is not on the command line."""
         return self.settings.get("default", () if get_origin(hint) is tuple else False if hint is bool else None)
 
     def _implied(self, hint: Any) -> dict[str, Any]:
-        """Settings of click that follow from the type of the field."""
+        """Settings of click that follow from the type of the field, by name."""
         if self.makes is click.Argument:
             return {"nargs": -1, "required": True} if get_origin(hint) is tuple else {}
         if hint is bool:
@@ -47,12 +52,15 @@ class Declaration:
 
 
 def option(*words: str, **settings: Any) -> Any:
-    """Declare an option with its words (``--seed``); settings are those of :class:`click.Option`."""
+    """Declaration of a field as an option with its words, as ``--seed``.
+
+    Settings are those of :class:`click.Option`.
+    """
     return Declaration(click.Option, words, settings)
 
 
 def argument(metavar: str) -> Any:
-    """Declare a positional argument, shown in the help by its metavar."""
+    """Declaration of a field as a positional argument, shown in the help by its metavar."""
     return Declaration(click.Argument, (), {"metavar": metavar})
 
 
@@ -77,7 +85,10 @@ def parameters(declared: type[Arguments]) -> Iterator[click.Parameter]:
 
 
 def _fields(declared: type[Arguments]) -> Iterator[tuple[str, Any, Declaration | None]]:
-    """Name, type and declaration of each field; None as the declaration of a field that is a class of arguments."""
+    """Name, type and declaration of each field of a class of arguments.
+
+    None as the declaration of a field that is a class of arguments.
+    """
     for name, hint in get_type_hints(declared).items():
         found = getattr(declared, name, None)
         if isinstance(found, Declaration):

@@ -15,14 +15,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Configured:
-    """Record of one configuration; empty for the model as written."""
+    """Name of the configuration that a record is of; empty for the model as written."""
 
     configuration: str
 
 
 @dataclass(frozen=True)
 class EquationsOfMotion:
-    """Equations of motion as texts; the matrices by rows."""
+    """Equations of motion of a drivetrain as texts; the matrices by rows."""
 
     coordinates: tuple[str, ...]
     equations: tuple[str, ...]
@@ -40,7 +40,7 @@ class ConfiguredMotion(EquationsOfMotion, Configured):
 
 @dataclass(frozen=True)
 class SimplificationErrors:
-    """Relative errors of frequencies and damping ratios, and error of magnitudes in dB, of a simplified drivetrain."""
+    """Largest relative errors of frequencies and damping ratios, and of magnitudes (dB), of a simplified drivetrain."""
 
     omega: float
     zeta: float
@@ -61,7 +61,7 @@ class TransferFunctionRecord:
 
 @dataclass(frozen=True)
 class MatricesRecord:
-    """Matrices of a drivetrain in numbers by rows, SI."""
+    """Matrices M, C and K of a drivetrain in numbers by rows, in SI units."""
 
     coordinates: tuple[str, ...]
     inertia: Annotated[list[list[float]], Out(json="M")]
@@ -70,13 +70,13 @@ class MatricesRecord:
 
 
 def simplification_errors(short: Simplified) -> SimplificationErrors:
-    """Errors of a simplified drivetrain as plain data."""
+    """Errors of a simplified drivetrain as plain data, relative ones and those of magnitudes in decibels."""
     errors = short.errors
     return SimplificationErrors(errors.omega, errors.zeta, errors.decibels)
 
 
 def equations_of_motion(rig: Drivetrain) -> EquationsOfMotion:
-    """Equations of motion of a drivetrain as texts."""
+    """Record with the equations of motion of a drivetrain as texts."""
     system = rig.symbolic()
     matrices = ([[str(cell) for cell in row] for row in getattr(system, symbol).tolist()] for symbol in "MCK")
     return EquationsOfMotion(
@@ -89,7 +89,7 @@ def equations_of_motion(rig: Drivetrain) -> EquationsOfMotion:
 
 
 def matrices_record(rig: Drivetrain) -> MatricesRecord:
-    """Matrices of a drivetrain in numbers."""
+    """Matrices M, C and K of a drivetrain in numbers by rows, in SI units."""
     return MatricesRecord(rig.assembly.kinematics.coordinates, *(matrix_rows(rig, symbol) for symbol in "MCK"))
 
 
@@ -108,7 +108,7 @@ def dependent_angles(system: Any) -> dict[str, str]:
 
 
 def matrix_rows(rig: Drivetrain, symbol: str) -> list[list[float]]:
-    """Rows of the matrix of the drivetrain called ``symbol``, in numbers."""
+    """Rows of numbers in SI units of the drivetrain's matrix M, C or K, shape (n_coordinates, n_coordinates)."""
     rows: list[list[float]] = getattr(rig.assembly.system, symbol).tolist()
     return rows
 

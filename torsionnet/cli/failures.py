@@ -18,7 +18,7 @@ DEBUG = "TORSIONNET_DEBUG"
 
 @contextlib.contextmanager
 def exit_code_for_errors() -> Iterator[None]:
-    """Context in which an exception becomes a message on stderr and an exit code."""
+    """Context in which an exception becomes a message on stderr and the exit code of the command."""
     from torsionnet.core.errors import TorsionnetWarning
 
     with warnings.catch_warnings():
@@ -40,7 +40,7 @@ def exit_code_for_errors() -> Iterator[None]:
 
 
 def _explain(error: Exception) -> int:
-    """Print what went wrong and return the exit code."""
+    """Print what went wrong on stderr and return the exit code of the command."""
     from torsionnet.cli.terminal import message
     from torsionnet.core.errors import TorsionnetError
 
@@ -61,7 +61,7 @@ def _explain(error: Exception) -> int:
 
 
 class _Warnings:
-    """Shows each warning once, without the place in the program that raised it."""
+    """Handler that shows each warning once, without the place in the program that raised it."""
 
     def __init__(self) -> None:
         self.seen: set[str] = set()

@@ -23,7 +23,7 @@ class DisplayUnits:
     decibels: bool
 
     def magnitude(self, value: float, scale: float) -> float:
-        """Magnitude in the unit shown, or in dB, from an SI value and the scale of its unit."""
+        """Magnitude in the unit shown, or in dB, from a value in SI units and the scale of the unit shown."""
         if not self.decibels:
             return value * scale
         if math.isnan(value):
@@ -31,7 +31,7 @@ class DisplayUnits:
         return 20 * math.log10(value * scale / self.conventions.db_reference) if value else -math.inf
 
     def unit(self, unit: str) -> str:
-        """Unit as text, with its dB reference if magnitudes are in dB."""
+        """Unit of a magnitude as text, with its reference value if magnitudes are in decibels."""
         return f"dB re {self.conventions.db_reference:g} {unit}" if self.decibels else unit
 
 
@@ -43,7 +43,7 @@ def output_input_pairs(response: FrequencyResponse) -> Iterator[tuple[int, int, 
 
 
 def peak_table(response: FrequencyResponse, solve: Solver, shown: DisplayUnits) -> Table:
-    """Table of a response with a row for the static value and for each peak of every transfer function."""
+    """Table of a frequency response, with a row for the static value and each peak of every transfer function."""
     conventions = shown.conventions
     columns = (
         Column("response"),
@@ -72,7 +72,7 @@ def _points(response: FrequencyResponse, solve: Solver, o: int, i: int) -> Itera
 
 
 def full_table(response: FrequencyResponse, shown: DisplayUnits) -> Table:
-    """Table of a response with a row per frequency; magnitudes in dB if asked for."""
+    """Table of a frequency response, with a row for each frequency in Hz; magnitudes in dB if asked for."""
     table = response.table(shown.conventions)
     if not shown.decibels:
         return table
@@ -89,7 +89,7 @@ def full_table(response: FrequencyResponse, shown: DisplayUnits) -> Table:
 
 @dataclass(frozen=True, eq=False)
 class CurveRow:
-    """Transfer function of one output to one input in the angle unit chosen, at all frequencies."""
+    """Complex transfer function of one output to one input in the angle unit chosen, at all frequencies."""
 
     output: str
     input: str
@@ -101,7 +101,7 @@ class CurveRow:
 
 @dataclass(frozen=True)
 class PeakRow:
-    """Peak of a transfer function."""
+    """Peak of a transfer function with its frequency in Hz, magnitude and phase."""
 
     frequency: Annotated[float, Out(json="frequency_Hz")]
     magnitude: float
@@ -148,7 +148,7 @@ class EstimateRecord:
 def responses_record(
     case: ConfiguredCase, response: FrequencyResponse, solve: Solver, conventions: Conventions
 ) -> ResponsesRecord:
-    """Response as plain data, for JSON: complex values in the angle unit chosen, static values, peaks; Hz."""
+    """Record of a calculated response for JSON, with complex values in the angle unit chosen, and peaks."""
     rows = []
     for o, i, _ in output_input_pairs(response):
         scale = response.scale(conventions, o, i)
@@ -162,7 +162,7 @@ def responses_record(
 
 
 def estimated_responses_record(response: FrequencyResponse, conventions: Conventions) -> EstimateRecord:
-    """Estimated response as plain data, for JSON: complex values in the angle unit chosen, and coherence."""
+    """Record of an estimated response for JSON with complex values in the angle unit chosen, and coherence."""
     coherence = response.coherence
     rows = tuple(
         EstimatedCurveRow(
@@ -181,7 +181,7 @@ def _curve(response: FrequencyResponse, conventions: Conventions, o: int, i: int
 
 @dataclass(frozen=True)
 class AgreementRow:
-    """Number that says how a test and the model agree, with the frequency where it was found."""
+    """Number that says how far a test and the model agree, with the frequency in Hz where it was found."""
 
     what: str
     at: Annotated[float | None, Out(json="at_Hz")]
@@ -191,7 +191,10 @@ class AgreementRow:
 
 @dataclass(frozen=True, eq=False)
 class ComparisonRecord:
-    """Test against model, as ``torsionnet compare --json`` prints them; differences are test - model."""
+    """Record of a test and of the model's response, as ``torsionnet compare --json`` prints it.
+
+    Differences are test - model.
+    """
 
     test: EstimateRecord
     model: EstimateRecord
@@ -202,7 +205,7 @@ class ComparisonRecord:
 
 
 def comparison_record(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> ComparisonRecord:
-    """Test and model as plain data, for JSON, in the angle unit chosen."""
+    """Record of a test and of the model's response as plain data for JSON, in the angle unit chosen."""
     from torsionnet.signals.agreement import agreement
     from torsionnet.signals.comparison import difference
 

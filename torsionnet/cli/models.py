@@ -16,14 +16,17 @@ STANDARD_INPUT_NAME = "<stdin>"
 
 
 def load_model(model: str) -> Drivetrain:
-    """Drivetrain of a model file or library model; ``-`` reads the model from standard input."""
+    """Drivetrain of a model file, or of a library model called by its name.
+
+    ``-`` reads the model from standard input.
+    """
     from torsionnet.loading import load, loads
 
     return loads(standard_input_text(), STANDARD_INPUT_NAME) if model == STANDARD_INPUT else load(model)
 
 
 def checked_model(model: str) -> list[Fault]:
-    """Errors, warnings and notes on a model, with unstable modes of any of its configurations."""
+    """Errors, warnings and notes on a model, also on unstable modes in any of its configurations."""
     from torsionnet.model.files import read_file
     from torsionnet.model.files.reader import read_text
 
@@ -33,7 +36,10 @@ def checked_model(model: str) -> list[Fault]:
 
 
 def _growing(definition: Definition) -> list[Fault]:
-    """Warnings about unstable modes in all configurations; none if no element can feed energy into a vibration."""
+    """Warnings about modes of a model that grow, in all its configurations.
+
+    None if no element can feed energy into a vibration.
+    """
     from torsionnet.model.checks import variants
 
     found: list[Fault] = []
@@ -50,7 +56,7 @@ def _growing(definition: Definition) -> list[Fault]:
 
 
 def standard_input_text() -> str:
-    """Text read from standard input."""
+    """Text of a model read from standard input."""
     from torsionnet.model.files.decoding import decode
 
     return decode(sys.stdin.buffer.read(), STANDARD_INPUT_NAME)

@@ -22,7 +22,7 @@ PRESETS = ("paper",)
 
 
 class PairOption(PairType):
-    """Type of an option value ``LEFT=RIGHT``: a pair of texts."""
+    """Type of an option value ``LEFT=RIGHT``, read as a pair of texts."""
 
     def __init__(self, left: str, right: str, example: str) -> None:
         self.name, self.example = f"{left}={right}", example
@@ -35,7 +35,10 @@ class PairOption(PairType):
 
 
 class SettingOption(PairOption):
-    """Type of ``--set NAME=VALUE``: a parameter and its value as text, refused if it is no value with a known unit."""
+    """Type of the option value ``--set NAME=VALUE``, read as a parameter and the text of its value.
+
+    Refused if it has no known unit.
+    """
 
     def __init__(self) -> None:
         super().__init__("NAME", "VALUE", "c_O=360 N*m*s/rad")
@@ -53,7 +56,10 @@ class SettingOption(PairOption):
 
 
 class StepsOption(PairOption):
-    """Type of an option value ``CHANNEL=STEPS``: a channel and its steps per revolution, above 0."""
+    """Type of an option value ``CHANNEL=STEPS``, read as a channel and its steps per revolution.
+
+    The number of steps is above 0.
+    """
 
     def __init__(self) -> None:
         super().__init__("CHANNEL", "STEPS", "n1=60")
@@ -70,7 +76,7 @@ class StepsOption(PairOption):
 
 
 class EntryOption(EntryType):
-    """Type of an option value that is read like an entry of a model file.
+    """Type of an option value that is read like an entry of a model file, with its unit.
 
     ``entry`` is the ``module:name`` of the specification of that entry, imported when a value is read.
     """
@@ -91,7 +97,7 @@ class EntryOption(EntryType):
 
 
 class FiniteFloat(click.FloatRange):
-    """Type of a finite number within limits; nan and inf are refused."""
+    """Type of an option value that is a finite number within limits; nan and inf are refused."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         number = super().convert(value, param, ctx)
@@ -101,7 +107,7 @@ class FiniteFloat(click.FloatRange):
 
 
 class OutputFile(FileType):
-    """Type of the path of a file to be written, refused if its folder is missing or its ending is not allowed."""
+    """Type of an option value that is a file to write, refused if its folder is missing or its ending unknown."""
 
     name = "FILE"
 
@@ -120,7 +126,7 @@ class OutputFile(FileType):
 
 
 class OutputFolder(FileType):
-    """Type of the path of a folder that exists or can be made."""
+    """Type of an option value that is a folder which exists or can be made."""
 
     name = "FOLDER"
 
@@ -134,12 +140,15 @@ class OutputFolder(FileType):
 
 
 def file_option(text: str, endings: tuple[str, ...] = ()) -> Any:
-    """Declare the option ``-o``, ``--output-file`` of a command that makes a file."""
+    """Declaration of the option ``-o``, ``--output-file`` of a command that makes a file."""
     return option("-o", "--output-file", type=OutputFile(endings), help=text)
 
 
 def plot_option(what: str) -> Any:
-    """Declare the option ``--plot``; ``what`` are the words for the picture in its help."""
+    """Declaration of the option ``--plot``, which names the file of a picture.
+
+    ``what`` are the words for the picture in its help.
+    """
     text = f"Write {what} as {', '.join(ending[1:].upper() for ending in PLOT_ENDINGS)}, by the ending."
     return option("--plot", type=OutputFile(PLOT_ENDINGS), help=text)
 
@@ -171,5 +180,5 @@ REFERRED_TO: Any = option(
 
 
 def referred_outputs(outputs: tuple[str, ...], shaft: str | None) -> list[str]:
-    """Names of outputs referred to a shaft, if one is given."""
+    """Names of outputs, each with the shaft it is referred to if a shaft is given."""
     return [f"{name} referred to {shaft}" if shaft else name for name in outputs]

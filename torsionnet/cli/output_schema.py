@@ -33,8 +33,8 @@ OUTPUTS: dict[str, str] = {
     "static": "list[torsionnet.response.static_state:StaticRecord]",
     "study": "torsionnet.cli.study_output:study_schema",
 }
-"""Command -> module and class of what it prints, a list with one for each configuration, one of several classes, or the
-function that makes the schema."""
+"""Module and class of what each command prints with ``--json``, by command; list[...] has one for each
+configuration."""
 
 
 def output_schema(command: str) -> Schema:

@@ -12,16 +12,22 @@ if TYPE_CHECKING:
 
 
 class ShowProgress(Protocol):
-    """Function that shows how far a stage is: name, amount done, total amount (None: unknown)."""
+    """Function that shows how far a stage of a calculation is: name, amount done, total amount (None: unknown)."""
 
     def __call__(self, stage: str, done: float, total: float | None, words: str = "") -> None:
-        """Update the bar of a stage; ``words``, if given, stand beside the bar instead of the name of the stage."""
+        """Update the progress bar of a stage.
+
+        ``words``, if given, stand beside the bar instead of the name of the stage.
+        """
         ...
 
 
 @contextlib.contextmanager
 def progress(what: str, total: float | None) -> Iterator[Callable[[float], None]]:
-    """Progress bar as a context; yields a function that adds an amount, up to ``total`` (None: unknown)."""
+    """Context with a progress bar of one stage.
+
+    Yields a function that adds an amount, up to ``total`` (None: unknown).
+    """
     done = 0.0
 
     def advance(amount: float) -> None:
@@ -36,7 +42,7 @@ def progress(what: str, total: float | None) -> Iterator[Callable[[float], None]
 
 @contextlib.contextmanager
 def stages() -> Iterator[ShowProgress]:
-    """Progress bars of stages one after the other; yields a function that shows how far a stage is."""
+    """Context with progress bars of stages one after the other; yields a function that shows how far a stage is."""
     if not sys.stderr.isatty():
         yield lambda stage, done, total, words="": None  # noqa: ARG005  (a Show that shows nothing)
         return

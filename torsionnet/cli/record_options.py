@@ -18,7 +18,7 @@ ESTIMATORS = ("H1", "H2", "Hv", "Hs", "Hr")
 
 
 class RecordReading(Arguments):
-    """Options on reading a file of signals: quantities, units, sampling rate, text format, encoder pulses."""
+    """Options on reading a file of signals, such as units, sampling rate, text format and encoder pulses."""
 
     quantities: tuple[tuple[str, str], ...] = option(
         "--quantity",
@@ -43,7 +43,7 @@ class RecordReading(Arguments):
 
     @property
     def arguments(self) -> dict[str, Any]:
-        """Keyword arguments of :func:`read_recording` from these options."""
+        """Keyword arguments of :func:`read_recording` that follow from these options, by name."""
         dialect = {"separator": self.separator, "decimal": self.decimal}
         return {
             "quantities": dict(self.quantities),
@@ -55,7 +55,7 @@ class RecordReading(Arguments):
 
 
 class Averaging(Arguments):
-    """Options on averaging spectra: a preset, and settings that replace some of the preset."""
+    """Options on averaging spectra, a preset and settings that replace some of the preset."""
 
     preset: str | None = option(
         "--preset", type=click.Choice(PRESETS), help="Start from these settings; paper: Galvagno (2015)."
@@ -75,7 +75,7 @@ class Averaging(Arguments):
     )
 
     def settings(self, **more: Any) -> Welch:
-        """Settings of Welch's method from these options, with further settings given by keyword."""
+        """Settings of Welch's method from the options on averaging, with further settings given by keyword."""
         from torsionnet.signals.welch import PAPER, Welch  # loads numpy
 
         base = PAPER if self.preset == "paper" else Welch()

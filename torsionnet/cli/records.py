@@ -1,4 +1,4 @@
-"""Recordings read and checked for commands; a large file is read in blocks."""
+"""Recordings of signals read and checked for commands; a large file is read in blocks."""
 
 from __future__ import annotations
 
@@ -16,15 +16,18 @@ from torsionnet.signals.recording_checks import check_recording
 from torsionnet.signals.resampling import resampled
 
 LARGE_FILE = 300_000_000
-"""Bytes above which a file is read in blocks; a larger value takes more memory, a smaller one blocks needlessly."""
+"""Bytes of a file of signals above which it is read in blocks, so that it does not fill the memory; a larger value
+takes more memory, a smaller one blocks needlessly."""
 BLOCK_SECONDS = 60.0
-"""Duration in s of a block of a large file; a longer block takes more memory, a shorter one more reads."""
+"""Duration in s of a block of a large file, as longer ones take more memory and shorter ones more reads."""
 
 
 def load_record(
     path: str, reading: RecordReading, names: Sequence[str] | None, window: float, advance: Callable[[float], None]
 ) -> Recordings:
-    """Channels named of a checked record, or an iterator of its blocks if the file is large; warnings go to stderr.
+    """Recording of the channels named, checked, or an iterator of its blocks if the file is large.
+
+    Warnings go to stderr.
 
     Raises
     ------
@@ -47,7 +50,7 @@ def load_record(
 def _checked_blocks(
     path: str, reading: RecordReading, names: Sequence[str] | None, window: float, advance: Callable[[float], None]
 ) -> Iterator[Recording]:
-    """Yield checked blocks of a large record; a short last block is not reported as a fault."""
+    """Checked blocks of a large file of signals, one after the other; a short last block is not reported as a fault."""
     message("note", f"{path} is large: read in blocks of {BLOCK_SECONDS:g} s")
     for block in iter_blocks(path, BLOCK_SECONDS, names=names, **reading.arguments):
         even = _even(block, reading, path)
@@ -74,6 +77,6 @@ def _refuse(faults: Sequence[Fault], path: str) -> None:
 
 
 def _named(fault: Fault) -> Fault:
-    """Copy of a fault with the name of its channel in the message instead of a place in a file."""
+    """Copy of a fault whose message names its channel, instead of its place in a file."""
     where = fault.path[-1] if len(fault.path) > 1 else ""
     return replace(fault, message=f"{where}: {fault.message}" if where else fault.message, path=())

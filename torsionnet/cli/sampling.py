@@ -18,12 +18,15 @@ if TYPE_CHECKING:
     from torsionnet.response.frequency_response import FloatArray
 
 DEFAULT_POINTS, MOST_POINTS = 500, 1_000_000
-"""Frequencies of a range unless ``--points`` is given, and the most that a list may have."""
+"""Number of frequencies in a range unless ``--points`` is given, and the largest number that a list may have."""
 
 
 @dataclass(frozen=True)
 class Sampling:
-    """Options on frequencies as given on the command line, in the unit chosen there; None: not given."""
+    """Options on the frequencies of a response as given on the command line, in the unit chosen there.
+
+    None: not given.
+    """
 
     start: float | None = None
     stop: float | None = None
@@ -32,7 +35,7 @@ class Sampling:
     listed: str | None = None
 
     def frequencies(self, cases: Sequence[ConfiguredCase], scale: float) -> FloatArray:
-        """Frequencies in Hz, shape (n_f,); ``scale`` converts Hz to the unit chosen."""
+        """Frequencies of the response in Hz, shape (n_f,); ``scale`` converts Hz to the unit chosen."""
         if self.listed is not None:
             if any(given is not None for given in (self.start, self.stop, self.points, self.logarithmic)):
                 raise UsageError("give --frequencies, or --from, --to and --points, not both")
@@ -46,7 +49,7 @@ class Sampling:
 
 
 def frequency_range(start: float, stop: float, points: int, logarithmic: bool | None) -> FloatArray:
-    """Frequencies of a range, linearly or logarithmically spaced, shape (points,).
+    """Frequencies from start to stop in the unit of both, linearly or logarithmically spaced, shape (points,).
 
     ``logarithmic`` None: if the range is more than a decade and does not begin at 0.
     """
@@ -60,7 +63,7 @@ def frequency_range(start: float, stop: float, points: int, logarithmic: bool | 
 
 
 def read_list(text: str) -> FloatArray:
-    """Frequencies from ``0.1:40:0.1`` (start:stop:step, the stop included) or ``1,2,5.5``.
+    """Frequencies, shape (n,), from ``0.1:40:0.1`` (start:stop:step, the stop included) or ``1,2,5.5``.
 
     >>> read_list("0:1:0.25,5").tolist()
     [0.0, 0.25, 0.5, 0.75, 1.0, 5.0]

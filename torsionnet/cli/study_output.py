@@ -1,4 +1,4 @@
-"""Study and what was concluded from it, as ``torsionnet study --json`` prints them."""
+"""Record of a study and what was concluded from it, as ``torsionnet study --json`` prints it."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from torsionnet.study.study import Study
 from torsionnet.study.study_result import StatisticsRecord
 
 AS_ANSWERED: Schema = {"description": "as the type of the answer has them"}
-"""JSON Schema of the numbers of an answer."""
+"""JSON Schema of the numbers in an answer of a study."""
 
 
 @dataclass(frozen=True)
 class ConclusionRow:
-    """Conclusion of one answer in sentences and numbers."""
+    """Conclusion of one answer of a study in sentences and numbers."""
 
     sentences: tuple[str, ...]
     numbers: Annotated[Any, Out(schema=AS_ANSWERED)]
@@ -26,7 +26,7 @@ class ConclusionRow:
 
 @dataclass(frozen=True)
 class StudyRecord:
-    """Title, answers, and why some could not be answered."""
+    """Record of a study with its title, its answers, and why some could not be answered."""
 
     title: str
     answers: Mapping[str, ConclusionRow]
@@ -34,7 +34,10 @@ class StudyRecord:
 
 
 def study_json(study: Study, answered: AnsweredStudy) -> dict[str, Any]:
-    """JSON data of a study: statistics of its variants, if it has any, between the title and the answers."""
+    """JSON data of a study and its answers.
+
+    Statistics of its variants, if it has any, between the title and the answers.
+    """
     answers = {name: ConclusionRow(one.sentences, one.to_data()) for name, one in answered.conclusions.items()}
     unanswered = {name: str(error) for name, error in answered.unanswered.items()}
     record = to_json(StudyRecord(study.title, answers, unanswered or None))
@@ -43,7 +46,7 @@ def study_json(study: Study, answered: AnsweredStudy) -> dict[str, Any]:
 
 
 def study_schema() -> Schema:
-    """JSON Schema of the data of :func:`study_json`."""
+    """JSON Schema of the data of a study that :func:`study_json` returns."""
     fields = (*out_fields(StatisticsRecord), *out_fields(StudyRecord))
     properties = {str(one.key): one.schema for one in fields}
     return record_schema(properties, optional=properties.keys() - {"title", "answers"})

@@ -1,4 +1,4 @@
-"""Printing to the terminal: messages on stderr, tables and JSON on stdout."""
+"""Printing of messages on stderr, and of tables and data on stdout."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
 COLOURS = {"error": "red", "warning": "yellow", "note": "blue"}
 NARROWEST_HEADING, NARROWEST_TEXT, BETWEEN_COLUMNS = 9, 16, 2
-"""Least width of a heading before it is broken, and of a framed text column; gap between columns; in characters."""
+"""Least width in characters of a broken heading and of a framed text column, and the gap between columns."""
 NARROWEST_FOLDED = 30
-"""Least width in characters of a column into which long texts are folded; narrower ones are hard to read."""
+"""Least width in characters of a column into which long texts are folded, as narrower ones are hard to read."""
 SCREEN_WIDTH = 120
 """Characters of a line to which tables are folded or split, so that a usual terminal does not wrap them."""
 
@@ -36,7 +36,7 @@ def message(kind: str, text: str) -> None:
 
 
 def print_line(text: str = "") -> None:
-    """Print a line on stdout."""
+    """Print a line of text on stdout."""
     click.echo(printable_text(text))
 
 
@@ -56,7 +56,7 @@ def print_faults(faults: Iterable[Fault]) -> None:
 
 
 def print_warnings(notes: Iterable[str]) -> None:
-    """Print on stderr those notes of a result that are warnings."""
+    """Print on stderr the notes of a result that are warnings."""
     for note in notes:
         kind, _, text = note.partition(": ")
         if kind == "warning":
@@ -83,7 +83,7 @@ def print_table(table: Table) -> None:
 
 
 def table_width(table: Table) -> int:
-    """Number of characters of the longest line of a table printed as aligned text."""
+    """Number of characters in the longest line of a table that is printed as aligned text."""
     return max(map(len, _aligned(table)), default=0)
 
 
@@ -105,7 +105,10 @@ def _coloured(stream: Any) -> bool:
 
 
 def _aligned(table: Table) -> list[str]:
-    """Lines of a table as aligned text: title, broken headings, rows; numbers to the right, long texts folded."""
+    """Lines of a table as text with aligned columns.
+
+    Title, broken headings, rows; numbers to the right, long texts folded.
+    """
     cells = table.cells()
     right = [table.is_numeric(index) for index in range(len(table.columns))]
     widths, headings = [], []
@@ -124,7 +127,7 @@ def _aligned(table: Table) -> list[str]:
 
 
 def _narrower(widths: list[int], right: list[bool]) -> list[int]:
-    """Widths of columns with the last text column, or the last two, made narrower to fit the screen."""
+    """Widths in characters of columns, the last one or two of text made narrower to fit the screen."""
     for count in (1, 2):
         if len(widths) < count or any(right[-count:]):
             break
@@ -135,7 +138,7 @@ def _narrower(widths: list[int], right: list[bool]) -> list[int]:
 
 
 def _folded(cells: list[list[str]], widths: list[int]) -> list[list[str]]:
-    """Rows of cells with long texts folded over several rows."""
+    """Rows of cells whose long texts are folded over several rows."""
     folded = []
     for row in cells:
         lines = [wrapped(cell, width) if len(cell) > width else [cell] for cell, width in zip(row, widths, strict=True)]
@@ -144,7 +147,7 @@ def _folded(cells: list[list[str]], widths: list[int]) -> list[list[str]]:
 
 
 def wrapped(text: str, width: int = SCREEN_WIDTH, indent: str = "") -> list[str]:
-    """Lines of a text wrapped to a width; a number stays with its percent sign, and words stay whole."""
+    """Lines of a text wrapped to a width in characters; a number stays with its percent sign, and words stay whole."""
     kept = text.replace(" %", "\N{NO-BREAK SPACE}%")
     lines = textwrap.wrap(kept, width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
     return [line.replace("\N{NO-BREAK SPACE}%", " %") for line in lines]

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def split_table(table: Table, group: int) -> Iterator[Table]:
-    """Split a table into blocks that fit the screen: the first column, and whole groups of ``group`` columns.
+    """Parts of a table that each fit the screen: the first column, and whole groups of ``group`` columns.
 
     The title stands over the first block, the notes below the last one.
     """

@@ -1,1 +1,1 @@
-"""Base of the package without any knowledge of drivetrains: errors, units, expressions, warnings, atomic writing."""
+"""Errors, units, expressions, warnings and atomic writing, the base of the package that knows no drivetrains."""

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 PIPE_TIMEOUT = 10.0
-"""Seconds for which writing to a pipe waits for a reader; long enough for a program that starts meanwhile."""
+"""Seconds that writing to a pipe waits for a reader, enough for a program that is still starting."""
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
@@ -91,7 +91,7 @@ def _pour(source: Path, target: Path) -> None:
 
 
 def _opened(target: Path) -> BinaryIO:
-    """Stream to a pipe or device, open for writing; waits a limited time for a reader of a pipe."""
+    """Binary stream to a pipe or device, open for writing; waits a limited time for a reader of a pipe."""
     if not stat.S_ISFIFO(target.stat().st_mode):
         return target.open("wb")
     until = time.monotonic() + PIPE_TIMEOUT

@@ -25,7 +25,7 @@ from torsionnet.core.units import DIMENSIONS
 
 
 class DampingError(TorsionnetError, ValueError):
-    """Error in a damping measure: it does not exist, or cannot be converted with what is given."""
+    """Error that a damping measure does not exist, or cannot be converted with the values given."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ MEASURES: dict[str, Measure] = {
         "damping",
     ),
 }
-"""Damping measures by the name they have in model files."""
+"""Measures of damping such as ``zeta`` and ``Q``, by the name they have in model files."""
 
 
 def _measure(name: str) -> Measure:
@@ -85,7 +85,9 @@ def _measure(name: str) -> Measure:
 def convert_damping(
     value: float, measure: str, to: str, *, stiffness: float | None = None, frequency: float | None = None
 ) -> float:
-    """Convert a value between damping measures; ``c`` needs the stiffness in N*m/rad and the frequency in Hz.
+    """Value of a damping measure converted to another measure, such as ``zeta`` to ``Q``.
+
+    ``c`` needs the stiffness in N*m/rad and the frequency in Hz.
 
     >>> round(convert_damping(0.05, "eta", "c", stiffness=1000.0, frequency=10.0), 6)
     0.795775
@@ -124,7 +126,9 @@ def _is_zero(value: Any) -> bool:
 
 @dataclass(frozen=True)
 class DampingMeasure:
-    """Damping of a spring by a measure instead of c: the measure, its value, and the frequency in Hz where it holds.
+    """Damping of a spring by a measure, as zeta = 0.02 at 12 Hz, instead of c.
+
+    The measure, its value, and the frequency in Hz where it holds.
 
     >>> quality = DampingMeasure("Q", Number(20), Number(50))
     >>> round(quality.viscous(1000.0, {}, FLOAT), 6)
@@ -143,11 +147,14 @@ class DampingMeasure:
 
     @property
     def names(self) -> frozenset[str]:
-        """Names of the parameters in the value and in the frequency."""
+        """Names of the parameters in the expressions of the measure's value and frequency."""
         return self.value.names | (self.at.names if self.at else frozenset())
 
     def loss_factor(self, values: Mapping[str, Any], algebra: Algebra) -> Any:
-        """Loss factor eta in the given algebra; ``c`` has none without a stiffness and a frequency."""
+        """Dimensionless loss factor eta equal to the measure, as a number of the given algebra.
+
+        ``c`` has none without a stiffness and a frequency.
+        """
         if self.measure == "c":
             raise DampingError("c has a loss factor only at a stiffness and a frequency; use convert_damping")
         value = self.value.evaluate(values, algebra)
@@ -156,7 +163,10 @@ class DampingMeasure:
         return MEASURES[self.measure].to_loss_factor(value, algebra, None)
 
     def viscous(self, stiffness: Any, values: Mapping[str, Any], algebra: Algebra) -> Any:
-        """Viscous damping c = eta*k/(2*pi*f) in the given algebra; the value itself for the measure ``c``."""
+        """Viscous damping c = eta*k/(2*pi*f) in N m s/rad, as a number of the given algebra.
+
+        The value itself for the measure ``c``.
+        """
         if self.measure == "c":
             return self.value.evaluate(values, algebra)
         if self.at is None:

@@ -23,7 +23,10 @@ names that have nothing in common."""
 
 @dataclass(frozen=True)
 class Position:
-    """Stretch of one line in a file; line and columns count from 1, ``end_column`` is exclusive."""
+    """Position of a fault in a file, a stretch of one line.
+
+    Line and columns count from 1, ``end_column`` is exclusive.
+    """
 
     file: str
     line: int
@@ -63,7 +66,7 @@ class Fault:
     defined_at: Position | None = None
 
     def under(self, *prefix: str | int) -> Fault:
-        """Copy of the fault with its path below ``prefix``."""
+        """Copy of the fault with its path below the path ``prefix``."""
         return replace(self, path=(*prefix, *self.path))
 
     def at(self, position: Position | None) -> Fault:
@@ -127,7 +130,10 @@ class TorsionnetError(Exception):
 
 
 class ModelError(TorsionnetError, ValueError):
-    """Error of a model, or of a question asked of it; ``faults`` lists all faults, not only the first."""
+    """Error that a model, or a question asked of it, is wrong, with all its faults.
+
+    ``faults`` lists all faults, not only the first.
+    """
 
     outcome = "Nothing was calculated."
 
@@ -196,7 +202,10 @@ def nearest(name: str, candidates: Iterable[str]) -> str:
 
 @lru_cache(maxsize=2**15)
 def _letters(text: str) -> int:
-    """Bit mask of the letters of a text with their counts; letters that share a bit only make texts look more alike."""
+    """Bit mask of the letters in a text and of how often each occurs, for quick comparison of names.
+
+    Letters that share a bit only make texts look more alike.
+    """
     seen: dict[int, int] = {}
     bits = 0
     for letter in text:
@@ -207,7 +216,7 @@ def _letters(text: str) -> int:
 
 
 def did_you_mean(name: str, candidates: Iterable[str]) -> str:
-    """Question whether the nearest candidate was meant, ``; did you mean "x"?``, or the empty string.
+    """Question whether the nearest candidate was meant, or the empty string where none is near.
 
     >>> did_you_mean("gerbox", ["gearbox", "motor"])
     '; did you mean "gearbox"?'
@@ -229,7 +238,7 @@ def _question(meant: str) -> str:
 
 
 def unknown_key(key: object, known: Iterable[str], path: Path, rest: str) -> Fault:
-    """Fault of a key that does not exist there; ``rest`` says which keys do."""
+    """Fault of a key that an entry of the model does not have; ``rest`` says which keys do."""
     name = str(key)
     meant = nearest(name, known)
     text = f'unknown key "{name}"{_question(meant)}; {rest}'.replace("?; ", "? ")
@@ -239,7 +248,10 @@ def unknown_key(key: object, known: Iterable[str], path: Path, rest: str) -> Fau
 def unknown_name(
     what: str, name: str, known: Iterable[str], path: Path, *, on_key: bool = False, rest: str = ""
 ) -> Fault:
-    """Fault of a name nobody defines: ``no node is named "x"; did you mean "y"?``; ``rest`` says which there are."""
+    """Fault of a name in the model that nothing defines.
+
+    ``no node is named "x"; did you mean "y"?``; ``rest`` says which there are.
+    """
     meant = nearest(name, known)
     text = f'no {what} is named "{name}"{_question(meant)}'
     text = f"{text}; {rest}".replace("?; ", "? ") if rest else text

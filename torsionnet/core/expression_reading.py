@@ -66,7 +66,9 @@ def _word_fault(word: str) -> str | None:
 
 @lru_cache(maxsize=4096)
 def parse_expression(text: str) -> Expression:
-    """Parse an expression without units; raises :class:`ExpressionError` with the offset of the fault.
+    """Expression tree of a text without units, such as ``2*k_1``.
+
+    Raises :class:`ExpressionError` with the offset of the fault.
 
     Allowed are ``+ - * /``, ``**`` (or ``^``) with an exponent that is whole or half and at most 4, parentheses,
     ``sqrt``, ``pi``, decimal numbers, taken exactly, and names of parameters.
@@ -105,7 +107,7 @@ class _Reader:
         return ExpressionError(message, self.columns[min(column, len(self.columns) - 1)])
 
     def check_pieces(self) -> None:
-        """Refuse characters and words that ``ast`` need not see, or would only call a syntax error."""
+        """Refuse an expression with characters or words that ``ast`` would miss or only call a syntax error."""
         good = _CHARACTERS.match(self.source)
         if good and good.end() < len(self.source):
             raise self.fault(f'"{self.source[good.end()]}" is not allowed in an expression', good.end())

@@ -36,7 +36,7 @@ class ExpressionError(TorsionnetError, ValueError):
 
 @dataclass(frozen=True)
 class Algebra:
-    """Number system in which an expression is evaluated: how numbers enter it, its square root and its pi."""
+    """Number system in which expressions are evaluated: how numbers enter it, its square root and its pi."""
 
     number: Callable[[Fraction], Any]
     sqrt: Callable[[Any], Any]
@@ -44,14 +44,17 @@ class Algebra:
 
 
 RATIONAL = Algebra(number=lambda number: number, sqrt=exact_sqrt, pi=math.pi)
-"""Algebra of exact fractions, with floats where a root or pi needs them."""
+"""Algebra that evaluates expressions as exact fractions, with floats where a root or pi needs them."""
 FLOAT = Algebra(number=float, sqrt=exact_sqrt, pi=math.pi)
-"""Algebra of floats."""
+"""Algebra that evaluates expressions as floats."""
 
 
 @dataclass(frozen=True)
 class Expression:
-    """Tree of numbers, names and arithmetic; ``str`` gives a text that parses back to an equal tree."""
+    """Expression of parameters as a tree of numbers, names and arithmetic.
+
+    ``str`` gives a text that parses back to an equal tree.
+    """
 
     @cached_property
     def names(self) -> frozenset[str]:
@@ -59,7 +62,10 @@ class Expression:
         raise NotImplementedError
 
     def evaluate(self, values: Mapping[str, Any], algebra: Algebra = RATIONAL) -> Any:
-        """Calculate the value in an algebra; raises :class:`ExpressionError`, also for results beyond a float."""
+        """Value of the expression in SI units, as a number of an algebra, for given values of its parameters.
+
+        Raises :class:`ExpressionError`, also for results beyond a float.
+        """
         try:
             result = self.value_in(values, algebra)
             finite = not isinstance(result, int | float | Fraction) or math.isfinite(result)
@@ -77,11 +83,11 @@ class Expression:
         return kind if isinstance(kind, Dimension) else None
 
     def value_in(self, values: Mapping[str, Any], algebra: Algebra) -> Any:
-        """Value of this node of the tree in an algebra."""
+        """Value in SI units of this node of the tree, as a number of an algebra."""
         raise NotImplementedError
 
     def kind_of(self, dimensions: Mapping[str, Dimension | None]) -> _Kind:
-        """Physical dimension of the value, or which of two it is without one: a bare number or unknown."""
+        """Physical dimension of the value, or a mark that it is a bare number or unknown."""
         raise NotImplementedError
 
     def renamed(self, name: Callable[[str], str]) -> Expression:
@@ -103,7 +109,10 @@ class Expression:
 
 @dataclass(frozen=True)
 class Number(Expression):
-    """Exact number in SI units; ``text`` is what was written, for example ``0.46 kN*m/rad``."""
+    """Exact number in SI units as part of an expression.
+
+    ``text`` is what was written, for example ``0.46 kN*m/rad``.
+    """
 
     value: Any  # a real number; stored as a Fraction
     unit_dimension: Dimension | None = None
@@ -115,7 +124,7 @@ class Number(Expression):
 
     @property
     def unit_written(self) -> str:
-        """Unit behind the number as it was written; empty where there is none.
+        """Unit behind the number as the text of the expression has it; empty where there is none.
 
         >>> Number(460, units.DIMENSIONS["stiffness"], "0.46 kN*m/rad").unit_written
         'kN*m/rad'
@@ -149,7 +158,7 @@ class Number(Expression):
 
 @dataclass(frozen=True)
 class Name(Expression):
-    """Parameter in an expression."""
+    """Name of a parameter as part of an expression."""
 
     name: str
 
@@ -178,7 +187,7 @@ class Name(Expression):
 
 @dataclass(frozen=True)
 class Compound(Expression):
-    """Operator, function or constant with its operands; ``sign`` is a key of :data:`RULES`."""
+    """Operator, function or constant with its operands as part of an expression; ``sign`` is a key of :data:`RULES`."""
 
     sign: str
     operands: tuple[Expression, ...] = ()
@@ -226,7 +235,7 @@ def _quotient(compound: Compound, _: Algebra, left: Any, right: Any) -> Any:
 
 
 def _power(compound: Compound, algebra: Algebra, base: Any, _: Any = None) -> Any:
-    """Value of a power, or of a square root, which has no second operand."""
+    """Value, in an algebra, of a power, or of a square root, which has no second operand."""
     source, exponent = compound.operands[0], _exponent(compound)
     if exponent < 0:
         _refuse_zero(base, source)

@@ -11,7 +11,7 @@ from torsionnet.core.errors import Fault, Position
 from torsionnet.core.result_rows import Out
 
 PATH: Schema = {"type": "array", "items": {"type": ["string", "integer"]}}
-"""JSON Schema of the path of an entry."""
+"""JSON Schema of the path of a model entry, its keys and indices."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class CheckRecord:
 
 
 def check_record(model: str, faults: Sequence[Fault]) -> CheckRecord:
-    """Faults of a model as plain data."""
+    """Record of a model's name, number of errors, and faults as plain data."""
     rows = tuple(
         FaultRow(
             fault.severity, fault.text, fault.meant, fault.configuration, fault.path,  # type: ignore[arg-type]

@@ -30,7 +30,10 @@ class Groups(Generic[T]):
         return self.home.setdefault(name, [name])
 
     def join(self, first: T, *others: T) -> bool:
-        """Merge the groups of these names; False if some of them were together before."""
+        """Merge the groups of these names, and return whether all were apart before.
+
+        False if some of them were together before.
+        """
         self.of(first)
         were_apart = [self._joined(first, other) for other in others]
         return all(were_apart)
@@ -49,5 +52,5 @@ class Groups(Generic[T]):
         return True
 
     def groups(self) -> list[list[T]]:
-        """List of all groups, in the order of their names first mentioned."""
+        """List of all groups of connected names, in the order in which their names were first mentioned."""
         return list({id(group): group for group in self.home.values()}.values())

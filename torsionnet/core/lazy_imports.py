@@ -1,4 +1,4 @@
-"""Lazy imports: packages whose public names are imported at first use, so that starting up stays quick.
+"""Imports of a package's public names at first use, so that starting up stays quick.
 
 Each package hands a table of its public names to :func:`lazy_exports`. The stub beside it, in which type checkers and
 editors find the same names (SPEC 1 of Scientific Python), is written by ``make generate``.
@@ -11,7 +11,7 @@ import sys
 from collections.abc import Callable, Iterable, Mapping
 
 TABLES: dict[str, dict[str, str]] = {}
-"""Public names of every package: package -> name -> where it comes from, ``module:name`` or a module."""
+"""Place of each public name, ``module:name`` or a module, by package and name."""
 
 
 def lazy_exports(

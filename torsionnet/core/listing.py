@@ -1,4 +1,4 @@
-"""Lists of names in a sentence."""
+"""Text of lists of names in a sentence."""
 
 from __future__ import annotations
 

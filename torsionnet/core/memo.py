@@ -10,7 +10,7 @@ T = TypeVar("T")
 
 
 class Memo:
-    """Cache of results by their type and a key; whoever shares the memo shares them.
+    """Cache of results, by their type and a key, that copies of a value share; whoever shares the memo shares them.
 
     Examples
     --------
@@ -37,11 +37,15 @@ class Memo:
 
 
 RECENT_RESULTS, RECENT_BYTES = 300, 100_000_000
-"""Results that are kept, and their size together: a few hundred sets of modes, or the responses of some conditions."""
+"""Largest number of recent results kept, and their largest size together in bytes: a few hundred sets of modes, or the
+responses of some conditions."""
 
 
 class RecentResults:
-    """Results by their type and a key, as many as there is room for; what was not asked for longest goes first."""
+    """Recent results by their type and a key, kept up to a number and a size in bytes.
+
+    What was not asked for longest goes first.
+    """
 
     def __init__(self) -> None:
         self._results: OrderedDict[tuple[type, Hashable], tuple[object, int]] = OrderedDict()

@@ -1,4 +1,4 @@
-"""Results in a notebook: their tables, and their picture where there is one."""
+"""Showing of results in a notebook as tables, and as a picture where there is one."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from typing import Any, ClassVar, Protocol, TypeVar
 from torsionnet.core.errors import TorsionnetError
 
 MOST_ROWS = 30
-"""Rows of a table in a notebook beyond which it is thinned out: what fits on a screen."""
+"""Largest number of rows of a table in a notebook, as many as fit on a screen."""
 DOTS_PER_INCH = 100
-"""Resolution of a picture in a notebook: sharp at the size at which it is shown."""
+"""Resolution of a picture in a notebook in dots per inch, sharp at the size at which it is shown."""
 
 
 class NotebookTable(Protocol):
-    """Table that can be shown in a notebook, as :class:`torsionnet.response.Table`."""
+    """Interface of a table that a notebook shows, as :class:`torsionnet.response.Table`."""
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
 
@@ -33,7 +33,10 @@ T = TypeVar("T", bound=NotebookTable)
 
 
 class Plots:
-    """The package of plots, set by the whole package: plots are made from results and not the other way."""
+    """Holder of the package that draws plots, which a layer above this one sets.
+
+    Plots are made from results and not the other way.
+    """
 
     package: ClassVar[Callable[[], ModuleType] | None] = None
 
@@ -42,14 +45,14 @@ class NotebookResult:
     """Base class of results that a notebook shows as tables, and as a picture where ``picture`` names one."""
 
     picture: ClassVar[str] = ""
-    """Function of :mod:`torsionnet.plot` that draws the result alone; empty: none does."""
+    """Name of the function of :mod:`torsionnet.plot` that draws the result alone; empty: none does."""
 
     def table(self) -> NotebookTable:
-        """Table of the result."""
+        """Table of the result that a notebook shows."""
         raise NotImplementedError
 
     def notebook_tables(self) -> Iterable[NotebookTable]:
-        """Tables that a notebook shows."""
+        """Tables of the result that a notebook shows."""
         return (self.table(),)
 
     def __repr__(self) -> str:
@@ -63,7 +66,10 @@ class NotebookResult:
 
 
 def drawn(draw: Callable[[ModuleType], Any]) -> str:
-    """Picture as HTML of the figure that ``draw`` makes with :mod:`torsionnet.plot`; empty where nothing is to draw."""
+    """HTML with the picture of the figure that ``draw`` makes with :mod:`torsionnet.plot`.
+
+    Empty where nothing is to draw.
+    """
     if Plots.package is None:
         return ""
     try:
@@ -82,7 +88,7 @@ def thinned(table: T) -> T:
 
 
 def figure_html(figure: Any) -> str:
-    """Picture of a matplotlib figure as an element of HTML that needs no other file."""
+    """HTML element with the picture of a matplotlib figure, which needs no other file."""
     import base64  # with io only where a picture is drawn, as everything imports this module
     import io
 

@@ -7,8 +7,7 @@ from fractions import Fraction
 from typing import Any
 
 SMALLEST_SIZE, LARGEST_SIZE = 1e-40, 1e40
-"""Bounds of the size of a value in SI units: beyond them its square, or its product with another value, leaves the
-range of floats."""
+"""Smallest and largest size of a value in SI units, as its square must stay in the range of floats."""
 
 
 def is_beyond_range(value: Any) -> bool:
@@ -21,12 +20,12 @@ def is_beyond_range(value: Any) -> bool:
 
 
 MOST_BITS = 4096
-"""Largest number of bits of an exact fraction: with more, powers of powers would double them without end, and a float
-has all the digits that matter."""
+"""Largest number of bits of an exact fraction, as powers of powers would double them without end; a float has all the
+digits that matter."""
 
 
 def float_if_long(value: Any) -> Any:
-    """Value unchanged, but converted to a float where it is an exact fraction of too many digits."""
+    """Number unchanged, but as a float where it is an exact fraction of too many digits."""
     if isinstance(value, Fraction) and value.numerator.bit_length() + value.denominator.bit_length() > MOST_BITS:
         return float(value)
     return value

@@ -1,4 +1,4 @@
-"""Text of numbers, units and missing values: on the screen, in files, in documents and pictures.
+"""Text of numbers, units and missing values on the screen, in files and in documents.
 
 Whoever shows a table asks here. A screen has plain characters only (``-`` for nothing, ``1e+06``), a document has
 typeset ones (``–``, ``10⁶``), a file all digits and an empty cell.
@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from typing import Any
 
 SMALLEST_PLAIN, LARGEST_PLAIN = 1e-4, 1e6
-"""Sizes between which a typeset number is written without a power of ten."""
+"""Smallest and largest size of a number that is typeset without a power of ten."""
 MISSING, MISSING_TYPESET = "-", "–"
 """Dash for a missing value, on a screen and in a document."""
 MOST_DECIMALS = 4
-"""Most decimals of an aligned column, as long as its largest value then has all its digits."""
+"""Largest number of decimals of an aligned column, as long as its largest value then has all its digits."""
 COLUMN_LARGEST, COLUMN_SMALLEST, COLUMN_SPREAD = 1e5, 1e-3, 1e4
-"""Largest and smallest value of a column, and their ratio, beyond which each number has its own digits."""
+"""Largest and smallest value of a column, and their ratio, beyond which digits are set for each number alone."""
 ZERO_ERROR_RATIO = 1e-6
 """Relative standard error below which an error is taken for zero: rounding of an exact fit leaves about as much."""
 USUAL_DIGITS, FEWEST_DIGITS, MOST_DIGITS = 5, 2, 9
@@ -45,7 +45,7 @@ def screen_text(value: Any, digits: int = 6) -> str:
 
 
 def csv_value(value: Any) -> Any:
-    """Value for a cell of a CSV file: all digits, and an empty text where it is missing."""
+    """Number with all digits, or another value as it is, for a cell of a CSV file; empty where it is missing."""
     if isinstance(value, tuple):
         return screen_text(value)
     return "" if is_missing(value) else repr(value) if isinstance(value, float) else value
@@ -101,7 +101,7 @@ class NumberText:
 
     @property
     def mantissa(self) -> str:
-        """Digits of the number, with an ASCII minus; a dash where there is none."""
+        """Digits of the typeset number as text, with an ASCII minus; a dash where there is none."""
         if self.value is None or math.isnan(self.value):
             return MISSING_TYPESET
         if math.isinf(self.value):
@@ -117,7 +117,7 @@ class NumberText:
 
     @property
     def decimals_shown(self) -> int:
-        """Number of digits behind the point, for setting columns."""
+        """Number of digits that the typeset number has behind its point, for setting columns."""
         return len(self.mantissa.partition(".")[2]) if self.exponent is None else 0
 
     def __str__(self) -> str:

@@ -11,7 +11,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.core.expressions import Algebra, Number
 
 Rows: TypeAlias = tuple[tuple[Number, ...], ...]
-"""Rows of numbers, sorted by their first column."""
+"""Type of the rows of numbers of a table, sorted by their first column."""
 
 
 def outside_message(rows: Rows, at: Any) -> str:
@@ -22,7 +22,9 @@ def outside_message(rows: Rows, at: Any) -> str:
 
 
 def value_at(rows: Rows, at: Any, column: int = 1) -> Any:
-    """Interpolated value at ``at``, a number of any algebra whose numbers have an order; it lies in the table.
+    """Value of a column of a table, interpolated at ``at``, a number of any algebra with an order.
+
+    It lies in the table.
 
     >>> rows = ((Number(Fraction(1)), Number(Fraction(10))), (Number(Fraction(3)), Number(Fraction(30))))
     >>> value_at(rows, Fraction("2.5")), slope_at(rows, 2.5)
@@ -33,7 +35,10 @@ def value_at(rows: Rows, at: Any, column: int = 1) -> Any:
 
 
 def slope_at(rows: Rows, at: Any, column: int = 1) -> Fraction:
-    """Slope of the table at ``at``; at a row that of the piece above it, at the last row that of the last piece."""
+    """Slope of a column of a table over the first column at ``at``.
+
+    At a row that of the piece above it, at the last row that of the last piece.
+    """
     lower, upper = _piece(rows, at)
     return Fraction((upper[column].value - lower[column].value) / (upper[0].value - lower[0].value))
 
@@ -44,12 +49,14 @@ def _piece(rows: Rows, at: Any) -> tuple[tuple[Number, ...], tuple[Number, ...]]
 
 
 def _place(keys: Sequence[Any], at: Any) -> int:
-    """Index of the row that ends the piece on which ``at`` lies."""
+    """Index of the table row that ends the piece on which ``at`` lies."""
     return min(max(bisect_right(keys, at), 1), len(keys) - 1)
 
 
 def interpolate_float(rows: Rows, at: float) -> float:
-    """Interpolated value at ``at`` as a float; outside by no more than a rounding error is allowed.
+    """Value of a table's second column as a float, interpolated at ``at``.
+
+    Outside by no more than a rounding error is allowed.
 
     Raises
     ------
@@ -71,7 +78,9 @@ def interpolate_float(rows: Rows, at: float) -> float:
 
 
 def interpolate_in_algebra(rows: Rows, at: Any, algebra: Algebra) -> Any:
-    """Interpolated value at ``at``, a number of ``algebra``; beyond the ends that of the nearest row.
+    """Value of a table's second column as a number of ``algebra``, interpolated at ``at``.
+
+    Beyond the ends that of the nearest row.
 
     A sum of ramps, (x - x_i + |x - x_i|)/2 times the change of slope at each row, needs no comparison and so works for
     symbols and for numbers with derivatives; at a row the derivative is the mean of both sides.

@@ -1,4 +1,4 @@
-"""Fields of results as they are declared: from one declaration come JSON, its schema, and columns of tables and CSV."""
+"""Declarations of the fields of results, which make JSON, its schema, tables and files of them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ PLAIN: dict[object, Schema] = {
     float | None: NUMBER,
     tuple[float, float]: PAIR,
 }
-"""JSON Schema of plain types; numbers that are infinite or not determined are null."""
+"""JSON Schema of each plain Python type; numbers that are infinite or not determined are null."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Out:
 
 
 class OutField(NamedTuple):
-    """Field or property of a result: its name, type and declaration."""
+    """Name, type and declaration of a field or property of a result class."""
 
     name: str
     type: Any
@@ -74,12 +74,12 @@ class OutField(NamedTuple):
 
     @property
     def key(self) -> str | None:
-        """Key in JSON; None where it is left out."""
+        """Key of the result field in JSON, None where JSON leaves it out."""
         return None if self.out.json is None else self.out.json or self.name
 
     @property
     def schema(self) -> Schema:
-        """JSON Schema of its values; an optional field has no null, as its key is left out then."""
+        """JSON Schema of the values of the result field; an optional field has no null, as its key is left out then."""
         schema = self.out.schema or json_schema(self.type)
         choices: Any = schema.get("anyOf", [])
         return choices[0] if self.out.optional and choices[1:] == [{"type": "null"}] else schema
@@ -101,7 +101,7 @@ def out_fields(kind: type) -> tuple[OutField, ...]:
 
 
 def _insert(found: list[OutField], one: OutField, otherwise: int) -> None:
-    """Insert a field behind the one that it follows, or at the place given."""
+    """Insert a result field behind the one that it follows, or at the place given."""
     places = [place for place, other in enumerate(found, 1) if other.name == one.out.after]
     found.insert(places[0] if places else otherwise, one)
 
@@ -140,7 +140,9 @@ def record_schema(properties: Mapping[str, Schema], optional: Collection[str] = 
 
 
 def json_schema(kind: Any) -> Schema:
-    """JSON Schema of a type: a result class, a plain type, or tuples, lists and mappings of them.
+    """JSON Schema of the JSON data that values of a type make.
+
+    A result class, a plain type, or tuples, lists and mappings of them.
 
     Raises
     ------

@@ -58,7 +58,7 @@ class TypeRegister(MutableMapping[str, T], Generic[T]):
 
     @cached_property
     def _files(self) -> dict[str, str]:
-        """Package of every file, by file name."""
+        """Name of the package that holds each file of types, by file name."""
         return {
             module.name: package
             for package in self.packages

@@ -39,7 +39,7 @@ __all__ = [
 
 Real = Fraction | float
 RPM = 60 / (2 * math.pi)
-"""Speed of 1 rad/s in r/min."""
+"""Speed of 1 rad/s in r/min, 60/(2 pi)."""
 _MAX_LENGTH, _MAX_EXPONENT, _MAX_DECIMAL_EXPONENT, _MAX_DEPTH = 100, 6, 330, 10
 _SAFE_LENGTH = 40
 """Characters of a quantity up to which its value is far inside the range of floats, with so few digits and so short a
@@ -52,7 +52,7 @@ class UnitError(TorsionnetError, ValueError):
 
 @dataclass(frozen=True)
 class Dimension:
-    """Physical dimension: exponents of kg, m, s, cycle and kelvin; the radian counts as 1.
+    """Physical dimension as exponents of kg, m, s, cycle and kelvin; the radian counts as 1.
 
     >>> str(Dimension(kg=Fraction(1), m=Fraction(2)))
     'kg*m^2'
@@ -139,7 +139,7 @@ _JOINED = {"Nm": "N m", "kNm": "kN m", "MNm": "MN m", "GNm": "GN m", "mNm": "mN 
            "kgcm^2": "kg cm cm", "kgmm^2": "kg mm mm", "gcm^2": "g cm cm", "gmm^2": "g mm mm", "tm^2": "t m m",
            "kgm2": "kg m m"}  # fmt: skip
 ANGLES = frozenset(name for name, (_, dimension) in _ATOMS.items() if dimension == _NUMBER and name != "%")
-"""Names of the units of angle."""
+"""Names of the units that stand for an angle."""
 _ANGULAR = {*ANGLES, "rpm", *(name for name, (_, dimension) in _ATOMS.items() if dimension.cycle)}
 
 
@@ -162,8 +162,8 @@ _TOKEN = re.compile(
 _MEAN = {"lbin": "lbf*in", "inlb": "lbf*in", "lbft": "lbf*ft", "ftlb": "lbf*ft", "sec": "s", "Kg": "kg", "KNm": "kNm",
          "NM": "Nm", "kgm": 'kg*m" or "kgm^2', "degree": "deg", "rads": "rad/s", "inch": "in", "°": "deg"}  # fmt: skip
 CELSIUS = "degC"
-"""Unit of a temperature in °C, not of a difference: it stands alone after a number, and has an offset instead of a
-factor."""
+"""Name of the unit of a temperature in °C, not of a difference: it stands alone after a number, and has an offset
+instead of a factor."""
 _ICE = Fraction("273.15")
 _SIGNS = str.maketrans({"·": "*", "⋅": "*", "∙": "*", "×": "*", "µ": "u", "μ": "u", "°": "deg",
                         "\N{NO-BREAK SPACE}": " ", "\N{NARROW NO-BREAK SPACE}": " ", "−": "-"})  # fmt: skip
@@ -264,7 +264,7 @@ def _hint(name: str) -> str:
 
 @lru_cache(maxsize=1024)
 def parse_unit(text: str) -> Unit:
-    """Parse a unit; raises :class:`UnitError`.
+    """Unit that a text names, with its factor to SI and its dimension; raises :class:`UnitError`.
 
     >>> parse_unit("lbf·in·s²").dimension == parse_unit("kg*m^2").dimension
     True
@@ -317,7 +317,7 @@ def _ratio(numeral: re.Match[str]) -> tuple[int, int]:
 
 @lru_cache(maxsize=4096)
 def parse_quantity(text: str) -> Quantity:
-    """Parse a number with or without a unit; raises :class:`UnitError`.
+    """Value in SI units and dimension of a number with or without a unit; raises :class:`UnitError`.
 
     >>> parse_quantity("0.078 kgm²").value
     Fraction(39, 500)
@@ -392,7 +392,9 @@ def _check_range(value: Real, written: str) -> None:
 
 
 def exact(value: Real | RealNumber) -> Fraction:
-    """Take a float for the shortest decimal that gives it; raises :class:`UnitError` beyond the range of a float.
+    """Fraction equal to the shortest decimal that gives the float.
+
+    Raises :class:`UnitError` beyond the range of a float.
 
     >>> exact(0.1)
     Fraction(1, 10)
@@ -412,7 +414,7 @@ def exact(value: Real | RealNumber) -> Fraction:
 
 
 def numeral_of(value: Fraction) -> str:
-    """Write a fraction as a decimal numeral if that is exact and short, else as a quotient.
+    """Text of a fraction as a decimal numeral if that is exact and short, else as a quotient.
 
     >>> numeral_of(Fraction(1, 8)), numeral_of(Fraction(1, 3))
     ('0.125', '1/3')
@@ -427,7 +429,7 @@ def numeral_of(value: Fraction) -> str:
 
 
 def read_pint(quantity: Any) -> Quantity:
-    """Read a quantity of pint, or of whatever else has ``magnitude``, ``units`` and ``to_base_units``."""
+    """Value in SI units of a quantity of pint, or of an object with ``magnitude``, ``units`` and ``to_base_units``."""
     # The unit as given goes first: in base units pint makes 1/s of Hz and so loses the cycle.
     try:
         return _read_given(quantity)
@@ -458,7 +460,7 @@ _SI_TEXT |= {DIMENSIONS[name]: text for name, text in _EXPECTED.items()}
 
 
 def expected_unit(dimension_name: str) -> str:
-    """Give the SI unit of a named dimension, for messages.
+    """SI unit of a named dimension as text for messages.
 
     >>> expected_unit("stiffness")
     'N*m/rad'
@@ -469,7 +471,7 @@ def expected_unit(dimension_name: str) -> str:
 
 
 def convert(value: float, unit: str, to: str) -> float:
-    """Convert a value between units of one dimension.
+    """Value converted from one unit to another of the same dimension.
 
     >>> convert(1.0, "kNm/deg", "N*m/rad") == 180000 / math.pi
     True

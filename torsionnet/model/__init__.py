@@ -1,1 +1,1 @@
-"""Model of a drivetrain as data: elements, parameters, sensors, configurations, checks, model files."""
+"""Model of a drivetrain as data, its elements, parameters, sensors, configurations, checks and files."""

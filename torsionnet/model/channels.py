@@ -1,4 +1,4 @@
-"""Sensors and inputs of a model: measured and imposed quantities at nodes and elements."""
+"""Sensors and inputs of a model, the quantities measured and imposed at nodes and elements."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from torsionnet.core.errors import UsageError, did_you_mean, unknown_key
 from torsionnet.model.elements import GROUND, Element
 
 SENSOR_QUANTITIES = ("angle", "velocity", "acceleration", "twist", "torque", "stress")
-"""Quantities that a sensor can measure.
+"""Names of the quantities that a sensor can measure.
 
 Angle, velocity and acceleration of a node; twist of an element; torque through an element at one of its ports, and the
 nominal shear stress that this torque makes in a round shaft."""
 
 MOTIONS = ("angle", "velocity", "acceleration")
-"""Quantities measured at a node, or at a node relative to another node."""
+"""Names of the quantities measured at a node, or at a node relative to another node."""
 ELEMENT_QUANTITIES = ("twist", "torque", "stress")
 PORT_QUANTITIES = ("torque", "stress")
 INPUT_QUANTITIES = ("torque", "angle")
-"""Quantities of the inputs of a model; solvers also take an imposed twist."""
+"""Names of the quantities that an input of a model can impose; solvers also take an imposed twist."""
 
 UNITS = {
     "angle": "rad",
@@ -38,7 +38,7 @@ UNITS = {
 
 @dataclass(frozen=True)
 class Sensor:
-    """Measured quantity: angle, velocity or acceleration of a node, twist, torque or shear stress of an element.
+    """Sensor of a drivetrain, which measures a motion of a node, or twist, torque or stress of an element.
 
     ``at`` is the port (or its node) where a torque or stress is taken; without it, the port that defines the sign. A
     motion is relative to that of the node ``against``, if there is one. With ``referred_to``, a node of another shaft,
@@ -72,17 +72,17 @@ class Sensor:
 
     @property
     def is_on_element(self) -> bool:
-        """Whether the channel is on an element and not on a node."""
+        """Whether the sensor is on an element and not on a node."""
         return self.quantity in ELEMENT_QUANTITIES
 
     @property
     def nodes(self) -> tuple[str, ...]:
-        """Nodes whose motion is measured; empty for a sensor on an element."""
+        """Nodes whose motion the sensor measures; empty for a sensor on an element."""
         return () if self.is_on_element else nodes_of(self)
 
     @property
     def row(self) -> dict[str, int]:
-        """Row of the measured motion over nodes: 1 at the first node, -1 at the second."""
+        """Coefficients by node of the motion that the sensor measures: 1 at the first node, -1 at the second."""
         return dict(zip(self.nodes, PAIR_COEFFICIENTS, strict=False))
 
     def __str__(self) -> str:
@@ -105,7 +105,9 @@ class Sensor:
 
 @dataclass(frozen=True)
 class Input:
-    """Model input: a ``torque`` on a node, an imposed ``angle`` of a node, or an imposed ``twist`` of an element.
+    """Input of a drivetrain, a torque on a node, or an imposed angle or twist.
+
+    Its ``quantity`` is ``torque`` or ``angle`` at a node, or ``twist`` in an element.
 
     With ``against``, a second node, +T acts on the first node and -T on the second, or the angle of the first relative
     to the second is imposed. Against the ground that is the same as on the node alone. An imposed twist e is what the
@@ -134,7 +136,7 @@ class Input:
 
     @property
     def is_on_element(self) -> bool:
-        """Whether the channel is on an element and not on a node."""
+        """Whether the input is in an element and not on a node."""
         return self.quantity == "twist"
 
     @property
@@ -144,7 +146,10 @@ class Input:
 
     @property
     def row(self) -> dict[str, int]:
-        """Row of the input over nodes, per unit of torque or imposed angle: 1 at the first node, -1 at the second."""
+        """Coefficients by node with which the input acts, per unit of torque or imposed angle.
+
+        1 at the first node, -1 at the second.
+        """
         return dict(zip(self.nodes, PAIR_COEFFICIENTS, strict=False))
 
     def __str__(self) -> str:
@@ -165,26 +170,26 @@ def _renamed(node: str | None, names: Renaming) -> str | None:
 
 
 REFERRED = " referred to "
-"""Text between a reading and the shaft it is referred to, as in ``torque(shaft) referred to crank``."""
+"""Text between a reading and the shaft that it is referred to, as in ``torque(shaft) referred to crank``."""
 
 STRESS_OF_OWN_SHAFT = "a stress is that of its own shaft; refer the torque to another one"
 
 PAIR_COEFFICIENTS = (1, -1)
-"""Coefficients of the first node and of the node that it is taken against."""
+"""Coefficients of the first node and of the node that it is taken against, in the motion between them."""
 
 
 def nodes_of(channel: Sensor | Input) -> tuple[str, ...]:
-    """Node of a channel, and the node that it is taken against, if any."""
+    """Node of a sensor or input, and the node that it is taken against, if any."""
     return (channel.of,) if channel.against is None else (channel.of, channel.against)
 
 
 def named_nodes(channel: Sensor | Input) -> str:
-    """Text that names the nodes of a channel: ``"pulley" against "block"``."""
+    """Text that names the nodes of a sensor or input: ``"pulley" against "block"``."""
     return " against ".join(f'"{node}"' for node in nodes_of(channel))
 
 
 def immobility_text(channel: Sensor | Input) -> str:
-    """Text that says why the nodes of a channel do not move, as the end of a sentence."""
+    """End of a sentence that says why the nodes of a sensor or input do not move."""
     return "it is locked" if channel.against is None else f"{named_nodes(channel)} is held rigidly"
 
 
@@ -193,7 +198,7 @@ def _plain(channel: Sensor | Input) -> str | list[str]:
 
 
 def _settle_pair(channel: Sensor | Input) -> None:
-    """Refuse a second name that is no node; drop the ground as second node."""
+    """Refuse a second name of a sensor or input that is no node; drop the ground as second node."""
     fault = pair_fault(channel.of, channel.against, channel.quantity)
     if fault:
         raise UsageError(fault)
@@ -202,7 +207,7 @@ def _settle_pair(channel: Sensor | Input) -> None:
 
 
 def pair_fault(first: str, second: Any, quantity: str) -> str | None:
-    """Message if a ``quantity`` cannot be taken between two nodes of these names, else None."""
+    """Message if a quantity cannot be taken between two nodes of these names, else None."""
     if not isinstance(second, str) or not second:
         return f"expected the name of a node, got {second!r}"
     if first == second:
@@ -237,7 +242,7 @@ _PAIR = re.compile(r"\s*([A-Za-z][\w.]*)\s*-\s*([A-Za-z][\w.]*)\s*")
 
 
 def parse_pair(text: str) -> tuple[str, str] | None:
-    """Two nodes of a text such as ``pulley-block``: a torque between them; or None if it has another form.
+    """Names of the two nodes in a text such as ``pulley-block``: a torque between them; or None if it has another form.
 
     >>> parse_pair("pulley-block"), parse_pair("pulley")
     (('pulley', 'block'), None)
@@ -291,7 +296,7 @@ class ChannelEntry(Spec[Made_co]):
     made: type[Made_co]
     quantities: tuple[str, ...]
     name: str
-    """Name of the definition in the JSON Schema."""
+    """Name under which the JSON Schema defines the entry."""
 
     def coerce(self, raw: object) -> Made_co:
         if isinstance(raw, self.made) and raw.quantity in self.quantities:
@@ -323,7 +328,7 @@ class ChannelEntry(Spec[Made_co]):
 
     @property
     def _of_pairs(self) -> tuple[str, ...]:
-        """Quantities that can be taken between two nodes."""
+        """Names of the quantities that can be taken between two nodes."""
         return self.quantities if self.made is Input else MOTIONS
 
     def _one_quantity(self, raw: Mapping[Any, Any]) -> tuple[str, str, str | None]:
@@ -337,7 +342,7 @@ class ChannelEntry(Spec[Made_co]):
         return given[0], *self._names(given[0], raw[given[0]])
 
     def _names(self, quantity: str, given: Any) -> tuple[str, str | None]:
-        """Names of the node or element and of the second node, if any."""
+        """Name of the node or element of a channel, and of the second node, if any."""
         if isinstance(given, str) and given:
             return given, None
         if quantity not in self._of_pairs or not isinstance(given, list | tuple):
@@ -385,7 +390,7 @@ SENSOR = ChannelEntry("{angle: node} or {torque: element, at: node}", Sensor, SE
 
 
 def port_fault(element: Element, at: str) -> str | None:
-    """Message if ``at`` names no port of the element, by the name of the port or of its node; else None.
+    """Message if ``at`` names no port of the element, by the port's name or its node; else None.
 
     A name that is a port and also the node of another port is refused: either could be meant.
     """

@@ -1,4 +1,4 @@
-"""Configurations of a model: alternatives on one or several axes, each with changes to the base model."""
+"""Configurations of a model, alternatives on one or several axes with changes to the base model."""
 
 from __future__ import annotations
 
@@ -19,21 +19,24 @@ from torsionnet.model.operating_point import OPERATING_POINT, OperatingPoint
 
 DEFAULT_AXIS = "configuration"
 ALL_CONFIGURATIONS = "all"
-"""Name that stands for all configurations in options and entries."""
+"""Name that stands for all configurations of a model in options and entries."""
 
 Axes = Mapping[str, Mapping[str, "Overlay"]]
 
 
 @dataclass(frozen=True)
 class Overlay:
-    """Changes by an alternative: parameter values, elements on or off, operating point, entries."""
+    """Changes to a model by an alternative of a configuration.
+
+    Parameter values, elements on or off, operating point, entries.
+    """
 
     parameters: Mapping[str, Expression] = field(default_factory=dict)
     on: tuple[str, ...] = ()
     off: tuple[str, ...] = ()
     operating_point: OperatingPoint | None = None
     entries: Mapping[str, Any] = field(default_factory=dict)
-    """Entries of elements, excitations and the load as they are written, by ``element.entry`` and so on."""
+    """Changed entries of elements, excitations and the load as written, by ``element.entry`` and so on."""
 
     def renamed(self, names: Renaming) -> Overlay:
         """Copy of the changes in a part, with its names in the whole model; ``entries`` are not renamed."""
@@ -54,7 +57,10 @@ class Overlay:
 
 
 class AlternativeEntry(Plural[Overlay]):
-    """Entry for an alternative: ``{parameter: value, on: [element], operating_point: {...}, box.engaged: II}``."""
+    """Entry for an alternative of a configuration with its changes to the model.
+
+    ``{parameter: value, on: [element], operating_point: {...}, box.engaged: II}``.
+    """
 
     @property
     def absent(self) -> Overlay:
@@ -122,7 +128,10 @@ def _name_fault(name: str) -> str | None:
 
 
 class AxesEntry(Plural[dict[str, dict[str, Overlay]]]):
-    """Entry for axes of alternatives: ``{gear: {II: {tau: 7.96}}}``, or ``{II: {tau: 7.96}}`` for a single axis."""
+    """Entry for the axes of configurations and the alternatives on each.
+
+    ``{gear: {II: {tau: 7.96}}}``, or ``{II: {tau: 7.96}}`` for a single axis.
+    """
 
     @property
     def absent(self) -> dict[str, dict[str, Overlay]]:
@@ -174,7 +183,7 @@ def _is_axis(entry: Any) -> bool:
 
 
 def _read_axis(alternatives: Mapping[str, Any]) -> tuple[dict[str, Overlay], list[Fault]]:
-    """Alternatives on an axis, as far as they can be read, and their faults."""
+    """Alternatives on one axis by name, as far as they can be read, and their faults."""
     overlays: dict[str, Overlay] = {}
     faults: list[Fault] = []
     for name, raw in alternatives.items():
@@ -188,13 +197,16 @@ def _read_axis(alternatives: Mapping[str, Any]) -> tuple[dict[str, Overlay], lis
 
 
 def combinations(axes: Axes) -> Iterator[dict[str, str]]:
-    """Choices (axis -> alternative) in all combinations of the axes."""
+    """Choices of an alternative on every axis, as mappings, in all combinations."""
     named = [[(axis, name) for name in alternatives] for axis, alternatives in axes.items()]
     return (dict(choice) for choice in itertools.product(*named))
 
 
 def label(choice: Mapping[str, str], axes: Axes) -> str:
-    """Name of a configuration: ``V`` with one axis, ``gear=V,clutch=open`` with several."""
+    """Name of the configuration that a choice of alternatives makes.
+
+    ``V`` with one axis, ``gear=V,clutch=open`` with several.
+    """
     if len(axes) == 1:
         return next(iter(choice.values()), "")
     return ",".join(f"{axis}={name}" for axis, name in choice.items())
@@ -215,7 +227,7 @@ def other_configurations(choice: Mapping[str, str], axes: Axes) -> tuple[str, ..
 
 
 def parse_choice(text: str, axes: Axes) -> dict[str, str]:
-    """Choice (axis -> alternative) of a text as ``V``, ``gear=V`` or ``gear=V,clutch=open``.
+    """Alternative chosen on each axis, by axis, that a text as ``V``, ``gear=V`` or ``gear=V,clutch=open`` names.
 
     Raises
     ------
@@ -258,7 +270,7 @@ def _parse_part(part: str, axes: Axes) -> tuple[str, str]:
 def read_overrides(
     overrides: Mapping[str, Any], parameters: Mapping[str, Any], axes: Mapping[str, Any]
 ) -> dict[str, Expression]:
-    """Expressions of parameter values that override some of the ``parameters``.
+    """Expression of each parameter value that a call overrides, by name of the parameter.
 
     Raises
     ------
@@ -280,7 +292,7 @@ def read_overrides(
 
 
 def known_elements(names: Iterable[str] | str, elements: Mapping[str, Any]) -> list[str]:
-    """List of element names from one name or several, all of which exist.
+    """Names of elements from one name or several, all of which exist, as a list.
 
     Raises
     ------

@@ -21,14 +21,14 @@ from torsionnet.model.elements.viscous_damper import ViscousDamper
 
 AS_MODELLED = "as_modelled"
 RING_SHARES = {"free": 0.0, "locked": 1.0, "half": 0.5}
-"""State -> share of the ring's inertia that turns with the hub."""
+"""Share of the ring's inertia that turns with the hub of a viscous damper, by state of the ring."""
 STATES = (AS_MODELLED, *RING_SHARES)
 
 
 def with_dampers(
     definition: Definition, values: Mapping[str, Any], state: str, names: Iterable[str] | None = None
 ) -> Definition:
-    """Definition with the viscous dampers in a given state.
+    """Definition of a model with the rings of its viscous dampers in a given state.
 
     Parameters
     ----------
@@ -65,13 +65,16 @@ def with_dampers(
 
 
 def _of_damper(damper: ViscousDamper, value: Values, share: float) -> Element:
-    """Inertia of the hub and of a share of the ring."""
+    """Element with the inertia of a damper's hub and of a share of its ring."""
     inertia = float(value(damper.hub_inertia)) + share * float(value(damper.ring_inertia))
     return Inertia.from_entries(damper.name, node=damper.node, inertia=inertia, enabled=inertia > 0)
 
 
 def _of_film(film: Element, active: Mapping[str, Element], value: Values, share: float) -> dict[str, Element]:
-    """Elements in place of film and ring, by name: a rigid coupling or nothing, and the share of the ring."""
+    """Elements in place of a damper's film and ring, by name.
+
+    A rigid coupling or nothing, and the share of the ring.
+    """
     hub, ring = _hub_and_ring(film, active)
     found: dict[str, Element] = {}
     for element in active.values():
@@ -97,7 +100,7 @@ def _hub_and_ring(film: Element, active: Mapping[str, Element]) -> tuple[str, st
 
 
 def _is_ring(node: str, ends: set[str], active: Mapping[str, Element]) -> bool:
-    """Whether a node carries only inertias and the film."""
+    """Whether a node carries only inertias and the film of a viscous damper."""
     there = [element for element in active.values() if node in element.ports.values()]
     only = all(isinstance(one, Inertia) or set(one.ports.values()) == ends for one in there)
     return only and any(isinstance(one, Inertia) for one in there)

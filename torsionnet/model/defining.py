@@ -36,7 +36,7 @@ def collect_elements(elements: Iterable[Element]) -> tuple[dict[str, Element], l
 
 
 def define(entries: Mapping[str, Any]) -> tuple[Definition, list[Fault]]:
-    """Definition from the entries that can be read, and the faults of the others."""
+    """Definition of a model from the entries that can be read, and the faults of the others."""
     values, faults = Definition.read_entries(entries)
     authored = Definition(**{name: value for name, value in values.items() if value is not None})
     if authored.include:
@@ -46,7 +46,7 @@ def define(entries: Mapping[str, Any]) -> tuple[Definition, list[Fault]]:
 
 
 def flatten_definition(authored: Definition, *, whole: bool = True) -> tuple[Definition, list[Fault]]:
-    """Definition with all parts put in, linked to the definition as written, and its faults.
+    """Definition of a model with all parts put in, linked to the definition as written, and its faults.
 
     Without ``whole`` some part could not be read; names that parts lack are then no faults of their own.
     """
@@ -73,7 +73,10 @@ def _with_dotted_parameters(definition: Definition) -> Definition:
 
 
 def _split_changes(overlay: Overlay, known: Container[str]) -> dict[str, Any]:
-    """Fields of an overlay with parameters moved out of its entries; unreadable values stay for the checks."""
+    """Parameters and entries of an alternative's changes, with parameters moved out of the entries.
+
+    Unreadable values stay for the checks.
+    """
     parameters, entries = dict(overlay.parameters), {}
     for key, raw in overlay.entries.items():
         value, faults = VALUE.read(raw) if key in known else (None, [])
@@ -97,7 +100,10 @@ def _with_files_read(definition: Definition) -> Definition:
 
 
 def _with_file_contents(definition: Definition, changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Changed entries of excitations with their files read; unreadable values stay for the checks."""
+    """Changed entries of excitations by name, with the content of the files that they name.
+
+    Unreadable values stay for the checks.
+    """
     found = dict(changes)
     for key, raw in changes.items():
         section, field = section_of(definition, key), key.rpartition(".")[2]

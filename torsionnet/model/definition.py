@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from torsionnet.model.report import ReportPlan
 
 LOAD = "load"
-"""Prefix of ``load.entry`` in a configuration; no excitation can have this name."""
+"""Prefix of the load's entries in a configuration, as in ``load.power``; no excitation can have this name."""
 EXCITATIONS = "excitations"
 ELEMENTS = "elements"
 
@@ -42,10 +42,10 @@ class Authored(Protocol):
 
     @property
     def authored(self) -> Definition:
-        """Definition as written, before its parts are put in."""
+        """Definition of the model as written, before its parts are put in."""
 
     def data(self, flat: Definition) -> dict[str, Any]:
-        """Entries of a model file for ``flat``, written with parts as far as possible."""
+        """Entries of a model file that give the flat definition ``flat``, written with parts as far as possible."""
 
 
 @dataclass(frozen=True)
@@ -76,10 +76,13 @@ class Definition(Declared):
     bench: Plan | None = entry(sections.BENCH, None)
     report: ReportPlan | None = entry(sections.REPORT, None)
     authored: Authored | None = field(default=None, compare=False, repr=False)
-    """Model as written, if this is the definition with all parts put in."""
+    """Model as written, if this is the definition with all parts put in, else None."""
 
     def __post_init__(self) -> None:
-        """Accept the typed values as they are; reading them again would cost as much as reading the file."""
+        """Accept the typed values of the definition as they are, without checks.
+
+        Reading them again would cost as much as reading the file.
+        """
         for name, stored in self.defaults().items():
             if getattr(self, name) is None:
                 object.__setattr__(self, name, stored)
@@ -89,14 +92,14 @@ class Definition(Declared):
 
     @property
     def is_flat(self) -> bool:
-        """Whether the definition has no parts, and no element that stands for several elements."""
+        """Whether the definition of the model has no parts, and no element that stands for several elements."""
         if self.use or self.parts:
             return False
         return all(element.expanded() == (element,) for element in self.elements.values())
 
     @cached_property
     def active(self) -> tuple[Element, ...]:
-        """Elements that are switched on, with values quoted at another shaft converted to their own."""
+        """Elements that are switched on, with values quoted at another shaft converted to their own shaft."""
         on = tuple(element for element in self.elements.values() if element.enabled)
         if all(element.referred_to is None for element in on):
             return on
@@ -110,7 +113,7 @@ class Definition(Declared):
         return {name: parameter for name, parameter in self.parameters.items() if parameter.by is not None}
 
     def with_overlay(self, overlay: Overlay) -> Definition:
-        """Definition with the changes of an alternative."""
+        """Definition of the model with the changes of an alternative."""
         parameters = dict(self.parameters)
         for name, value in overlay.parameters.items():
             parameters[name] = parameters[name].given(value)
@@ -128,7 +131,7 @@ class Definition(Declared):
         )
 
     def _overridden(self, changes: Mapping[str, Any], elements: Mapping[str, Element]) -> dict[str, Any]:
-        """Sections of the definition, by key, with the entries of ``changes`` put in.
+        """Sections of the definition, by key, with changed entries put in.
 
         Changes are written as ``box.engaged: II``, ``engine.misfire: [3]``, ``load.power: 1 MW``.
         """
@@ -152,7 +155,7 @@ class Definition(Declared):
         return super().schema(type_key=type_key) | {"anyOf": [{"required": ["elements"]}, {"required": ["use"]}]}
 
     def to_data(self) -> dict[str, Json]:
-        """The entries of a model file; reading them again gives an equal definition."""
+        """Entries of the model as its file has them; reading them again gives an equal definition."""
         return self.flat_data() if self.authored is None else self.authored.data(self)
 
     def flat_data(self) -> dict[str, Json]:
@@ -161,7 +164,7 @@ class Definition(Declared):
 
 
 def section_of(definition: Definition, key: str) -> tuple[str, str, Declared] | None:
-    """Table, name and section to which a key as ``box.engaged`` belongs; None if no section has that name.
+    """Table, name and section of the model to which a key as ``box.engaged`` belongs; None if no section has that name.
 
     Of an excitation and an element of one name it is the excitation, unless only the element has such an entry.
     """
@@ -188,7 +191,7 @@ def by_section(definition: Definition, changes: Mapping[str, Any]) -> dict[tuple
 
 
 def all_nodes(elements: Iterable[Element]) -> tuple[str, ...]:
-    """Nodes in the order of their first mention, without ground."""
+    """Nodes of the elements in the order of their first mention, without ground."""
     nodes: dict[str, None] = {}
     for element in elements:
         for node in (*element.ports.values(), *element.internal_nodes):

@@ -18,7 +18,7 @@ _UNITS = {1: Fraction(1), -1: Fraction(-1)}
 
 
 def exact(number: Any) -> Fraction:
-    """Exact rational of a number as written: 0.1 becomes 1/10, not its binary neighbour."""
+    """Exact fraction of a number as written: 0.1 becomes 1/10, not its binary neighbour."""
     if type(number) is int and number in _UNITS:
         return _UNITS[number]
     return (
@@ -31,7 +31,7 @@ def exact(number: Any) -> Fraction:
 
 
 class Reduction:
-    """Solution of homogeneous rows: every eliminated name as a row over free names.
+    """Solution of homogeneous linear equations, every eliminated unknown as a row over free ones.
 
     Attributes
     ----------
@@ -55,31 +55,31 @@ class Reduction:
 
     @property
     def solved(self) -> Mapping[Any, dict[Any, Any]]:
-        """Row over the free names by eliminated name; an empty row holds the name at zero."""
+        """Coefficients by free name of every eliminated name; an empty row holds the name at zero."""
         return _Solved(self)
 
     def followed_by(self, rows: Iterable[Mapping[Any, Any]], order: Mapping[Any, int]) -> Reduction:
-        """Solution with further rows, and without names to be kept."""
+        """Solution with further rows added, and without names to be kept."""
         elimination = self._rows.copy(order)
         for row in rows:
             elimination.add(row)
         return Reduction(elimination)
 
     def eliminated(self) -> Iterator[Any]:
-        """Eliminated names, for which there is a solution."""
+        """Names that are eliminated, for which there is a solution."""
         return (name for name in self._proportions.names() if not self.is_free(name))
 
     def is_free(self, name: Any) -> bool:
-        """Whether the name is free: solutions are made of it, or no row contains it."""
+        """Whether the name is free in the solution: solutions are made of it, or no row contains it."""
         group = self._proportions.group(name)
         return group.solution is None and group.lead == name
 
     def free_names(self, row: Mapping[Any, Any]) -> list[Any]:
-        """Free names in the reduced row."""
+        """Free names in a row after its eliminated names are replaced."""
         return [self._proportions.group(name).lead for name in self._rows.condensed(row)[0]]
 
     def reduced(self, row: Mapping[Any, Any]) -> dict[Any, Any]:
-        """Row expressed in the free names; exact zeros drop out."""
+        """Coefficients by free name of a row of any names; exact zeros drop out."""
         current, _ = self._rows.condensed(row)
         return {
             self._proportions.group(name).lead: self._proportions.to_root(name, self._ratios) * value
@@ -87,7 +87,7 @@ class Reduction:
         }
 
     def in_floats(self, row: Mapping[Any, Any]) -> dict[Any, float]:
-        """Row expressed in the free names in floats; terms that cancel still do so exactly."""
+        """Coefficients by free name, as floats, of a row of any names; terms that cancel still do so exactly."""
         current, _ = self._rows.condensed(row)
         return {
             self._proportions.group(name).lead: float(
@@ -97,7 +97,7 @@ class Reduction:
         }
 
     def held(self) -> list[Any]:
-        """Names held at zero, one from each group of names in proportion."""
+        """Names that the equations hold at zero, one from each group of names in proportion."""
         solutions = [group.solution for group in self._proportions.groups()]
         return [found.anchor for found in solutions if found and not found.row]
 
@@ -126,7 +126,7 @@ class Reduction:
 
 
 class _Solved(Mapping[Any, dict[Any, Any]]):
-    """Mapping of eliminated names to their rows, calculated when accessed."""
+    """Mapping from each eliminated name to its coefficients by free name, calculated when accessed."""
 
     def __init__(self, reduction: Reduction) -> None:
         self._reduction = reduction
@@ -147,7 +147,7 @@ class _Solved(Mapping[Any, dict[Any, Any]]):
 
 
 def reduce_rows(rows: Iterable[Mapping[Any, Any]], order: Mapping[Any, int], keep: Collection[Any] = ()) -> Reduction:
-    """Solve ``rows`` one after the other, each for its unknown that is last in ``order`` and not in ``keep``."""
+    """Solution of ``rows`` one after the other, each for its unknown last in ``order`` and not in ``keep``."""
     elimination = Elimination(order, keep)
     for row in rows:
         elimination.add(row)
@@ -155,7 +155,7 @@ def reduce_rows(rows: Iterable[Mapping[Any, Any]], order: Mapping[Any, int], kee
 
 
 def substitute(row: Mapping[Any, Any], solved: Mapping[Any, Mapping[Any, Any]]) -> dict[Any, Any]:
-    """Row with every solved name replaced by its solution; exact zeros drop out."""
+    """Coefficients of a row with every solved name replaced by its solution, by name; exact zeros drop out."""
     result: dict[Any, Any] = {}
     for name, coefficient in row.items():
         if name in solved:

@@ -16,18 +16,21 @@ if TYPE_CHECKING:
     from torsionnet.model.elements import Element
 
 REMARKS = ("description", "enabled")
-"""Entries that tables show in their column of remarks."""
+"""Names of the entries that tables show in their column of remarks."""
 
 
 def given(element: Element) -> Iterator[tuple[str, Spec[object], Any]]:
-    """(name, specification, value) of given entries but nodes and remarks; nested names as ``silicone.moduli``."""
+    """Name, specification and value of the entries that an element gives, but nodes and remarks.
+
+    Nested names as ``silicone.moduli``.
+    """
     for name, (spec, value) in element.scalars().items():
         if not has_own_column(name, spec):
             yield from _leaves(name, spec, value)
 
 
 def has_own_column(name: str, spec: Spec[object]) -> bool:
-    """Whether a table shows the entry in a column of its own: nodes, and remarks."""
+    """Whether a table of elements shows the entry in a column of its own: nodes, and remarks."""
     nodes = isinstance(spec, NodeName | NodePair) and not isinstance(spec, ReferenceNode)
     return nodes or name in REMARKS
 
@@ -47,7 +50,7 @@ def _leaves(name: str, spec: Spec[object], value: Any) -> Iterator[tuple[str, Sp
 
 
 def in_words(spec: Spec[object], value: Any) -> str:
-    """Text of a value that is no number: yes or no, a word, or a list of words."""
+    """Text of an entry's value that is no number: yes or no, a word, or a list of words."""
     if isinstance(spec, Flag):
         return "yes" if value else "no"
     if isinstance(spec, NumberTable):

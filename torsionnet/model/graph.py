@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def build_graph(drivetrain: Model) -> nx.MultiGraph[str]:
-    """Multigraph of a drivetrain: its nodes, and an edge for each pair of ports that an element connects.
+    """Graph of a drivetrain with its nodes, and an edge for each pair of ports that an element connects.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def build_graph(drivetrain: Model) -> nx.MultiGraph[str]:
 
 
 def connections(element: Element) -> Iterator[tuple[str, str]]:
-    """Pairs of nodes an element connects; along the stations of a shaft in segments, else every pair of ports.
+    """Pairs of nodes that an element connects; along the stations of a shaft in segments, else every pair of ports.
 
     Two ports on one node are no connection.
     """

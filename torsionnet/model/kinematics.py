@@ -1,4 +1,4 @@
-"""Kinematics of a definition: parts of all elements, and constraints solved for coordinates, theta = T q."""
+"""Kinematics of a drivetrain, its constraints solved for coordinates, theta = T q."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class OwnedPart:
 
 @dataclass(frozen=True, eq=False)
 class MadeParts:
-    """Parts of an element with the parameter values from which they were made, for reuse."""
+    """Laws and constraints of an element, and the parameter values from which they were made, for reuse."""
 
     of: Element
     names: tuple[str, ...]
@@ -35,7 +35,7 @@ class MadeParts:
 
 @dataclass(frozen=True)
 class Kinematics:
-    """Parts and solved constraints of one configuration.
+    """Parts of all elements and solved constraints of one configuration of a drivetrain.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class Kinematics:
     made: Mapping[str, MadeParts] = field(default_factory=dict, compare=False, repr=False)
 
     def reduced(self, row: Mapping[str, Any]) -> Row:
-        """Row over nodes expressed in coordinates and imposed angles."""
+        """Coefficients by coordinate and imposed angle of a row over nodes."""
         return self.reduction.reduced(row)
 
     def holds(self, node: str) -> bool:
@@ -95,16 +95,19 @@ def pseudo_node(input_name: str) -> str:
 
 
 UNIT = pseudo_node("")
-"""Name of the unknown with the value 1, for inhomogeneous rows."""
+"""Name of the unknown whose value is 1, for rows with a constant."""
 
 
 def owned_parts(definition: Definition, value: Values) -> tuple[OwnedPart, ...]:
-    """Laws, constraints and actions of all elements that are switched on."""
+    """Laws, constraints and actions, each with its element's name, of all elements that are switched on."""
     return tuple(OwnedPart(element.name, part) for element in definition.active for part in element.parts(value))
 
 
 def _made(definition: Definition, value: Values, known: Mapping[str, MadeParts]) -> dict[str, MadeParts]:
-    """Parts by element that is switched on; ``known`` parts are reused where no parameter changed."""
+    """Laws, constraints and actions of each element that is switched on, by element.
+
+    ``known`` parts are reused where no parameter changed.
+    """
     return {element.name: _made_once(element, value, known.get(element.name)) for element in definition.active}
 
 
@@ -120,22 +123,22 @@ def _made_once(element: Element, value: Values, known: MadeParts | None) -> Made
 
 
 def _names(element: Element) -> tuple[str, ...]:
-    """Names of the parameters in the expressions of an element."""
+    """Names of the parameters in the expressions of an element's entries."""
     return tuple(sorted({name for _, _, expression, _ in element.expressions() for name in expression.names}))
 
 
 def constraints_of(parts: Sequence[OwnedPart]) -> tuple[tuple[str, Row], ...]:
-    """(element, row) of every constraint among the parts."""
+    """Pairs of element name and row over nodes of every constraint among the parts."""
     return tuple((owned.element, owned.part.row) for owned in parts if isinstance(owned.part, Constraint))
 
 
 def exact_row(row: Mapping[str, Any]) -> dict[str, Fraction]:
-    """Row with exact rational coefficients, on which pivots and rank are decided."""
+    """Exact fractions of a row's coefficients by node, on which pivots and rank are decided."""
     return {node: exact(coefficient) for node, coefficient in row.items()}
 
 
 def imposed_rows(definition: Definition, nodes: Collection[str]) -> dict[str, Row]:
-    """Rows node - imposed angle = 0 by input that imposes an angle on ``nodes``, alone or relative to another."""
+    """Row over nodes and imposed angle, zero in every motion, of each input that imposes an angle, by input."""
     return {
         name: {**exact_row(channel.row), pseudo_node(name): Fraction(-1)}
         for name, channel in definition.inputs.items()
@@ -146,7 +149,9 @@ def imposed_rows(definition: Definition, nodes: Collection[str]) -> dict[str, Ro
 def solve_kinematics(
     definition: Definition, value: Values, referred_to: Collection[str] = (), like: Kinematics | None = None
 ) -> Kinematics:
-    """Kinematics with all constraints solved exactly; ``referred_to`` are nodes to keep as coordinates, in this order.
+    """Kinematics of a drivetrain's definition with all constraints solved exactly.
+
+    ``referred_to`` are nodes to keep as coordinates, in this order.
 
     Where ``like``, of another configuration, has the same nodes and constraints, its solution is taken over.
 
@@ -198,7 +203,7 @@ def kinematics_on(
 
 
 def in_order_given(coordinates: Sequence[str], referred_to: Collection[str]) -> tuple[str, ...]:
-    """Coordinates in the order of the nodes, with those of ``referred_to`` in the order given.
+    """Names of coordinates in the order of the nodes, with those of ``referred_to`` in the order given.
 
     >>> in_order_given(["a", "b", "c"], ["c", "a"])
     ('c', 'b', 'a')
@@ -208,7 +213,7 @@ def in_order_given(coordinates: Sequence[str], referred_to: Collection[str]) -> 
 
 
 def _without_locked(imposed: dict[str, Row], rigid: Sequence[Row], order: Mapping[str, int]) -> dict[str, Row]:
-    """Imposed angles of nodes that the ``rigid`` connections alone leave able to move."""
+    """Rows of imposed angles, by input, of nodes that the ``rigid`` connections alone leave able to move."""
     if not imposed:
         return imposed
     alone = reduce_rows(rigid, order)
@@ -227,7 +232,7 @@ def _require_nodes(wanted: Collection[str], nodes: Collection[str]) -> None:
 
 
 SMALL_LOOP = 100
-"""Elements in a contradicting loop up to which a smaller one is searched, which solves the rows once per element."""
+"""Largest number of elements in a contradicting loop for which a smaller loop is searched, as each costs a solution."""
 
 
 def contradicting_loop(parts: Sequence[OwnedPart], nodes: Sequence[str]) -> list[str]:
@@ -254,7 +259,7 @@ def contradicting_loop(parts: Sequence[OwnedPart], nodes: Sequence[str]) -> list
 
 
 def virtual_motion(kinematics: Kinematics, index: int, number: Callable[[Any], Any] = exact) -> dict[str, Any]:
-    """Virtual motion z by node that violates constraint number ``index`` by one and no other.
+    """Virtual motion of every node, by node, that violates constraint ``index`` by one and no other constraint.
 
     The torque of the constraint is the work of all other torques on z. Imposed angles stand still in z.
     ``number`` converts coefficients to the arithmetic to work in.
@@ -282,7 +287,7 @@ def virtual_motion(kinematics: Kinematics, index: int, number: Callable[[Any], A
 
 
 def torques_are_determinate(kinematics: Kinematics) -> bool:
-    """Whether no constraint follows from others, so that equilibrium gives the torque of each."""
+    """Whether no rigid constraint follows from others, so that equilibrium gives the torque of each."""
     return not kinematics.reduction.redundant and not kinematics.reduction.blocked
 
 

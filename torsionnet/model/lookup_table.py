@@ -1,4 +1,4 @@
-"""Entry for tables ``{key: value}`` of numbers, as of parameters over speed or torque."""
+"""Entry for tables of numbers over a key, as of parameters over speed or torque: ``{key: value}``."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ from torsionnet.core.units import Dimension
 
 
 class LookupTable(Plural[Rows]):
-    """Entry for a table ``{100 rpm: 25 kN*m*s/rad, 150 rpm: 37 kN*m*s/rad}``, stored as pairs by rising first value."""
+    """Entry for a table of numbers over a key in rising order.
+
+    ``{100 rpm: 25 kN*m*s/rad, 150 rpm: 37 kN*m*s/rad}`` is stored as pairs.
+    """
 
     is_read_off: ClassVar[bool] = True
 
@@ -46,15 +49,15 @@ class LookupTable(Plural[Rows]):
         return ((), faults) if faults else (tuple(found), [])
 
     def key(self, raw: object) -> Number:
-        """Key of a table row, as a number with its unit."""
+        """Number with its unit that is the key of a table row."""
         return _number(raw)
 
     def value(self, raw: object) -> Number:
-        """Value of a table row, as a number with its unit."""
+        """Number with its unit that is the value of a table row."""
         return _number(raw)
 
     def unit_faults(self, rows: list[tuple[Number, Number]]) -> list[Fault]:
-        """Faults of rows with units of different kinds."""
+        """Faults of table rows that have units of different kinds."""
         if len({value.unit_dimension for _, value in rows}) > 1:
             return [Fault("the values of a table must have units of one kind")]
         return []
@@ -83,5 +86,5 @@ def _number(raw: object) -> Number:
 
 
 def wrong_key(rows: Rows, wanted: Dimension) -> Number | None:
-    """First key of another dimension or below zero, or None."""
+    """First key of a table that has another dimension or is below zero, or None."""
     return next((key for key, _ in rows if key.unit_dimension not in (None, wanted) or key.value < 0), None)

@@ -83,7 +83,7 @@ class Model:
 
     @classmethod
     def from_definition(cls, definition: Definition, findings: Iterable[Fault] = ()) -> Self:
-        """Model of a checked definition."""
+        """Model made of a checked definition."""
         return cls._variant(at_operating_point(definition), definition, {}, Overlay(), findings)
 
     @classmethod
@@ -100,7 +100,7 @@ class Model:
         return new
 
     def with_definition(self, definition: Definition) -> Self:
-        """Model of another definition, in no configuration and with the parameter values as written."""
+        """Model made of another definition, in no configuration and with the parameter values as written."""
         return self._variant(definition, definition, {}, Overlay(), ())
 
     def _changed(self, choice: Mapping[str, str], changes: Overlay) -> Self:
@@ -116,7 +116,7 @@ class Model:
 
     @property
     def definition(self) -> Definition:
-        """Definition of the model, its typed content."""
+        """Definition of the model, the typed content of its file."""
         return self._definition
 
     @property
@@ -125,7 +125,7 @@ class Model:
 
     @property
     def source(self) -> str:
-        """Source of the numbers, as the model file states it."""
+        """Text on the source of the model's numbers, as its file states it."""
         return self._definition.source
 
     @property
@@ -134,22 +134,22 @@ class Model:
 
     @cached_property
     def elements(self) -> Mapping[str, Element]:
-        """Elements that are switched on, by name, in the order of declaration."""
+        """Elements of the model that are switched on, by name, in the order of declaration."""
         return MappingProxyType({element.name: element for element in self._definition.active})
 
     @cached_property
     def nodes(self) -> tuple[str, ...]:
-        """Nodes in the order of their first mention, without ground."""
+        """Names of the model's nodes in the order of their first mention, without ground."""
         return all_nodes(self._definition.active)
 
     @property
     def inputs(self) -> Mapping[str, Input]:
-        """Inputs of the model by name."""
+        """Inputs of the model, torques and imposed motions, by name."""
         return MappingProxyType(dict(self._definition.inputs))
 
     @property
     def sensors(self) -> Mapping[str, Sensor]:
-        """Sensors of the model by name."""
+        """Sensors of the model, each with the quantity it measures, by name."""
         return MappingProxyType(dict(self._definition.sensors))
 
     @cached_property
@@ -159,22 +159,28 @@ class Model:
 
     @property
     def parameter_definitions(self) -> Mapping[str, Parameter]:
-        """Parameters as written: expression, unit, description, bounds."""
+        """Parameters of the model as written, by name: expression, unit, description, bounds."""
         return MappingProxyType(dict(self._definition.parameters))
 
     @cached_property
     def exact_values(self) -> Mapping[str, Any]:
-        """Value in SI of every parameter; a Fraction unless a root or pi was involved."""
+        """Value in SI of every parameter, by name, exact where possible.
+
+        A Fraction unless a root or pi was involved.
+        """
         return MappingProxyType(resolve(self._definition.parameters)[0])
 
     @property
     def axes(self) -> Mapping[str, tuple[str, ...]]:
-        """Axes of configurations and the alternatives on each."""
+        """Names of the alternatives on each axis of configurations, by axis."""
         return MappingProxyType({axis: tuple(names) for axis, names in self._definition.configurations.items()})
 
     @property
     def configurations(self) -> tuple[str, ...]:
-        """Names of the configurations; with several axes every combination, as ``gear=V,clutch=open``."""
+        """Names of the configurations that the model has.
+
+        With several axes every combination, as ``gear=V,clutch=open``.
+        """
         axes = self._definition.configurations
         return tuple(label(choice, axes) for choice in combinations(axes) if choice)
 
@@ -185,7 +191,9 @@ class Model:
 
     @property
     def other_configurations(self) -> tuple[str, ...]:
-        """Names of all configurations but the present one; an alternative without changes is the model as written.
+        """Names of all configurations of the model but the present one.
+
+        An alternative without changes is the model as written.
 
         Examples
         --------
@@ -198,11 +206,11 @@ class Model:
 
     @property
     def title(self) -> str:
-        """Title of the model: its name and configuration."""
+        """Title of the model with its name and configuration."""
         return f"{self.name} ({self.configuration})" if self._choice else self.name
 
     def configured(self, name: str = "", /, **overrides: Any) -> Self:
-        """A copy in a named configuration and with other parameter values.
+        """Copy of the model in a named configuration and with other parameter values.
 
         Parameters
         ----------
@@ -234,7 +242,7 @@ class Model:
         return self._changed(choice, replace(self._changes, parameters={**self._changes.parameters, **values}))
 
     def with_entries_named(self, names: Iterable[str]) -> Self:
-        """A copy in which values of elements are parameters, so that they can vary as these do.
+        """Copy of the model in which values of elements are parameters, so that they can vary as these do.
 
         Parameters
         ----------
@@ -264,7 +272,7 @@ class Model:
         repeat: int | None = None,
         chain: tuple[str, str] | None = None,
     ) -> Self:
-        """A copy with a part put in; everything the part holds has ``name.`` before its own name.
+        """Copy of the model with a part put in; everything the part holds has ``name.`` before its own name.
 
         Parameters
         ----------
@@ -316,7 +324,7 @@ class Model:
         return whole.configured(choice, **self._changes.parameters).switched(on=self._changes.on, off=self._changes.off)
 
     def switched(self, *, on: Iterable[str] = (), off: Iterable[str] = ()) -> Self:
-        """A copy with elements switched on or off by name, whatever its configuration says."""
+        """Copy of the model with elements switched on or off by name, whatever its configuration says."""
         states = dict.fromkeys(self._changes.on, True) | dict.fromkeys(self._changes.off, False)
         states |= dict.fromkeys(known_elements(on, self._base.elements), True)
         states |= dict.fromkeys(known_elements(off, self._base.elements), False)
@@ -324,7 +332,7 @@ class Model:
         return self._changed(self._choice, replace(self._changes, on=lists["on"], off=lists["off"]))
 
     def with_operating_values(self, values: Mapping[str, float]) -> Self:
-        """A copy at another operating point, where the parameters that follow it have these values in SI."""
+        """Copy of the model at another operating point, with these values in SI of the parameters that follow it."""
         new = type(self).__new__(type(self))
         definition = with_operating_values(self._definition, values)
         new.__setstate__(_state(definition, self._base, self._choice, self._changes, self._findings))
@@ -347,17 +355,20 @@ class Model:
 
     @cached_property
     def external_torques(self) -> ExternalTorques:
-        """Mean external torques over speed, with the speed ratios that they need."""
+        """Mean external torques over speed on the model, with the speed ratios that they need."""
         return ExternalTorques(self._definition, self.exact_values)
 
     @cached_property
     def mean_speeds(self) -> Mapping[str, float]:
-        """Mean speed in rad/s of every node the operating point determines."""
+        """Mean speed in rad/s of every node that the operating point determines, by node."""
         return MappingProxyType(mean_speeds(self._definition, self.exact_values))
 
     @cached_property
     def mean_torques(self) -> Mapping[str, float]:
-        """Mean external torque in N m by node: of the load at the speed of the operating point, else as given there."""
+        """Mean external torque in N m on the model, by node.
+
+        Of the load at the speed of the operating point, else as given there.
+        """
         return MappingProxyType(mean_torques(self.external_torques))
 
     _definition: Definition
@@ -367,7 +378,7 @@ class Model:
     _findings: tuple[Fault, ...]
 
     def __getstate__(self) -> dict[str, Any]:
-        """State for pickling: the definition and changes, without calculated results."""
+        """State of the model for pickling: the definition and changes, without calculated results."""
         return _state(self._definition, self._base, self._choice, self._changes, self._findings)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -394,7 +405,7 @@ def _state(
 
 
 def as_part(model: Any) -> Any:
-    """Part of a model with ports; other objects are returned unchanged."""
+    """Part made of a model with ports, to be put into another model; other objects are returned unchanged."""
     return part_of(model.definition)[0] if isinstance(model, Model) else model
 
 

@@ -15,7 +15,10 @@ from torsionnet.model.parameters import Parameter
 
 
 def value_of_entry(definition: Definition, name: str) -> Expression | None:
-    """Expression of an entry as ``dmf.stiffness``; None if no element has such a physical quantity."""
+    """Expression of an element's entry, as that of ``dmf.stiffness``.
+
+    None if no element has such a physical quantity.
+    """
     element, _, entry = name.rpartition(".")
     if element not in definition.elements:
         return None
@@ -30,7 +33,7 @@ def can_be_named(definition: Definition, name: str) -> bool:
 
 
 def with_named_entries(definition: Definition, names: Iterable[str]) -> Definition:
-    """Definition with a parameter for each of the entries ``names``, as ``dmf.stiffness``.
+    """Definition of a model with a parameter for each of the entries ``names``, as ``dmf.stiffness``.
 
     An alternative that gives the entry another value gives it to the parameter.
     """
@@ -54,7 +57,7 @@ def _with_parameters(definition: Definition, named: Mapping[str, None]) -> Axes:
 
 
 def _moved(definition: Definition, overlay: Overlay, named: Mapping[str, None]) -> Overlay:
-    """Overlay with its changes of named entries moved to the changes of parameters."""
+    """Changes of an alternative in which those of named entries are changes of parameters."""
     entries = dict(overlay.entries)
     parameters = dict(overlay.parameters)
     for name in named:

@@ -1,4 +1,4 @@
-"""Operating point: mean speeds and torques about which a linear model holds."""
+"""Operating point with the mean speeds and torques about which a linear model holds."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class OperatingPoint(Declared):
 
     @property
     def loaded_nodes(self) -> tuple[str, ...]:
-        """Nodes on which mean torques act."""
+        """Names of the nodes on which mean torques of the operating point act."""
         return tuple(dict.fromkeys(node for place in self.torque for node in torque_place(place).nodes))
 
     def __bool__(self) -> bool:

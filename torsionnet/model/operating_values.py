@@ -21,7 +21,7 @@ from torsionnet.model.readings import port_of
 
 
 def operating_parameter_faults(external: ExternalTorques) -> list[Fault]:
-    """Faults of parameters without an operating point, or whose table ends within the range of speeds."""
+    """Faults of parameters that follow a missing operating point, or whose table ends within the range of speeds."""
     definition = external.definition
     if not definition.following:
         return []
@@ -52,7 +52,9 @@ class OperatingPoints:
     external: ExternalTorques
 
     def at(self, speed: float) -> dict[str, float]:
-        """Values in SI by parameter at a speed in rad/s; parameters over a vibration are taken at the smallest.
+        """Value in SI units of every parameter that follows the operating point, by name, at a speed in rad/s.
+
+        Parameters over a vibration are taken at the smallest.
 
         Raises
         ------
@@ -68,7 +70,7 @@ class OperatingPoints:
         return found
 
     def value(self, parameter: Parameter, speed: float) -> float:
-        """Value in SI of a parameter at a speed in rad/s."""
+        """Value in SI units of a parameter at a speed of the reference node in rad/s."""
         if parameter.by == VIBRATORY_TORQUE:
             return float(parameter.table[0][1].value)
         size = abs(self._followed(parameter, speed))
@@ -103,7 +105,7 @@ class OperatingPoints:
 
 
 def with_operating_values(definition: Definition, values: Mapping[str, float]) -> Definition:
-    """Definition with given values of the parameters that follow the operating point."""
+    """Definition of a model with given values of the parameters that follow the operating point."""
     if not values:
         return definition
     parameters = {name: definition.parameters[name].with_operating_values(value) for name, value in values.items()}
@@ -111,7 +113,7 @@ def with_operating_values(definition: Definition, values: Mapping[str, float]) -
 
 
 def at_operating_point(definition: Definition) -> Definition:
-    """Definition with the parameter values at its own operating point; unchanged without one."""
+    """Definition of a model with the parameter values at its own operating point; unchanged without one."""
     if not definition.following:
         return definition
     points = OperatingPoints(ExternalTorques(definition, resolve(definition.parameters)[0]))
@@ -122,7 +124,10 @@ def at_operating_point(definition: Definition) -> Definition:
 
 
 def operating_speed_notes(external: ExternalTorques) -> tuple[str, ...]:
-    """Note on the speed at which natural frequencies hold; empty if no parameter follows the operating point."""
+    """Note on the speed at which the natural frequencies of the model hold.
+
+    Empty if no parameter follows the operating point.
+    """
     following = external.definition.following
     if not following:
         return ()
@@ -132,7 +137,7 @@ def operating_speed_notes(external: ExternalTorques) -> tuple[str, ...]:
 
 
 def torque_per_node(definition: Definition, values: Mapping[str, Any], name: str) -> dict[str, float]:
-    """Torque through an element at its first port per external torque on each node, by equilibrium alone.
+    """Torque through an element at its first port per external torque on each node, by node, from equilibrium alone.
 
     This is the virtual motion of the nodes that opens the element by one and leaves all other springs and constraints
     at rest. External torques are in balance, so it does not matter what else moves; nor does the sign.

@@ -1,4 +1,4 @@
-"""Tables of a model: elements, parameters, inputs, sensors, configurations, mean speeds."""
+"""Tables of a model's elements, parameters, inputs, sensors, configurations and mean speeds."""
 
 from __future__ import annotations
 
@@ -29,11 +29,12 @@ if TYPE_CHECKING:
     from torsionnet.model.model import Model
 
 MODEL_FILE: Schema = {"type": "object", "description": "a model file, see torsionnet schema"}
-"""JSON Schema of the content of a model file, in short."""
+"""JSON Schema of the content of a model file, which it does not check in detail."""
 MOST_ROWS = 60
-"""Rows of a table in a notebook beyond which the table is cut: a page that scrolls, and loads at once."""
+"""Largest number of rows of a table in a notebook, beyond which the table is cut: a page that scrolls, and loads at
+once."""
 Written: TypeAlias = tuple[str | float, ...]
-"""Text with numbers in it, which a table writes with the digits of its column."""
+"""Type of a text with numbers in it, which a table writes with the digits of its column."""
 
 
 def tables(rig: Model) -> tuple[Table, ...]:
@@ -62,7 +63,7 @@ def _beginning(table: Table) -> Table:
 
 
 def elements_table(rig: Model) -> Table:
-    """Table of the elements of a model: name, type, nodes, values, remark."""
+    """Table of a model's elements with type, nodes, values and remark."""
     columns = (Column("element"), Column("type"), Column("nodes"), Column("values"), Column("description"))
     rows = tuple(
         (element.name, element.kind, nodes_text(element), _listed(values_of(element, rig)), _remark(element))
@@ -78,7 +79,7 @@ def without_empty_columns(table: Table) -> Table:
 
 
 def _listed(values: Iterable[Written]) -> Written:
-    """Several texts as one text, joined by semicolons."""
+    """Texts of several values as one text, joined by semicolons."""
     parts = [part for value in values for part in ("; ", *value)]
     return tuple(parts[1:])
 
@@ -92,14 +93,14 @@ def _remark(element: Element) -> str:
 
 
 def nodes_text(element: Element) -> str:
-    """Text of the nodes of an element: ``motor - ground``, or its ports by name."""
+    """Text of the nodes that an element connects: ``motor - ground``, or its ports by name."""
     if set(element.ports) <= {"first", "second", "node"}:
         return " - ".join(element.ports.values())
     return ", ".join(f"{port} {node}" for port, node in element.ports.items())
 
 
 def values_of(element: Element, rig: Model) -> Iterator[Written]:
-    """Texts as ``stiffness k_2 = 460 N*m/rad`` for each value that an element gives."""
+    """Texts as ``stiffness k_2 = 460 N*m/rad``, one for each value that an element gives."""
     defaults = element.defaults()
     for name, spec, value in given(element):
         if value != defaults.get(name, ()):
@@ -140,7 +141,10 @@ def _unit_of_measure(value: DampingMeasure) -> str:
 
 
 def _viscous(element: Element, rig: Model) -> Written:
-    """Text of the viscous coefficient by a measure of damping; empty for elements with several laws."""
+    """Text of the viscous coefficient in N*m*s/rad that follows from a measure of damping.
+
+    Empty for elements with several laws.
+    """
     laws = [part for part in element.parts(Values(rig.exact_values)) if isinstance(part, Law)]
     return (" = ", float(laws[0].damping), " N*m*s/rad") if len(laws) == 1 and laws[0].damping else ()
 
@@ -207,7 +211,7 @@ def speeds_table(rig: Model) -> Table:
 
 @dataclass(frozen=True)
 class ResolvedParameter:
-    """Value of a parameter in its SI unit."""
+    """Value of a parameter in its SI unit, with the unit as text."""
 
     value: float
     unit: str
@@ -215,7 +219,7 @@ class ResolvedParameter:
 
 @dataclass(frozen=True)
 class ModelRecord:
-    """Model for a program: the content of its file, and the resolved values."""
+    """Content of a model's file and its resolved values, for a program."""
 
     title: str
     configuration: str
@@ -226,7 +230,7 @@ class ModelRecord:
 
 
 def model_record(rig: Model) -> ModelRecord:
-    """Model as plain data, for JSON."""
+    """Record of a model's file and resolved values as plain data for a program."""
     units = parameter_units(rig.definition)
     parameters = {name: ResolvedParameter(value, units[name]) for name, value in rig.parameters.items()}
     content = rig.definition.flat_data()

@@ -1,4 +1,4 @@
-"""Parameters of a model: values with units, expressions of other parameters, or tables over the operating point."""
+"""Parameters of a model, values with units, expressions of others, or tables over the operating point."""
 
 from __future__ import annotations
 
@@ -26,21 +26,21 @@ FOLLOWED_QUANTITIES = {
     "mean_torque": ("an element", "torque"),
     VIBRATORY_TORQUE: ("an element", "torque"),
 }
-"""Quantities of the operating point that a parameter may follow -> (kind of thing that has it, dimension)."""
+"""Kind of thing and dimension of each quantity of the operating point that a parameter may follow, by quantity."""
 
 
 class OperatingValue(Number):
-    """Number that comes from the operating point."""
+    """Number in SI units that a parameter has at the operating point."""
 
 
 class Bounds(tuple[float, float]):
-    """Lower and upper bound in SI, with the dimensions in which they are written, None for a bare number."""
+    """Lower and upper bound of a parameter in SI, with the dimensions in which they are written (None where bare)."""
 
     dimensions: tuple[Dimension | None, ...] = ()
 
 
 class BoundsEntry(Spec[Bounds]):
-    """Entry for a lower and an upper bound."""
+    """Entry for a lower and an upper bound of a parameter."""
 
     def coerce(self, raw: object) -> Bounds:
         if isinstance(raw, Bounds):
@@ -68,7 +68,7 @@ class BoundsEntry(Spec[Bounds]):
 
 
 class Bound(Spec[Number]):
-    """Entry for a bound: a number with or without unit."""
+    """Entry for one bound of a parameter: a number with or without unit."""
 
     def coerce(self, raw: object) -> Number:
         value = read_value(raw)
@@ -140,7 +140,7 @@ class Parameter(Declared):
         return str(self.value) if self.by is None else f"by {self.by.replace('_', ' ')} of {self.of}"
 
     def given(self, value: Expression) -> Parameter:
-        """Parameter with a fixed value in place of its expression or table."""
+        """Copy of the parameter with a fixed value in place of its expression or table."""
         return replace(self, value=value, by=None, of="", table=())
 
     def renamed(self, names: Renaming) -> Parameter:
@@ -152,11 +152,11 @@ class Parameter(Declared):
         )
 
     def with_operating_values(self, value: float) -> Parameter:
-        """Parameter with its value at an operating point."""
+        """Copy of the parameter with its value in SI units at an operating point."""
         return replace(self, value=OperatingValue(value, getattr(self.value, "unit_dimension", None)))
 
     def to_data(self) -> Json:
-        """Entry of a model file: the value alone if the parameter has nothing else."""
+        """Entry of the parameter as a model file has it: the value alone if the parameter has nothing else."""
         data = self.written_entries()
         if self.by is not None:
             del data["value"]
@@ -167,7 +167,7 @@ PARAMETER = Nested("a value, or a value with more about it", lambda: Parameter, 
 
 
 def evaluation_order(parameters: Mapping[str, Parameter]) -> tuple[list[str], list[list[str]]]:
-    """Names of parameters in order of evaluation, and the cycles among them."""
+    """Names of parameters in the order in which they are evaluated, and the cycles among them."""
     order: list[str] = []
     cycles: list[list[str]] = []
     state: dict[str, int] = {}
@@ -200,7 +200,7 @@ def _visit(
 
 
 def resolve(parameters: Mapping[str, Parameter]) -> tuple[dict[str, Fraction | float], list[Fault]]:
-    """Values in SI by parameter, and faults of cycles, undefined names and impossible arithmetic."""
+    """Value in SI units of every parameter, by name, and faults of cycles, undefined names and arithmetic."""
     order, cycles = evaluation_order(parameters)
     faults = [
         Fault(
@@ -222,7 +222,10 @@ def resolve(parameters: Mapping[str, Parameter]) -> tuple[dict[str, Fraction | f
 
 
 def dimensions(parameters: Mapping[str, Parameter]) -> tuple[dict[str, Dimension | None], list[Fault]]:
-    """Dimension of every parameter (None: a bare number, fits anywhere); faults for sums of unlike quantities."""
+    """Dimension of every parameter by name, and faults of sums of unlike quantities.
+
+    None is a bare number, which fits anywhere.
+    """
     order, cycles = evaluation_order(parameters)
     found: dict[str, Dimension | None] = {name: None for cycle in cycles for name in cycle}
     faults: list[Fault] = []

@@ -1,4 +1,4 @@
-"""Sequential elimination: rows solved one after the other, each for one of its unknowns.
+"""Sequential elimination of unknowns in linear equations, each row solved for one of its unknowns.
 
 A row that leaves two names ties these in proportion. Nothing is substituted ahead of need: a row is reduced to names
 that are still free, and the solution of a name is calculated when it is used.
@@ -16,7 +16,7 @@ from torsionnet.model.proportions import ProportionalGroup, ProportionLink, Prop
 
 @dataclass
 class Derivation:
-    """Rows, and pairs of names in proportion, from which a conclusion on a row follows."""
+    """Rows of equations, and pairs of proportional unknowns, from which a conclusion on a row follows."""
 
     rows: list[int] = field(default_factory=list)
     pairs: list[tuple[Any, Any]] = field(default_factory=list)
@@ -53,7 +53,7 @@ class Elimination:
         self._to_anchor: dict[Any, Any] = {}
 
     def copy(self, order: Mapping[Any, int], keep: Collection[Any] = ()) -> Elimination:
-        """Copy of the elimination, to which other rows can be added."""
+        """Copy of the elimination with another order of unknowns, to which further rows can be added."""
         new = Elimination(order, keep)
         new.proportions = self.proportions.copy()
         new.derivation, new.redundant, new.blocked = dict(self.derivation), [*self.redundant], [*self.blocked]
@@ -62,7 +62,7 @@ class Elimination:
         return new
 
     def add(self, row: Mapping[Any, Any]) -> None:
-        """Add a row and solve it."""
+        """Add a row to the elimination and solve it for one of its unknowns."""
         index, self.count = self.count, self.count + 1
         current, derivation = self.condensed(row)
         leads = {self.proportions.group(name).lead: name for name in current}
@@ -78,7 +78,7 @@ class Elimination:
             self.derivation[index] = derivation
 
     def blocks(self, row: Mapping[Any, Any]) -> bool:
-        """Whether the row, reduced, has only names to be kept."""
+        """Whether the row, reduced, has only unknowns that are to be kept."""
         current, _ = self.condensed(row)
         return bool(current) and all(self.proportions.group(name).lead in self.keep for name in current)
 
@@ -98,7 +98,10 @@ class Elimination:
             self.proportions.make_root(solution.anchor)
 
     def condensed(self, row: Mapping[Any, Any]) -> tuple[dict[Any, Any], Derivation]:
-        """Row over free names of which no two are in proportion, and the rows used for that; exact zeros drop out."""
+        """Coefficients by free name of a row, no two names in proportion, and the rows used for that.
+
+        Exact zeros drop out.
+        """
         derivation = Derivation()
         found: dict[ProportionalGroup, tuple[Any, Any]] = {}
         waiting: list[tuple[int, ProportionalGroup]] = []
@@ -122,7 +125,10 @@ class Elimination:
         waiting: list[tuple[int, ProportionalGroup]],
         derivation: Derivation,
     ) -> None:
-        """Add terms to ``found``, one for each group; groups with a solution go to ``waiting``, the earliest first."""
+        """Add terms of a row to ``found``, one for each group of names in proportion.
+
+        Groups with a solution go to ``waiting``, the earliest first.
+        """
         for name, coefficient in terms:
             group = self.proportions.group(name)
             if group in found:
@@ -141,7 +147,9 @@ class Elimination:
                 derivation.pairs.append((name, group.solution.anchor))
 
     def back_substitute(self) -> None:
-        """Reduce every solution to free names; a solution that is a multiple of a name joins its group.
+        """Reduce the solution of every eliminated unknown to free names.
+
+        A solution that is a multiple of a name joins its group.
 
         A solution is made of names that were solved later or never, so the last one comes first.
         """

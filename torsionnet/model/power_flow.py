@@ -24,7 +24,7 @@ from torsionnet.response.worst_response import WorstResponse
 
 @dataclass(frozen=True)
 class PowerFlow:
-    """Torque sensor, motion sensor and sign of a power flow: +1 into the element, -1 out of it."""
+    """Torque sensor, motion sensor and sign of a power flow into an element: +1 into the element, -1 out of it."""
 
     torque: Sensor
     motion: Sensor
@@ -32,7 +32,9 @@ class PowerFlow:
 
 
 def power_flows(element: Element, values: Values) -> tuple[PowerFlow, ...]:
-    """Power flows of an element: torque on its twist if that is its only law, else torque and motion at each port.
+    """Power flows into an element, one for each port or one for its twist.
+
+    Torque on its twist if that is its only law, else torque and motion at each port.
 
     The rate of a twist is used because the difference of the rates of large angles would lose digits.
     """
@@ -48,12 +50,15 @@ def power_flows(element: Element, values: Values) -> tuple[PowerFlow, ...]:
 
 
 def power_sensors(flows: Sequence[PowerFlow]) -> list[Sensor]:
-    """Torque sensors, and angle or twist sensors, that the power flows need."""
+    """Torque sensors, and angle or twist sensors, that power flows need."""
     return [sensor for flow in flows for sensor in (flow.torque, flow.motion)]
 
 
 def mean_power(run: OrderResponse, flows: Sequence[PowerFlow]) -> FloatArray:
-    """Mean power in W over speed, shape (n_speeds,), the largest of all cases; needs the sensors as outputs."""
+    """Mean power of a vibration in W over speed, shape (n_speeds,), the largest of all cases.
+
+    Needs the sensors as outputs.
+    """
     if isinstance(run, WorstResponse) and run.scattered:
         text = f"{run.title}: dissipated power is that without the spread of cylinders"
         warnings.warn(text, TorsionnetWarning, stacklevel=2)
@@ -61,7 +66,7 @@ def mean_power(run: OrderResponse, flows: Sequence[PowerFlow]) -> FloatArray:
 
 
 def _mean_power(run: OrderResponse, flows: Sequence[PowerFlow]) -> FloatArray:
-    """Mean power in W of a case over speed, with engines of unknown crank angle at the worst angle.
+    """Mean power in W of a case over speed, shape (n_speeds,), with engines of unknown crank angle at the worst angle.
 
     Power is that of each engine alone and that which every two of them make together, a sum of waves over the angle
     between them. Of more than two the largest values of all pairs are added.
@@ -75,13 +80,13 @@ def _mean_power(run: OrderResponse, flows: Sequence[PowerFlow]) -> FloatArray:
 
 
 def _only(run: OrderResponse, places: Sequence[int]) -> OrderResponse:
-    """Response with all lines but those at ``places`` set to zero."""
+    """Response by order with all lines but those at ``places`` set to zero."""
     kept = np.isin(np.arange(len(run.lines)), places)
     return replace(run, values=run.values * kept[:, None])
 
 
 def _power_between(torques: OrderResponse, motions: OrderResponse, flows: Sequence[PowerFlow]) -> ComplexArray:
-    """Torques of a response times conjugate rates of another in W by frequency, shape (n_speeds, n_frequencies)."""
+    """Product in W of one response's torques and another's conjugate rates, shape (n_speeds, n_frequencies)."""
     rates = replace(motions, values=motions.values * (2j * math.pi * motions.frequencies)[:, :, None]).by_frequency()
     amplitudes = torques.by_frequency()
     total = np.zeros(rates.shape[:2], dtype=complex)
@@ -92,7 +97,10 @@ def _power_between(torques: OrderResponse, motions: OrderResponse, flows: Sequen
 
 
 def _largest_over_angle(values: ComplexArray, lines: Sequence[OrderLine]) -> FloatArray:
-    """Largest value (n_speeds,) of Re sum X exp(j r angle), X by frequency and r its vibrations per revolution."""
+    """Largest value, over the angle between two engines, of a sum of waves in W by speed, shape (n_speeds,).
+
+    It is that of Re sum X exp(j r angle), X by frequency and r its vibrations per revolution.
+    """
     relatives = list({(line.relative, line.fixed): line.relative for line in lines}.values())
     moving = [at for at in range(len(relatives)) if relatives[at] and values[:, at].any()]
     cycle = common_cycle([relatives[at] for at in moving])

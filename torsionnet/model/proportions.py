@@ -13,7 +13,7 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 LONG_RATIO_BITS = 1024
-"""Bits of numerator or denominator beyond which exact ratios are not multiplied: products would grow without end."""
+"""Largest number of bits in exact ratios that are multiplied, as products would grow without end."""
 
 
 def short_product(factor: Any, ratio: Any) -> Any:
@@ -23,7 +23,10 @@ def short_product(factor: Any, ratio: Any) -> Any:
 
 
 def rounded_product(factor: Fraction, ratio: Fraction) -> Fraction:
-    """Product of two ratios; a long product is rounded to half the bits, of which 500 are right."""
+    """Product of two exact ratios, with so few bits that further products stay short.
+
+    A long product is rounded to half the bits, of which 500 are right.
+    """
     product = factor * ratio
     shorter = min(_lengths(product))
     if shorter <= LONG_RATIO_BITS:
@@ -37,7 +40,7 @@ def _lengths(ratio: Fraction) -> tuple[int, int]:
 
 
 class ProportionSolution(NamedTuple):
-    """Solution of a group of names: ``anchor`` = sum of ``row`` by equation ``number``.
+    """Solution of a group of names in proportion: ``anchor`` = sum of ``row`` by equation ``number``.
 
     No two names of the row are in proportion. An empty row holds the group at zero.
     """
@@ -49,7 +52,9 @@ class ProportionSolution(NamedTuple):
 
 @dataclass(eq=False, slots=True)
 class ProportionalGroup:
-    """Group of ``size`` names in proportion; ``lead`` stands for the group while there is no ``solution``.
+    """Group of ``size`` unknowns in proportion to each other.
+
+    ``lead`` stands for the group while there is no ``solution``.
 
     ``known`` holds the calculated ratios to the root of the tree. A group that was joined to another only points to it.
     """
@@ -62,7 +67,10 @@ class ProportionalGroup:
 
 
 class ProportionLink(NamedTuple):
-    """Link of a name in a tree of proportions: ``own`` * name + ``other`` * ``above`` = 0 by equation ``number``."""
+    """Link between two unknowns in proportion, in a tree of such links.
+
+    ``own`` * name + ``other`` * ``above`` = 0 by equation ``number``.
+    """
 
     above: Hashable
     own: Any
@@ -71,14 +79,14 @@ class ProportionLink(NamedTuple):
 
 
 class Proportions:
-    """Groups of names in proportion; the links of a group make a tree."""
+    """Groups of unknowns in proportion to each other, kept as trees of links; the links of a group make a tree."""
 
     def __init__(self) -> None:
         self._home: dict[Hashable, ProportionalGroup] = {}
         self._links: dict[Hashable, ProportionLink] = {}
 
     def copy(self) -> Proportions:
-        """Copy of the proportions, to which links can be added."""
+        """Copy of the groups in proportion, to which links can be added."""
         new = Proportions()
         new._links = dict(self._links)
         again = {group: ProportionalGroup(group.lead, group.size, group.solution) for group in self.groups()}
@@ -86,15 +94,15 @@ class Proportions:
         return new
 
     def names(self) -> list[Hashable]:
-        """Names that appear in a link."""
+        """Names of all unknowns that appear in a link."""
         return list(self._home)
 
     def groups(self) -> list[ProportionalGroup]:
-        """Groups of names, without duplicates."""
+        """Groups of names in proportion, without duplicates."""
         return [group for group in dict.fromkeys(self._home.values()) if group.joined is None]
 
     def group(self, name: Hashable) -> ProportionalGroup:
-        """Group of a name; a name without links is alone in its group."""
+        """Group of names in proportion to a name; a name without links is alone in its group."""
         found = self._home.get(name)
         if found is None:
             found = self._home[name] = ProportionalGroup(name)
@@ -119,7 +127,7 @@ class Proportions:
         upper.lead = lead
 
     def make_root(self, name: Hashable) -> None:
-        """Turn the tree of a name so that the name is its root."""
+        """Turn the tree of links of a name so that the name is its root."""
         link = self._links.pop(name, None)
         if link is not None:
             self.group(name).known = None
@@ -132,7 +140,7 @@ class Proportions:
     def to_root(
         self, name: Hashable, known: dict[Hashable, Any], product: Callable[[Any, Any], Any] = operator.mul
     ) -> Any:
-        """Ratio of a name to the root of its tree; ``known`` stores the ratios of names on the way."""
+        """Ratio of a name to the root of its tree of links; ``known`` stores the ratios of names on the way."""
         way = []
         while name not in known:
             link = self._links.get(name)
@@ -147,7 +155,7 @@ class Proportions:
         return ratio
 
     def ratio(self, first: Hashable, second: Hashable) -> Any:
-        """Ratio of two different names of one group.
+        """Ratio of two different names of one group, the first over the second.
 
         This is the ratio of their ratios to the root if these are short, else a product over the links between them.
         """
@@ -165,7 +173,7 @@ class Proportions:
         return ratio
 
     def between(self, first: Hashable, second: Hashable) -> list[int]:
-        """Numbers of the equations that link two names of one group."""
+        """Numbers of the equations that link two unknowns of one group."""
         return [link.number for way in self._ways(first, second) for link in way]
 
     def _ways(self, first: Hashable, second: Hashable) -> tuple[list[ProportionLink], list[ProportionLink]]:

@@ -1,4 +1,4 @@
-"""Readings of sensors in any algebra: numbers, symbols and derivatives by the same rules.
+"""Readings of sensors in any algebra, so that numbers, symbols and derivatives follow the same rules.
 
 An angle, its rates and a twist are a motion of nodes. A torque is what the element's own laws and constraints do at one
 node: of every law its torque times the coefficient there, and so of every constraint. The torque of a constraint is its
@@ -22,12 +22,14 @@ from torsionnet.model.elimination import exact
 from torsionnet.model.kinematics import Kinematics, virtual_motion
 
 POWERS_OF_S = {"angle": 0, "velocity": 1, "acceleration": 2}
-"""Power of s over the angle, by quantity of a motion sensor."""
+"""Power of s over the angle that a motion sensor reads, by its quantity."""
 
 
 @dataclass(frozen=True)
 class Reading:
-    """Reading s^power (row theta), or without a row sum_i laws[i] kappa_i (a_i theta) + sum_j constraints[j] lambda_j.
+    """Reading of a sensor as a motion of nodes, or as a sum of torques of an element's laws and constraints.
+
+    It is s^power (row theta), or without a row sum_i laws[i] kappa_i (a_i theta) + sum_j constraints[j] lambda_j.
 
     Attributes
     ----------
@@ -54,7 +56,9 @@ def reading(
     constraints: Iterable[tuple[str, Row]],
     actions: Iterable[tuple[str, Mapping[str, Any]]] = (),
 ) -> Reading:
-    """Reading of an existing sensor; laws, constraints and actions are (element, row) in order.
+    """Reading of a sensor in terms of node motions and of the torques of an element.
+
+    Laws, constraints and actions are (element, row) in order.
 
     Raises
     ------
@@ -75,7 +79,9 @@ def reading(
 
 
 def referring_factor(sensor: Sensor, elements: Mapping[str, Element], value: Values) -> Any:
-    """Factor from a reading at its own shaft to the shaft that it is referred to; for motions the speed ratio.
+    """Factor, without unit, from a sensor's reading at its own shaft to the shaft that it is referred to.
+
+    For motions the speed ratio.
 
     Raises
     ------
@@ -119,7 +125,7 @@ def _at_own_shaft(
 
 @dataclass(frozen=True)
 class Balance:
-    """Equilibrium of a torque with torques of laws and torques applied to nodes.
+    """Factors with which torques of laws, and torques applied to nodes, add up to a torque that is read.
 
     Attributes
     ----------
@@ -136,7 +142,9 @@ class Balance:
 def balance(
     torque: Reading, kinematics: Kinematics, laws: Sequence[Row], number: Callable[[Any], Any] = exact
 ) -> Balance:
-    """Torque of a reading expressed without multipliers; ``laws`` are the rows by which factors are numbered.
+    """Factors of law torques and applied torques that make up the torque that a sensor reads.
+
+    ``laws`` are the rows by which factors are numbered.
 
     Raises
     ------
@@ -158,7 +166,9 @@ def balance(
 
 
 def port_of(element: Element, at: str | None) -> tuple[str, int]:
-    """(node, sign) of a port given by its own name or its node: +1 into the element at the first port, else -1.
+    """Name of the node of a port, and +1 or -1 for the sense in which its torque counts.
+
+    +1 into the element at the first port, else -1.
 
     An element that drives by itself has -1 at all ports.
 

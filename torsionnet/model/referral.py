@@ -13,7 +13,9 @@ from torsionnet.model.elements import Element, Law, Values
 
 
 def at_own_speeds(elements: Sequence[Element], values: Mapping[str, Any]) -> tuple[Element, ...]:
-    """Elements with values converted to their own shafts; elements without a ratio are unchanged.
+    """Elements of a drivetrain with values converted from the shaft where they are quoted to their own shafts.
+
+    Elements without a ratio are unchanged.
 
     Parameters
     ----------

@@ -24,19 +24,19 @@ Rows: TypeAlias = list[dict[str, Fraction]]
 
 
 def holding_rows(definition: Definition, values: Mapping[str, Any]) -> Rows:
-    """Rows over nodes that are zero at steady mean speeds."""
+    """Rows of weights by node whose sum over node speeds is zero at steady mean speeds."""
     return _rows_on_average(definition, values)[0]
 
 
 def _rows_on_average(definition: Definition, values: Mapping[str, Any]) -> tuple[Rows, Rows]:
-    """Rows that are zero at steady mean speeds, and rows of nodes that springs tie to ground."""
+    """Rows over node speeds that are zero on average, and rows of nodes that springs tie to ground."""
     value = Values(values)
     rows = [exact_row(row) for element in definition.active for row in element.mean_speed_rows(value)]
     return [row for row in rows if len(row) > 1], [row for row in rows if len(row) == 1]
 
 
 def _clamps(definition: Definition) -> Iterator[dict[str, Fraction]]:
-    """Rows of the clamps, first on members of planetary sets and gears, whatever the order of declaration."""
+    """Rows over node speeds of the clamps, first on members of planetary sets and gears."""
     branching = {node for element in definition.active if element.glyph in BRANCHING for node in element.ports.values()}
     clamps = [element for element in definition.active if element.glyph == "clamp"]
     for element in sorted(clamps, key=lambda clamp: branching.isdisjoint(clamp.ports.values())):
@@ -56,7 +56,10 @@ def _clamp(definition: Definition, speeds: Sequence[Elimination]) -> Rows:
 
 
 def _held_by_springs(rest: Rows, speeds: Sequence[Elimination]) -> Rows:
-    """Rows of nodes on springs to ground, as housings on mounts, if speeds stay possible; adds them to ``speeds``."""
+    """Rows of nodes on springs to ground, as housings on mounts, if the speeds in question stay possible.
+
+    Adds them to ``speeds``.
+    """
     added: Rows = []
     for row in rest:
         if not any(speed.blocked or speed.blocks(row) for speed in speeds):
@@ -74,7 +77,7 @@ def _eliminated(rows: Rows, order: Mapping[str, int]) -> Elimination:
 
 
 def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, second: str) -> Fraction:
-    """Ratio of the speed of ``first`` to the speed of ``second``, exact where the ratios in between are.
+    """Ratio of the mean speed of ``first`` to that of ``second``, exact where the ratios in between are.
 
     Raises
     ------
@@ -106,7 +109,7 @@ def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, s
 
 
 def mean_speeds(definition: Definition, values: Mapping[str, Any]) -> dict[str, float]:
-    """Mean speed in rad/s of every node that the operating point determines."""
+    """Mean speed in rad/s of every node that the operating point determines, by node."""
     given = _numbers(definition.operating_point, values)
     order = {node: index for index, node in enumerate(all_nodes(definition.active))}
     rows: Rows = [{node: Fraction(1), UNIT: -speed} for node, speed in given.items() if node in order]
@@ -122,7 +125,7 @@ def mean_speeds(definition: Definition, values: Mapping[str, Any]) -> dict[str, 
 def speeds_by_reference(
     definition: Definition, values: Mapping[str, Any], reference: str, mean: Mapping[str, float] | None = None
 ) -> dict[str, float]:
-    """Speed by node while ``reference`` turns: the mean speeds where the operating point has them.
+    """Mean speed by node, in rad/s where the operating point gives speeds, else over that of the reference.
 
     ``mean`` is the result of :func:`mean_speeds`, if known already.
 

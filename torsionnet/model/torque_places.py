@@ -1,4 +1,4 @@
-"""Entry for the place of a mean torque: a node, or two nodes written as ``pulley-block``."""
+"""Entry for the place of a mean torque, a node or two nodes written as ``pulley-block``."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ def place_fault(text: str) -> str | None:
 
 
 def renamed_place(text: str, names: Renaming) -> str:
-    """Place in a part, with the names of its nodes in the whole model."""
+    """Place of a torque in a part, with the names of its nodes in the whole model."""
     return "-".join(names.node(node) for node in torque_place(text).nodes)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TorquePlace(NodeName):
-    """Entry for a node, or for two nodes as ``pulley-block``."""
+    """Entry for the place of a torque, a node or two nodes as ``pulley-block``."""
 
     allow_ground: bool = False
 

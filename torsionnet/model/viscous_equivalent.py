@@ -1,4 +1,4 @@
-"""Viscous equivalent: springs and dampers in place of hysteretic and tabulated laws, equal at one frequency."""
+"""Viscous equivalent of hysteretic and tabulated laws, springs and dampers equal to them at one frequency."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def _is_over_frequency(law: Law) -> bool:
 
 @dataclass(frozen=True)
 class ViscousLaws:
-    """Replacement of the method ``parts`` of an element: laws with their constant coefficients at ``frequency``, Hz."""
+    """Replacement of an element's method ``parts``, with constant coefficients at a frequency in Hz."""
 
     element: Element
     frequency: Fraction

@@ -1,4 +1,4 @@
-"""Report on a model: its content as a tree, and writers that turn the tree into HTML, LaTeX, Markdown or PDF.
+"""Report on a model as a tree, and writers of the tree as HTML, LaTeX, Markdown or pdf.
 
 >>> from torsionnet.report import make_report
 >>> report = make_report("dmf_rig", sections=["modes", "validity"], date=None)

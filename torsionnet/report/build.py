@@ -54,7 +54,8 @@ BUILDERS: dict[str, Callable[[ReportData], Section | None]] = {
     "checks": checks_section,
     "validity": validity_section,
 }
-"""Function that builds each section, by its name; None is a section with nothing to say on this model."""
+"""Function that builds each section of a report, by the section's name; None is a section with nothing to say on this
+model."""
 
 
 DRIVETRAIN_SECTIONS = (
@@ -67,11 +68,11 @@ DRIVETRAIN_SECTIONS = (
     "simplified",
     "responses",
 )
-"""Sections that do not depend on excitations, so that configurations with equal drivetrains are one case."""
+"""Names of report sections without excitations, in which configurations with equal drivetrains are one case."""
 
 
 def build(subject: ReportData, version: str) -> Report:
-    """Report on a model as a tree; ``version`` is that of the program."""
+    """Report on a model as a tree of sections, texts, tables and figures; ``version`` is that of the program."""
     plan = subject.request.plan
     with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always", TorsionnetWarning)
@@ -111,7 +112,7 @@ def _facts(subject: ReportData, version: str) -> Iterator[tuple[str, Text]]:
 
 
 def _others(subject: ReportData) -> str:
-    """Words for how many configurations are shown of all, and whether limits are examined in more of them."""
+    """Text on how many of the model's configurations the report shows, and whether limits are examined in more."""
     if not subject.left_out:
         return ""
     shown, judged, count = len(subject.cases), len(subject.judged_cases), len(subject.model.configurations)

@@ -16,28 +16,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Math:
-    """Formula inside a line, in LaTeX."""
+    """Formula inside a line of a report, written in LaTeX code."""
 
     latex: str
 
 
 @dataclass(frozen=True)
 class BreakableMath:
-    """Long formula inside a line, which may break between its terms."""
+    """Long formula inside a line of a report, which may break between its terms."""
 
     parts: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class Strong:
-    """Text in bold."""
+    """Text in bold inside a line of a report."""
 
     text: str
 
 
 @dataclass(frozen=True)
 class Code:
-    """Text to be typed as it stands, such as a command."""
+    """Text to be typed as it stands, such as a command, inside a line of a report."""
 
     text: str
 
@@ -49,34 +49,34 @@ Cell: TypeAlias = Inline | Text
 
 
 def inlines(cell: Cell) -> Text:
-    """Parts of a line that a cell consists of, as a tuple."""
+    """Texts and formulas that a cell of a table consists of, as a tuple."""
     return cell if isinstance(cell, tuple) else (cell,)
 
 
 @dataclass(frozen=True)
 class Paragraph:
-    """Paragraph of text."""
+    """Paragraph of text in a report."""
 
     text: Text
 
 
 @dataclass(frozen=True)
 class Listing:
-    """List of points one below the other."""
+    """List of points in a report, one below the other."""
 
     items: tuple[Text, ...]
 
 
 @dataclass(frozen=True)
 class Facts:
-    """List of terms with what is to be said on each, such as author and date."""
+    """List of terms in a report with what is to be said on each, such as author and date."""
 
     rows: tuple[tuple[str, Text], ...]
 
 
 @dataclass(frozen=True)
 class Remark:
-    """Remark that the reader must not miss: ``kind`` is error, warning or note."""
+    """Remark in a report that the reader must not miss: ``kind`` is error, warning or note."""
 
     kind: str
     text: Text
@@ -84,21 +84,24 @@ class Remark:
 
 @dataclass(frozen=True)
 class Formula:
-    """Numbered formula on a line of its own."""
+    """Numbered formula of a report on a line of its own."""
 
     latex: str
 
 
 @dataclass(frozen=True)
 class Equations:
-    """Long equations one below the other, which may break between terms."""
+    """Long equations of a report one below the other, which may break between terms."""
 
     rows: tuple[BreakableMath, ...]
 
 
 @dataclass(frozen=True)
 class Heading:
-    """Heading of a column: text, unit, whether its cells are numbers, whether it takes the room that is left."""
+    """Heading of a table column in a report.
+
+    Text, unit, whether its cells are numbers, whether it takes the room that is left.
+    """
 
     text: Cell
     unit: str = ""
@@ -107,13 +110,13 @@ class Heading:
 
     @property
     def bracket(self) -> str:
-        """Unit in brackets as it stands behind the text, empty if there is none."""
+        """Unit of the column in brackets as it stands behind the heading's text, empty if there is none."""
         return number_text.unit_in_brackets(self.unit)
 
 
 @dataclass(frozen=True)
 class TableGroup:
-    """Rows of a table under a heading of their own, which may be empty."""
+    """Rows of a report's table under a heading of their own, which may be empty."""
 
     rows: tuple[tuple[Cell, ...], ...]
     title: Cell = ""
@@ -121,7 +124,7 @@ class TableGroup:
 
 @dataclass(frozen=True)
 class TableBlock:
-    """Table with its caption; ``more`` counts the rows left out."""
+    """Table of a report with its caption, headings and groups of rows; ``more`` counts the rows left out."""
 
     caption: Text
     columns: tuple[Heading, ...]
@@ -130,26 +133,26 @@ class TableBlock:
     more: int = 0
 
     def column(self, index: int) -> list[Cell]:
-        """Cells below a heading, of all groups."""
+        """Cells of one column of the table, of all groups of rows."""
         return [row[index] for group in self.groups for row in group.rows]
 
     def numbers(self, index: int) -> list[NumberText]:
-        """Cells of a column that are numbers."""
+        """Cells of one column of the table that are numbers."""
         return [cell for cell in self.column(index) if isinstance(cell, NumberText)]
 
     def decimals(self, index: int) -> int:
-        """Decimals that the numbers of a column need for their points to stand below each other."""
+        """Number of decimals that a column of the table needs for its points to stand below each other."""
         return max((number.decimals_shown for number in self.numbers(index)), default=0)
 
     @property
     def foot_notes(self) -> tuple[Text, ...]:
-        """Texts below the table: its notes, and how many rows are left out."""
+        """Texts of the notes below the table: its notes, and how many rows are left out."""
         return (*self.notes, *([(f"… and {self.more} more",)] if self.more else []))
 
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """Figure of a report: name of its file, drawing, caption, and a text for readers who cannot see it."""
+    """Figure of a report with file name, drawing, caption and a text that describes it."""
 
     name: str
     figure: Figure
@@ -159,7 +162,10 @@ class Picture:
 
 @dataclass(frozen=True)
 class Details:
-    """Long part that a page folds away behind its title; on paper the sentence ``instead`` takes its place."""
+    """Long part of a report that a page folds away behind its title.
+
+    On paper the sentence ``instead`` takes its place.
+    """
 
     title: Text
     blocks: tuple[Block, ...]
@@ -168,7 +174,7 @@ class Details:
 
 @dataclass(frozen=True)
 class Section:
-    """Section of a report: its heading and the blocks below it, further sections included."""
+    """Section of a report with its heading and the blocks below it."""
 
     name: str
     title: Text
@@ -180,7 +186,10 @@ Block: TypeAlias = Paragraph | Listing | Facts | Remark | Formula | Equations | 
 
 @dataclass(frozen=True)
 class Report:
-    """Whole report; ``template`` is the folder with a company's page and style."""
+    """Whole report as a tree with its title, facts and sections.
+
+    ``template`` is the folder with a company's page and style.
+    """
 
     title: str
     subtitle: str

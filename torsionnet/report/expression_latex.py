@@ -9,11 +9,12 @@ from torsionnet.symbolic.symbol_names import symbol_latex
 
 SUM, PRODUCT, QUOTIENT, ATOM = 1, 2, 3, 4
 PRECEDENCE = {"+": SUM, "-": SUM, "negative": SUM, "*": PRODUCT, "/": QUOTIENT, "**": QUOTIENT}
-"""Precedence of an operation, by its sign; operations not listed bind like names and numbers."""
+"""Precedence of an operation in LaTeX, by the sign of the operation; operations not listed bind like names and
+numbers."""
 
 
 def expression_latex(tree: Expression) -> str:
-    r"""LaTeX of an expression.
+    r"""LaTeX of an expression of parameters, in the order in which it was written.
 
     >>> from torsionnet.core.expression_reading import scalar
     >>> expression_latex(scalar("I_1 - I_MT")), expression_latex(scalar("pi*G*d**4/(32*L)"))

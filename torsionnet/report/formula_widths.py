@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 WIDEST_FORMULA, WIDEST_MATRIX = 72, 60
-"""Letters of a formula, and of the rows of a symbolic matrix, that fit a page."""
+"""Largest width in letters of a formula, and of the rows of a symbolic matrix, that fits a page."""
 
 
 def formula_letters(expression: Any) -> int:
-    """Number of letters side by side in a formula: a fraction is as wide as the wider of its halves.
+    """Width of a formula, as the number of letters that stand side by side.
+
+    A fraction is as wide as the wider of its halves.
 
     >>> import sympy
     >>> a, b, c = sympy.symbols("a b c")
@@ -45,6 +47,6 @@ def _product(factors: list[Any]) -> int:
 
 
 def matrix_letters(matrix: Any) -> int:
-    """Number of letters of a symbolic matrix from left to right."""
+    """Width of a symbolic matrix, as the number of letters from left to right."""
     rows = [[formula_letters(cell) for cell in row] for row in matrix.tolist()]
     return sum(max(column) + 2 for column in zip(*rows, strict=True)) if rows else 0

@@ -29,11 +29,14 @@ if TYPE_CHECKING:
 
 Model: TypeAlias = "str | os.PathLike[str] | Drivetrain"
 WRITERS = {".html": "html", ".htm": "html", ".pdf": "pdf", ".tex": "latex", ".md": "markdown"}
-"""Writer by the ending of the file: a module with a function ``write(report, path)``."""
+"""Name of the module that writes a report, by the ending of the file: a module with a function ``write(report,
+path)``."""
 
 
 def write_report(model: Model, path: str | os.PathLike[str], **options: Any) -> tuple[Path, ...]:
-    """Write the report on a model: HTML, PDF, LaTeX or Markdown, by the ending of the file.
+    """Write the report on a model into a file and return the paths of all files written.
+
+    HTML, PDF, LaTeX or Markdown, by the ending of the file.
 
     Parameters
     ----------
@@ -106,7 +109,9 @@ def make_report(
     studies: Iterable[StudyResult] = (),
     template: str | os.PathLike[str] | None = None,
 ) -> Report:
-    """Report on a model as a tree; options that are left out are those of the ``report:`` section of its file.
+    """Report on a model as a tree of sections, texts, tables and figures.
+
+    Options that are left out are those of the ``report:`` section of its file.
 
     Parameters
     ----------

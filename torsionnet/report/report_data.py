@@ -1,4 +1,4 @@
-"""Data of a report: a drivetrain in its configurations, and results that all sections share."""
+"""Data of a report, its configurations and the results that all its sections share."""
 
 from __future__ import annotations
 
@@ -27,24 +27,28 @@ if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
 MOST_CASES, MOST_JUDGED_CASES = 12, 200
-"""Configurations in a report unless more are asked for by name, and those whose limits are checked."""
+"""Largest number of configurations in a report unless more are named, and of those whose limits are checked."""
 MOST_MODES = 10
-"""Modes that a report shows of each configuration."""
+"""Largest number of modes that a report shows of each configuration."""
 LARGE_MODEL = 40
-"""Coordinates from which on only the lowest modes are calculated."""
+"""Number of coordinates of a model from which on a report calculates only the lowest modes."""
 MOST_SYMBOLIC = 12
-"""Coordinates up to which equations are written in symbols; those of larger systems could not be read."""
+"""Number of coordinates up to which a report writes equations in symbols, as longer ones could not be read."""
 DEFAULT_PAIRS = 3
-"""Sensors whose transfer functions are shown unless others are asked for."""
+"""Number of sensors whose transfer functions a report shows unless others are asked for."""
 MOST_OUTPUTS = 6
-"""Outputs shown over speed unless others are asked for."""
+"""Largest number of outputs that a report shows over speed unless others are asked for."""
 FEW_CASES = 3
-"""Configurations whose modes and peaks are all listed one below the other; of more, a page folds them away."""
+"""Number of configurations up to which a report lists the modes and peaks of each one below the other; of more, a page
+folds them away."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """Drivetrain in one configuration, with the name of the latter; the name is empty for the model as written."""
+    """Drivetrain in one configuration of a report, with the name of the configuration.
+
+    The name is empty for the model as written.
+    """
 
     configuration: str
     drivetrain: Drivetrain
@@ -52,7 +56,7 @@ class Case:
 
 @dataclass(frozen=True, eq=False)
 class SymbolicEquations:
-    """Equations of motion in symbols, and the configurations that have them in common."""
+    """Equations of motion in symbols, and the configurations of a report that have them in common."""
 
     cases: tuple[Case, ...]
     system: SymbolicSystem
@@ -87,7 +91,7 @@ class ReportData:
 
     @property
     def n_coordinates(self) -> int:
-        """Largest number of coordinates of any case."""
+        """Largest number of coordinates of the drivetrain in any configuration of the report."""
         return max(case.drivetrain.assembly.system.n_coordinates for case in self.cases)
 
     @property
@@ -96,7 +100,7 @@ class ReportData:
 
     @cached_property
     def modes(self) -> tuple[Modes, ...]:
-        """Modes of every case, as far as they are shown."""
+        """Modes of every configuration of the report, as far as they are shown."""
         return tuple(self._modes(case, None) for case in self.cases)
 
     def _modes(self, case: Case, measured: str | None, excitation: str | None = None) -> Modes:
@@ -105,7 +109,10 @@ class ReportData:
         return found.first(MOST_MODES) if len(found) > MOST_MODES else found
 
     def cut_modes(self, pair: Pair) -> tuple[Modes, ...] | None:
-        """Poles of a transfer function over a measured input, of every case; None for other inputs and large models."""
+        """Poles of a transfer function over a measured input, of every configuration of the report.
+
+        None for other inputs and large models.
+        """
         sensors = self.cases[0].drivetrain.sensors
         if pair.input not in sensors or self.is_large:
             return None
@@ -113,7 +120,10 @@ class ReportData:
 
     @cached_property
     def symbolic_equations(self) -> tuple[SymbolicEquations, ...]:
-        """Equations of motion in symbols; cases with the same equations are put together."""
+        """Equations of motion in symbols, with the configurations of the report that share them.
+
+        Cases with the same equations are put together.
+        """
         found: list[tuple[list[Case], SymbolicSystem]] = []
         for case in self.cases:
             alike = next((cases for cases, _ in found if _same_structure(case.drivetrain, cases[0].drivetrain)), None)
@@ -130,7 +140,7 @@ class ReportData:
 
     @cached_property
     def pairs(self) -> tuple[Pair, ...]:
-        """Transfer functions of the report: those asked for, else the first sensors over the first input."""
+        """Transfer functions that the report shows: those asked for, else the first sensors over the first input."""
         if self.request.pairs:
             return self.request.pairs
         inputs, sensors = usable_channels(self.cases[0].drivetrain)
@@ -144,19 +154,22 @@ class ReportData:
 
     @cached_property
     def order_outputs(self) -> tuple[str, ...]:
-        """Names of the outputs shown over speed: those asked for, else the sensors of torque."""
+        """Names of the outputs that the report shows over speed: those asked for, else the sensors of torque."""
         sensors = self.model.sensors
         torques = [name for name, sensor in sensors.items() if sensor.quantity == "torque"]
         return self.request.plan.orders or tuple(torques or sensors)[:MOST_OUTPUTS]
 
     @cached_property
     def order_responses(self) -> tuple[OrderResponse, ...]:
-        """Response by order of every case, over its speeds."""
+        """Response by order of every configuration of the report, over its speeds."""
         return tuple(case.drivetrain.order_response(list(self.order_outputs), refine=True) for case in self.cases)
 
     @cached_property
     def judged_cases(self) -> tuple[Case, ...]:
-        """Cases whose limits are checked: all configurations, also those not shown, unless some were asked for."""
+        """Configurations whose limits the report checks.
+
+        All configurations, also those not shown, unless some were asked for.
+        """
         if self.request.plan.configurations or not self.left_out:
             return self.cases
         known = {case.configuration: case for case in self.cases}
@@ -165,20 +178,23 @@ class ReportData:
 
     @cached_property
     def left_out(self) -> tuple[str, ...]:
-        """Names of the model's configurations that are no case of this report."""
+        """Names of the model's configurations that the report does not show."""
         others = [set(case.drivetrain.other_configurations) for case in self.cases]
         return tuple(name for name in self.model.configurations if all(name in missing for missing in others))
 
     @property
     def coverage_note(self) -> tuple[str, ...]:
-        """Sentence on how many of the configurations a section is about; empty where it is about all."""
+        """Sentence on how many of the model's configurations a section of the report is about.
+
+        Empty where it is about all.
+        """
         if not self.left_out:
             return ()
         return (f" Of {len(self.model.configurations)} configurations {len(self.cases)} are examined here.",)
 
     @cached_property
     def limit_conclusion(self) -> LimitConclusion | None:
-        """Verdicts on the limits in all configurations; None where the model has no limits."""
+        """Verdicts on the limits in all configurations that are judged; None where the model has no limits."""
         if not self.has_excitations or not self.model.definition.limits:
             return None
         from torsionnet.response.limits.limit_conclusion import LimitConclusion
@@ -187,7 +203,10 @@ class ReportData:
 
     @cached_property
     def by_drivetrain(self) -> ReportData:
-        """Copy in which all cases that differ in excitations alone are one: they have the same modes."""
+        """Copy of the report's data in which all configurations that differ in excitations alone are one.
+
+        They have the same modes.
+        """
         if len(self.distinct_drivetrains) == len(self.cases):
             return self
         cases = (
@@ -198,7 +217,7 @@ class ReportData:
 
     @cached_property
     def distinct_drivetrains(self) -> tuple[tuple[Case, ...], ...]:
-        """Cases grouped by drivetrain: those of a group differ in excitations alone."""
+        """Configurations of the report, grouped by equal drivetrains: those of a group differ in excitations alone."""
         found: list[list[Case]] = []
         for case in self.cases:
             alike = next((cases for cases in found if _vibrate_alike(case.drivetrain, cases[0].drivetrain)), None)
@@ -218,14 +237,14 @@ class ReportData:
         return {}
 
     def responses(self, pair: Pair) -> tuple[FrequencyResponse, ...]:
-        """Frequency response of every case, at as many frequencies as its peaks need."""
+        """Frequency response of every configuration of the report, at as many frequencies as its peaks need."""
         if pair not in self._known:
             trios = zip(self.cases, self.modes, strict=True)
             self._known[pair] = tuple(self._response(case, pair, modes) for case, modes in trios)
         return self._known[pair]
 
     def for_pair(self, pair: Pair) -> ReportData:
-        """Copy with only the cases that have the output and input of a transfer function."""
+        """Copy of the data with only the configurations that have the output and input of a transfer function."""
         kept = tuple(case for case in self.cases if self.refusal(case, pair) is None)
         if len(kept) in (0, len(self.cases)):
             return self
@@ -237,7 +256,7 @@ class ReportData:
         return {}
 
     def refusal(self, case: Case, pair: Pair) -> UsageError | None:
-        """Error that says why a case has no such transfer function; None where it has."""
+        """Error that says why a configuration lacks the transfer function; None where it has."""
         try:
             self.solver(case, pair)(Adaptive(1, 2, 2, 1).frequencies())
         except UsageError as error:
@@ -245,12 +264,15 @@ class ReportData:
         return None
 
     def _response(self, case: Case, pair: Pair, modes: Modes) -> FrequencyResponse:
-        """Frequency response of a case; of an undamped one on a plain grid, as its peaks have no height."""
+        """Frequency response of one configuration between an output and an input.
+
+        Of an undamped one on a plain grid, as its peaks have no height.
+        """
         grid = Adaptive(*self.band, points=160, per_peak=21) if is_damped(case) else Adaptive(*self.band, 600, 1)
         return self.solver(case, pair)(grid.frequencies(*([modes] if is_damped(case) else [])))
 
     def solver(self, case: Case, pair: Pair) -> Callable[[FloatArray], FrequencyResponse]:
-        """Function that gives the response of a case at frequencies in Hz."""
+        """Function that gives the frequency response of a configuration at frequencies in Hz."""
 
         def solve(frequencies: FloatArray) -> FrequencyResponse:
             return case.drivetrain.frequency_response(
@@ -290,12 +312,15 @@ def _vibrate_alike(rig: Drivetrain, other: Drivetrain) -> bool:
 
 
 def _derived(rig: Drivetrain) -> dict[str, str]:
-    """Expressions of parameters that depend on other parameters, by name."""
+    """Text of every parameter that is an expression of other parameters, by name."""
     return {name: str(entry.value) for name, entry in rig.parameter_definitions.items() if entry.value.names}
 
 
 def cases_of(model: Drivetrain, names: tuple[str, ...]) -> tuple[Case, ...]:
-    """Cases of a report: the model in these configurations, else in all it has, else as it is."""
+    """Configurations of a model that a report shows, each with its drivetrain.
+
+    The model in these configurations, else in all it has, else as it is.
+    """
     if model.configuration and not names:
         return (Case(model.configuration, model),)
     chosen = names or model.configurations[:MOST_CASES]
@@ -307,12 +332,12 @@ def cases_of(model: Drivetrain, names: tuple[str, ...]) -> tuple[Case, ...]:
 
 
 def digest_of(data: bytes) -> str:
-    """SHA-256 of data in hexadecimal digits."""
+    """SHA-256 of data as text in hexadecimal digits."""
     return hashlib.sha256(data).hexdigest()
 
 
 def require_answers(subject: ReportData) -> None:
-    """Refuse transfer functions that no case has, before anything is written.
+    """Refuse transfer functions that no configuration has, before anything of the report is written.
 
     Raises
     ------

@@ -13,7 +13,10 @@ from torsionnet.response.worst_response import WorstResponse
 
 
 def engine_remarks(subject: ReportData) -> list[Block]:
-    """List of sentences on angles between engines and on running on one engine; empty for a model with one engine."""
+    """Block with a list of sentences on angles between engines and on running on one engine.
+
+    Empty for a model with one engine.
+    """
     notes = dict.fromkeys(note for run in subject.order_responses for note in run.engine_notes)
     conditions = [(case.configuration, case.drivetrain.definition.excitations) for case in subject.cases]
     found = [
@@ -29,7 +32,7 @@ def engine_remarks(subject: ReportData) -> list[Block]:
 
 
 def engine_angle_tables(subject: ReportData, name: str) -> list[TableBlock]:
-    """Table of the largest and smallest half range of an output by the angles between engines."""
+    """Tables of the largest and smallest half range of an output by the angles between engines."""
     found = [
         (case.configuration, run, run.output(name), run.half_range[:, run.output(name)])
         for case, run in zip(subject.cases, subject.order_responses, strict=True)

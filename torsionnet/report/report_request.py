@@ -1,4 +1,4 @@
-"""Request for a report: the plan in the model's file, and the options of the call that replace it."""
+"""Request for a report, from the plan in the model's file and the options of the call that replace it."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class ReportRequest:
     studies: tuple[StudyResult, ...] = ()
 
     def wants(self, section: str) -> bool:
-        """Whether a section is in the report."""
+        """Whether the report has a section of this name."""
         chosen = self.plan.sections
         if_given = {
             "test": bool(self.tests),
@@ -64,7 +64,7 @@ class ReportRequest:
 
 
 def read_date(raw: str | dt.date | None) -> dt.date | None:
-    """Date from a text such as ``2025-03-31``; None for ``none``.
+    """Date of a report from a text such as ``2025-03-31``; None for ``none``.
 
     Raises
     ------

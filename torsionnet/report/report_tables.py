@@ -12,9 +12,9 @@ from torsionnet.report.report_text import as_words, capital, unit
 from torsionnet.response.table import Table
 
 MOST_DIGITS = 4
-"""Significant digits of the smallest number of a column."""
+"""Number of significant digits that the smallest number in a column of a report's table has."""
 PREFIX_FROM = 100
-"""A prefix is used from so many of its unit on: k from 100 kN*m, M from 100 MN*m."""
+"""Multiple of a unit from which on its prefix is used: k from 100 kN*m, M from 100 MN*m."""
 HEADING_SYMBOLS: dict[str, Cell] = {
     "J": Math("J"),
     "J referred": (Math("J"), " referred"),
@@ -27,7 +27,7 @@ HEADING_SYMBOLS: dict[str, Cell] = {
     "|lambda| /2pi": ("Of ", Math(r"\left|\lambda\right|/2\pi")),
     "damped Im lambda/2pi": Math(r"\mathrm{Im}\,\lambda/2\pi"),
 }
-"""Headings of columns that are shown as symbols, by their text on the screen."""
+"""Symbols in place of headings of table columns, by the heading's text on the screen."""
 
 
 def table(
@@ -37,7 +37,10 @@ def table(
     notes: Sequence[Cell] = (),
     most: int | None = None,
 ) -> TableBlock:
-    """Table without groups, cut after ``most`` rows; equal rows are merged, empty columns left out."""
+    """Table of a report from headings and rows of cells, without groups, cut after ``most`` rows.
+
+    Equal rows are merged, empty columns left out.
+    """
     merged = merge_equal_rows(rows)
     kept = merged[:most] if most else merged
     used = [index for index, _ in enumerate(columns) if any(row[index] not in ("", ()) for row in kept)]
@@ -90,7 +93,10 @@ def _prefix(values: Sequence[Any]) -> tuple[str, float]:
 
 
 def _numbers(values: Sequence[Any], digits: int, factor: float) -> list[Cell]:
-    """Numbers of a column divided by a factor, as cells; empty texts where the column has no number."""
+    """Numbers of a column divided by a factor, as cells with a number of significant digits.
+
+    Empty texts where the column has no number.
+    """
     if all(isinstance(value, int) for value in values):
         return [str(value) for value in values]
     known = [None if value is None or math.isnan(value) else float(value) / factor for value in values]
@@ -106,7 +112,7 @@ def _text(value: Any, words: Callable[[str], Cell]) -> Cell:
 
 
 def merge_equal_rows(rows: Sequence[tuple[Cell, ...]]) -> tuple[tuple[Cell, ...], ...]:
-    """Rows of a table, of which neighbours that differ in their first cell only are one that names them all.
+    """Rows of a table in which neighbours that differ in their first cell only are one row that names them all.
 
     Examples
     --------
@@ -125,7 +131,7 @@ def merge_equal_rows(rows: Sequence[tuple[Cell, ...]]) -> tuple[tuple[Cell, ...]
 
 
 def shown_cells(row: Sequence[Cell]) -> list[tuple[object, ...]]:
-    """Content of cells as a reader sees it, numbers by their digits, for comparison of rows."""
+    """Content of the cells of a row as a reader sees it, numbers by their digits, for comparison of rows."""
     return [
         tuple((part.mantissa, str(part.exponent)) if isinstance(part, NumberText) else part for part in inlines(cell))
         for cell in row
@@ -133,7 +139,7 @@ def shown_cells(row: Sequence[Cell]) -> list[tuple[object, ...]]:
 
 
 def join_texts(cell: Cell) -> Cell:
-    """Cell whose neighbouring texts are put together."""
+    """Cell of a table whose neighbouring texts are put together."""
     parts: list[Inline] = []
     for part in inlines(cell):
         if parts and isinstance(part, str) and isinstance(parts[-1], str):

@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 
 
 def as_words(name: str) -> str:
-    """Name from the model as words: ``input_shaft`` is the input shaft."""
+    """Name of a node or element from the model as words: ``input_shaft`` is the input shaft."""
     return name.replace("_", " ")
 
 
 def is_symbol(name: str) -> bool:
-    """Whether a name is one letter or a Greek letter, perhaps with an index.
+    """Whether a name from the model is one letter or a Greek letter, perhaps with an index.
 
     >>> is_symbol("theta_1"), is_symbol("T_T"), is_symbol("k1"), is_symbol("rotor_speed")
     (True, True, True, False)
@@ -33,7 +33,7 @@ def is_symbol(name: str) -> bool:
 
 
 def channel_latex(name: str) -> str:
-    """LaTeX of a sensor, input or node."""
+    """LaTeX of the name of a sensor, input or node."""
     sensor = None if is_symbol(name) else parse_sensor(name)
     if sensor is not None:
         second = sensor.at or sensor.against
@@ -92,7 +92,7 @@ def _is_quantity_name(name: str) -> bool:
 
 
 def unit(text: str) -> str:
-    """SI unit as it is printed: ``rad/(N·m)``, a dash for none."""
+    """SI unit as documents print it: ``rad/(N·m)``, a dash for none."""
     return MISSING_TYPESET if text in ("", "1") else typeset_unit(text)
 
 
@@ -106,12 +106,12 @@ def capital(text: str) -> str:
 
 
 def first_names(names: Sequence[str], most: int = 12) -> str:
-    """Names with commas; of many the first ``most`` and how many more there are."""
+    """Text with the names, separated by commas; of many the first ``most`` and how many more there are."""
     return comma_list(names, most, ", … and {} more")
 
 
 def shared_choices(names: Sequence[str]) -> str:
-    """Choices that all these configurations share in their names; all names where they share none.
+    """Text of the choices that all these configurations share in their names; all names where they share none.
 
     Examples
     --------
@@ -124,7 +124,7 @@ def shared_choices(names: Sequence[str]) -> str:
 
 
 def distinct_choices(name: str, names: Sequence[str]) -> str:
-    """Choices in the name of a configuration that not all of ``names`` have.
+    """Text of the choices in the name of a configuration that not all of ``names`` have.
 
     Examples
     --------

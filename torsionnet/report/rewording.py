@@ -1,4 +1,4 @@
-"""Rewording of a finished report: its own texts are replaced, names and texts of the model's author are not."""
+"""Rewording of a finished report, in which its own texts are replaced, and those of the model are not."""
 
 from __future__ import annotations
 
@@ -34,20 +34,24 @@ TEXT_FIELDS: dict[type, tuple[str, ...]] = {
     Heading: ("text",),
     Strong: ("text",),
 }
-"""Fields that hold the report's own texts, by class of the tree; formulas, numbers and code have none."""
+"""Names of fields that hold the report's own texts, by class of the report's tree; formulas, numbers and code have
+none."""
 REWORDED_COLUMNS = {"At", "Comparison", "Kind", "Leading term", "Limit", "Of", "Property", "Quantity", "Type"}
 """Headings of columns whose cells hold words of the report, not of the model."""
 
 
 @dataclass(frozen=True)
 class Rewording:
-    """Replacement of the texts of a report; ``names`` are those of the model that stand in headings."""
+    """Replacement of the texts of a finished report by other words.
+
+    ``names`` are those of the model that stand in headings.
+    """
 
     wording: Wording
     names: AbstractSet[str] = frozenset()
 
     def reworded(self, part: Any) -> Any:
-        """Report, or a part of it, in the words of the wording."""
+        """Copy of a report, or of a part of it, in the words of the wording."""
         match part:
             case str():
                 return self.wording(part)

@@ -10,7 +10,7 @@ from torsionnet.response.table import Column, Table
 from torsionnet.study.shown_units import ShownUnits
 
 UNIT = "unit"
-"""Heading of a column of units, which belong to the numbers beside it."""
+"""Heading of a table's column of units, which belong to the numbers beside it."""
 
 
 def in_shown_units(found: Table, units: ShownUnits) -> Table:
@@ -35,7 +35,7 @@ def in_shown_units(found: Table, units: ShownUnits) -> Table:
 
 
 def _units_in_headings(found: Table, places: Sequence[int]) -> Table:
-    """Table in which a unit that is the same in all rows stands in the headings of its numbers instead."""
+    """Table in which a unit that is the same in all rows stands in the headings instead of a column of its own."""
     same = {place: found.rows[0][place] for place in places if len({row[place] for row in found.rows}) == 1}
     columns = list(found.columns)
     for place, one in enumerate(columns):
@@ -47,12 +47,18 @@ def _units_in_headings(found: Table, places: Sequence[int]) -> Table:
 
 
 def _unit_of(place: int, places: Sequence[int]) -> int:
-    """Column of units that belongs to a column of numbers: the next one, behind all of them the last."""
+    """Index of the column of units that belongs to a column of numbers, -1 without any.
+
+    The next one, behind all of them the last.
+    """
     return next((one for one in places if one >= place), places[-1]) if places else -1
 
 
 def _column_scales(columns: Sequence[Column], units: ShownUnits) -> list[tuple[float, str]]:
-    """Factor and unit of every column; a column without a unit of its own name takes the one of equal SI unit."""
+    """Factor and unit in which every column of a table is shown.
+
+    A column without a unit of its own name takes the one of equal SI unit.
+    """
     named = {one.unit: one.name for one in columns if one.unit and units.si.get(one.name) == one.unit}
     found = []
     for one in columns:

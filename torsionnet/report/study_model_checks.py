@@ -14,13 +14,13 @@ if TYPE_CHECKING:
     from torsionnet.study.study import Study
 
 IGNORED_ENTRIES = ("report", "description", "source")
-"""Entries of a model that no result depends on."""
+"""Names of model entries that no result depends on."""
 MOST_DIFFERENCES = 6
-"""Differing entries that an error message names."""
+"""Largest number of differing entries that an error message names."""
 
 
 def check_study_models(model: Drivetrain, studies: Iterable[Study]) -> None:
-    """Refuse studies of other models, or of this one with other values, before anything is calculated.
+    """Refuse studies of other models, or of this model with other values, before anything is calculated.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def _refusal(model: Drivetrain, study: Study) -> str:
 
 
 def _differing(one: Drivetrain, other: Drivetrain) -> list[str]:
-    """Names of entries that differ between two models, with their values where these are short."""
+    """Texts with the names of entries that differ between two models, with their values where these are short."""
     mine, others = _data(one), _data(other)
     found = []
     for key in dict.fromkeys((*mine, *others)):
@@ -67,7 +67,7 @@ def _data(model: Drivetrain) -> dict[str, Any]:
 
 
 def _values(study: Any, report: Any) -> str:
-    """Words for the two values of a parameter; empty where it has no single value."""
+    """Text with the values of a parameter in the study and in the report; empty where it has no single value."""
     shown = [one.get("value") if isinstance(one, dict) else one for one in (study, report)]
     texts = ["missing" if one is None else one for one in shown]
     return "" if any(isinstance(one, dict | list) or one == "" for one in texts) or texts == ["missing"] * 2 else (

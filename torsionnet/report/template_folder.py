@@ -1,4 +1,4 @@
-"""Content of a template folder: a company's letterhead, style and wording."""
+"""Content of a template folder, which holds the letterhead, style and wording of a company."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from torsionnet.core.errors import ModelError, Position
 from torsionnet.report.wording import Wording
 
 STYLE = "style.css"
-"""Name of the style sheet in a template folder."""
+"""Name of the file with the style sheet in a template folder."""
 
 
 class TemplateFolderError(ModelError):
-    """Error in a template folder."""
+    """Error that a file in a template folder cannot be used."""
 
     outcome = "Nothing was written."
 
 
 @dataclass(frozen=True)
 class TemplateFolder:
-    """Texts, images, wording and language of a template folder.
+    """Texts, images, wording and language that a template folder holds.
 
     Attributes
     ----------
@@ -41,11 +41,11 @@ class TemplateFolder:
     language: str = "en"
 
     def file(self, name: str) -> str:
-        """Path of a file of the folder as messages name it."""
+        """Path of a file of the template folder as messages name it."""
         return str(self.path / name)
 
     def position(self, name: str, line: int, column: int = 1) -> Position:
-        """Position in one of the folder's texts."""
+        """Position of a fault in one of the template folder's texts, by line and column from 1."""
         lines = self.texts[name].splitlines()
         source = lines[line - 1] if 0 < line <= len(lines) else ""
         first = column if column > 1 else len(source) - len(source.lstrip()) + 1

@@ -23,18 +23,18 @@ WORDS = "words.yaml"
 IMAGES = (".svg", ".png", ".jpg", ".jpeg", ".pdf")
 _IMAGE_NAME = re.compile(r"[A-Za-z0-9_-]+\.\w+")
 _PUT_IN = "write {{{{ image('{0}') }}}} for a file of the folder"
-"""Advice of error messages on how a page refers to an image of the template folder."""
+"""Advice in error messages on how a page refers to an image of the template folder."""
 _FROM_ELSEWHERE = {
     r"<(script|link|iframe|object|embed|base|form)\b": "a report runs no scripts and loads no other files; delete <{0}",
     r"@import\b": "a report loads no other style sheets; write the rules into style.css",
     r"\bsrc\s*=\s*[\"']?(?!data:|\{\{|[\"'])([^\"'\s>]+)": "a report holds its images; " + _PUT_IN,
     r"\burl\(\s*[\"']?(?!data:|#|\{\{|[\"'])([^\"')\s]+)": "a report holds its images; in page.html " + _PUT_IN,
 }
-"""Patterns that would make a page load or run something, and what to write instead."""
+"""Advice by pattern of what would make a page of a template folder load or run something."""
 
 
 def read_template(path: str | os.PathLike[str]) -> TemplateFolder:
-    """Content of a template folder.
+    """Texts, images, wording and language that a template folder holds.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def read_template(path: str | os.PathLike[str]) -> TemplateFolder:
 
 
 def _names(folder: Path) -> list[str]:
-    """Names of the folder's files; notes to its reader and hidden files are left out."""
+    """Names of the template folder's files; notes to its reader and hidden files are left out."""
     try:
         found = sorted(entry.name for entry in folder.iterdir())
     except NotADirectoryError:
@@ -84,7 +84,7 @@ def _names(folder: Path) -> list[str]:
 
 
 def _no_part(folder: Path, name: str, names: Iterable[str]) -> Fault | None:
-    """Fault of a file that cannot be part of a template; None where it can."""
+    """Fault of a file in a template folder that cannot be part of a template; None where it can."""
     path, known = folder / name, (*PAGES, STYLE, WORDS)
 
     def fault(text: str) -> Fault:
@@ -117,7 +117,7 @@ def _words(text: str, file: str) -> tuple[Words, list[Fault]]:
 
 
 def _from_elsewhere(template: TemplateFolder, name: str) -> Iterator[Fault]:
-    """Faults of a page that would load something from elsewhere, or run something."""
+    """Faults of a page of a template folder that would load something from elsewhere, or run something."""
     text = template.texts.get(name, "")
     for pattern, advice in _FROM_ELSEWHERE.items():
         for found in re.finditer(pattern, text, re.IGNORECASE):

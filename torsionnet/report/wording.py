@@ -31,11 +31,11 @@ from torsionnet.model.files.located_yaml import compose
 from torsionnet.model.given_values import has_own_column
 
 PLACEHOLDER = re.compile(r"\{(\w+)\}")
-"""Place in a text at which something is inserted, such as ``{name}``."""
+"""Regular expression of the place in a text at which something is inserted, such as ``{name}``."""
 REPORTED_ENTRIES = (QuantityKind, Value, Teeth, Count, OneOf, TableEntry, Characteristic, LookupCurve)
 """Kinds of entries that a report on a model has a row for; an entry of several values has a row for each."""
 LIST_OF_TEXTS = 'the page "A report in your own words" lists them'
-"""Words of error messages for where all replaceable texts are listed."""
+"""Words in error messages that say where all replaceable texts are listed."""
 
 
 @cache
@@ -52,7 +52,7 @@ def replaceable_texts() -> Mapping[str, tuple[str, ...]]:
 
 
 def _properties(name: str, spec: Spec[object]) -> Iterator[str]:
-    """Names under which a report shows the values of an entry."""
+    """Names under which a report shows the values of an entry of the model."""
     if has_own_column(name, spec):
         return
     if isinstance(spec, Nested):
@@ -90,7 +90,7 @@ class Wording:
     texts: Mapping[str, str] = field(default_factory=dict)
 
     def __call__(self, text: str) -> str:
-        """Text in the words of the mapping, or as it is if the mapping has no other words."""
+        """Text in the words of the mapping, or as it is where the mapping has no other words."""
         if text in self.texts:
             return self.texts[text]
         for pattern, said in self._patterns:
@@ -103,13 +103,16 @@ class Wording:
 
     @cached_property
     def _patterns(self) -> list[tuple[re.Pattern[str], str]]:
-        """Texts into which something is inserted as patterns, those of many words first, with their other words."""
+        """Regular expressions of the texts into which something is inserted, longest first, with their other words."""
         found = [text for text in self.texts if PLACEHOLDER.search(text)]
         found.sort(key=lambda text: -len(PLACEHOLDER.sub("", text)))
         return [(_pattern(text), self.texts[text]) for text in found]
 
     def _inserted(self, text: str) -> str:
-        """Inserted text in other words where it continues the sentence; a name from the model stays as it is."""
+        """Inserted text in other words where it continues the sentence of the report.
+
+        A name from the model stays as it is.
+        """
         return self(text) if text[:1] in (" ", ",", ";") else text
 
 
@@ -127,7 +130,7 @@ def _unknown(text: str) -> str | None:
 
 
 class Language(Text):
-    """Language of a page by its code."""
+    """Language of a report's page by its code, as ``de``."""
 
     def coerce(self, raw: object) -> str:
         text = super().coerce(raw)
@@ -158,7 +161,7 @@ class Words(Declared):
 
 
 def _places_fault(needed: set[str], given: set[str]) -> str:
-    """Fault where the placeholders of the English text and of the other differ; empty where they agree."""
+    """Message that the placeholders of the English text and of the other text differ; empty where they agree."""
     if more := sorted(given - needed):
         rest = f"this text has {_braced(needed)}" if needed else "nothing is inserted into this text"
         return f"nothing is inserted at {{{more[0]}}}{suggestion_or(more[0], needed, rest)}"

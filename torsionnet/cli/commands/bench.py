@@ -38,7 +38,7 @@ class ChannelRow:
 
     @property
     def joined_notes(self) -> Annotated[str, Out("notes", json=None, after="notes")]:
-        """Notes as one text."""
+        """Notes on a channel as one text, joined by semicolons."""
         return "; ".join(self.notes)
 
 

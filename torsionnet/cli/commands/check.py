@@ -51,7 +51,9 @@ def _lines(reports: dict[str, Sequence[Fault]]) -> Iterator[str]:
 
 
 def summary(faults: Sequence[Fault]) -> str:
-    """Text that counts errors, warnings and notes, as ``2 errors, 1 note``; warnings and notes only if there are any.
+    """Text with the number of errors, warnings and notes, as ``2 errors, 1 note``.
+
+    Warnings and notes only if there are any.
 
     >>> summary([Fault("x", severity="note"), Fault("y", severity="note")])
     'no errors, 2 notes'

@@ -69,7 +69,7 @@ class CompareCommand(ModelCommand, RecordCommand):
 def _calculated(
     drivetrain: Drivetrain, test: FrequencyResponse, output: str, into: str, excitation: str | None
 ) -> FrequencyResponse:
-    """Response of the model at the frequencies of the test, with the channel names of the test."""
+    """Calculated response of the model at the frequencies of the test, under the test's channel names."""
     from dataclasses import replace
 
     found = drivetrain.frequency_response(output, into, test.frequencies, excitation=excitation)
@@ -81,7 +81,7 @@ def _calculated(
 
 
 def _full(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> Table:
-    """Table of test, model, differences and coherence with a row per frequency."""
+    """Table of test, model, their differences and coherence, with a row for each frequency in Hz."""
     from torsionnet.response import Column, Table
     from torsionnet.signals.comparison import difference
 

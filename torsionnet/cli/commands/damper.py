@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class BoundedParameter(PairType):
-    """Type of an option value ``NAME`` or ``NAME=LOW..HIGH``: a parameter and its bounds.
+    """Type of an option value ``NAME`` or ``NAME=LOW..HIGH``, a parameter and its bounds.
 
     A unit after the second bound is that of the first, too.
     """

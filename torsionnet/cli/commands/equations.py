@@ -37,7 +37,7 @@ MATRICES = (
     ("K", "N*m/rad", "Stiffness matrix"),
 )
 EQUATION_WIDTH = 100
-"""Characters after which an equation is continued on the next line."""
+"""Characters of a line after which an equation goes on in the next line, as terminals are about as wide."""
 FORMS = ("mechanical", "polynomial", "normalised", "program", "expanded", "python")
 
 
@@ -126,7 +126,7 @@ class EquationsCommand(ModelCommand):
 
 
 def equations_text(rig: Drivetrain) -> str:
-    """Text of the equations of motion, of the angles of dependent nodes, and of terms taken to be zero."""
+    """Text of a drivetrain's equations of motion, of the angles of dependent nodes, and of terms taken to be zero."""
     from torsionnet.symbolic.formula_text import for_display
 
     system = rig.symbolic()
@@ -144,7 +144,7 @@ def equations_text(rig: Drivetrain) -> str:
 
 
 def _folded(equation: str) -> list[str]:
-    """Lines of an equation, broken between terms and indented."""
+    """Lines of an equation as texts, broken between terms and indented."""
     lines = [" " * 4]
     for term in _terms(equation):
         if len(lines[-1]) + len(term) >= EQUATION_WIDTH:
@@ -154,7 +154,7 @@ def _folded(equation: str) -> list[str]:
 
 
 def _terms(equation: str) -> list[str]:
-    """Terms of an equation: its text split before every +, - and = outside parentheses."""
+    """Terms of an equation as texts, split before every sign or = outside parentheses."""
     terms: list[str] = []
     depth = 0
     for word in equation.split(" "):
@@ -167,7 +167,7 @@ def _terms(equation: str) -> list[str]:
 
 
 def matrix_tables(rig: Drivetrain) -> list[Table]:
-    """Tables of the matrices M, C and K with the coordinates as names of rows and columns."""
+    """Tables of a drivetrain's matrices M, C and K in SI units, with a row and a column for each coordinate."""
     coordinates = rig.assembly.kinematics.coordinates
     columns = (Column(""), *(Column(name) for name in coordinates))
     notes: tuple[str, ...] = ("frequency-dependent stiffness is not included",) if rig.assembly.system.dynamic else ()

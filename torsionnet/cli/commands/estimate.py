@@ -66,7 +66,7 @@ def estimate_record(
     estimator: Estimator,
     band: tuple[float, float | None],
 ) -> FrequencyResponse:
-    """Frequency response estimated from a record in a band (Hz); its warnings go to stderr."""
+    """Frequency response estimated from a record in a band in Hz; its warnings go to stderr."""
     from torsionnet.cli.progress import progress
     from torsionnet.cli.records import load_record
     from torsionnet.signals.estimators import estimate
@@ -82,7 +82,7 @@ def estimate_record(
 
 
 def peak_table(response: FrequencyResponse, conventions: Conventions) -> Table:
-    """Table of an estimate with a row for the first line and for every peak in the usable frequency range."""
+    """Table of an estimated response, with a row for its first line and each peak in the usable frequency range."""
     from torsionnet.cli.frf_output import output_input_pairs
     from torsionnet.response import Column, Table
     from torsionnet.response.frequency_response import SIGN_NOTE, usable_limit_text

@@ -72,7 +72,7 @@ class ExploreCommand(ModelCommand):
 
 
 def _serve(server: ExploreServer, *, open_browser: bool) -> None:
-    """Serve the page until Ctrl-C."""
+    """Serve the page of the explorer to the browser until the user stops the command."""
     print_line(server.address)
     message("note", "the page is on this machine only; Ctrl-C ends it")
     if open_browser:

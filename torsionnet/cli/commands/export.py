@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 
 FORMATS = {".tors": "tors", ".json": "tors", ".m": "matlab", ".mat": "mat", ".mo": "modelica",
            ".fmu": "fmu", ".csv": "sheet"}  # fmt: skip
-"""Format of a model file by its ending."""
+"""Format in which a model is written, by the ending of the file."""
 FORMAT_OPTIONS = {"step": ("--step", "fmu", "an FMU"), "version": ("--fmi", "fmu", "an FMU"),
        "referred_to": ("--referred-to", "sheet", "a mass-elastic sheet (.csv)")}  # fmt: skip
-"""Options that belong to one format: by name, their words, the format, and the kind of file it makes."""
+"""Options of the command that belong to one format: by name, their words, the format, and the kind of file it makes."""
 ONE_PLATFORM_HINT = '; pip install "torsionnet[fmu]" brings a compiler for the others'
 
 

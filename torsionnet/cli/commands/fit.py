@@ -75,7 +75,7 @@ class FitCommand(Command):
         )
 
     def _ranked(self, ranking: Ranking) -> Answer:
-        """Answer with the ranking of causes alone, for a fit file without parameters."""
+        """Answer of the command with the ranking of causes alone, for a fit file without parameters."""
         asked = {
             "--profile": self.profile,
             "-o": self.output_file,

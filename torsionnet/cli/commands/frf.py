@@ -108,7 +108,10 @@ class FrfCommand(ModelCommand):
 def _answered(
     request: FrfCommand, cases: list[ConfiguredCase], frequencies: FloatArray
 ) -> tuple[list[ConfiguredCase], list[Solver], list[FrequencyResponse]]:
-    """Cases with the outputs and inputs asked for, their solvers and responses; notes name the cases left out."""
+    """Cases that have the outputs and inputs asked for, functions that solve them, and their frequency responses.
+
+    Notes name the cases left out.
+    """
     found: list[tuple[ConfiguredCase, Solver, FrequencyResponse]] = []
     refusals: dict[str, UsageError] = {}
     for case in cases:

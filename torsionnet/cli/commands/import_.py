@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
 
 SHEETS = (".csv", ".txt", ".tsv")
-"""File endings of mass-elastic sheets."""
+"""Endings of files that are read as mass-elastic sheets."""
 
 
 class ImportCommand(Command):
@@ -40,7 +40,10 @@ class ImportCommand(Command):
 
 
 def _of_sheet(source: str) -> Drivetrain:
-    """Drivetrain of a mass-elastic sheet; the meaning and unit taken for each column go to stderr."""
+    """Drivetrain made from a file with a mass-elastic sheet.
+
+    The meaning and unit taken for each column go to stderr.
+    """
     from torsionnet.io.mass_elastic_reading import mass_elastic_report, sheet_drivetrain
 
     sheet = mass_elastic_report(source)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from torsionnet.core.entries.spec import Schema
 
 LIBRARY_KIND: Schema = {"enum": ["model", "part", "catalogue", "study"]}
-"""JSON Schema of the kind of a file of the library."""
+"""JSON Schema of the kind of a library file, such as a model or a part."""
 
 
 @dataclass(frozen=True)

@@ -84,7 +84,7 @@ class ModesCommand(ModelCommand):
         )
 
     def _referred(self, case: ConfiguredCase, modes: Modes) -> Modes:
-        """Modes with shapes referred to the shaft asked for."""
+        """Modes of a case with shapes referred to the shaft asked for."""
         if self.referred_to is None:
             return modes
         from torsionnet.solve.modes.referred_shapes import referred_shapes

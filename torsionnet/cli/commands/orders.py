@@ -98,7 +98,10 @@ class OrdersCommand(ModelCommand):
     def _pictures(
         self, plot: ModuleType, run: OrderResponse, tests: Tests, conventions: Any
     ) -> Iterator[tuple[str, Figure]]:
-        """Endings of file names and figures: one with all outputs, or one for each output."""
+        """Endings of file names, and figures of the vibration over speed.
+
+        One with all outputs, or one for each output.
+        """
         if tests:
             yield "", plot.order_overlay(run, tests, conventions=conventions)
             return
@@ -114,7 +117,7 @@ class OrdersCommand(ModelCommand):
                 yield ending, plot.waveform(run, channel.name, rpm=worst, conventions=conventions)
 
     def _tests(self, case: ConfiguredCase, run: OrderResponse) -> Tests:
-        """Measured orders of each output, by name."""
+        """Orders measured at each output of the drivetrain, by output name."""
         from torsionnet.io.order_tables import read_orders
 
         return {channel.name: read_orders(str(self.measured), channel, case.configuration) for channel in run.outputs}

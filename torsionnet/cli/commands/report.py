@@ -137,7 +137,7 @@ def _fit(name: str) -> Fit:
 
 
 def _studies(names: tuple[str, ...], rig: Drivetrain) -> list[StudyResult]:
-    """Results of the studies named, calculated as far as their folders do not have them."""
+    """Results of the studies named, in their order, calculated as far as their folders do not have them."""
     if not names:
         return []
     from torsionnet.report.study_model_checks import check_study_models
@@ -163,7 +163,7 @@ def _measured(
     averaging: Averaging,
     band: tuple[float, float] | None,
 ) -> Measured:
-    """Measured response of a test, cut to the band where it is compared."""
+    """Measured response of a test with its configuration, cut to the band in Hz where it is compared."""
     from torsionnet.core.errors import UsageError
     from torsionnet.report.report_request import Measured
 
@@ -179,7 +179,7 @@ def _measured(
 
 
 def configuration_and_file(name: str, rig: Drivetrain) -> tuple[str, str]:
-    """Configuration and file named by ``--record``: ``V=test.npz``, or the file alone."""
+    """Name of the configuration and of the file that ``--record`` gives: ``V=test.npz``, or the file alone."""
     from torsionnet.core.errors import ModelError, UsageError
 
     before, equals, after = name.rpartition("=")
@@ -192,7 +192,7 @@ def configuration_and_file(name: str, rig: Drivetrain) -> tuple[str, str]:
 
 
 def _response(file: str, output: str | None, into: str | None, averaging: Averaging) -> FrequencyResponse:
-    """Measured response read from its file, or estimated from a record."""
+    """Measured frequency response read from its file, or estimated from a record."""
     from torsionnet.core.errors import ModelError, UsageError
 
     try:

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from torsionnet.solve.sensitivity import ModeSensitivities
 
 NEGLIGIBLE_EFFECT = 1e-9
-"""Percent of frequency or damping per percent of a parameter up to which an effect is rounding and left out."""
+"""Largest effect, in percent of frequency or damping per percent of a parameter, left out as mere rounding."""
 EFFECTS_SHOWN = 10
-"""Effects on the screen unless modes, parameters or all are asked for."""
+"""Number of effects of parameters on modes that the screen shows unless modes, parameters or all are asked for."""
 
 
 class SensitivityCommand(ModelCommand):
@@ -82,7 +82,10 @@ def _require(modes: tuple[int, ...], results: list[ModeSensitivities]) -> None:
 
 
 def _chosen(found: ModeSensitivities, modes: tuple[int, ...]) -> Table:
-    """Table of the effects on the modes chosen (none: all modes), without effects that are rounding errors."""
+    """Table of the effects of parameters on the modes chosen, without effects that are rounding errors.
+
+    None chosen: all modes.
+    """
     table = found.table()
     rows = tuple(
         row

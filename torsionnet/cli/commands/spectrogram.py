@@ -51,7 +51,7 @@ class SpectrogramCommand(RecordCommand):
         )
 
     def spectrograms(self) -> list[Spectrogram]:
-        """Spectrograms of the channels asked for."""
+        """Spectrograms of the recorded channels asked for."""
         from torsionnet.cli.progress import progress
         from torsionnet.cli.records import load_record
         from torsionnet.response.recording import Recording
@@ -78,7 +78,7 @@ def _joined(blocks: list[Recording]) -> Recording:
 
 
 def _table(seen: Spectrogram, *, every: bool = False) -> Table:
-    """Table of the strongest line over time: at every time, or at about twenty for the screen."""
+    """Table of the strongest line of a spectrogram over time: at every time, or at about twenty for the screen."""
     from torsionnet.response import Column, Table
 
     columns = (

@@ -46,7 +46,10 @@ class StaticCommand(ModelCommand):
         )
 
     def _found(self) -> tuple[list[ConfiguredCase], list[StaticState]]:
-        """Cases in which the load determines mean torques, and their states; notes name the cases left out."""
+        """Drivetrains for which the load determines mean torques, and their mean torques, twists and powers.
+
+        Notes name the cases left out.
+        """
         from torsionnet.model.load.external_torques import CutOffError
 
         asked = self.cases()

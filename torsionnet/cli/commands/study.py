@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     from torsionnet.study.study_result import StudyResult
 
 LONG_STUDY = 10.0
-"""Seconds of calculation above which the time of a study is announced before it starts."""
+"""Seconds of calculation from which a study's duration is announced before it starts."""
 
 
 LONGEST_TABLE, LINES_OF_LONG_TABLE = 100, 10
-"""Lines up to which a table is printed whole, and lines printed of a longer one."""
+"""Rows up to which a table is printed whole, and rows printed of a longer one."""
 
 
 class StudyCommand(Command):
@@ -124,7 +124,7 @@ def _counted(answer: str, done: int) -> str:
 
 
 def _kept(folder: Path | None) -> str:
-    """Message on what a stopped study has kept, and how to go on."""
+    """Message on where a stopped study has kept what is done, and how to go on."""
     if folder is None:
         return "stopped; nothing is kept without a folder, and with -o FOLDER a study goes on from where it was stopped"
     return f"stopped; what is done is in {folder}, and the same command goes on from there"
@@ -146,7 +146,7 @@ def _screen(result: StudyResult | None, conclusions: Conclusions) -> Iterator[Ta
 
 
 def _beginning(table: Table) -> Table:
-    """Copy of a table cut to its first lines if it is long, with a note on where the rest is."""
+    """Copy of a table cut to its first rows if it is long, with a note on where the rest is."""
     from dataclasses import replace
 
     total = len(table.rows)
@@ -162,7 +162,10 @@ def _tables(result: StudyResult | None, conclusions: Conclusions) -> list[tuple[
 
 
 def _usual(study: Study, result: StudyResult | None) -> Conclusions:
-    """Pictures of a study without answers: percentile bands of curves, scatter of numbers over parameters."""
+    """Pictures that a study without answers gets as its conclusions.
+
+    Percentile bands of curves, scatter of numbers over parameters.
+    """
     from contextlib import suppress
 
     from torsionnet.core.errors import SolveError, UsageError

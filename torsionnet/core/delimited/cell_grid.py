@@ -11,18 +11,18 @@ from torsionnet.core.delimited.dialect import detect_encoding
 from torsionnet.core.errors import Fault, ModelError, Position
 
 CELL_SEPARATORS = (";", "\t", "|", ",")
-"""Cell separators that are tried, in this order."""
+"""Characters that may separate the cells of a sheet, tried in this order."""
 COMMENT_MARKS = ("#", "%", "//")
-"""Beginnings of comment lines."""
+"""Characters with which a comment line of a sheet begins."""
 MOST_ROWS = 5000
-"""Largest number of rows of a sheet; a drivetrain has some hundred masses, more is some other file."""
+"""Largest number of rows of a sheet, as a drivetrain has some hundred masses, and more rows are some other file."""
 _BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
 """First bytes of files of spreadsheet programs (xlsx and xls), which are no text."""
 
 
 @dataclass(frozen=True)
 class Cell:
-    """Text of one cell, and the line and column, from 1, where it begins."""
+    """Text of one cell of a sheet, and the line and column, from 1, where it begins."""
 
     text: str
     line: int
@@ -31,7 +31,10 @@ class Cell:
 
 @dataclass(frozen=True)
 class CellGrid:
-    """Filled cells of a text file, by row; ``remarks`` are its comment lines."""
+    """Filled cells of a sheet by row, with the separator found and the lines of the file.
+
+    ``remarks`` are its comment lines.
+    """
 
     file: str
     separator: str
@@ -40,14 +43,14 @@ class CellGrid:
     lines: tuple[str, ...]
 
     def fault(self, text: str, cell: Cell, severity: str = "error") -> Fault:
-        """Fault in a cell, with its position in the file."""
+        """Fault in a cell of the sheet, with its position in the file."""
         source = self.lines[cell.line - 1][:200].replace("\t", " ") if cell.line <= len(self.lines) else ""
         end = cell.column + max(len(cell.text), 1)
         return Fault(text, severity=severity, position=Position(self.file, cell.line, cell.column, end, source))
 
 
 def read_grid(path: Path) -> CellGrid:
-    """Read the cells of a text file whose separator is detected.
+    """Cells by row in a text file, with the cell separator detected.
 
     Raises
     ------
@@ -63,7 +66,7 @@ def read_grid(path: Path) -> CellGrid:
 
 
 def parse_grid(lines: Sequence[str], file: str) -> CellGrid:
-    """Cells in lines of text, whose separator is detected.
+    """Cells by row in lines of text, with the cell separator detected.
 
     >>> grid = parse_grid(["# of 2020", "mass;J", "disc; 0,5"], "x.csv")
     >>> grid.separator, [cell.text for cell in grid.rows[1]], grid.rows[1][1].column, grid.remarks
@@ -102,7 +105,7 @@ def _rows(body: Sequence[tuple[int, str]], separator: str) -> list[tuple[Cell, .
 
 
 def _placed(cells: Sequence[str], number: int, line: str) -> tuple[Cell, ...]:
-    """Cells of one row with their columns; text over several lines is joined to one line."""
+    """Cells of one row, each with its line and column in the file; text over several lines is joined to one line."""
     placed, at = [], 0
     for cell in cells:
         text = " ".join(cell.split())

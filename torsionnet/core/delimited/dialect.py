@@ -13,7 +13,7 @@ from pathlib import Path
 from torsionnet.core.delimited.stamp_formats import is_date, is_stamp
 
 SEPARATORS = (";", "\t", ",", " ")
-"""Cell separators that are tried, in this order; a blank stands for any white space."""
+"""Characters that may separate cells of a text file, tried in this order; a blank stands for any white space."""
 _NAMES = {";": "semicolon", "\t": "tab", ",": "comma", " ": "white space"}
 _NUMBER = r"[+-]?(?:(?:\d+(?:{0}\d*)?|{0}\d+)(?:[eEdD][+-]?\d+)?|inf(?:inity)?|nan)"
 """Regular expression of a decimal number; the braces stand for the decimal sign."""
@@ -25,14 +25,14 @@ _NUMBERS = {
 
 @dataclass(frozen=True)
 class Dialect:
-    """Format of a table of text: cell separator (a blank is any white space), decimal sign, use of time stamps."""
+    """Cell separator, decimal sign and use of time stamps in a table of text; a blank is any white space."""
 
     separator: str
     decimal: str = "."
     stamps: bool = False
 
     def cells(self, line: str) -> list[str]:
-        """Cells of a line, without blanks and quotes around them."""
+        """Texts of the cells of a line, without blanks and quotes around them."""
         bare = line.rstrip("\r\n")
         if self.separator == " ":
             parts = line.split()
@@ -55,7 +55,7 @@ class Dialect:
         )
 
     def number(self, cell: str) -> float:
-        """Value of a cell that is a number; D is Fortran's sign of an exponent.
+        """Value of a cell that is a number, as a float; D is Fortran's sign of an exponent.
 
         >>> Dialect(";", ",").number("-1,5D+03")
         -1500.0
@@ -71,7 +71,9 @@ class Dialect:
 def detect_dialect(
     lines: Sequence[str], separator: str | None = None, decimal: str | None = None, *, stamps: bool = False
 ) -> Dialect:
-    """Detect the dialect in which most lines are rows of numbers like their heading; given separators are kept.
+    """Dialect (separator, decimal sign) in which most lines are rows of numbers like their heading.
+
+    Given separators are kept.
 
     >>> str(detect_dialect(["t;M", "0,1;2,5", "0,2;2,6"]))
     'cells between semicolons, decimal comma'
@@ -109,7 +111,10 @@ def _score(dialect: Dialect, lines: Sequence[str]) -> tuple[int, int, int, bool]
 
 
 def data_start(dialect: Dialect, lines: Sequence[str]) -> int:
-    """Index of the first row of numbers that has the usual number of cells; ``len(lines)`` where there is none."""
+    """Index from 0 of the first line of numbers that has the usual number of cells.
+
+    ``len(lines)`` where there is none.
+    """
     widths = [len(dialect.cells(line)) if dialect.is_data(line) else 0 for line in lines]
     usual = Counter(filter(None, widths)).most_common(1)
     return widths.index(usual[0][0]) if usual else len(lines)

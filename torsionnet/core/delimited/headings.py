@@ -31,7 +31,7 @@ _FOOT_POUND = re.compile(r"(?:(ft|in)[*\s]?lbs?f?|lbs?f?[*\s]?(ft|in))", re.IGNO
 
 @dataclass(frozen=True)
 class Headings:
-    """Names and units of columns, the number of lines they take, and notes on what was assumed."""
+    """Names and units of the columns of a text file, the number of heading lines, and notes on what was assumed."""
 
     names: tuple[str, ...]
     units: tuple[str, ...]
@@ -40,7 +40,7 @@ class Headings:
 
 
 def headings(dialect: Dialect, above: Sequence[str], width: int) -> Headings:
-    """Read names and units of ``width`` columns of numbers from the lines above them."""
+    """Names and units of ``width`` columns of numbers, read from the lines above the numbers."""
     rows = [dialect.cells(line) for line in above[-2:]]
     if len(rows) == 2 and _is_units(rows[1], width) and len(rows[0]) == width:
         units = tuple(cell.strip("[]() ") if cell != "-" else "" for cell in rows[1])
@@ -54,7 +54,7 @@ def headings(dialect: Dialect, above: Sequence[str], width: int) -> Headings:
 
 
 def split_heading(text: str) -> tuple[str, str]:
-    """Name and unit in the heading of one column.
+    """Name and unit, as two texts, in the heading of one column.
 
     >>> split_heading("T_T [Nm]"), split_heading("phi / rad"), split_heading("T (filtered)")
     (('T_T', 'Nm'), ('phi', 'rad'), ('T (filtered)', ''))
@@ -79,7 +79,7 @@ def is_unit(text: str) -> bool:
 
 
 def plain_unit(unit: str) -> str:
-    """Unit in a spelling that ``parse_unit`` can read: recorders write r/min and products in many ways.
+    """Unit of a recorder in a spelling that ``parse_unit`` can read: recorders write r/min and products in many ways.
 
     A pound in a product with a length and nothing else is one of force: that is a torque.
 

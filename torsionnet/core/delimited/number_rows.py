@@ -16,9 +16,9 @@ from torsionnet.core.errors import Fault, ModelError, Position
 
 FloatArray = NDArray[np.float64]
 LINES_PER_PIECE = 20_000
-"""Lines parsed at once: larger pieces take more memory, smaller ones more calls of ``numpy.loadtxt``."""
+"""Lines of a text file parsed at once, as larger pieces take more memory and smaller ones more calls of numpy."""
 MOST_FAULTS = 20
-"""Faults reported for one file at most; more of the same kind say nothing new."""
+"""Largest number of faults reported for one file, as more of the same kind say nothing new."""
 
 
 def _other_width(cells: int, width: int) -> str:
@@ -31,7 +31,7 @@ def _no_number(cell: str) -> str:
 
 @dataclass
 class NumberRows:
-    """Reader of numbers from the lines of a stream; its faults and counts grow while it reads.
+    """Reader of rows of numbers from the lines of a text stream; its faults and counts grow while it reads.
 
     ``other_width`` and ``no_number`` word the refusal of a row of so many cells instead of so many, and of a cell.
     Columns ``unread`` hold no numbers and are NaN; a row may lack those of them that end it. Those of ``stamped`` hold
@@ -66,7 +66,10 @@ class NumberRows:
         self._least = used[-1] + 1 if used else self.width
 
     def blocks(self, columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
-        """Blocks of ``count`` rows, or all rows in one; raises :class:`ModelError` with all faults of a block."""
+        """Blocks of ``count`` rows, or one of all, each with an array of shape (n_rows,) per column.
+
+        Raises :class:`ModelError` with all faults of a block.
+        """
         while True:
             pieces = list(self._pieces(columns, count))
             if self.faults:

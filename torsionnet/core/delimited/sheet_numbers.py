@@ -1,4 +1,7 @@
-"""Numbers as spreadsheets of several countries write them; all numbers of a sheet together decide its decimal sign."""
+"""Reading of numbers in the spellings that spreadsheets of several countries use.
+
+All numbers of a sheet together decide its decimal sign.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ _BLANKS = "\N{NO-BREAK SPACE}\N{NARROW NO-BREAK SPACE}"
 _LIKE_NUMBER = re.compile(rf"[+\-−]?[\d.,'’ {_BLANKS}]*\d[.,]?(?:[eE][+\-−]?\d+)?")
 _EXPONENT = re.compile(r"[eE].*")
 _GROUP = 3
-"""Digits in a group of thousands."""
+"""Number of digits between two separators of thousands, as in 1,234,567."""
 
 
 def is_like_number(text: str) -> bool:
@@ -43,7 +46,10 @@ def decimal_sign(cells: Iterable[Cell]) -> tuple[str, tuple[Cell, str] | None]:
 
 
 def _hints(text: str) -> Iterable[str]:
-    """``,`` or ``.`` where only that can be the decimal sign of a number; ``1,234`` where a comma may be one or not."""
+    """Decimal sign, ``,`` or ``.``, where only that sign fits the text of a number.
+
+    ``1,234`` where a comma may be one or not.
+    """
     commas, points = text.count(","), text.count(".")
     if commas and points:
         yield "," if text.rindex(",") > text.rindex(".") else "."
@@ -59,7 +65,7 @@ def _hints(text: str) -> Iterable[str]:
 
 
 def plain_number_text(text: str, decimal: str) -> str | None:
-    """Number written with a decimal point and without groups of thousands; None for a text that is no number.
+    """Text of a number with a decimal point and without separators of thousands; None for a text that is no number.
 
     >>> plain_number_text("1.250,5", ","), plain_number_text("12'000", "."), plain_number_text("1.2.3", ".")
     ('1250.5', '12000', None)

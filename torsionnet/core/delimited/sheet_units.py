@@ -1,4 +1,7 @@
-"""Units as sheets write them: with powers of ten, points for products, and in headings without brackets."""
+"""Reading of units in the spellings of mass-elastic sheets.
+
+With powers of ten, points for products, and in headings without brackets.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,10 @@ _KNOWN = {DIMENSIONS[name] for name in ("inertia", "stiffness", "compliance", "d
 
 @dataclass(frozen=True)
 class SheetUnit:
-    """Unit of a sheet column as factor to SI and dimension; ``text`` and ``power`` (of ten) are for a model file."""
+    """Unit of a sheet column, with its factor to SI and its dimension.
+
+    ``text`` and ``power`` (of ten) are for a model file.
+    """
 
     factor: Real
     dimension: Dimension
@@ -29,7 +35,7 @@ class SheetUnit:
 
 
 def sheet_unit(text: str) -> SheetUnit:
-    """Read a unit of a sheet; raises UnitError.
+    """Unit that a text of a sheet names, with its factor to SI and its dimension; raises UnitError.
 
     >>> unit = sheet_unit("10⁻⁹ rad/N.m")
     >>> unit.factor, str(unit.dimension), sheet_unit("kg.m2").text, sheet_unit("lb-in/rad").text
@@ -48,7 +54,10 @@ def sheet_unit(text: str) -> SheetUnit:
 
 
 def _spelled(text: str) -> str:
-    """Unit in a spelling for ``parse_unit``: points and hyphens are products, all after a slash is below it."""
+    """Unit of a sheet in a spelling that ``parse_unit`` can read.
+
+    Points and hyphens are products, all after a slash is below it.
+    """
     spelled = re.sub(r"(?<=[A-Za-z0-9²³])\s*[.\-]\s*(?=[A-Za-z])", "*", plain_unit(text))
     spelled = re.sub(r"\b(mm|cm|m|s|in|ft)([23])\b", r"\1^\2", re.sub(r"\bsec(?=\b|\d)", "s", spelled))
     if _dimension(spelled) in _KNOWN:
@@ -68,7 +77,7 @@ def _dimension(text: str) -> Dimension | None:
 
 
 def named_unit(heading: str) -> tuple[str, str]:
-    """Name and unit of a heading, also where no bracket separates them or more text follows the unit.
+    """Name and unit, as two texts, in a heading, also where no bracket separates them or more text follows.
 
     >>> named_unit("compliance 1e-9 rad/Nm"), named_unit("Inertia, kgm2"), named_unit("D outer")
     (('compliance', '1e-9 rad/Nm'), ('Inertia', 'kgm2'), ('D outer', ''))

@@ -16,9 +16,9 @@ _CLOCK = (
     r"(?P<hours>[01]?\d|2[0-3]):(?P<minutes>[0-5]\d):(?P<seconds>[0-5]\d|60)"
     r"(?:(?P<mark>[.,])(?P<part>\d+))?(?P<half> ?[AaPp]\.?[Mm]\.?)?"
 )
-"""Regular expression of a time of day."""
+"""Regular expression of a time of day with hours, minutes, seconds and, on a clock of 12 hours, am or pm."""
 _ZONE = r"(?P<zone>Z| ?UTC| ?[+-]\d{2}:?\d{2})?"
-"""Regular expression of a time zone."""
+"""Regular expression of a time zone, such as Z, UTC or +02:00."""
 _DATES = re.compile(_DATE)
 STAMP_PATTERN = re.compile(rf"(?:(?:{_DATE})(?P<joint>[Tt]| +))?{_CLOCK}{_ZONE}")
 NANOSECONDS_PER_SECOND, NANOSECONDS_PER_DAY = 10**9, 86_400 * 10**9
@@ -39,7 +39,7 @@ def is_stamp(text: str) -> bool:
 
 
 def stamp_columns(cells: Sequence[str]) -> list[tuple[int, ...]]:
-    """Indices of the columns of a row that hold time stamps; a pair where date and time have a column each."""
+    """Indices, from 0, of the columns of a row that hold time stamps; a pair where date and time have a column each."""
     found: list[tuple[int, ...]] = []
     for at, cell in enumerate(cells):
         if is_stamp(cell):
@@ -49,7 +49,10 @@ def stamp_columns(cells: Sequence[str]) -> list[tuple[int, ...]]:
 
 
 def stamp_format(found: re.Match[str]) -> tuple[str, ...]:
-    """Format that all time stamps of a column share: order and signs of the date, joint, zone, a.m. or p.m."""
+    """Format of a matched time stamp as texts, equal for all stamps of a column.
+
+    Order and signs of the date, joint, zone, a.m. or p.m.
+    """
     kind = next((name for name in ("iso", "dots", "either") if found[name]), "")
     joint = (found["joint"] or "").strip().upper()
     return kind, found["between"] or found["sign"] or "", joint, str(bool(found["zone"])), str(bool(found["half"]))

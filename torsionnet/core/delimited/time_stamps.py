@@ -40,7 +40,7 @@ class StampReader:
     _dates: dict[str, int] = field(default_factory=dict)
 
     def seconds(self, texts: Sequence[str]) -> tuple[FloatArray, list[tuple[int, str]]]:
-        """Seconds since the first stamp of the column, NaN for empty cells, and (index, message) of faulty stamps."""
+        """Seconds since the first stamp, shape (n_texts,), NaN for empty cells, and (index, message) of faults."""
         if texts and not self.first and (begins := STAMP_PATTERN.fullmatch(texts[0])):
             self._unlike(texts[0], begins)
             self._learn_date(written_date(begins), texts[:1])
@@ -85,7 +85,7 @@ class StampReader:
         return found
 
     def _unlike(self, text: str, found: re.Match[str] | None) -> str:
-        """Message about a stamp whose format differs; the first stamp sets the format of all."""
+        """Message about a time stamp whose format differs from that of the first stamp."""
         if found is None:
             return f'"{text}" is not a time stamp; write it like "{self.first or "10:12:13.001"}"'
         form, mark = stamp_format(found), found["mark"] or ""
@@ -97,7 +97,10 @@ class StampReader:
         return ""
 
     def _learn_date(self, text: str, left: Sequence[str]) -> str:
-        """Message about a date that cannot be read; a good date is stored as days from the first date."""
+        """Message about the date of a time stamp that cannot be read.
+
+        A good date is stored as days from the first date.
+        """
         if not text:
             return ""
         order = self._form[0]
@@ -120,7 +123,10 @@ class StampReader:
         return ""
 
     def _alike(self, texts: Sequence[str]) -> NDArray[np.int64] | None:
-        """Nanoseconds of stamps that differ only in the digits of their times; None for all others."""
+        """Nanoseconds, shape (n_texts,), of stamps that differ only in the digits of their times.
+
+        None for all others.
+        """
         found = STAMP_PATTERN.fullmatch(texts[0]) if texts else None
         date_text = written_date(found) if found else ""
         if found is None or found["half"] or (date_text and date_text not in self._dates):

@@ -52,6 +52,6 @@ def _is_shorter(cell: str, others: Sequence[str]) -> bool:
 
 
 def _form(cell: str) -> tuple[int, int] | None:
-    """Number of digits behind the decimal sign, and of characters of the exponent."""
+    """Number of digits behind the decimal sign of a number, and of characters of its exponent."""
     found = _DECIMALS.fullmatch(cell)
     return (len(found["decimals"]), len(found["exponent"] or "")) if found else None

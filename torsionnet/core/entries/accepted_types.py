@@ -1,4 +1,4 @@
-"""Types for signatures: Python objects accepted where a file has a number, a pair or a table.
+"""Types in signatures of calls from Python, which accept objects where a file has a number, a pair or a table.
 
 Nothing imports this while the program runs. Where a list is accepted, no ``Sequence`` is said: a text is one.
 """
@@ -16,55 +16,55 @@ from torsionnet.core.piecewise_linear import Rows
 
 
 class QuantityWithUnit(Protocol):
-    """Quantity of pint."""
+    """Interface of a quantity of pint, a number with its unit."""
 
     @property
     def magnitude(self) -> Any:
-        """Number without its unit."""
+        """Number of the pint quantity without its unit."""
 
     @property
     def units(self) -> Any:
-        """Unit of the quantity."""
+        """Unit of the pint quantity."""
 
 
 class GivenTransferFunction(Protocol):
-    """Transfer function of python-control or scipy."""
+    """Interface of a transfer function of python-control or scipy."""
 
     @property
     def num(self) -> Any:
-        """Coefficients of the numerator, the highest power of s first."""
+        """Coefficients of the transfer function's numerator, the highest power of s first."""
 
     @property
     def den(self) -> Any:
-        """Coefficients of the denominator, the highest power of s first."""
+        """Coefficients of the transfer function's denominator, the highest power of s first."""
 
 
 class GivenStateSpace(Protocol):
-    """State-space system of python-control or scipy."""
+    """Interface of a state-space system of python-control or scipy."""
 
     @property
     def A(self) -> Any:
-        """State matrix of the system."""
+        """State matrix of the system, shape (n_states, n_states)."""
 
     @property
     def B(self) -> Any:
-        """Input matrix, from the sensed quantity."""
+        """Input matrix of the system, from the sensed quantity to the states, shape (n_states, 1)."""
 
     @property
     def C(self) -> Any:
-        """Output matrix, to the torque that acts."""
+        """Output matrix of the system, from the states to the torque that acts, shape (1, n_states)."""
 
     @property
     def D(self) -> Any:
-        """Feedthrough matrix, from the sensed quantity to the torque."""
+        """Feedthrough matrix of the system, from the sensed quantity to the torque, shape (1, 1)."""
 
 
 WholeNumber: TypeAlias = int | np.integer[Any]
 Scalar: TypeAlias = float | str | Fraction | Expression | QuantityWithUnit | np.integer[Any] | np.floating[Any]
-"""Number in SI units, text with a unit, expression of parameters, or quantity of pint."""
+"""Type of an argument that is a number in SI units, text with a unit, expression of parameters, or quantity of pint."""
 Scalars: TypeAlias = tuple[Scalar, ...] | list[Scalar] | list[float] | list[int] | list[str] | list[float | str]
 TwoNames: TypeAlias = tuple[str, str] | list[str]
 Entries: TypeAlias = Mapping[str, Any]
-"""Mapping of entries as a model file has between braces."""
+"""Type of a mapping of entries, as a model file has between braces."""
 NumberRows: TypeAlias = Sequence[Scalars] | np.ndarray[Any, Any] | Rows
 NumberByNumber: TypeAlias = Mapping[str, Scalar] | Mapping[float, Scalar] | Mapping[float | str, Scalar] | Rows

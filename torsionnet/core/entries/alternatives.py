@@ -1,4 +1,4 @@
-"""Checks of alternative entries: faults where several of them are given, or none."""
+"""Checks that one of several alternative entries of an object is given, and not more."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ def given_entries(owner: object, *names: str) -> list[str]:
 
 
 def one_at_most(owner: object, *names: str, of: str = "") -> list[Fault]:
-    """Fault, at the second, that two alternative entries are given; ``of`` says of what, as "the damping"."""
+    """Faults, placed at the second one given, where more than one of the alternative entries has a value.
+
+    ``of`` says of what, as "the damping".
+    """
     found = given_entries(owner, *names)
     if len(found) < 2:
         return []
@@ -23,7 +26,10 @@ def one_at_most(owner: object, *names: str, of: str = "") -> list[Fault]:
 
 
 def one_exactly(owner: object, *names: str, of: str = "", form: str = "") -> list[Fault]:
-    """Fault that not exactly one of several alternative entries is given; ``form`` is an example of one."""
+    """Faults of an object that does not give exactly one of several alternative entries.
+
+    ``form`` is an example of one.
+    """
     if given_entries(owner, *names):
         return one_at_most(owner, *names, of=of)
     wanted = f"{', '.join(names[:-1])} or {names[-1]}, one of the {_COUNTS[len(names)]}"

@@ -15,7 +15,7 @@ BAND_FORMS = "0.3..40 Hz or [0.3 Hz, 40 Hz]"
 
 
 LOWEST_HZ, HIGHEST_HZ = 1e-9, 1e9
-"""Bounds of frequencies of a band in Hz; no shaft train moves slower or faster."""
+"""Smallest and largest frequency of a band in Hz, as no shaft train vibrates slower or faster."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -41,7 +41,7 @@ class Band(Spec[tuple[float, float]]):
 
 
 def parse_band(raw: object, *, from_zero: bool = False) -> tuple[float, float]:
-    """Lower and upper frequency in Hz from a text ``0.3..40 Hz`` or a list of two.
+    """Lower and upper frequency in Hz, read from a text ``0.3..40 Hz`` or a list of two.
 
     >>> parse_band("18..2400 cpm"), parse_band(["0.3 Hz", 40])
     ((0.3, 40.0), (0.3, 40.0))

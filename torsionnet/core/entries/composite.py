@@ -1,4 +1,4 @@
-"""Entries composed of other entries: an object, one of several kinds, a table by name, a list, a pair."""
+"""Entries composed of other entries, as an object, a table by name, a list or a pair."""
 
 from __future__ import annotations
 
@@ -24,7 +24,9 @@ class Composite(Spec[Stored_co]):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Nested(Composite[D]):
-    """Entry that holds an object of another class; with ``shorthand`` a bare value stands for the entry of that name.
+    """Entry that holds an object described by further entries.
+
+    With ``shorthand`` a bare value stands for the entry of that name.
 
     ``name`` is that of its definition in the schema.
     """
@@ -83,7 +85,7 @@ class Typed(Composite[D]):
     kinds: Kinds[D]
     what: str
     name: str
-    """Name of the definition in the JSON Schema; the names of the kinds begin with it."""
+    """Name under which the JSON Schema defines the entry; the names of the kinds begin with it."""
     shown: str = ""
     key: str = "type"
 
@@ -147,9 +149,9 @@ class Named(Composite[Mapping[str, Stored_co]], Plural[Mapping[str, Stored_co]])
 
     of: Spec[Stored_co]
     refused: Callable[[str], str | None] = field(default=lambda _: None)
-    """Function that says why a name is not allowed, or returns None."""
+    """Function that returns why a name in the table is not allowed, or None where it is."""
     names: Schema = field(default_factory=dict)
-    """JSON Schema of the names."""
+    """JSON Schema that every name in the table has to fit."""
     form: str = "entries by name"
     fewest: int = 0
 

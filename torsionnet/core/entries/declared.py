@@ -17,11 +17,12 @@ class Declared:
     """Base of frozen dataclasses whose fields are entries (:func:`torsionnet.core.entries.spec.entry`)."""
 
     kind: ClassVar[str] = ""
-    """Name of the kind in messages and in the schema; the value of ``type:`` where there are several kinds."""
+    """Name of the kind of object in messages and in the schema; the value of ``type:`` where there are several
+    kinds."""
     article: ClassVar[str] = ""
-    """Name of the kind with its article, for messages that need one."""
+    """Name of the kind of object with its article, for messages that need one."""
     head: ClassVar[tuple[str, ...]] = ()
-    """Keys of a file that identify it and are no entries, as the format version."""
+    """Keys of a file that identify its kind and are no entries, as the format version."""
     form: ClassVar[str] = "{name: value, ...}"
     """Example of how the object is written in a file."""
 
@@ -31,7 +32,7 @@ class Declared:
             raise ModelError(faults, self.kind)
 
     def coerced(self) -> list[Fault]:
-        """Coerce every field to its stored form, and return the faults of the fields that cannot be."""
+        """Faults of the fields that cannot be stored, while all others are brought to their stored form."""
         faults: list[Fault] = []
         defaults = self._defaults()
         for name, spec in self.specs():
@@ -53,13 +54,13 @@ class Declared:
     @classmethod
     @cache
     def declared(cls) -> tuple[Field[Any], ...]:
-        """Dataclass fields with a specification, in the order of the class; those common to all kinds last."""
+        """Dataclass fields that carry a specification, in the order of the class; those common to all kinds last."""
         own = [declared for declared in fields(cls) if "spec" in declared.metadata]  # type: ignore[arg-type]
         return tuple(sorted(own, key=cls._is_common))
 
     @classmethod
     def _is_common(cls, declared: Field[Any]) -> bool:
-        """Whether an entry belongs to all kinds of a register and so stands last."""
+        """Whether an entry belongs to all kinds of object in a register and so stands last."""
         del declared
         return False
 
@@ -103,7 +104,7 @@ class Declared:
 
     @classmethod
     def made(cls, values: Mapping[str, Any]) -> tuple[Self | None, list[Fault]]:
-        """Object with these values, or the faults of values that contradict each other."""
+        """Object made from values of its entries, or None and the faults of values that contradict each other."""
         try:
             return cls(**values), []
         except ModelError as error:
@@ -163,7 +164,7 @@ class Declared:
         return self.written_entries()
 
     def written_entries(self) -> dict[str, Json]:
-        """Plain value of every entry that differs from its default, by name."""
+        """Plain value of every entry of the object that differs from its default, by name."""
         defaults = self.defaults()
         required = self.required()
         return {
@@ -174,7 +175,10 @@ class Declared:
 
     @classmethod
     def schema(cls, *, type_key: str = "") -> Schema:
-        """JSON Schema of the entry; ``type_key`` is the key, as ``type``, that names its kind."""
+        """JSON Schema of an object of this class as a file holds it.
+
+        ``type_key`` is the key, as ``type``, that names its kind.
+        """
         summary = (cls.__doc__ or "").strip().splitlines()[0]
         head: Schema = {type_key: {"const": cls.kind, "description": summary}} if type_key else {}
         head |= dict.fromkeys(cls.head, VERSION_SCHEMA)

@@ -8,14 +8,14 @@ from typing import Any
 from torsionnet.core.errors import Fault
 
 FORMAT_VERSION = 1
-"""Version of the file format that this release reads and writes."""
+"""Number of the version of the file format that this release reads and writes."""
 KEY = "torsionnet"
-"""Key of the version in a file."""
+"""Key under which a file states the version of its format."""
 VERSION_SCHEMA: dict[str, str | int] = {"const": FORMAT_VERSION, "description": "version of the file format"}
 
 
 def version_faults(data: Mapping[Any, Any], kind: str) -> list[Fault]:
-    """Faults of the format version in a file of this kind: a model, a bench, a fit."""
+    """Faults of a file whose format version is missing or unknown; ``kind`` says what it holds: a model, a fit."""
     version = data.get(KEY)
     if version is None:
         text = f"the first entry of a {kind} file is {KEY}: {FORMAT_VERSION}, the version of the format"

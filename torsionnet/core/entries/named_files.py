@@ -12,9 +12,9 @@ from torsionnet.core.entries.spec import EntryError
 from torsionnet.core.errors import did_you_mean
 
 _FOLDER: ContextVar[Path | None] = ContextVar("folder of the file that is being read", default=None)
-"""Folder of the file that is being read, None where a text without a folder is read."""
+"""Folder of the model file that is being read, None where a text without a folder is read."""
 MOST_FILE_BYTES = 8_000_000
-"""Size in bytes of the largest file that is read; a larger one would only fill the memory."""
+"""Size in bytes of the largest named file that is read, as a larger one would only fill the memory."""
 _SUFFIXED = re.compile(r"\.[A-Za-z]\w{0,4}$")
 
 

@@ -15,7 +15,7 @@ from torsionnet.core.piecewise_linear import Rows
 
 
 class RowColumn(NamedTuple):
-    """Column of a table: its name, its dimension, and whether its values may be negative, or zero."""
+    """Name, dimension and allowed signs of the values in one column of a table of numbers."""
 
     name: str
     dimension: str = "1"
@@ -39,7 +39,7 @@ class NumberTable(Spec[Stored_co]):
         return f"[{', '.join(column.name for column in self.columns)}]"
 
     def rows(self, raw: object) -> Rows:
-        """Rows of numbers that an entry holds, exact and in SI units."""
+        """Rows of numbers that an entry gives, one number for each column, exact and in SI units."""
         raw = raw.tolist() if hasattr(raw, "tolist") else raw
         if isinstance(raw, str | Mapping) or not isinstance(raw, Sequence) or len(raw) < self.fewest:
             raise EntryError(f"expected {self.example}; got {'nothing' if raw is None else repr(raw)}")

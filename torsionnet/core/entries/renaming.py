@@ -48,7 +48,10 @@ class Renaming:
         return value.renamed(self.own)
 
     def within(self, value: Any) -> Any:
-        """Stored value with all expressions in it renamed; the value itself where there are none."""
+        """Value of an entry in its stored form, with the names in all its expressions changed.
+
+        The value itself where there are none.
+        """
         if isinstance(value, Expression):
             return self.expression(value)
         if type(value) is tuple:

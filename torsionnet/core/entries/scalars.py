@@ -18,7 +18,10 @@ SCALAR_SCHEMA: Schema = {"type": ["number", "string"]}
 
 
 def read_scalar(raw: object, dimension: str) -> Expression:
-    """Read a number (SI), a quantity or an expression of parameters; its written unit must fit ``dimension``."""
+    """Expression in SI units, read from a number, a text with unit or an expression of parameters.
+
+    Its written unit must fit ``dimension``.
+    """
     if raw is None:
         raise EntryError(f"a value is missing; expected {_wanted(dimension)}")
     if isinstance(raw, (Mapping, list, tuple)):
@@ -31,7 +34,7 @@ def read_scalar(raw: object, dimension: str) -> Expression:
 
 
 def read_value(raw: object) -> Expression:
-    """Read a scalar of any dimension."""
+    """Expression of any dimension in SI units, read from a number or a text."""
     if raw is None or isinstance(raw, (Mapping, list, tuple)):
         raise EntryError(
             f"expected a number, a quantity with unit or an expression, got {'nothing' if raw is None else repr(raw)}"
@@ -43,7 +46,10 @@ def read_value(raw: object) -> Expression:
 
 
 def check_unit(value: Expression, dimension: str) -> Expression:
-    """Return a scalar of the wanted dimension, or refuse its unit; compliances are inverted to stiffnesses."""
+    """Scalar in the wanted dimension, or an EntryError that refuses its unit.
+
+    Compliances are inverted to stiffnesses.
+    """
     if not isinstance(value, Number) or value.unit_dimension is None:
         return value
     wanted = DIMENSIONS[dimension]
@@ -74,7 +80,10 @@ def plain_scalar(value: Expression) -> int | float | str:
 
 
 def plain_number(value: Fraction | float) -> int | float | str:
-    """Shortest exact way to write a number in a file; a fraction that no decimal can hold stays a quotient."""
+    """Number as a file holds it, written in the shortest exact way.
+
+    A fraction that no decimal can hold stays a quotient.
+    """
     if isinstance(value, Fraction):
         if value.denominator == 1 and abs(value) < 10**15:
             return int(value)

@@ -1,4 +1,4 @@
-"""Specifications of entries: each kind of value knows how to read, describe and write its value."""
+"""Specifications of entries, which read, check, describe and write their values."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Schema: TypeAlias = "dict[str, Json]"
 
 T = TypeVar("T")
 Stored_co = TypeVar("Stored_co", covariant=True)
-"""Type in which a field holds its value once coerced."""
+"""Type variable of the form in which a field stores the value of its entry."""
 
 
 class EntryError(ValueError):
@@ -30,7 +30,7 @@ class EntryError(ValueError):
 
     @property
     def fault(self) -> Fault:
-        """First of the faults, of which there is at least one."""
+        """First of the faults of the value, of which there is at least one."""
         return self.faults[0]
 
 
@@ -46,14 +46,17 @@ class Spec(Generic[Stored_co]):
     """Whether the entry holds rows, and another entry beside it the value at which they are interpolated."""
 
     def coerce(self, raw: object) -> Stored_co:
-        """Value in its stored form; raises EntryError with the faults of a value that does not fit."""
+        """Value of the entry in its stored form, from what a file or a call gives.
+
+        Raises EntryError with the faults of a value that does not fit.
+        """
         value, faults = self.read(raw)
         if faults:
             raise EntryError(faults)
         return cast("Stored_co", value)
 
     def read(self, raw: object) -> tuple[Stored_co | None, list[Fault]]:
-        """Value, or the part of it that could be read, and every fault."""
+        """Value of the entry in its stored form, or the part of it that could be read, and every fault."""
         try:
             return self.coerce(raw), []
         except EntryError as error:
@@ -108,7 +111,10 @@ def reference(name: str) -> Schema:
 
 
 class Plural(Spec[Stored_co]):
-    """Base of specifications of collections; an entry that is not given is stored as an empty one."""
+    """Base of specifications of entries that hold several values.
+
+    An entry that is not given is stored as an empty one.
+    """
 
     @property
     def absent(self) -> Stored_co:
@@ -116,14 +122,17 @@ class Plural(Spec[Stored_co]):
 
 
 def not_none(value: T | None) -> T:
-    """Value of an optional entry that must be given here; TypeError where it is None."""
+    """Value of an optional entry where the caller knows that it is given; TypeError where it is None."""
     if value is None:
         raise TypeError("the value of an entry is missing")
     return value
 
 
 def coerce_part(key: str | int, spec: Spec[T], raw: object) -> T:
-    """Coerce one part of an entry; its faults get the key of that part."""
+    """Stored form of one part of an entry, read by the specification of that part.
+
+    Its faults get the key of that part.
+    """
     try:
         return spec.coerce(raw)
     except EntryError as error:
@@ -131,7 +140,7 @@ def coerce_part(key: str | int, spec: Spec[T], raw: object) -> T:
 
 
 def spec_of(declared: Field[Any]) -> Spec[object]:
-    """Specification in the metadata of a dataclass field."""
+    """Specification that a dataclass field carries in its metadata."""
     spec = declared.metadata["spec"]
     if not isinstance(spec, Spec):
         raise TypeError(f"field {declared.name} has no specification")
@@ -153,10 +162,10 @@ def entry(spec: Spec[Any], default: Any = MISSING, *, kw_only: Any = MISSING, mu
 
 
 def full_name(cls: type) -> str:
-    """Full name of a class, for :attr:`Spec.accepted`."""
+    """Name of a class with its module, for :attr:`Spec.accepted`."""
     return f"{cls.__module__}.{cls.__qualname__}"
 
 
 def list_annotation(accepted: str) -> str:
-    """Type annotation of a list of accepted values; a text does not count as a list of characters."""
+    """Text of the type annotation of a list of accepted values; a text does not count as a list of characters."""
     return "Scalars" if accepted == "Scalar" else f"tuple[{accepted}, ...] | list[{accepted}]"

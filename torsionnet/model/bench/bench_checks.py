@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from torsionnet.model.definition import Definition
 
 MOST_SAMPLES = 1e8
-"""Largest number of samples of a channel; more would take gigabytes of memory in the simulation."""
+"""Largest number of samples of a recorded channel, as more would take gigabytes of memory in the simulation."""
 FEWEST_SAMPLES = 10
-"""Smallest number of samples of a channel; fewer give no frequency response worth the name."""
+"""Smallest number of samples of a recorded channel, as fewer give no frequency response."""
 DIMENSION_OF = {"angle": "angle", "twist": "angle", "velocity": "speed", "stress": "pressure"}
 """Dimension of a sensor's reading by its quantity, where the two have different names."""
 

@@ -1,4 +1,4 @@
-"""Bench file: names a model and describes the test of it."""
+"""Bench file, which names a model and describes a test of it."""
 
 from __future__ import annotations
 

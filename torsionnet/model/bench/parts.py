@@ -134,7 +134,7 @@ class Encoder(Declared):
 
     @property
     def steps(self) -> int:
-        """Counted steps per revolution."""
+        """Number of steps that the encoder counts per revolution."""
         return int(self.lines) * (4 if self.quadrature else 1)
 
 
@@ -165,4 +165,4 @@ class Acquisition(Declared):
 
 
 SENSORS: dict[str, type[Transducer | Encoder]] = {cls.kind: cls for cls in (Transducer, Encoder)}
-"""Types of sensor by the word in ``type:``."""
+"""Class of each type of sensor on a bench, by the word in ``type:``."""

@@ -1,4 +1,4 @@
-"""Plan of a bench test: excitation, exciter, channels, data acquisition."""
+"""Plan of a bench test, with its excitation, exciter, channels and data acquisition."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from torsionnet.signals.excitation import BurstRandom, LinearChirp, LogarithmicS
 from torsionnet.signals.excitation.excitation import Excitation
 
 SWEEP = "{type: linear chirp, start: 0.1 Hz, stop: 80 Hz, duration: 100 s, amplitude: 15 N*m}"
-"""Example of an excitation, for the message that it is missing."""
+"""Example of a bench's excitation, for the message that it is missing."""
 CHANNELS = "{name of a sensor: {type: encoder, lines: 1024}, ...}"
-"""Example of channels, for the message that they are missing."""
+"""Example of a bench's channels, for the message that they are missing."""
 _EXCITATION = Typed("what the torque is to be", lambda: EXCITATIONS, "excitation", "bench_excitation", shown=SWEEP)
 _CHANNEL = Typed("a sensor and its errors", lambda: SENSORS, "sensor", "bench_channel")
 _EXCITER = Nested("the motor that shakes", lambda: Exciter, "bench_exciter")
@@ -27,7 +27,7 @@ _ACQUISITION = Nested("sampling of all channels", lambda: Acquisition, "bench_ac
 EXCITATIONS: dict[str, type[Excitation]] = {
     cls.kind: cls for cls in (LinearChirp, LogarithmicSweep, SteppedSine, Multisine, BurstRandom)
 }
-"""Types of excitation of a bench by the word in ``type:``."""
+"""Class of each type of excitation on a bench, by the word in ``type:``."""
 
 
 @dataclass(frozen=True, kw_only=True)

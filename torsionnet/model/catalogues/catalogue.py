@@ -1,4 +1,4 @@
-"""Catalogue of machine elements: a text file with a row for each size and a column for each entry, with units."""
+"""Catalogue of machine elements, a text file with a row for each size and a column for each entry."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class CatalogueCell:
 
 @dataclass(frozen=True)
 class CatalogueRow:
-    """Row of a catalogue: the entries of one size, without its empty cells."""
+    """Row of a catalogue with the entries of one size: the entries of one size, without its empty cells."""
 
     file: str
     size: str
@@ -30,7 +30,7 @@ class CatalogueRow:
     path: Path = field(default=Path(), compare=False)
 
     def cell(self, column: str) -> CatalogueCell | None:
-        """Cell in the column of that name, None where there is none."""
+        """Cell of the row in the column of that name, None where there is none."""
         return next((cell for cell in self.cells if cell.column == column), None)
 
     def __str__(self) -> str:

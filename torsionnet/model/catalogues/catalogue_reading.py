@@ -18,11 +18,13 @@ from torsionnet.model.catalogues.catalogue import Catalogue, CatalogueCell, Cata
 from torsionnet.model.catalogues.catalogue_entries import SIZE
 
 MOST_NAMED = 20
-"""Sizes listed at most in the message that a size does not exist, so that the message stays readable."""
+"""Largest number of sizes listed in the message that a size does not exist, so that the message stays readable."""
 
 
 def read_catalogue(path: str | os.PathLike[str]) -> Catalogue:
-    """Read a catalogue: a text file with a column ``size`` and columns named as entries, each with its unit.
+    """Catalogue of machine elements with the sizes that a text file has.
+
+    A text file with a column ``size`` and columns named as entries, each with its unit.
 
     Raises
     ------
@@ -47,7 +49,7 @@ def read_catalogue(path: str | os.PathLike[str]) -> Catalogue:
 
 
 def catalogue_row(path: Path, file: str, size: str) -> CatalogueRow:
-    """Row of one size in a catalogue that the model calls ``file``.
+    """Catalogue row of one size, from a catalogue that the model calls ``file``.
 
     Raises
     ------
@@ -78,7 +80,7 @@ def _unknown(size: str, names: Iterable[str], file: str) -> Fault:
 
 @lru_cache(maxsize=16)
 def _rows(path: Path, changed: int, length: int) -> tuple[CatalogueRow, ...]:
-    """All rows of a catalogue, read once as long as the file does not change."""
+    """All rows of a catalogue's file, read once as long as the file does not change."""
     del changed, length
     grid = read_grid(path)
     head, *rest = grid.rows
@@ -114,7 +116,7 @@ def _rows(path: Path, changed: int, length: int) -> tuple[CatalogueRow, ...]:
 
 
 def _unit(grid: CellGrid, cell: Cell, text: str, faults: list[Fault]) -> str | None:
-    """Unit of a heading as a model file writes it, None where the heading has none."""
+    """Unit of a catalogue's heading as a model file writes it, None where the heading has none."""
     if not text or text in ("1", "-"):
         return None if not text else ""
     try:

@@ -18,7 +18,7 @@ PACKAGE = Path(__file__).resolve().parents[2]
 
 
 def shipped_catalogues() -> dict[str, Path]:
-    """Name and file of every catalogue that comes with the package.
+    """Path of every catalogue that comes with the package, by name.
 
     >>> "example_couplings" in shipped_catalogues()
     True
@@ -29,7 +29,7 @@ def shipped_catalogues() -> dict[str, Path]:
 
 
 def chosen_row(entries: Mapping[str, Any]) -> tuple[CatalogueRow | None, list[Fault]]:
-    """Row that the entries ``catalogue`` and ``size`` of an element name, None where they name none, and faults."""
+    """Catalogue row that an element's ``catalogue`` and ``size`` name, None where they name none, and faults."""
     file, size = entries.get(CATALOGUE), entries.get(SIZE)
     if isinstance(file, CatalogueRow):
         return file, []
@@ -73,7 +73,10 @@ def _path(file: str) -> Path:
 def row_entries(
     row: CatalogueRow, specs: Mapping[str, Spec[object]], given: Mapping[str, Any]
 ) -> tuple[dict[str, Any], list[Fault]]:
-    """Entries that a row gives and the model does not, by name, and faults; ``loss_factor.psi`` is part of an entry."""
+    """Entries, by name, that a catalogue row gives and the model does not, and faults.
+
+    ``loss_factor.psi`` is part of an entry.
+    """
     found: dict[str, Any] = {}
     faults: list[Fault] = []
     for cell in row.cells:
@@ -90,7 +93,10 @@ def row_entries(
 def entries_of_other_size(
     row: CatalogueRow, size: str, specs: Mapping[str, Spec[object]], stored: Mapping[str, Any]
 ) -> tuple[dict[str, Any], list[Fault]]:
-    """Entries that change with another size: the row itself, and entries that still have the values of the old row."""
+    """Entries of an element that change with another size of its catalogue.
+
+    The row itself, and entries that still have the values of the old row.
+    """
     from torsionnet.model.catalogues.catalogue_reading import catalogue_row
 
     try:
@@ -106,7 +112,7 @@ def entries_of_other_size(
 
 
 def cell_value(cell: CatalogueCell, spec: Spec[object], faults: list[Fault]) -> Any:
-    """Value of a cell as an entry takes it; a value that does not fit is added to ``faults``."""
+    """Value of a catalogue cell as an entry takes it; a value that does not fit is added to ``faults``."""
     dimension = getattr(spec, "dimension", "1")
     if dimension != "1" and cell.is_number and not cell.has_unit:
         example = f"{cell.column} [{expected_unit(dimension)}]"

@@ -1,4 +1,4 @@
-"""Consistency checks of a model; :func:`check_definition` runs them all.
+"""Consistency checks of a model, of which :func:`check_definition` runs all.
 
 Checks of names and values say everything they find. The structural ones need a model whose names and values are sound,
 and run on the base model and on every alternative of every axis.
@@ -20,8 +20,8 @@ from torsionnet.model.definition import Definition
 from torsionnet.model.parameters import resolve
 
 MOST_COMBINATIONS = 64
-"""Largest number of configurations that are all checked; with more, each alternative is checked alone, as the time of
-the checks grows with the product of the numbers of alternatives."""
+"""Largest number of configurations that are all checked, as the time grows with the product of the alternatives; with
+more, each alternative is checked alone."""
 
 
 @gc_paused()
@@ -44,7 +44,10 @@ def check_definition(definition: Definition) -> list[Fault]:
 
 
 def check_variant(definition: Definition) -> list[Fault]:
-    """Faults that depend on values: for a configuration or changed parameters of a sound model."""
+    """Faults of a model's definition that depend on the values of its parameters.
+
+    For a configuration or changed parameters of a sound model.
+    """
     known, faults = resolve(definition.parameters)
     faults += values.wrong_dimensions(definition) + values.impossible_sizes(definition, known)
     faults += unusual_sizes(definition, known)
@@ -52,7 +55,10 @@ def check_variant(definition: Definition) -> list[Fault]:
 
 
 def choices(definition: Definition) -> list[dict[str, str]]:
-    """Combinations of alternatives to be checked: all of them where they are few, else each alternative alone."""
+    """Choices of alternatives, by axis, that are checked.
+
+    All of them where they are few, else each alternative alone.
+    """
     count = 1
     for alternatives in definition.configurations.values():
         count *= max(1, len(alternatives))
@@ -62,7 +68,7 @@ def choices(definition: Definition) -> list[dict[str, str]]:
 
 
 def variants(definition: Definition) -> Iterator[tuple[str, Definition]]:
-    """Pairs (label of the configuration, definition) for each of the :func:`choices`."""
+    """Pairs of configuration name and definition, one for each of the :func:`choices`."""
     axes = definition.configurations
     return ((label(choice, axes), _chosen(definition, choice)) for choice in choices(definition))
 
@@ -83,7 +89,7 @@ def has_errors(faults: list[Fault]) -> bool:
 
 
 def _refused_everywhere(base: list[Fault], others: Iterable[list[Fault]]) -> list[Fault]:
-    """Findings of the base model; an entry that can be used in no configuration becomes an error."""
+    """Findings of the base model, in which an entry that no configuration can use becomes an error."""
     useless = {fault.path for fault in base if fault.kind == USELESS}
     for found in others:
         useless &= {fault.path for fault in found if fault.kind == USELESS}
@@ -91,7 +97,7 @@ def _refused_everywhere(base: list[Fault], others: Iterable[list[Fault]]) -> lis
 
 
 def _in_configuration(name: str, found: list[Fault], base: list[Fault]) -> list[Fault]:
-    """Findings about entries of a configuration that the base model does not have, with its name."""
+    """Findings on a configuration that the base model does not have, with the configuration's name."""
     known = {(fault.path, fault.message) for fault in base}
     return [
         replace(fault, configuration=name)

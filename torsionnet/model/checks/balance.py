@@ -11,7 +11,7 @@ from torsionnet.model.kinematics import Kinematics
 from torsionnet.model.load.external_torques import ExternalTorques
 
 UNBALANCED_SHARE = 0.05
-"""Share of the largest torque that may remain unbalanced: rounding of data sheets, and drag in bearings."""
+"""Share of the largest torque that may remain unbalanced, for rounding of data sheets and drag in bearings."""
 
 
 def unbalanced_torques(external: ExternalTorques, kinematics: Kinematics) -> list[Fault]:
@@ -38,7 +38,10 @@ def unbalanced_torques(external: ExternalTorques, kinematics: Kinematics) -> lis
 
 
 def _unbalanced(given: Mapping[str, float], done: Mapping[str, float]) -> list[Fault]:
-    """Warning that the torques do net work on one rigid motion; ``done`` is the work of each torque."""
+    """Warning that mean torques do net work on one rigid motion of the drivetrain.
+
+    ``done`` is the work of each torque.
+    """
     rest, largest = sum(done.values()), max(map(abs, done.values()))
     if abs(rest) <= UNBALANCED_SHARE * largest:
         return []

@@ -7,7 +7,7 @@ from torsionnet.model.catalogues.catalogue_entries import SIZE
 from torsionnet.model.definition import Definition
 
 REMARKS = frozenset({SIZE, "description", "remark", "remarks", "note", "maker", "source"})
-"""Columns of a catalogue that are comments and fit no entry."""
+"""Names of catalogue columns that are comments and fit no entry."""
 
 
 def unfit_columns(definition: Definition) -> list[Fault]:

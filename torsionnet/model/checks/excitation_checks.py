@@ -69,7 +69,7 @@ def excitation_faults(definition: Definition, name: str) -> Iterator[Fault]:
 
 
 def _places(name: str, excitation: OrderExcitation) -> Iterator[tuple[str, Path]]:
-    """Pairs (node, path) of the nodes that an excitation names."""
+    """Pairs (node, path) of the nodes that an excitation names, and of the entries that name them."""
     reaction = (excitation.reaction_entry,) if excitation.reaction_entry else ()
     for path, node in (*excitation.node_entries, *reaction):
         yield node, ("excitations", name, *path)
@@ -78,12 +78,12 @@ def _places(name: str, excitation: OrderExcitation) -> Iterator[tuple[str, Path]
 
 
 def _has_values(definition: Definition, values: Mapping[str, Any]) -> bool:
-    """Whether every parameter that elements name has a value; missing ones are reported elsewhere."""
+    """Whether every parameter that the elements of a model name has a value; missing ones are reported elsewhere."""
     return all(one.names <= values.keys() for element in definition.active for _, _, one, _ in element.expressions())
 
 
 def _rigid(definition: Definition, values: Mapping[str, Any]) -> Iterator[Fault]:
-    """Faults of twists imposed in elements that are rigid."""
+    """Faults of excitations that impose a twist in an element that is rigid."""
     for name, excitation in definition.excitations.items():
         if excitation.element_entry is not None:
             path, element = excitation.element_entry
@@ -93,7 +93,7 @@ def _rigid(definition: Definition, values: Mapping[str, Any]) -> Iterator[Fault]
 
 
 def _shaft_ratios(definition: Definition, values: Mapping[str, Any]) -> tuple[dict[str, float], list[Fault]]:
-    """Ratio of each excitation's shaft speed to the reference speed, and faults of excitations without a ratio."""
+    """Ratio of each excitation's shaft speed to the reference speed by name, and faults of excitations without one."""
     ratios: dict[str, float] = {}
     faults: list[Fault] = []
     if definition.speeds is None:
@@ -107,7 +107,7 @@ def _shaft_ratios(definition: Definition, values: Mapping[str, Any]) -> tuple[di
 
 
 def _remarks(definition: Definition, ratios: Mapping[str, float]) -> Iterator[Fault]:
-    """Warnings and notes of the excitations themselves, at the speeds of their shafts where these are known."""
+    """Warnings and notes of the excitations, at the speeds of their shafts where these are known."""
     for name, excitation in definition.excitations.items():
         speeds = None
         if definition.speeds is not None and name in ratios:
@@ -118,7 +118,7 @@ def _remarks(definition: Definition, ratios: Mapping[str, float]) -> Iterator[Fa
 
 
 def _between_engines(definition: Definition) -> Iterator[Fault]:
-    """Notes on engines without a phase angle between them."""
+    """Notes on engines of a model whose phase angle to each other is not given."""
     acting = {name: one for name, one in definition.excitations.items() if one.enabled}
     engines = unlocked_engines(acting, definition.excitations)
     first = next(iter(engines.values()), "")

@@ -9,24 +9,24 @@ from torsionnet.core.units import RPM
 from torsionnet.model.excitations.rating import Rating
 
 SAME_POWER_SHARE = 0.35
-"""Relative difference up to which two powers count as the same but for a slip of the unit: an indicated power is up to
-a third above that at the coupling."""
+"""Relative difference up to which two powers count as the same, as an indicated power is up to a third higher. Slips of
+a unit differ by far more."""
 SAME_SPEED_SHARE = 0.005
-"""Relative difference up to which two speeds count as equal: data sheets round rated speeds to about half a percent."""
+"""Relative difference up to which two speeds count as equal, as data sheets round to about half a percent."""
 _THOUSANDS = {
     1e-6: "a unit a million times larger",
     1e-3: "kW for MW, or W for kW",
     1e3: "MW for kW, or kW for W",
     1e6: "a unit a million times smaller",
 }
-"""Slip of the unit of a power by the factor between the stated and the expected value."""
+"""Likely slip of the unit of a power, as text, by the factor between the stated and the expected value."""
 _OF_TORQUE = {
     1e-6: "a unit a million times larger",
     1e-3: "N*m for kN*m",
     1e3: "kN*m for N*m",
     1e6: "a unit a million times smaller",
 }
-"""Slip of the unit of a torque by the factor between the stated and the expected value."""
+"""Likely slip of the unit of a torque, as text, by the factor between the stated and the expected value."""
 
 
 def power_text(watts: float) -> str:
@@ -39,7 +39,7 @@ def power_text(watts: float) -> str:
 
 
 def _short(value: float) -> str:
-    """Number with four digits, in which a difference of 5 % shows."""
+    """Text of a number with four digits, in which a difference of 5 % shows."""
     return f"{float(f'{value:.4g}'):.10g}"
 
 
@@ -57,7 +57,7 @@ def likely_speed(stated: float, expected: float, node: str, known: Mapping[str, 
 
 
 def likely_power(stated: float, expected: float, rating: Rating, ratios: Mapping[str, float]) -> str:
-    """Text that asks about the likely slip in a power in W; ``ratios`` are speeds of nodes over that of the machine."""
+    """Question whether a power in W that is stated has a likely slip, or an empty text."""
     of_torque = rating.power is None and rating.shares == (1.0, 1.0)
     share = stated / expected
     slips = _OF_TORQUE if of_torque else _THOUSANDS
@@ -79,7 +79,7 @@ def likely_power(stated: float, expected: float, rating: Rating, ratios: Mapping
 
 
 def likely_load(power: float, share: float, torque: float | None) -> str:
-    """Text that asks about the unit of a load in W, whose power is stated elsewhere as ``share`` times as much."""
+    """Question whether a load in W has the right unit, if its power is stated elsewhere as ``share`` times as much."""
     found = next((text for factor, text in (_THOUSANDS if torque is None else _OF_TORQUE).items()
                   if _is(1 / share, factor, SAME_POWER_SHARE)), None)  # fmt: skip
     if found is None:

@@ -31,7 +31,7 @@ def unfit_limits(definition: Definition) -> list[Fault]:
 
 
 def _unfit(limit: Limit, subject: LimitSubject) -> Iterator[Fault]:
-    """Faults of a limit, completed with the catalogue of its element."""
+    """Faults of one limit after its missing entries were taken from the catalogue of its element."""
     try:
         yield from limit.fitted(subject.elements).unfit(subject)
     except ModelError as error:
@@ -40,7 +40,7 @@ def _unfit(limit: Limit, subject: LimitSubject) -> Iterator[Fault]:
 
 
 def limit_subject(definition: Definition, values: Mapping[str, Any]) -> LimitSubject:
-    """View of a model, in its base configuration, for limits."""
+    """View of a model in its base configuration, as the checks of limits need it."""
     engines = [one for one in definition.excitations.values() if isinstance(one, ReciprocatingEngine)]
     speeds = definition.speeds
     return LimitSubject(

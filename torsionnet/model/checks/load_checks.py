@@ -55,7 +55,7 @@ def _extremes(definition: Definition) -> tuple[float, ...]:
 
 
 def _contradicted(external: ExternalTorques, torques: Mapping[str, float], at: float) -> Iterator[Fault]:
-    """Faults of stated torques that contradict the load, node by node and in the power driven in all."""
+    """Faults of stated torques that contradict the load, at single nodes or in the power driven in all."""
     stated = stated_torques(external.definition, external.values)
     apart = [node for node in stated if node in torques and not _agree(stated[node], torques[node])]
     for node in apart:

@@ -11,7 +11,10 @@ from torsionnet.model.kinematics import Kinematics, exact_row, pseudo_node
 
 
 def free_motions(kinematics: Kinematics, answers: Callable[[Law], bool]) -> Reduction:
-    """Reduction to the motions in which all laws chosen by ``answers`` stay at rest; imposed angles stand still."""
+    """Reduction of the drivetrain to the motions in which every law that ``answers`` chooses stays at rest.
+
+    Imposed angles stand still.
+    """
     imposed = [{pseudo_node(name): 1} for name in kinematics.imposed]
     rows = [exact_row(law.row) for _, law in kinematics.laws if answers(law)]
     order = {name: index for index, name in enumerate((*kinematics.nodes, *map(pseudo_node, kinematics.imposed)))}

@@ -15,8 +15,7 @@ from torsionnet.model.operating_point import OperatingPoint
 from torsionnet.model.torque_places import torque_place
 
 MOST_HINTS = 20
-"""Dead ends for which a misspelt node is looked for; a model with more has them on purpose, and comparing all names
-takes time."""
+"""Largest number of dead ends for which a misspelt node is looked for, as a model with more has them on purpose."""
 
 
 def _nodes(definition: Definition) -> dict[str, None]:
@@ -292,4 +291,4 @@ CHECKS = (
     unfit_bench,
     unfit_report,
 )
-"""Checks of names, in the order in which they run."""
+"""Functions that check the names in a model, in the order in which they run."""

@@ -26,7 +26,10 @@ SPEED_ENTRY, SAME_SPEED_SHARE = "speed", 0.005
 def unfit_operation(
     definition: Definition, values: Mapping[str, Any], kinematics: Kinematics, *, sound: bool
 ) -> list[Fault]:
-    """Faults of the operation of one configuration; of an unsound structure only those independent of it."""
+    """Faults of mean speeds and torques in one configuration, and of the entries that depend on them.
+
+    Of an unsound structure only those independent of it.
+    """
     external = ExternalTorques(definition, values)
     faults = _inconsistent_speeds(external)
     if faults or not sound:
@@ -43,7 +46,10 @@ def unfit_operation(
 
 
 def _unlike_at_rated_speed(external: ExternalTorques) -> list[Fault]:
-    """Warnings about powers and speeds; their checks load numpy, which a model without speeds does not need."""
+    """Warnings about powers and speeds at rated speed that do not agree.
+
+    Their checks load numpy, which a model without speeds does not need.
+    """
     if not external.rated_speed:
         return []
     from torsionnet.model.checks.propeller_conditions import archer_at_small_torque
@@ -84,7 +90,10 @@ def _wrong_way(node: str, torque: float, speeds: Mapping[str, float], name: str,
 
 
 def _beyond_curves(external: ExternalTorques) -> list[Fault]:
-    """Faults of working points outside the rows of a curve, also over the range of speeds; one for each entry."""
+    """Faults of operating values of elements that lie outside the rows of a curve, also over the range of speeds.
+
+    One for each entry.
+    """
     faults: dict[Path, Fault] = {}
     for where, values in _working_points(external):
         for path, what in _beyond(external.definition, values):
@@ -93,7 +102,7 @@ def _beyond_curves(external: ExternalTorques) -> list[Fault]:
 
 
 def _working_points(external: ExternalTorques) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    """Pairs (text about the speed, values of the parameters there) of the working points that are checked."""
+    """Texts about the speed, and values of the parameters there, of the working points that are checked."""
     definition = external.definition
     if not definition.following:
         yield "", external.values
@@ -131,7 +140,7 @@ def _unlike_working_speeds(external: ExternalTorques) -> Iterator[Fault]:
 
 
 def _speeds(external: ExternalTorques) -> dict[str, float]:
-    """Speed in rad/s of nodes about which the model is linear; empty where nothing says one."""
+    """Speed in rad/s, by node, about which the model is linear; empty where nothing says one."""
     if external.mean_speeds or not external.definition.load:
         return external.mean_speeds
     try:
@@ -149,7 +158,7 @@ def _stated(element: Element) -> Expression | None:
 
 
 def _values(external: ExternalTorques) -> Mapping[str, Any]:
-    """Values of the parameters, with those that follow the operating point taken at its speed."""
+    """Value in SI units of every parameter, by name, those that follow the operating point taken at its speed."""
     definition = external.definition
     if not definition.following:
         return external.values

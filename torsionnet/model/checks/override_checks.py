@@ -1,4 +1,4 @@
-"""Checks of entries that alternatives change: they must exist, and their values must fit."""
+"""Checks of entries that alternatives of a configuration change: they must exist, and their values must fit."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def expressions_of_overrides(definition: Definition) -> Iterator[tuple[Path, Exp
 
 
 def at_override(fault: Fault, definition: Definition, choice: Mapping[str, str]) -> Fault:
-    """Fault with its path moved from the entry to the alternative that gives the entry its value.
+    """Fault of an entry whose path is moved to the alternative that gives the entry its value.
 
     Where none does, to one that changes the section which the fault is about besides.
     """
@@ -57,7 +57,7 @@ def _alternatives(definition: Definition) -> Iterator[tuple[Path, Overlay]]:
 
 
 def _changed_element(element: Element, changes: Mapping[str, Any]) -> Element | None:
-    """Copy of the element with changed entries; None where they do not fit it."""
+    """Copy of an element with the entries that an alternative changes; None where they do not fit it."""
     try:
         return replace(element, **changes) if changes.keys() <= dict(element.specs()).keys() else None
     except ModelError:
@@ -76,7 +76,7 @@ def _unfit(definition: Definition, overlay: Overlay, path: Path) -> Iterator[Fau
 
 
 def _meaningless(definition: Definition, key: str, path: Path) -> Fault | None:
-    """Fault that an entry to be changed does not exist, or None."""
+    """Fault that an entry which an alternative changes does not exist, or None."""
     name, _, entry = key.rpartition(".")
     found = section_of(definition, key)
     if found is None:
@@ -86,7 +86,7 @@ def _meaningless(definition: Definition, key: str, path: Path) -> Fault | None:
 
 
 def _no_section(definition: Definition, name: str, path: Path) -> Fault:
-    """Fault that entries of this section cannot be changed."""
+    """Fault that an alternative cannot change entries of the section it names."""
     if name in {declared.name for declared in definition.declared()} - {LOAD}:
         text = f"a configuration does not change entries of {name}:; it may change parameters, and entries of elements"
         return Fault(f"{text}, excitations and load: (box.engaged, engine.misfire, load.power)", path, on_key=True)
@@ -95,7 +95,7 @@ def _no_section(definition: Definition, name: str, path: Path) -> Fault:
 
 
 def _wrong_values(definition: Definition, table: str, name: str, changes: Mapping[str, Any]) -> tuple[Fault, ...]:
-    """Faults of a section in which an alternative changes entries."""
+    """Faults of a section whose entries an alternative changes to wrong values."""
     try:
         changed = definition.with_overlay(
             Overlay(entries={f"{name}.{entry}": value for entry, value in changes.items()})

@@ -9,7 +9,9 @@ from torsionnet.model.parameters import dimensions
 
 
 def parameter_units(definition: Definition) -> dict[str, str]:
-    """SI unit of every parameter, by its use (N*m or N*m/rad), else by its dimension; empty for a plain number.
+    """SI unit of every parameter by name, by its use (N*m or N*m/rad) or else by its dimension.
+
+    Empty for a plain number.
 
     Examples
     --------

@@ -15,8 +15,8 @@ from torsionnet.model.operating_values import OperatingPoints, with_operating_va
 from torsionnet.model.parameters import resolve
 
 SMALL_TORQUE_SHARE, SLIP_TORQUE_SHARE = 0.5, 0.01
-"""Torque over that of full ahead at the same speed: below the first, Archer's formula does not apply; below the second,
-it is a slip of a unit, about which other checks warn."""
+"""Shares of the full-ahead torque below which Archer's formula does not apply, or a unit was slipped. Other checks warn
+about the slip."""
 
 
 def archer_at_small_torque(external: ExternalTorques) -> Iterator[Fault]:
@@ -43,7 +43,10 @@ def archer_at_small_torque(external: ExternalTorques) -> Iterator[Fault]:
 
 
 def _values(external: ExternalTorques, speed: float) -> Mapping[str, Any]:
-    """Values of the parameters at a speed of the reference; empty where the load determines no torque there."""
+    """Value in SI units of every parameter, by name, at a speed of the reference shaft in rad/s.
+
+    Empty where the load determines no torque there.
+    """
     if not external.definition.following:
         return external.values
     try:

@@ -16,17 +16,17 @@ from torsionnet.model.load.external_torques import ExternalTorques
 from torsionnet.model.load.load_places import ENGINE
 
 SAME_POWER_SHARE, SAME_SPEED_SHARE = 0.05, 0.005
-"""Relative differences up to which powers and speeds agree: rounding of data sheets, and slip."""
+"""Relative differences up to which powers and speeds agree, for rounding of data sheets and slip."""
 SAME_SLIP_SHARE = 0.4
-"""Relative spread of the ratios of several machines to the load up to which one slip of the load explains all:
-indicated powers are above those at the coupling."""
+"""Relative spread of machines' powers over the load up to which one slip of the load's unit explains all: indicated
+powers are above those at the coupling."""
 PROPELLER = "propeller"
-"""Type of the excitation by a propeller."""
+"""Type of the excitation by a propeller, as in ``type:``."""
 
 
 @dataclass(frozen=True)
 class _Machine:
-    """Excitation that states a rating, and the speed in rad/s that its shaft has at rated speed."""
+    """Machine of an excitation that states a rating, and the speed in rad/s that its shaft has at rated speed."""
 
     name: str
     excitation: OrderExcitation
@@ -39,7 +39,7 @@ class _Machine:
 
     @property
     def powers(self) -> tuple[float, ...]:
-        """Powers in W at rated speed."""
+        """Powers in W of the machine at rated speed, as stated and by its torque curve."""
         return tuple(map(abs, self.rating.at(self.speed)))
 
     def path(self, entry: Path) -> Path:
@@ -48,7 +48,7 @@ class _Machine:
 
 @dataclass(frozen=True)
 class _Unlike:
-    """Fault of a machine whose power does not agree, and its power over the expected one."""
+    """Fault of a machine whose power does not agree with others, and its power over the expected one."""
 
     machine: _Machine
     share: float
@@ -76,13 +76,13 @@ def rating_mismatches(external: ExternalTorques) -> list[Fault]:
 
 
 def _ratios(external: ExternalTorques) -> dict[str, float]:
-    """Absolute speed ratio of every node to the reference node, which comes first."""
+    """Absolute ratio of every node's speed to that of the reference node, by node, the latter first."""
     found = {node: abs(ratio) for node, ratio in external.ratios.items() if ratio}
     return {external.reference: 1.0, **found}
 
 
 def _of_load(external: ExternalTorques, unlike: Sequence[_Unlike], work: Mapping[str, float]) -> list[Fault]:
-    """Warning about the load, where a slip in its unit explains the differences to two machines or more."""
+    """Warning about the load, where one slip in its unit explains the differences to two machines or more."""
     load, sizes = external.definition.load, [one.share for one in unlike]
     if load is None or load.absorbers or len(sizes) < 2 or max(sizes) > (1 + SAME_SLIP_SHARE) * min(sizes):
         return []
@@ -101,7 +101,7 @@ def _machines(external: ExternalTorques, rated: float) -> Iterator[_Machine]:
 
 
 def _powers(external: ExternalTorques, rated: float) -> dict[str, float]:
-    """Power in W by node that the load gives or takes at rated speed; empty without a load."""
+    """Power in W, by node, that the load gives or takes at rated speed; empty without a load."""
     if external.definition.load is None:
         return {}
     return {node: torque * external.ratios.get(node, 0.0) * rated for node, torque in external.at(rated).items()}
@@ -132,7 +132,7 @@ def _unlike(
 
 
 def _absorbed(external: ExternalTorques, machines: list[_Machine], work: Mapping[str, float]) -> Iterator[_Unlike]:
-    """Machines that state another power than the load takes at their nodes."""
+    """Machines that state another power than the load takes at their nodes, with their faults."""
     absorbers = [one for one in machines if not one.is_driver]
     for one in absorbers if work else ():
         taken = -sum(work.get(node, 0.0) for node in one.excitation.nodes)
@@ -146,7 +146,7 @@ def _absorbed(external: ExternalTorques, machines: list[_Machine], work: Mapping
 
 
 def _given(external: ExternalTorques, machines: list[_Machine], work: Mapping[str, float]) -> Iterator[_Unlike]:
-    """Engines that give less than is taken from them, with notes on those that could give more."""
+    """Engines that give less power than is taken from them, with notes on those that could give more."""
     propellers = [one for one in machines if one.excitation.kind == PROPELLER]
     total = _taken(work) if work else sum(one.powers[0] for one in propellers)
     engines = [one for one in machines if one.is_driver]
@@ -170,7 +170,7 @@ def _taken(work: Mapping[str, float]) -> float:
 
 
 def _share(external: ExternalTorques, one: _Machine, engines: int) -> float | None:
-    """Share of the power that an engine gives; None where the load does not say."""
+    """Share of the load's power that an engine gives; None where the load does not say."""
     load = external.definition.load
     if load is None or not load.driven_by:
         return 1.0 if engines == 1 else None

@@ -12,7 +12,10 @@ from torsionnet.model.elements import Values
 
 
 def unreachable_shafts(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
-    """Faults of sensors that cannot be referred to their shaft; those that are switched off are left out."""
+    """Faults of sensors whose readings cannot be referred to the shaft they name.
+
+    Those that are switched off are left out.
+    """
     referred = {name: sensor for name, sensor in definition.sensors.items() if sensor.referred_to is not None}
     if not referred:
         return []

@@ -1,4 +1,4 @@
-"""Warnings about unlikely sizes: millimetres without their unit, percent for a fraction."""
+"""Warnings about values of unlikely size, as millimetres without their unit or percent for a fraction."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ LIKELY_UNITS = {
     "density": ("g/cm^3", 1e3),
     "force": ("kN", 1e3),
 }
-"""Unit that is likely meant where a number has none, by dimension, and its size in SI."""
+"""Unit that is likely meant where a number has none, and its size in SI units, by dimension."""
 USUAL_SIZES = {"length": (1e-4, 20.0), "shear modulus": (1e5, 1e12), "pressure": (1e5, 1e12)}
-"""Usual sizes in machinery in SI units, by dimension, where an entry has no range of its own."""
+"""Smallest and largest usual size in machinery in SI units, by dimension, where an entry has no range of its own."""
 PERCENT_FROM = {"zeta": 1.0, "eta": 2.0}
-"""Damping measures that some write in percent, and the value from which that is likely."""
+"""Value from which a damping measure was likely written in percent, by name of the measure."""
 
 
 def unusual_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
-    """Warnings about values outside the usual range of their entry."""
+    """Warnings about values outside the usual range of their entry, or likely in another unit."""
     return [fault for element in definition.elements.values() for fault in _of(element, numbers)]
 
 

@@ -22,8 +22,8 @@ from torsionnet.model.kinematics import (
 )
 
 MOST_GROUPS, MOST_NAMES = 10, 6
-"""Unconnected groups of nodes reported one by one, and names shown of each group, so that a model with many gives a
-readable report."""
+"""Largest number of unconnected groups of nodes reported one by one, and of node names shown of each group: a model
+with many gives a readable report."""
 
 
 def unconnected_parts(definition: Definition) -> list[Fault]:
@@ -195,7 +195,7 @@ CHECKS = (
     idle_channels,
     rigid_body_modes,
 )
-"""Structural checks of a configuration, in the order in which they run."""
+"""Functions that check the structure of a configuration, in the order in which they run."""
 
 
 def check_structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
@@ -214,7 +214,7 @@ def check_structure(definition: Definition, values: Mapping[str, Any]) -> list[F
 
 
 def _unfit_references(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
-    """Faults of elements whose values are quoted at a shaft to which there is no ratio."""
+    """Faults of elements whose values are quoted at a shaft to which there is no speed ratio."""
     on = [element for element in definition.elements.values() if element.enabled]
     if all(element.referred_to is None for element in on):
         return []

@@ -161,7 +161,7 @@ def wrong_size(spec: object, value: Any, *, measure: bool, wanted: str) -> str |
 
 
 def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:
-    """Faults of negative coefficients of laws, a safety net behind the bounds of single fields."""
+    """Faults of negative coefficients of an element's laws, a safety net behind the bounds of single fields."""
     if not all(expression.names <= numbers.keys() for _, _, expression, _ in element.expressions()):
         return []
     place = ("elements", element.name)
@@ -181,7 +181,7 @@ def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:
 
 
 def negative_laws(element: Element, laws: Iterable[Law]) -> bool:
-    """Whether a law has a coefficient below zero that its element may not have."""
+    """Whether one of the element's laws has a coefficient below zero that the element may not have."""
     return any(
         law.inertia < 0 or law.stiffness < 0 or law.loss_factor < 0 or (law.damping < 0 and not element.may_feed)
         for law in laws

@@ -1,4 +1,4 @@
-"""Entry for a characteristic: rows of plain numbers, interpolated linearly over the first column."""
+"""Entry for a characteristic, rows of plain numbers interpolated linearly over the first column."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ from torsionnet.core.piecewise_linear import Rows
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Characteristic(NumberTable[Rows]):
-    """Entry for a function of an operating value: two rows or more, interpolated linearly between the rows."""
+    """Entry for a function of an operating value, given by rows of plain numbers.
+
+    There are two rows or more, interpolated linearly.
+    """
 
     is_read_off: ClassVar[bool] = True
 

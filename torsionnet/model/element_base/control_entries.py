@@ -1,4 +1,4 @@
-"""Entries of a controller: the sensed motion and the control law."""
+"""Entries of a controller for the motion that it senses and its control law."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from torsionnet.model.element_base.laws import GROUND
 from torsionnet.model.element_base.nodes import NodePair, read_node
 
 SENSED_QUANTITIES = ("angle", "velocity", "acceleration")
-"""Motions that a controller can sense; the index is the power of s over the angle."""
+"""Names of the motions that a controller can sense; the index is the power of s over the angle."""
 _FORMS = {
     GAIN: {"gain"},
     PID: {"p", "i", "d", "filter"},
@@ -27,26 +27,35 @@ _FORMS = {
 _NEEDED = {GAIN: {"gain"}, PID: set(), POLYNOMIALS: _FORMS[POLYNOMIALS], ROOTS: {"gain"}, MATRICES: set("ABC")}
 _WAYS = "a gain, {p, i, d, filter}, {numerator, denominator}, {zeros, poles, gain} or {A, B, C, D}"
 _MOST_COEFFICIENTS = 50
-"""Coefficients, roots or states of a law; more would only make polynomials that lose their digits."""
+"""Largest number of coefficients, roots or states of a control law, as more make polynomials that lose digits."""
 _LARGEST_COEFFICIENT = 10**40
-"""Limit of the coefficients of a control law: larger numbers are slips, and their products would overflow."""
+"""Largest coefficient of a control law, as larger numbers are slips and their products would overflow."""
 
 
 @dataclass(frozen=True)
 class SensedMotion:
-    """Motion that a controller senses: angle, velocity or acceleration of a node, or of a node relative to another."""
+    """Motion that a controller senses at a node, or between two nodes.
+
+    Angle, velocity or acceleration of a node, or of a node relative to another.
+    """
 
     quantity: str
     nodes: tuple[str, ...]
 
     @property
     def power(self) -> int:
-        """Power of s over the angle: 0 for an angle, 1 for a velocity, 2 for an acceleration."""
+        """Power of s over the angle that the sensed motion has.
+
+        0 for an angle, 1 for a velocity, 2 for an acceleration.
+        """
         return SENSED_QUANTITIES.index(self.quantity)
 
 
 class SensedEntry(Spec[SensedMotion]):
-    """Entry for a sensed motion: ``{velocity: node}``, or ``{velocity: [first, second]}`` for first minus second."""
+    """Entry for the motion that a controller senses.
+
+    ``{velocity: node}``, or ``{velocity: [first, second]}`` for first minus second.
+    """
 
     def coerce(self, raw: object) -> SensedMotion:
         if isinstance(raw, SensedMotion):
@@ -109,7 +118,10 @@ class OneOrTwoNodes(Spec[tuple[str, ...]]):
 
 
 class ControlLawEntry(Spec[ControlLaw]):
-    """Entry for a control law: gain, PID, polynomials, zeros and poles, state space, or a python-control object."""
+    """Entry for the control law of a controller in any of its forms.
+
+    Gain, PID, polynomials, zeros and poles, state space, or a python-control object.
+    """
 
     def coerce(self, raw: object) -> ControlLaw:
         if isinstance(raw, ControlLaw):
@@ -158,7 +170,7 @@ class ControlLawEntry(Spec[ControlLaw]):
 
 
 def law_expressions(law: ControlLaw, power: int) -> tuple[tuple[Path, Expression, str], ...]:
-    """(path, expression, dimension) of every coefficient of a law on the motion s^power theta.
+    """Path, expression and dimension of every coefficient of a control law on the motion s^power theta.
 
     The dimension is empty where the form of the law leaves it open.
     """
@@ -229,7 +241,7 @@ def _root(raw: Sequence[object]) -> tuple[Expression, ...]:
 
 
 def _matrices(raw: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
-    """State-space matrices A (n, n), B (n,), C (n,) and D from lists of any depth."""
+    """State-space matrices A (n, n), B (n,), C (n,) and D as entries by name, from lists of any depth."""
     A = tuple(_at("A", lambda row: tuple(map(_scalar, _listed(row))), row) for row in _listed(raw["A"]))
     B, C, D = (_flat(name, raw.get(name, 0)) for name in "BCD")
     if not A or any(len(row) != len(A) for row in A) or len(B) != len(A) or len(C) != len(A) or len(D) != 1:
@@ -264,7 +276,10 @@ def _plain(entry: Any) -> Any:
 
 
 def _from_control(raw: object) -> Any:
-    """Entries of a transfer function or state space of python-control or scipy; other objects unchanged."""
+    """Entries of a control law from a transfer function or state space of python-control or scipy.
+
+    Other objects unchanged.
+    """
     if getattr(raw, "dt", None) not in (None, 0) and not isinstance(raw, Mapping):
         raise EntryError("a law is continuous in time; this one has a sampling time; convert it first")
     if all(hasattr(raw, name) for name in "ABCD"):
@@ -276,7 +291,7 @@ def _from_control(raw: object) -> Any:
 
 
 def _only(part: Any) -> list[float]:
-    """Coefficients of a single transfer function from the 1 x 1 matrix of python-control."""
+    """Coefficients of a single transfer function, from the 1 x 1 matrix of python-control."""
     if getattr(part, "ndim", 1) == 2 or isinstance(part, list | tuple):
         if len(part) != 1 or len(part[0]) != 1:
             raise EntryError("a law senses one motion and makes one torque; this one has several")

@@ -1,4 +1,4 @@
-"""Control law: torque over sensed motion as a quotient of polynomials in s, in any algebra."""
+"""Control law, the torque over the sensed motion as a quotient of polynomials, in any algebra."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 from torsionnet.model.element_base.laws import Values
 
 Polynomial: TypeAlias = tuple[Any, ...]
-"""Coefficients of a polynomial, ascending in s."""
+"""Type of the coefficients of a polynomial, ascending in s."""
 GAIN, PID, POLYNOMIALS, ROOTS, MATRICES = "gain", "PID", "polynomials", "zeros and poles", "state space"
 
 
@@ -30,7 +30,7 @@ class ControlLaw:
     entries: tuple[tuple[str, Any], ...]
 
     def quotient(self, value: Values) -> tuple[Polynomial, Polynomial]:
-        """Numerator and denominator polynomials of H(s) in the algebra of ``value``."""
+        """Numerator and denominator of H(s), each as coefficients ascending in s, in the algebra of ``value``."""
         given = {name: _evaluated(one, value) for name, one in self.entries}
         if self.form == GAIN:
             return (given["gain"],), (1,)
@@ -49,7 +49,7 @@ def _evaluated(entry: Any, value: Values) -> Any:
 
 
 def _pid(given: dict[str, Any]) -> tuple[Polynomial, Polynomial]:
-    """Numerator and denominator of p + i/s + d s/(1 + T s), with T the time constant of the filter."""
+    """Numerator and denominator, ascending in s, of p + i/s + d s/(1 + T s), with T the filter's time constant."""
     lag: Polynomial = (1, given["filter"]) if "filter" in given else (1,)
     rate: Polynomial = (0, given["d"]) if "d" in given else ()
     if "i" not in given:
@@ -58,7 +58,10 @@ def _pid(given: dict[str, Any]) -> tuple[Polynomial, Polynomial]:
 
 
 def _with_roots(roots: Sequence[Any]) -> Polynomial:
-    """The monic polynomial of real roots and of pairs (re, im), each of which stands for re + j im and re - j im."""
+    """Coefficients of the monic polynomial of real roots and of pairs (re, im) of conjugate roots.
+
+    A pair stands for re + j im and re - j im.
+    """
     found: Polynomial = (1,)
     for root in roots:
         found = product(
@@ -68,7 +71,10 @@ def _with_roots(roots: Sequence[Any]) -> Polynomial:
 
 
 def _of_matrices(given: dict[str, Any]) -> tuple[Polynomial, Polynomial]:
-    """C (s I - A)^-1 B + D by the Faddeev-LeVerrier algorithm, which divides by whole numbers only."""
+    """Numerator and denominator, ascending in s, of the state space that four matrices give.
+
+    C (s I - A)^-1 B + D by the Faddeev-LeVerrier algorithm, which divides by whole numbers only.
+    """
     A, B, C, D = (given[name] for name in "ABCD")
     n, zero = len(A), 0 * D
     adjugate = [[zero + (1 if i == j else 0) for j in range(n)] for i in range(n)]
@@ -84,7 +90,7 @@ def _of_matrices(given: dict[str, Any]) -> tuple[Polynomial, Polynomial]:
 
 
 def product(first: Polynomial, second: Polynomial) -> Polynomial:
-    """Product of two polynomials.
+    """Coefficients, ascending in s, of the product of two polynomials.
 
     >>> product((1, 2), (3, 0, 1))
     (3, 6, 1, 2)
@@ -97,6 +103,6 @@ def product(first: Polynomial, second: Polynomial) -> Polynomial:
 
 
 def total(first: Polynomial, second: Polynomial) -> Polynomial:
-    """Sum of two polynomials."""
+    """Coefficients, ascending in s, of the sum of two polynomials."""
     longer, shorter = (first, second) if len(first) >= len(second) else (second, first)
     return tuple(a + b for a, b in zip(longer, shorter, strict=False)) + longer[len(shorter) :]

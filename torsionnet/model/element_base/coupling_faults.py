@@ -19,12 +19,12 @@ _READ_AT = {
     "temperature_factor": "temperature",
     "damping_temperature_factor": "temperature",
 }
-"""Entry with a curve -> entry with the operating value at which the curve is read."""
+"""Name of the entry with the operating value at which each curve of a coupling is read, by the curve's entry."""
 _OVER_FREQUENCY = ("frequency_factor", "loss_over_frequency")
 
 
 def given_curves(coupling: Any) -> list[tuple[str, str]]:
-    """(curve, operating value) as entry names of every curve that a coupling gives."""
+    """Entry name of every curve that a coupling gives, and of the operating value at which the curve is read."""
     return [(name, operating) for name, operating in _READ_AT.items() if getattr(coupling, name)]
 
 
@@ -93,12 +93,12 @@ def _damping_faults(coupling: Any) -> list[Fault]:
 
 
 def _loses(entry: Any) -> bool:
-    """Whether a loss factor is or, given by parameters, may be above zero."""
+    """Whether a loss factor is above zero, or may be, as parameters give it."""
     return entry is not None and bool(entry.names or loss_factor(entry, {}, RATIONAL) > 0)
 
 
 def _frequency_faults(coupling: Any) -> list[Fault]:
-    """Faults of a damping that laws over frequency cannot take.
+    """Faults of a coupling's damping that laws over frequency cannot take.
 
     Their loss is made of numbers: parameters in it would be without derivatives in fits.
     """

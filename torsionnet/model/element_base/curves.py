@@ -1,4 +1,4 @@
-"""Curves from makers' sheets: a value over torque, temperature or frequency, interpolated linearly."""
+"""Curves from makers' sheets, of a value over torque, temperature or frequency, interpolated linearly."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class LookupCurve(LookupTable):
     over: str
     dimension: str = "1"
     exclusive: bool = False
-    """Whether 0 is refused as a value; a curve over frequency begins above 0, too."""
+    """Whether the curve refuses 0 as a value; a curve over frequency begins above 0, too."""
     shown: str = "{20 degC: 1, 60 degC: 0.8}"
 
     @property
@@ -82,14 +82,16 @@ class LookupCurve(LookupTable):
 
 
 def is_share(key: Number) -> bool:
-    """Whether the first value of a row is a share: a number without unit, or a percentage."""
+    """Whether the first value of a curve's row is a share: a number without unit, or a percentage."""
     return key.unit_dimension in (None, DIMENSIONS["1"])
 
 
 def with_curve_ranges(
     found: Iterable[tuple[Path, Spec[object], Expression, str]], curves: Mapping[str, tuple[Rows, Fraction | float]]
 ) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
-    """Expressions of an element; operating values of a curve get a specification with the range of that curve.
+    """Expressions of an element, each with its path, specification and dimension, operating values with their range.
+
+    Operating values of a curve get a specification with the range of that curve.
 
     ``curves`` are the rows by the name of the entry, and the value that rows given as shares are shares of, else 1.
     """
@@ -104,13 +106,16 @@ def with_curve_ranges(
 
 @dataclass(frozen=True, eq=False, repr=False)
 class OnCurve(PhysicalQuantity):
-    """Specification of an operating value that has to lie within the rows of a curve."""
+    """Specification of an entry with an operating value that has to lie within the rows of a curve."""
 
     rows: Rows = ()
     share_of: Fraction | float = 1
 
     def curve_fault(self, value: Any) -> str | None:
-        """Message if a value in SI lies outside of the curve, else None; a curve from 0 on holds for both signs."""
+        """Message if an operating value in SI units lies outside of the curve, else None.
+
+        A curve from 0 on holds for both signs.
+        """
         first, last = (float(self.rows[place][0].value) * float(self.share_of) for place in (0, -1))
         slack = 1e-9 * abs(last)
         if first - slack <= (abs(value) if first >= 0 else value) <= last + slack:

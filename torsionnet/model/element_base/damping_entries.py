@@ -1,4 +1,4 @@
-"""Entries for damping: a viscous coefficient, a loss factor, or a measure of damping."""
+"""Entries for damping as a viscous coefficient, a loss factor, or another measure of damping."""
 
 from __future__ import annotations
 
@@ -111,7 +111,10 @@ class LossFactor(QuantityKind[Expression | DampingMeasure]):
 
 
 def loss_factor(entry: Expression | DampingMeasure | None, parameters: Mapping[str, Any], algebra: Algebra) -> Any:
-    """Loss factor eta of an entry that gives it directly or by a damping measure; 0 without an entry."""
+    """Dimensionless loss factor eta of an entry that gives it directly or by a measure of damping.
+
+    0 without an entry.
+    """
     if isinstance(entry, DampingMeasure):
         return entry.loss_factor(parameters, algebra)
     return 0 if entry is None else entry.evaluate(parameters, algebra)

@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 
 
 class DynamicStiffness(ABC):
-    """Dynamic stiffness kappa(omega) = k + j omega c in N m/rad of a law; subclasses are frozen dataclasses.
+    """Dynamic stiffness kappa(omega) = k + j omega c of a law in N m/rad, over omega in rad/s.
+
+    Subclasses are frozen dataclasses.
 
     Its ``coefficients`` are numbers in the algebra of the element that made it. Derivatives to parameters follow from
     ``slopes``, the derivatives to the coefficients.
@@ -38,41 +40,44 @@ class DynamicStiffness(ABC):
 
     @abstractmethod
     def kappa(self, omega: Floats) -> Complexes:
-        """Complex stiffness in N m/rad at omega >= 0 in rad/s; shape in = shape out."""
+        """Complex stiffness in N m/rad at omega >= 0 in rad/s, in the shape of ``omega``."""
 
     @abstractmethod
     def kappa_rate(self, omega: float) -> complex:
-        """Derivative of kappa to omega, N m s/rad."""
+        """Derivative of kappa to omega in N m s/rad, at omega in rad/s."""
 
     @property
     @abstractmethod
     def is_passive(self) -> bool:
-        """Whether the stiffness can only take energy out of a vibration."""
+        """Whether the dynamic stiffness can only take energy out of a vibration."""
 
     @property
     @abstractmethod
     def holds_at_rest(self) -> bool:
-        """Whether the stiffness resists a constant angle."""
+        """Whether the dynamic stiffness resists a constant angle."""
 
     @property
     def is_elastic(self) -> bool:
-        """Whether the law is a spring, even one whose stiffness vanishes at rest, and not an inertia only."""
+        """Whether the dynamic stiffness is a spring, even one that vanishes at rest, and not an inertia only."""
         return True
 
     def at(self, s: Complexes, omega: Floats) -> Complexes:
-        """Complex stiffness in N m/rad at s in rad/s of the upper half plane; by default kappa(omega)."""
+        """Complex stiffness in N m/rad at s in rad/s of the upper half plane, in the shape of ``s``.
+
+        By default kappa(omega).
+        """
         del s
         return self.kappa(omega)
 
     def rates(self, s: Complexes, omega: Floats) -> tuple[Complexes, Complexes]:
-        """Derivatives of ``at(s, omega)`` to s and to omega, N m s/rad."""
+        """Derivatives of the complex stiffness ``at(s, omega)`` to s and to omega, in N m s/rad."""
         import numpy as np
 
         followed = np.array([self.kappa_rate(one) for one in omega.tolist()], dtype=complex)
         return np.zeros_like(s), followed
 
     def slopes(self, s: Complexes, omega: Floats) -> Complexes:
-        """Derivatives of ``at(s, omega)`` to the coefficients, shape (n_coefficients, n_points)."""
+        """Derivatives of the complex stiffness to its coefficients, shape (n_coefficients, n_points)."""
         import numpy as np
 
         del omega
@@ -87,7 +92,7 @@ class DynamicStiffness(ABC):
 
     @property
     def is_continuous(self) -> bool:
-        """Whether the law stands for a continuous body with infinitely many modes."""
+        """Whether the dynamic stiffness stands for a continuous body with infinitely many modes."""
         return False
 
     def with_loss(self, share: float) -> DynamicStiffness:
@@ -96,17 +101,19 @@ class DynamicStiffness(ABC):
 
     @property
     def inertia_at_rest(self) -> float:
-        """Inertia J in kg m^2 of the low-frequency limit k - J omega^2."""
+        """Inertia J in kg m^2 of the limit k - J omega^2 of the dynamic stiffness at low frequency."""
         return 0.0
 
     def clamped_modes(self, omega: Floats) -> Floats:
-        """Number of internal modes below omega in rad/s with the ends of the law held."""
+        """Number of internal modes below omega in rad/s with both ends held, in the shape of ``omega``."""
         import numpy as np
 
         return np.zeros(np.shape(omega))
 
     def energy(self, s: complex) -> tuple[float, float, float]:
-        """Coefficients J, k and k'' of the kinetic, strain and dissipated energy of a vibration at s.
+        """Coefficients J, k and k'' (kg m^2, N m/rad) of the energies of a vibration at s.
+
+        Kinetic, strain and dissipated energy.
 
         These are J |s|^2 |gamma|^2, k |gamma|^2 and k'' |gamma|^2 but for a common factor; by default all that is
         stored is strain.
@@ -118,7 +125,7 @@ class DynamicStiffness(ABC):
 
     @property
     def label(self) -> str:
-        """Subscript of the law in symbols, where an element has several."""
+        """Subscript of the dynamic stiffness in symbols, where an element has several."""
         return ""
 
     def formula(self, omega: Any) -> Any:
@@ -128,7 +135,7 @@ class DynamicStiffness(ABC):
 
 @dataclass(frozen=True)
 class ComplexStiffness(DynamicStiffness):
-    """Hysteretic stiffness k (1 + j eta), constant over frequency."""
+    """Dynamic stiffness k (1 + j eta) of a hysteretic spring in N m/rad, constant over frequency."""
 
     value: complex
 
@@ -152,7 +159,7 @@ class ComplexStiffness(DynamicStiffness):
 
 @dataclass(frozen=True)
 class WithLoss(DynamicStiffness):
-    """Dynamic stiffness with the imaginary part of another reduced to a share."""
+    """Dynamic stiffness whose imaginary part is a share of that of another one."""
 
     of: DynamicStiffness
     share: float
@@ -180,7 +187,7 @@ class WithLoss(DynamicStiffness):
 
 @dataclass(frozen=True)
 class ScaledStiffness(DynamicStiffness):
-    """Dynamic stiffness multiplied by a factor, which may come from a parameter.
+    """Dynamic stiffness that is another one times a factor, which may come from a parameter.
 
     Examples
     --------

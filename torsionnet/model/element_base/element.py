@@ -33,10 +33,11 @@ if TYPE_CHECKING:
     from torsionnet.model.element_base.speed_path import SpeedPath
 
 ELEMENT_TYPES: TypeRegister[type[Element]] = TypeRegister("torsionnet.model.elements", ("springs", "rigid", "gears"))
-"""Register kind -> element class, in alphabetical order; a module is imported when its kind is first used."""
+"""Class of every element type, by the word in ``type:``, in alphabetical order; a module is imported when its kind is
+first used."""
 
 REFERRED = ("stiffness", "damping", "inertia")
-"""Dimensions of values that may be quoted at the speed of another shaft."""
+"""Names of the dimensions of values that may be quoted at the speed of another shaft."""
 
 E = TypeVar("E", bound="Element")
 
@@ -69,12 +70,12 @@ class Element(Declared):
     """
 
     kind: ClassVar[str] = ""
-    """Value of ``type:`` in a model file."""
+    """Word in ``type:`` of a model file that stands for the element type."""
     glyph: ClassVar[str] = ""
-    """Symbol in the schematic: disc, spring, damper, coupling, gear, planetary, differential, gearbox, belt,
-    clamp, shaft or pendulum."""
+    """Name of the element type's symbol in the schematic: disc, spring, damper, coupling, gear, planetary,
+    differential, gearbox, belt, clamp, shaft or pendulum."""
     sign: ClassVar[str] = "positive when it drives from the first node into the element"
-    """Meaning of a positive torque at the first port; at other ports it drives out of the element."""
+    """Meaning of a positive torque at the element's first port; at other ports it drives out of the element."""
     drives: ClassVar[bool] = False
     """Whether a positive torque at the first port drives out of the element, as that of a machine does."""
     may_feed: ClassVar[bool] = False
@@ -112,7 +113,10 @@ class Element(Declared):
             raise ModelError([fault.under("elements", str(self.name)) for fault in faults], f"element {self.name!r}")
 
     def _looked_up(self) -> list[Fault]:
-        """Fill entries that are not given from the catalogue file; return the faults. None counts as not given."""
+        """Fill entries that are not given from the element's catalogue file, and return the faults.
+
+        None counts as not given.
+        """
         from torsionnet.model.catalogues.catalogue import Catalogue
         from torsionnet.model.catalogues.catalogue_values import chosen_row, row_entries
 
@@ -131,7 +135,7 @@ class Element(Declared):
         return faults
 
     def _resized(self) -> list[Fault]:
-        """Take the catalogue row of another size, where a configuration names one; return the faults."""
+        """Take the catalogue row of another size, where a configuration names one, and return the faults."""
         from torsionnet.model.catalogues.catalogue import CatalogueRow
         from torsionnet.model.catalogues.catalogue_values import entries_of_other_size
 
@@ -169,7 +173,7 @@ class Element(Declared):
         return self.parts(value)[0].row
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """Rows whose motion is zero on average: through these the element transmits mean speeds."""
+        """Rows of node speeds whose weighted sum is zero on average, by which the element transmits speeds."""
         parts = self.parts(value)
         return tuple(
             part.row for part in parts if isinstance(part, Constraint) or (isinstance(part, Law) and part.is_elastic)
@@ -177,7 +181,10 @@ class Element(Declared):
 
     @property
     def ports(self) -> dict[str, str]:
-        """Node of each port by port name; the first port defines the sign of the torque."""
+        """Name of the node that each port of the element is attached to, by port name.
+
+        The first port defines the sign of the torque.
+        """
         ports: dict[str, str] = {}
         for name, spec in self._specs_of(NodePair, NodeName):
             nodes = getattr(self, name)
@@ -188,18 +195,21 @@ class Element(Declared):
         return ports
 
     def place_of(self, at: str | None) -> int:
-        """Index of a port that is given by its name or node; None is the first port."""
+        """Index of a port of the element that is given by its name or node; None is the first port."""
         return next((place for place, pair in enumerate(self.ports.items()) if at in pair), 0)
 
     def sign_at(self, at: str | None) -> str:
-        """Meaning of a positive torque at a port that is given by its name or node; None is the first port."""
+        """Meaning, as text, of a positive torque at a port that is given by its name or node.
+
+        None is the first port.
+        """
         place = self.place_of(at)
         node = list(self.ports.values())[place]
         return f"positive when it drives out of the element into {node}" if place else self.sign
 
     @property
     def diameters(self) -> tuple[Expression, Expression] | None:
-        """Outer and inner diameter of a round shaft, or None for an element without a stressed section."""
+        """Outer and inner diameter in m of a round shaft, or None for an element without a stressed section."""
         return None
 
     def at_own_speed(self, path: SpeedPath) -> Self:
@@ -264,11 +274,11 @@ class Element(Declared):
         return f"{type(self).__name__}({self.name!r}{given})"
 
     def scalars(self) -> dict[str, tuple[Spec[object], Any]]:
-        """Specification and value of every entry that is given, by field name."""
+        """Specification and value of every entry that the element gives, by field name."""
         return {name: (spec, value) for name, spec in self.specs() if (value := getattr(self, name)) is not None}
 
     def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
-        """(path, specification, expression, dimension name) of every expression in the entries of the element."""
+        """Path, specification, expression and dimension name of every expression in the element's entries."""
         for name, spec in self._specs_of(QuantityKind, MultipleValues):
             value = getattr(self, name)
             if value is not None:
@@ -290,7 +300,7 @@ class Element(Declared):
 
     @classmethod
     def schema(cls, *, type_key: str = "") -> Schema:
-        """JSON Schema of the element's entries; a catalogue may give the required ones."""
+        """JSON Schema of the element's entries in a model file; a catalogue may give the required ones."""
         schema: dict[str, Any] = dict(super().schema(type_key=type_key))
         from_row = [name for name in schema["required"] if name != type_key]
         lone = {"not": {"required": [CATALOGUE]}}
@@ -303,7 +313,7 @@ def make_element(kind: str, name: str, data: Mapping[str, Any]) -> Element:
 
 
 def viscous(damping: Any, stiffness: Any, value: Values) -> Any:
-    """Viscous coefficient in N m s/rad of a damping entry that gives it directly or by a measure of the stiffness."""
+    """Viscous coefficient in N m s/rad of a damping entry, given directly or by a measure of the stiffness."""
     if isinstance(damping, DampingMeasure):
         return damping.viscous(stiffness, value.parameters, value.algebra)
     return 0 if damping is None else value(damping)

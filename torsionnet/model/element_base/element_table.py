@@ -16,7 +16,7 @@ FORM = "{name: {type: inertia, node: ..., inertia: ...}, ...}"
 
 
 class ElementTable(Named[Element]):
-    """Entry for elements by name; an element gets its name, which messages on the element contain."""
+    """Entry for the elements of a model by name; an element gets its name, which messages on the element contain."""
 
     @property
     def example(self) -> str:
@@ -83,5 +83,5 @@ def _kind_fault(kind: Any) -> Fault:
 
 
 def element_kinds() -> Mapping[str, type[Element]]:
-    """Registered element classes by kind."""
+    """Class of every registered element type, by the word in ``type:``."""
     return ELEMENT_TYPES

@@ -9,7 +9,7 @@ from torsionnet.model.element_base.sampled_stiffness import SampledStiffness
 
 
 def stiffness_from_curves(stiffness: float, factor: Rows, loss: Rows, loss_factor: float = 0.0) -> SampledStiffness:
-    """Sampled dynamic stiffness k factor(f) (1 + j eta(f)) in N m/rad.
+    """Dynamic stiffness k factor(f) (1 + j eta(f)) in N m/rad, sampled at the frequencies of the curves.
 
     Without rows in ``loss`` eta is ``loss_factor`` everywhere, without rows in ``factor`` the factor is 1.
 
@@ -28,7 +28,7 @@ def stiffness_from_curves(stiffness: float, factor: Rows, loss: Rows, loss_facto
 
 
 def _read(rows: Rows, frequency: float, otherwise: float) -> float:
-    """Value of a curve at a frequency, interpolated as a power of the frequency between the rows."""
+    """Value of a curve at a frequency in Hz, interpolated as a power of the frequency between its rows."""
     import numpy as np
 
     if not rows:

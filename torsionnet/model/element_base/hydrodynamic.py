@@ -1,4 +1,4 @@
-"""Base of fluid couplings and torque converters: pump torque over speed ratio, linearised."""
+"""Base of fluid couplings and torque converters, with pump torque over speed ratio, linearised."""
 
 from __future__ import annotations
 
@@ -19,19 +19,22 @@ from torsionnet.model.element_base.laws import GROUND, Action, Law, Part, Row, V
 from torsionnet.model.element_base.nodes import NodeName
 
 SPEED_RATIO_COLUMN = RowColumn("speed ratio")
-"""First column of tables over the speed ratio."""
+"""Specification of the first column in tables over the speed ratio of a fluid coupling or torque converter."""
 _FORMS = {"pump_torque": ("test_speed",), "performance": ("diameter",), "k_factor": ()}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Hydrodynamic(Element):
-    """Base class of hydrodynamic elements: pump torque T_p = C(nu) omega_p^2 with nu = omega_t / omega_p."""
+    """Base class of fluid couplings and torque converters.
+
+    Pump torque T_p = C(nu) omega_p^2 with nu = omega_t / omega_p.
+    """
 
     glyph: ClassVar[str] = "hydrodynamic"
     sign: ClassVar[str] = "positive when the drivetrain drives the pump in the positive sense"
     may_feed: ClassVar[bool] = True
     more_tables: ClassVar[tuple[str, ...]] = ()
-    """Entry names of further tables over the speed ratio."""
+    """Names of the entries with further tables over the speed ratio."""
 
     pump: str = entry(NodeName("the node of the pump", allow_ground=False))
     turbine: str = entry(NodeName("the node of the turbine", allow_ground=False))
@@ -92,7 +95,10 @@ class Hydrodynamic(Element):
         return [Fault(f"{text} in {name}; speed_ratio is {given:g}", ("speed_ratio",))] if text else []
 
     def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
-        """Expressions of the element; the speed ratio has to lie within every table over it."""
+        """Path, specification, expression and dimension of every expression in the element's entries.
+
+        The speed ratio has to lie within every table over it.
+        """
         tables = [self._capacity_table, *(getattr(self, name) for name in self.more_tables)]
         first, last = max((table[0] for table in tables), key=_ratio), min((table[-1] for table in tables), key=_ratio)
         yield from with_curve_ranges(super().expressions(), {"speed_ratio": ((first, last), 1)})
@@ -112,7 +118,7 @@ class Hydrodynamic(Element):
         return difference(self.pump, self.turbine)
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """Row that couples pump and turbine at the speed ratio of the operating point."""
+        """Row of node speeds that couples pump and turbine at the speed ratio of the operating point."""
         ratio = value(self.speed_ratio)
         return (make_row([(self.turbine, 1), (self.pump, -ratio), (self.housing, ratio - 1)]),)
 

@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
 
 GROUND = "ground"
-"""Name of the node whose angle is zero; its coefficient drops out of every row."""
+"""Name of the node that never moves, whose angle is zero; its coefficient drops out of every row."""
 
 Row: TypeAlias = dict[str, Any]
-"""Sparse map from node to coefficient: weights of node angles."""
+"""Type of a row, the weight of every node's angle in a sum, by node."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Law:
 
     @property
     def holds_at_rest(self) -> bool:
-        """Whether the law resists a constant gamma."""
+        """Whether the law makes a torque against a constant angle gamma."""
         return bool(self.stiffness != 0) or (self.table is not None and self.table.holds_at_rest)
 
     @property
@@ -57,14 +57,17 @@ class Law:
 
 @dataclass(frozen=True)
 class Constraint:
-    """Rigid condition gamma = 0; its multiplier is the torque that the constraint carries."""
+    """Rigid condition that a row's weighted sum of node angles is zero.
+
+    Its multiplier is the torque that the constraint carries.
+    """
 
     row: Row
 
 
 @dataclass(frozen=True)
 class Action:
-    """Torque kappa(s) gamma_sensed on one row by the motion of another row; a positive torque drives.
+    """Torque in N m on one row of nodes, kappa(s) times the motion of another row of nodes; a positive torque drives.
 
     kappa(s) = (n_0 + n_1 s + ...)/(d_0 + d_1 s + ...) e^(-s delay) in N m/rad, ``numerator`` and ``denominator``
     ascending in s, ``delay`` in s. A law that opposes its own motion is a :class:`Law`; an action need not be passive,
@@ -84,7 +87,7 @@ class Action:
 
     @property
     def acts_at_rest(self) -> bool:
-        """Whether a constant sensed angle makes a torque."""
+        """Whether a constant sensed angle makes the action give a torque."""
         above, below = (
             next((power for power, value in enumerate(part) if value != 0), len(part))
             for part in (self.numerator, self.denominator)
@@ -96,7 +99,10 @@ Part: TypeAlias = Law | Constraint | Action
 
 
 def make_row(entries: Iterable[tuple[str, Any]]) -> Row:
-    """Row from (node, coefficient) pairs; coefficients of one node are added, ground and exact zeros drop out."""
+    """Weight of every node's angle, by node, from pairs (node, weight).
+
+    Coefficients of one node are added, ground and exact zeros drop out.
+    """
     row: Row = {}
     for node, coefficient in entries:
         if node != GROUND:
@@ -105,13 +111,13 @@ def make_row(entries: Iterable[tuple[str, Any]]) -> Row:
 
 
 def difference(first: str, second: str) -> Row:
-    """Row of the twist theta_first - theta_second."""
+    """Weights 1 and -1 of two nodes' angles, which make the twist theta_first - theta_second."""
     return make_row([(first, 1), (second, -1)])
 
 
 @dataclass(frozen=True)
 class Values:
-    """Evaluator of an element's expressions in one algebra: exact rationals, floats or sympy."""
+    """Evaluator of an element's expressions in SI units in one algebra: exact rationals, floats or sympy."""
 
     parameters: Mapping[str, Any]
     algebra: Algebra = RATIONAL
@@ -122,7 +128,7 @@ class Values:
         return scalar.evaluate(self.parameters, self.algebra)
 
     def root(self, square: Any, reason: str) -> Any:
-        """Square root, or an ArithmeticError with ``reason`` if the square is below zero."""
+        """Square root in the algebra of the values, or an ArithmeticError with ``reason`` if it does not exist."""
         try:
             return self.algebra.sqrt(square)
         except ArithmeticError:

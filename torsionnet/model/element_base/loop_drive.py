@@ -1,4 +1,4 @@
-"""Base of belts and chains: a loop over wheels, rigid or with elastic spans."""
+"""Base of belts and chains, a loop over wheels that is rigid or has elastic spans."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class LoopDrive(Element):
     glyph: ClassVar[str] = "belt"
     sign: ClassVar[str] = "positive when the first wheel drives the loop in the positive sense"
     wheels_field: ClassVar[str] = ""
-    """Name of the entry with the radii or teeth of the wheels by node."""
+    """Name of the entry with the radii or teeth of the wheels by node, in the class of a drive."""
 
     stiffness: tuple[Expression, ...] = entry(SPANS, None, kw_only=True)
     axial_stiffness: Expression | None = entry(
@@ -74,7 +74,7 @@ class LoopDrive(Element):
 
     @property
     def wheels(self) -> tuple[str, ...]:
-        """Nodes of the wheels in the order in which the loop runs over them."""
+        """Names of the wheels' nodes in the order in which the loop runs over them."""
         return tuple(node for node, _ in getattr(self, self.wheels_field))
 
     @property
@@ -125,7 +125,7 @@ class LoopDrive(Element):
         raise NotImplementedError
 
     def first_radius(self, value: Values) -> Any:
-        """Radius in m of the first wheel."""
+        """Radius in m of the first wheel of the belt or chain drive."""
         raise NotImplementedError
 
     def parts(self, value: Values) -> tuple[Part, ...]:
@@ -150,11 +150,11 @@ class LoopDrive(Element):
         return [value(self.axial_stiffness) / value(length) for length in self.lengths]
 
     def _by_arm(self, one: str, other: str, radius: Any, value: Values) -> list[tuple[str, Any]]:
-        """(arm node, coefficient) by which the tensioner arm shortens a span, over the radius of the first wheel."""
+        """Arm node, and coefficient by which the tensioner arm shortens a span over the first wheel's radius."""
         levers = zip((other, one), self.levers, strict=False)
         return [(not_none(self.arm), -value(lever) / radius) for end, lever in levers if end == self.tensioner]
 
     def _row(self, ends: Ends) -> Any:
-        """Row of the given ends relative to the housing, which carries wheels and arm."""
+        """Row of weights of the given ends relative to the housing, which carries wheels and arm."""
         carried = [] if self.housing is None else [(self.housing, -sum(coefficient for _, coefficient in ends))]
         return make_row([*ends, *carried])

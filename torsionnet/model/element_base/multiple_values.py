@@ -8,7 +8,7 @@ from typing import Generic, TypeVar
 from torsionnet.core.entries.spec import EntryError, Plural, Spec, Stored_co
 
 One_co = TypeVar("One_co", covariant=True)
-"""Type in which a single value is stored."""
+"""Type variable of the form in which a single value is stored."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -17,7 +17,7 @@ class MultipleValues(Plural[tuple[Stored_co, ...]], Generic[Stored_co, One_co]):
 
     of: Spec[One_co]
     example_text: str
-    """Example of the entry for messages."""
+    """Example of the entry for messages that it is missing or wrong."""
     fewest: int = 2
 
     @property

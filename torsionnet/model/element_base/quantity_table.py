@@ -1,4 +1,4 @@
-"""Entries with several values of one kind: ratios by gear, radii by node, stiffnesses of the spans of a belt."""
+"""Entries with several values of one kind, as ratios by gear, radii by node, stiffnesses of spans."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class TableByName(MultipleValues[tuple[str, One_co], One_co]):
     """Entry for values by name, as ``{I: 3.77, II: 1.96}``, stored as pairs."""
 
     names: tuple[str, ...] = ("I", "II")
-    """Names that examples in messages use."""
+    """Names of rows that examples in messages use."""
 
     def coerce(self, raw: object) -> tuple[tuple[str, One_co], ...]:
         if raw == self.absent:
@@ -106,7 +106,7 @@ class ListOf(MultipleValues[One_co, One_co]):
 
 
 def _pairs(raw: object) -> Collection[tuple[Any, Any]] | None:
-    """Pairs of a mapping or of a tuple of pairs; None for any other object."""
+    """Pairs of key and value from a mapping or from a tuple of pairs; None for any other object."""
     if isinstance(raw, Mapping):
         return raw.items()
     stored = isinstance(raw, tuple) and all(isinstance(pair, tuple) and len(pair) == 2 for pair in raw)

@@ -13,7 +13,10 @@ if TYPE_CHECKING:
 
 
 def section_faults(element: Any) -> list[Fault]:
-    """Faults of the outer and inner diameter of an element; a spring may leave out both."""
+    """Faults of an element's outer and inner diameter that contradict each other or are missing.
+
+    A spring may leave out both.
+    """
     inner, outer = element.inner_diameter, element.outer_diameter
     if outer is None:
         return [] if inner == Number(0) else [Fault("inner_diameter needs outer_diameter too", ("inner_diameter",))]
@@ -30,7 +33,7 @@ def section_fault(element: Element) -> str | None:
 
 
 def section_modulus(element: Element, value: Values) -> Any:
-    """Polar section modulus in m^3 of a shaft, solid or hollow.
+    """Polar section modulus in m^3 of a round shaft, solid or hollow.
 
     Raises
     ------

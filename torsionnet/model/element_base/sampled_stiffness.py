@@ -35,7 +35,7 @@ class SampledStiffness(StiffnessTable):
         return cls(tuple(map(float, frequencies)), tuple(map(float, storage)), damping)
 
     def kappa(self, omega: NDArray[np.float64]) -> NDArray[np.complex128]:
-        """Complex stiffness in N m/rad at omega >= 0 in rad/s."""
+        """Complex stiffness in N m/rad at omega >= 0 in rad/s, in the shape of ``omega``."""
         import numpy as np
 
         omega = np.asarray(omega, dtype=float)
@@ -47,7 +47,10 @@ class SampledStiffness(StiffnessTable):
         return np.asarray(storage + 1j * loss)
 
     def kappa_rate(self, omega: float) -> complex:
-        """Derivative of kappa to omega, N m s/rad; at a row, the derivative of the piece above it."""
+        """Derivative of kappa to omega in N m s/rad, at omega in rad/s.
+
+        At a row, the derivative of the piece above it.
+        """
         import numpy as np
 
         f = omega / math.tau

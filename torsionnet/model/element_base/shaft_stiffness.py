@@ -22,14 +22,14 @@ if TYPE_CHECKING:
     from torsionnet.model.element_base.dynamic_stiffness import Complexes, Floats
 
 SERIES_ARGUMENT = 0.1
-"""|x| below which slopes come from a power series, in which nothing cancels as in the difference of sines."""
+"""Size of the shaft's argument x below which slopes come from a power series, as differences of sines would cancel."""
 DECAYED_ARGUMENT = 300.0
-"""|Im x| above which x / sin x is taken as zero: e^-300 of a torque passes, and sin^2 would overflow."""
+"""Size of Im x above which x / sin x counts as zero, as sin^2 would overflow and e^-300 of a torque passes."""
 
 
 @dataclass(frozen=True)
 class ShaftStiffness(DynamicStiffness):
-    """Base class of the two laws of a shaft with total stiffness k, total inertia J and loss factor eta."""
+    """Base class of both dynamic stiffnesses of a shaft with stiffness k, inertia J and loss factor eta."""
 
     stiffness: Any
     inertia: Any
@@ -87,7 +87,7 @@ class ShaftStiffness(DynamicStiffness):
         return np.array([softer * K / k, -(s**2) * slope, 1j * (np.asarray(omega) > 0) * k * softer])
 
     def _argument(self, s: Complexes, omega: Floats) -> tuple[Complexes, Complexes]:
-        """Complex stiffness K in N m/rad and dimensionless argument x with Re x >= 0."""
+        """Complex stiffness K in N m/rad and dimensionless argument x of a shaft, Re x >= 0, in the shape of ``s``."""
         import numpy as np
 
         lossy = np.asarray(omega) > 0
@@ -96,12 +96,12 @@ class ShaftStiffness(DynamicStiffness):
 
     @staticmethod
     def _value(x: Complexes) -> Complexes:
-        """Dynamic stiffness over K as a function of x."""
+        """Dynamic stiffness of a shaft over K, dimensionless, as a function of x."""
         raise NotImplementedError
 
     @staticmethod
     def _slope(x: Complexes) -> Complexes:
-        """Derivative of the dynamic stiffness over K to x^2."""
+        """Derivative to x^2 of the shaft's dynamic stiffness over K, dimensionless."""
         raise NotImplementedError
 
     def _forms(self, s: complex) -> tuple[float, float, float, float]:
@@ -122,7 +122,7 @@ class ShaftStiffness(DynamicStiffness):
 
     @staticmethod
     def _in_functions(x: Any, functions: Any) -> Any:
-        """Dynamic stiffness over K by the sine and tangent of a library."""
+        """Dynamic stiffness of a shaft over its complex stiffness K, by the sine and tangent of a library."""
         raise NotImplementedError
 
     @property
@@ -132,7 +132,7 @@ class ShaftStiffness(DynamicStiffness):
 
 @dataclass(frozen=True)
 class ShaftTwist(ShaftStiffness):
-    """Law K x / sin x between the ends of a shaft."""
+    """Dynamic stiffness K x / sin x in N m/rad between the ends of a shaft."""
 
     @property
     def holds_at_rest(self) -> bool:
@@ -179,7 +179,10 @@ class ShaftTwist(ShaftStiffness):
 
 @dataclass(frozen=True)
 class ShaftEnd(ShaftStiffness):
-    """Law -K x tan(x/2) from an end of a shaft to ground: the inertia of half the deforming shaft."""
+    """Dynamic stiffness -K x tan(x/2) in N m/rad from an end of a shaft to ground.
+
+    The inertia of half the deforming shaft.
+    """
 
     @property
     def holds_at_rest(self) -> bool:
@@ -220,7 +223,7 @@ class ShaftEnd(ShaftStiffness):
 
 
 def quadratic_forms(x: complex) -> tuple[float, float, float, float]:
-    """Coefficients (a, b, c, d) of the mean squares of angle and twist along a shaft, in the angles of its ends.
+    """Coefficients (a, b, c, d), without unit, of mean squares of angle and twist along a shaft in its end angles.
 
     The mean of |theta|^2 over the length is a (|theta_1|^2 + |theta_2|^2) + 2 b Re(theta_1 theta_2*), and that of
     |dtheta/dxi|^2 the same with c and d.

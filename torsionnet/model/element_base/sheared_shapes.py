@@ -30,7 +30,7 @@ class ShearedShape(Declared):
 
     @property
     def factor(self) -> float:
-        """Torsional stiffness over shear modulus, m^3."""
+        """Torsional stiffness of the shape over its shear modulus, in m^3."""
         raise NotImplementedError
 
 

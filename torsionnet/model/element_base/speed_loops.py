@@ -8,7 +8,7 @@ from torsionnet.model.element_base.laws import Values
 from torsionnet.model.element_base.speed_path import SpeedTree
 
 SAME_RATIO_RTOL = 1e-9
-"""Relative difference of two ratios up to which they are equal but for rounding, as ratios of teeth are."""
+"""Relative difference of two speed ratios up to which they count as equal but for rounding."""
 
 
 def second_ratio(tree: SpeedTree, start: str, value: Values) -> Any | None:
@@ -32,7 +32,7 @@ def second_ratio(tree: SpeedTree, start: str, value: Values) -> Any | None:
 
 
 def _way(tree: SpeedTree, node: str) -> set[str]:
-    """Nodes on the way from a node to the end of the tree, the end left out."""
+    """Nodes on the way from a node to the end of a speed tree, the end left out."""
     found = set[str]()
     step = tree.steps[node]
     while step is not None:

@@ -38,7 +38,7 @@ class SpeedTransmitter(Protocol):
 
 @dataclass(frozen=True)
 class SpeedStep:
-    """Step of a speed path from one node to the next, by a mean-speed row of an element.
+    """Step of a speed path from one node to the next, by a row of node speeds that an element gives.
 
     ``alike`` says that all nodes of the row turn at one speed, as those of an open differential.
     """
@@ -50,7 +50,7 @@ class SpeedStep:
     alike: bool = False
 
     def ratio(self, value: Values) -> Any:
-        """Speed of the end node over that of the start node."""
+        """Speed of the step's end node over that of its start node, in the algebra of ``value``."""
         if self.alike:
             return Fraction(1)
         row = self.element.mean_speed_rows(value)[self.row]
@@ -59,19 +59,22 @@ class SpeedStep:
 
 @dataclass(frozen=True)
 class SpeedPath:
-    """Steps from a shaft to the shaft that values are referred to; steps whose ratio is always 1 are left out."""
+    """Steps, each with a mean speed ratio, from a shaft to the shaft that values are referred to.
+
+    Steps whose ratio is always 1 are left out.
+    """
 
     steps: tuple[SpeedStep, ...]
 
     def ratio(self, value: Values) -> Any:
-        """Speed of the shaft at the end over that at the start, in the algebra of ``value``."""
+        """Speed of the path's last shaft over that of its first, in the algebra of ``value``."""
         total: Any = Fraction(1)
         for step in self.steps:
             total = step.ratio(value) * total
         return total
 
     def actual(self, parts: Iterable[Part], value: Values) -> tuple[Part, ...]:
-        """Laws converted from the shaft at the end, where their values are quoted, to the shaft at the start."""
+        """Laws converted from the speed of the path's last shaft, where they are quoted, to that of the first."""
         if not self.steps:
             return tuple(parts)
         factor = self.ratio(value) ** 2
@@ -84,7 +87,7 @@ class SpeedPath:
 
 @dataclass(frozen=True)
 class _ActualParts:
-    """Laws of an element converted to its own shaft; constraints are unchanged."""
+    """Laws of an element converted from the shaft where they are quoted to its own shaft; constraints are unchanged."""
 
     quoted: SpeedTransmitter
     path: SpeedPath
@@ -104,14 +107,14 @@ def _scaled(law: Law, factor: Any) -> Law:
 
 @dataclass(frozen=True)
 class _Held:
-    """Mean-speed row of an element: its motion is zero on average."""
+    """Row of node speeds that an element makes zero on average."""
 
     element: SpeedTransmitter
     number: int
     row: Row
 
     def leads(self, start: str, still: set[str]) -> Iterator[str]:
-        """Nodes of the row whose speed follows from that of ``start``."""
+        """Nodes of the row whose mean speed follows from that of ``start``."""
         if start in self.row:
             moving = [node for node in self.row if node not in still]
             if start in moving and (len(moving) == 2 or self.is_alike(still)):
@@ -124,13 +127,13 @@ class _Held:
 
     @property
     def is_unity(self) -> bool:
-        """Whether both nodes always turn at one speed: the coefficients are 1 and -1 whatever the values."""
+        """Whether both nodes of the row always turn at one speed: the coefficients are 1 and -1 whatever the values."""
         return len(self.row) == 2 and all(type(a) is int for a in self.row.values()) and sum(self.row.values()) == 0
 
 
 @dataclass(frozen=True)
 class SpeedTree:
-    """Next step towards an end node, by node, over rows in which all other nodes stand still.
+    """Next step towards an end node from every node, over rows in which all other nodes stand still.
 
     ``closing`` are the steps of the rows that close loops, each in both directions.
     """
@@ -140,7 +143,7 @@ class SpeedTree:
 
 
 class SpeedPaths:
-    """Speed paths between shafts through a sequence of elements, in one algebra."""
+    """Finder of speed paths between shafts through a sequence of elements, in one algebra."""
 
     def __init__(self, elements: Sequence[SpeedTransmitter], value: Values) -> None:
         self.elements: Sequence[SpeedTransmitter] = elements
@@ -148,7 +151,7 @@ class SpeedPaths:
         self._trees: dict[str, SpeedTree] = {}
 
     def between(self, start: str, end: str) -> SpeedPath | None:
-        """Speed path from one node to another, or None without a connection."""
+        """Speed path from one node to another, or None where no connection exists."""
         tree = self.tree(start, end).steps
         if start not in tree:
             return None
@@ -164,7 +167,10 @@ class SpeedPaths:
         return SpeedPath(tuple(steps))
 
     def tree(self, start: str, end: str) -> SpeedTree:
-        """Steps from all connected nodes to the node ``end``; ``start`` is included if any way leads there."""
+        """Next steps from all connected nodes towards the node ``end``.
+
+        ``start`` is included if any way leads there.
+        """
         if end not in self._trees:
             self._trees[end] = self._tree(end, ())
         tree = self._trees[end]
@@ -225,5 +231,5 @@ class SpeedPaths:
 
 
 def own_node(ports: Mapping[str, str]) -> str:
-    """Node whose shaft the values of an element belong to: its first node that is not ground."""
+    """Node of an element, the first but ground, to whose shaft its values belong."""
     return next((node for node in ports.values() if node != GROUND), GROUND)

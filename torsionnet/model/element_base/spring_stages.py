@@ -16,7 +16,7 @@ from torsionnet.core.units import DIMENSIONS
 
 
 class StageEnd(Spec[Number]):
-    """Entry for the end of a stage: a torque or an angle, distinguished by the unit."""
+    """Entry for the torque or angle at which a stage of a spring ends; the unit tells them apart."""
 
     def coerce(self, raw: object) -> Number:
         end = read_value(raw)
@@ -50,7 +50,10 @@ class SpringStage(Declared):
 
 
 class SpringStages(Composite[tuple[SpringStage, ...]], Plural[tuple[SpringStage, ...]]):
-    """Entry for stages, as ``[{stiffness: 6 N*m/deg, to: 120 N*m}, {stiffness: 14 N*m/deg}]``, from zero torque on."""
+    """Entry for the stages of a spring from zero torque on.
+
+    ``[{stiffness: 6 N*m/deg, to: 120 N*m}, {stiffness: 14 N*m/deg}]``.
+    """
 
     is_read_off: ClassVar[bool] = True
 
@@ -97,7 +100,7 @@ class SpringStages(Composite[tuple[SpringStage, ...]], Plural[tuple[SpringStage,
 
 
 def stage_torques(stages: tuple[SpringStage, ...]) -> list[float | None]:
-    """Torque in N m where each stage ends.
+    """Torque in N m where each stage of a spring ends, None where a stage has no end.
 
     >>> stage_torques((SpringStage(300, "0.5 rad"), SpringStage(1000, "250 N*m"), SpringStage(2000)))
     [150.0, 250.0, None]
@@ -118,7 +121,7 @@ def stage_torques(stages: tuple[SpringStage, ...]) -> list[float | None]:
 
 
 def stage_at(stages: tuple[SpringStage, ...], torque: Any) -> SpringStage | None:
-    """Stage in force at a mean torque in N m of either sign; None beyond the end of the last stage.
+    """Stage of a spring in force at a mean torque in N m of either sign; None beyond the end of the last stage.
 
     >>> stage_at((SpringStage(300, "100 N*m"), SpringStage(1000)), -150).stiffness
     1000.0
@@ -128,6 +131,9 @@ def stage_at(stages: tuple[SpringStage, ...], torque: Any) -> SpringStage | None
 
 
 def stage_range(stages: tuple[SpringStage, ...]) -> Rows:
-    """Range of mean torques in N m that the stages cover, as two rows; empty if the last stage has no end."""
+    """Range of mean torques in N m that the stages of a spring cover, as two rows.
+
+    Empty if the last stage has no end.
+    """
     last = stage_torques(stages)[-1] if stages else None
     return () if last is None else ((Number(0),), (Number(last),))

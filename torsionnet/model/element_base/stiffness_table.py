@@ -33,7 +33,7 @@ class StiffnessTable(DynamicStiffness):
     damping: tuple[float, ...]
 
     def kappa(self, omega: NDArray[np.float64]) -> NDArray[np.complex128]:
-        """Complex stiffness in N m/rad at omega >= 0 in rad/s."""
+        """Complex stiffness in N m/rad at omega >= 0 in rad/s, in the shape of ``omega``."""
         import numpy as np
 
         frequency = np.asarray(omega, dtype=float) / (2 * np.pi)
@@ -42,7 +42,7 @@ class StiffnessTable(DynamicStiffness):
         return np.asarray(k + 1j * np.asarray(omega) * c)
 
     def kappa_rate(self, omega: float) -> complex:
-        """Derivative of kappa to omega, N m s/rad; at a row, the derivative of the piece above it.
+        """Derivative of kappa to omega in N m s/rad, at omega in rad/s; at a row, the derivative of the piece above it.
 
         >>> StiffnessTable((1.0, 3.0), (300.0, 500.0), (2.0, 2.0)).kappa_rate(0.0)
         2j

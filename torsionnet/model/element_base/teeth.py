@@ -9,11 +9,14 @@ from typing import Any
 from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec
 
 MOST_TEETH = 1_000_000
-"""Largest teeth count, far above any gear: a larger number is a slip or a ratio, which has an entry of its own."""
+"""Largest teeth count of a gear, as a larger number is a slip or a ratio, which has an entry of its own."""
 
 
 class Teeth(Spec[tuple[int, int]]):
-    """Entry for two teeth counts; one negative count marks opposite senses of rotation (an external mesh)."""
+    """Entry for the teeth counts of a gear pair.
+
+    One negative count marks opposite senses of rotation (an external mesh).
+    """
 
     def coerce(self, raw: object) -> tuple[int, int]:
         if isinstance(raw, str) or not isinstance(raw, Sequence) or len(raw) != 2:

@@ -1,4 +1,4 @@
-"""Viscoelastic materials, as rubber and silicone: shear moduli over frequency and temperature."""
+"""Viscoelastic materials, as rubber and silicone, by shear moduli over frequency and temperature."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from torsionnet.model.element_base.curves import LookupCurve, Temperature
 from torsionnet.model.element_base.sampled_stiffness import SampledStiffness
 
 Moduli = tuple[tuple[float, float, float], ...]
-"""Rows of frequency in Hz, storage and loss modulus in Pa."""
+"""Type of rows of frequency in Hz, and of storage and loss modulus in Pa."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -92,11 +92,11 @@ class Viscoelastic(Declared):
 
     @property
     def _reference(self) -> float:
-        """Reference temperature T_0 in K."""
+        """Reference temperature T_0 of the material in kelvin."""
         return float(not_none(self.reference_temperature).evaluate({}))
 
     def temperature_fault(self, temperature: float) -> str | None:
-        """Message if the moduli are not known at a temperature in K, else None."""
+        """Message if the material's moduli are not known at a temperature in K, else None."""
         if self.shift:
             first, last = (self.shift[place][0] for place in (0, -1))
             beyond = not float(first.value) - 1e-9 <= temperature <= float(last.value) + 1e-9
@@ -108,7 +108,7 @@ class Viscoelastic(Declared):
         return None
 
     def shift_factor(self, temperature: float) -> float:
-        """Shift factor a_T at a temperature in K."""
+        """Dimensionless factor a_T by which a temperature in kelvin shifts the frequencies of the moduli."""
         if not self.is_shifted:
             return 1.0
         if not self.shift:
@@ -120,7 +120,10 @@ class Viscoelastic(Declared):
         return math.exp(float(np.interp(temperature, keys, logs)))
 
     def stiffness(self, shape: float, temperature: float | None) -> SampledStiffness:
-        """Dynamic stiffness of a shape with k = ``shape`` G (m^3) at a temperature in K; None: the reference."""
+        """Dynamic stiffness in N m/rad of a shape with k = ``shape`` G, ``shape`` in m^3, at a temperature in kelvin.
+
+        None is the reference.
+        """
         shift = 1.0 if temperature is None else self.shift_factor(temperature)
         return SampledStiffness.of(
             *zip(*((f / shift, shape * storage, shape * loss) for f, storage, loss in self.moduli), strict=True)

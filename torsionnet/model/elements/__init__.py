@@ -1,4 +1,4 @@
-"""Element types: one class holds ports, parameters and laws of one type.
+"""Element types, one class each with its ports, parameters and laws.
 
 A file of this package is imported when the type that it is named after is first asked for, and all of them when types
 are listed: a model then costs only the types that it has.
@@ -29,7 +29,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> object:
-    """Element type by the name of its class, imported at first use."""
+    """Class of an element type by its name, imported at first use."""
     classes = element_classes()
     if name not in classes:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}", name=name)

@@ -88,7 +88,10 @@ class Clutch(Element):
         return faults
 
     def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
-        """Expressions of the clutch; while it slips, the slip speed has to lie within its table."""
+        """Path, specification, expression and dimension of every expression in the clutch's entries.
+
+        While it slips, the slip speed has to lie within its table.
+        """
         ranges = {"slip_speed": (self._table, 1)} if self.state == "slipping" else {}
         yield from with_curve_ranges(super().expressions(), ranges)
 
@@ -146,7 +149,7 @@ def _friction_faults(clutch: Clutch) -> list[Fault]:
 
 
 def _slip_faults(clutch: Clutch) -> list[Fault]:
-    """Faults of a slipping clutch: missing torque over slip, or a slip speed out of range."""
+    """Faults of a slipping clutch that lacks its torque over slip, or whose slip speed is out of range."""
     table = clutch.torque if clutch.torque is not None else clutch.friction
     if table is None:
         text = "a slipping clutch needs its torque over slip: torque: [[0 rad/s, 200 N*m], [10 rad/s, 190 N*m]]"

@@ -51,6 +51,6 @@ class ConstantPowerLoad(Element):
         return (Law(difference(self.node, self.housing), damping=damping),)
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """No rows, because the load turns freely in its housing."""
+        """No rows of mean speeds, because the load turns freely in its housing."""
         del value
         return ()

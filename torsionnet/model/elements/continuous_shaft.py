@@ -19,7 +19,7 @@ from torsionnet.model.element_base.round_section import section_faults
 from torsionnet.model.element_base.shaft_stiffness import ShaftEnd, ShaftTwist
 
 INNER_NODE_POSITION = Fraction(382, 1000)
-"""Position of the inner node over the length: the golden section is far from the node of every low mode."""
+"""Position of the shaft's inner node over its length, as the golden section is far from the node of low modes."""
 
 
 @register

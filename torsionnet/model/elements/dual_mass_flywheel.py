@@ -90,7 +90,10 @@ class DualMassFlywheel(Element):
         return []
 
     def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
-        """Expressions of the flywheel; the mean torque has to lie within the stages."""
+        """Path, specification, expression and dimension of every expression in the flywheel's entries.
+
+        The mean torque has to lie within the stages.
+        """
         yield from with_curve_ranges(super().expressions(), {"torque": (stage_range(self.stages), 1)})
 
     def _friction_faults(self) -> list[Fault]:

@@ -27,7 +27,7 @@ from torsionnet.model.element_base.sheared_shapes import RUBBER_SHAPES, ShearedS
 from torsionnet.model.element_base.viscoelastic import Viscoelastic
 
 _CURVE_OVER_TORQUE = "{0.25: 0.9, 1: 1.6}, of T_KN, or {2 kN*m: 0.9, 8 kN*m: 1.6}"
-"""Example of a factor over torque, for messages."""
+"""Example of a coupling's factor over torque, for messages."""
 
 
 @register
@@ -123,7 +123,10 @@ class FlexibleCoupling(Element):
         return contradictions(self)
 
     def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
-        """Expressions of the coupling; operating values have to lie within the curves that are read at them."""
+        """Path, specification, expression and dimension of every expression in the coupling's entries.
+
+        Operating values have to lie within the curves that are read at them.
+        """
         curves = {
             operating: (rows, self._share_of(rows))
             for name, operating in given_curves(self)
@@ -154,7 +157,10 @@ class FlexibleCoupling(Element):
         return Law(row, damping=damping, stiffness=stiffness * groups, loss_factor=self._loss_factor(value))
 
     def _over_frequency(self, groups: Any, value: Values) -> DynamicStiffness:
-        """Law over frequency: a table of numbers, times the stiffness that parameters may change."""
+        """Dynamic stiffness of the coupling over frequency in N m/rad.
+
+        A table of numbers, times the stiffness that parameters may change.
+        """
         if self.material is not None:
             temperature = None if self.temperature is None else float(self.temperature.evaluate({}))
             base = self.material.stiffness(not_none(self.geometry).factor, temperature)

@@ -21,9 +21,9 @@ from torsionnet.model.element_base.quantity_table import TableByName
 from torsionnet.model.element_base.teeth import Teeth
 
 NEUTRAL = "neutral"
-"""Value of ``engaged:`` without a gear."""
+"""Word that ``engaged:`` of a gearbox has where no gear is engaged."""
 MOST_GEARS = 100
-"""Largest number of gears, far above any gearbox: a longer table is a slip, and each gear adds a node."""
+"""Largest number of gears in a gearbox, as a longer table is a slip, and each gear adds a node."""
 
 
 @register
@@ -145,7 +145,7 @@ class Gearbox(Element):
         return None if self.engaged in (None, NEUTRAL) else self._ratios(Values(parameters))[self.engaged]
 
     def twist(self, value: Values) -> Row:
-        """Mesh row of the engaged gear; in neutral the mesh row of the first gear."""
+        """Weights of node angles, by node, of the engaged gear's mesh; in neutral the mesh row of the first gear."""
         return self._mesh_row(self.gears[0] if self.engaged in (None, NEUTRAL) else self.engaged, value)
 
     def parts(self, value: Values) -> tuple[Part, ...]:

@@ -32,7 +32,7 @@ def _mesh_faults(element: Any) -> list[Fault]:
 
 
 def _mesh(row: Row, element: Any, value: Values) -> Part:
-    """Constraint on a mesh row, or a law with the stiffness of the teeth."""
+    """Constraint on the row of a mesh of gears, or a law with the stiffness of the teeth."""
     if element.stiffness is None:
         return Constraint(row)
     stiffness = value(element.stiffness)
@@ -83,7 +83,7 @@ class Gear(Element):
         return value(scalar(self.teeth[1])) / value(scalar(self.teeth[0]))
 
     def ratio_value(self, parameters: dict[str, Any]) -> Any:
-        """Ratio omega_first / omega_second for given parameter values."""
+        """Ratio omega_first / omega_second of the gear stage for given parameter values."""
         return self._ratio(Values(parameters))
 
     def parts(self, value: Values) -> tuple[Part, ...]:

@@ -16,7 +16,8 @@ from torsionnet.model.element_base.nodes import NodeName
 
 _BEHIND_A_REACTANCE = ("emf", "grid_voltage", "reactance", "power")
 POLE_PAIRS_RTOL = 0.01
-"""Relative distance of the pole pairs from a whole number: line frequencies are rounded, 377 rad/s for 60 Hz."""
+"""Relative distance of the pole pairs from a whole number that is allowed, as line frequencies are rounded: 377 rad/s
+for 60 Hz."""
 
 
 @register
@@ -114,7 +115,10 @@ class GridGenerator(Element):
         return (field, Law(make_row([(self.node, 1)]), inertia=2 * value(self.inertia_constant) * unit))
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """Row that couples the rotor to the grid; ground stands for the steadily turning field."""
+        """Row of node speeds that couples the rotor to the grid on average.
+
+        Ground stands for the steadily turning field.
+        """
         return () if self.grid == "ground" else (self.twist(value),)
 
     def _coefficient(self, value: Values) -> Any:

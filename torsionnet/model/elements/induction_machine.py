@@ -118,7 +118,7 @@ class InductionMachine(Element):
         return (spring, Law(difference(field, self.housing), damping=damping), *own)
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """Row that couples rotor and inner node on average, seen from the synchronous speed."""
+        """Row of node speeds that couples rotor and inner node on average, seen from the synchronous speed."""
         return () if self.time_constant is None else (self.parts(value)[0].row,)
 
     def _slope(self, value: Values) -> Any:

@@ -27,7 +27,7 @@ from torsionnet.model.sheets.sheet_entry import SheetEntry
 from torsionnet.model.sheets.sheet_rows import SheetLink, SheetMass
 
 LARGEST_RATIO_TERM = 10**6
-"""Numerator and denominator below which a speed ratio is written as a fraction, above as a decimal number."""
+"""Largest numerator and denominator of a speed ratio that is written as a fraction, above as a decimal number."""
 
 
 class Stations(Plural[tuple[tuple[str, str], ...]]):
@@ -136,13 +136,16 @@ class MassElastic(Element):
         return tuple(part for element in self.expanded() for part in element.parts(value))
 
     def twist(self, value: Values) -> Row:
-        """Row of the first mass, because a whole sheet has no twist."""
+        """Weight of the first mass's angle, because a whole sheet has no twist."""
         del value
         return make_row([(next(iter(self.nodes_of_masses.values())), 1)])
 
 
 def _mass_called(wanted: str, masses: tuple[SheetMass, ...]) -> str | None:
-    """Name of the mass given by its name, number or label in the sheet, regardless of case; None without a match."""
+    """Name of the mass in a sheet that is given by its name, number or label, regardless of case.
+
+    None without a match.
+    """
     words = [(mass.name, mass.name) for mass in masses] + [(mass.label, mass.name) for mass in masses]
     words += [(mass.number, mass.name) for mass in masses if mass.number]
     exact = [name for word, name in words if word == wanted]
@@ -169,7 +172,7 @@ def sheet_elements(sheet: MassElasticSheet, nodes: Mapping[str, str], prefix: st
 
 
 def _connection(link: SheetLink, nodes: tuple[str, str], ratio: Fraction, prefix: str) -> Iterator[Element]:
-    """Shaft or rigid connection between two masses, with a gear at its end where the speeds differ."""
+    """Elements of a shaft or rigid connection between two masses, with a gear at its end where the speeds differ."""
     name, (first, second) = f"{prefix}{link.name}", nodes
     rigid = link.stiffness is None and link.length is None
     if ratio == 1:
@@ -190,7 +193,10 @@ def _joint(name: str, nodes: tuple[str, str]) -> Element:
 
 
 def _shaft(link: SheetLink, name: str, nodes: tuple[str, str]) -> Element:
-    """Spring with the section for stresses; a shaft without inertia where only dimensions are given."""
+    """Spring of a shaft in a mass-elastic sheet, with the section for stresses.
+
+    A shaft without inertia where only dimensions are given.
+    """
     damping = link.damping.raw if link.damping is not None else 0
     section: dict[str, Any] = {} if link.outer is None else {"outer_diameter": link.outer.raw}
     section |= {"inner_diameter": link.inner.raw} if link.inner is not None and section and link.inner.si else {}

@@ -82,7 +82,7 @@ class PendulumAbsorber(Element):
         return (field, carried, *([turning] if turning.acts else []))
 
     def _softening(self, squared_order: Any, value: Values) -> Any:
-        """Factor on the squared order by the swing; 1 for small swings."""
+        """Dimensionless factor on the squared order of the pendulum by its swing; 1 for small swings."""
         squared = value(self.swing) ** 2 / 8
         if self.path == "epicycloid":
             return 1

@@ -20,11 +20,11 @@ _LAWS = {
     "exponent": ("exponent", "torque", "speed"),
     "torque_slope": ("torque_slope", "torque_coefficient", "advance_ratio", "torque", "speed"),
 }
-"""Entries needed by each law of damping, by the entry that selects the law."""
+"""Names of the entries needed by each law of propeller damping, by the entry that selects the law."""
 _NAMES = {"archer": "Archer", "exponent": "exponent", "torque_slope": "torque_slope"}
 _PITCH = ("pitch_ratio", "design_pitch_ratio")
 PITCH_RADIUS = Fraction(7, 10)
-"""Radius over the tip radius at which the pitch of a blade is stated, as propeller makers do."""
+"""Radius over the tip radius at which the pitch of a propeller's blade is stated, as makers do."""
 
 
 @register
@@ -137,7 +137,7 @@ class Propeller(Element):
         return (Law(make_row([(self.node, 1)]), inertia=inertia, damping=self._damping(value)),)
 
     def _at_pitch(self, value: Values) -> Any:
-        """Entrained inertia over that at the design pitch."""
+        """Entrained inertia of the propeller at its pitch over that at the design pitch, dimensionless."""
         if self.pitch_ratio is None:
             return 1
         stands, design = value(self.pitch_ratio) ** 2, value(self.design_pitch_ratio) ** 2

@@ -54,6 +54,6 @@ class Lock(Element):
         return (Constraint(make_row([(self.node, 1)])),)
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """No rows, because a clamp transmits no rotation; a rig locked for a test keeps its ratios."""
+        """No rows of mean speeds, because a clamp transmits no rotation; a rig locked for a test keeps its ratios."""
         del value
         return ()

@@ -114,7 +114,7 @@ class SynchronousMachine(Element):
         return (field, rotor) if rotor.acts else (field,)
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """No rows, because the rotor turns with the field and not with the housing."""
+        """No rows of mean speeds, because the rotor turns with the field and not with the housing."""
         del value
         return ()
 

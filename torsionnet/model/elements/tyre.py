@@ -84,7 +84,10 @@ class Tyre(Element):
         return difference(*self.nodes)
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """Rows that tie rim, belt and road to one mean speed; the slip of a driven tyre is a few percent at most."""
+        """Rows of node speeds that tie rim, belt and road to one mean speed.
+
+        The slip of a driven tyre is a few percent at most.
+        """
         return tuple(part.row for part in self.parts(value)[:2])
 
     def parts(self, value: Values) -> tuple[Part, ...]:

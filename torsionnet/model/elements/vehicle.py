@@ -15,7 +15,7 @@ from torsionnet.model.element_base.laws import Law, Part, Values, make_row
 from torsionnet.model.element_base.nodes import NodeName
 
 GRAVITY = "9.80665"
-"""Standard gravity in m/s^2."""
+"""Standard acceleration of gravity in m/s^2, with which the weight of a vehicle makes rolling resistance."""
 
 
 @register

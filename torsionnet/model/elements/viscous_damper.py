@@ -1,4 +1,4 @@
-"""Torsional vibration damper: a ring in a viscous film on a hub."""
+"""Torsional vibration damper with a ring in a viscous film on a hub."""
 
 from __future__ import annotations
 
@@ -146,5 +146,8 @@ class ViscousDamper(Element):
         return film if self.scale is None else ScaledStiffness(film, value(self.scale))
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """Row that ties the ring to the hub: on average both turn at one speed, whatever the film."""
+        """Row of node speeds that ties the ring to the hub on average.
+
+        On average both turn at one speed, whatever the film.
+        """
         return (self.twist(value),)

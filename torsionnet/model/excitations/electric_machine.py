@@ -97,7 +97,7 @@ class ShortCircuit(Declared):
 
 
 class _Pulsation(NamedTuple):
-    """Order, fixed frequency in Hz and complex amplitude over speed of a pulsation."""
+    """Order, fixed frequency in Hz and complex amplitude in N m over speed of an air-gap torque pulsation."""
 
     order: float
     fixed: float
@@ -173,7 +173,7 @@ class ElectricMachine(OrderExcitation):
             yield Fault("rotor and stator are on one node; give two different nodes", ("stator",))
 
     def _tables(self) -> Iterator[tuple[Path, Mapping[float, AirGapTorque]]]:
-        """(path, table) of every table of pulsations that is given."""
+        """Path and content of every table of pulsations that the machine gives."""
         yield from (((name,), getattr(self, name)) for name in ("orders", "electrical_orders", "frequencies"))
         if self.line:
             yield ("line", "multiples"), self.line.multiples

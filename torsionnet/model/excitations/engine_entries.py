@@ -30,7 +30,7 @@ from torsionnet.model.excitations.order_excitation import ORDER, FloatArray, Rea
 from torsionnet.model.excitations.rating import MECHANICAL_EFFICIENCIES, Rating
 
 DEFAULT_HIGHEST_ORDERS = {4: 12.0, 2: 15.0}
-"""Highest order without an entry ``orders``, by strokes of the cycle."""
+"""Highest order of an engine without an entry ``orders``, by number of strokes in its cycle."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,12 +116,12 @@ class EngineEntries(ReactingExcitation):
 
     @property
     def revolutions(self) -> int:
-        """Crank revolutions of a cycle: 1 for two strokes, 2 for four."""
+        """Number of crank revolutions in a cycle of the engine: 1 for two strokes, 2 for four."""
         return int(self.cycle) // 2
 
     @cached_property
     def numbers(self) -> Mapping[int, str]:
-        """Node of each cylinder by cylinder number."""
+        """Node of each cylinder, by cylinder number."""
         return {int(number): node for number, node in self.cylinders.items()}
 
     @property
@@ -138,7 +138,10 @@ class EngineEntries(ReactingExcitation):
 
     @cached_property
     def absorbs(self) -> bool:
-        """Whether the pressure traces take work, as of a compressor; gas given by order counts as an engine."""
+        """Whether the pressure traces take work out of the shaft, as those of a compressor do.
+
+        Gas given by order counts as an engine.
+        """
         gas = self.gas
         if gas is None:
             return False
@@ -154,18 +157,18 @@ class EngineEntries(ReactingExcitation):
 
     @cached_property
     def cylinder_bank_angles(self) -> dict[int, float]:
-        """Bank angle in rad of each cylinder; empty without banks."""
+        """Bank angle in rad of each cylinder, by cylinder number; empty without banks."""
         banks = (self.banks or {}).values()
         return {number: place * not_none(self.bank_angle) for place, bank in enumerate(banks) for number in bank}
 
     @cached_property
     def acting_phases(self) -> dict[int, float]:
-        """Crank angle in rad at which each cylinder fires, counted from the first engine of the model."""
+        """Crank angle in rad at which each cylinder fires, by number, counted from the first engine of the model."""
         return {number: angle + (self.phase or 0.0) for number, angle in self.firing_phases.items()}
 
     @cached_property
     def firing_phases(self) -> dict[int, float]:
-        """Crank angle in rad at which each cylinder fires, counted from the first cylinder."""
+        """Crank angle in rad at which each cylinder fires, by number, counted from the first cylinder."""
         if self.firing_angles:
             return {int(number): float(angle) for number, angle in self.firing_angles.items()}
         cycle = self.cycle * math.pi
@@ -175,7 +178,10 @@ class EngineEntries(ReactingExcitation):
 
     @cached_property
     def acting_orders(self) -> FloatArray:
-        """Rising orders of the engine: as given, or the usual ones with the orders of tables of harmonics."""
+        """Orders of the engine's torque per crank revolution, rising, shape (n_orders,).
+
+        As given, or the usual ones with the orders of tables of harmonics.
+        """
         if self.orders:
             return np.array(sorted(self.orders))
         step = 2 / self.cycle
@@ -188,7 +194,10 @@ class EngineEntries(ReactingExcitation):
 
     @property
     def rating(self) -> Rating | None:
-        """Rated torque by the power of the load, else by the mean indicated pressure of load or trace; None without."""
+        """Rated torque of the engine in N m by the power of the load, else by the mean indicated pressure.
+
+        None without.
+        """
         load, gas = self.load, self.gas
         if load is not None and load.power is not None:
             speed, power = not_none(load.rated), load.power
@@ -202,14 +211,20 @@ class EngineEntries(ReactingExcitation):
         return None
 
     def _indicated(self, pressure: float, path: Path, at: Any, key: str) -> Rating:
-        """Rating by the mean gas torque on the pistons; ``at`` is the entry with the rated speed."""
+        """Rated torque of the engine in N m by the mean gas torque on its pistons.
+
+        ``at`` is the entry with the rated speed.
+        """
         torque = pressure * self.crank.swept_volume * len(self.numbers) / (2 * math.pi * self.revolutions)
         speed_path: Path = (key, "rated") if at.rated else ()
         shares = MECHANICAL_EFFICIENCIES if torque > 0 else (1.0, 1 / MECHANICAL_EFFICIENCIES[0])
         return Rating(torque, path, at.rated, speed_path, exponent=at.exponent, shares=shares)
 
     def indicated_pressures(self, speeds: FloatArray) -> FloatArray | None:
-        """Mean indicated pressure in Pa at speeds in rad/s; None for a single trace, which does not depend on it."""
+        """Mean indicated pressure in Pa at speeds in rad/s, shape (n_speeds,).
+
+        None for a single trace, which does not depend on it.
+        """
         if self.load is None:
             return None
         return np.asarray(self.load.at(speeds, self.crank.swept_volume * len(self.numbers), self.revolutions))

@@ -19,11 +19,11 @@ from torsionnet.model.excitations.order_excitation import FloatArray
 from torsionnet.model.excitations.pressure_trace import PressureTrace
 
 MEAN_PRESSURE_RTOL = 0.1
-"""Share by which the mean indicated pressure of a trace may differ from its heading: sheets state it rounded."""
+"""Relative amount by which a trace's mean indicated pressure may differ from its heading, as sheets round it."""
 LATEST_PEAK = math.radians(60)
-"""Largest angle in rad between firing top dead centre and the peak pressure of a four-stroke cylinder."""
+"""Largest usual angle in rad between firing top dead centre and the peak pressure of a four-stroke cylinder."""
 WIDEST_PEAK = 70.0
-"""Largest crank angle in degrees above half of the peak pressure of a four-stroke engine.
+"""Largest usual width in degrees of crank of the peak above half its pressure in a four-stroke engine.
 
 It is 65 where air is compressed to an eighth and 36 to a twenty-second; twice that for a list of half a cycle that is
 taken for the whole."""
@@ -86,7 +86,7 @@ def _firing(engine: EngineEntries) -> Iterator[Fault]:
 
 
 def _incomplete(engine: EngineEntries, key: str, given: list[int]) -> Iterator[Fault]:
-    """Faults of an entry that does not hold every cylinder exactly once."""
+    """Faults of a list that does not hold every cylinder exactly once."""
     verb = ("miss", "have", "have") if key in ("firing_angles", "banks") else ("misses", "has", "has")
     found = {
         f"{verb[0]} cylinder": [number for number in engine.numbers if number not in given],
@@ -101,7 +101,7 @@ def _incomplete(engine: EngineEntries, key: str, given: list[int]) -> Iterator[F
 
 
 def _angles(engine: EngineEntries) -> Iterator[Fault]:
-    """Faults of firing angles that do not fit the crank pins shared by banks."""
+    """Faults of firing angles that do not fit crank pins which banks share."""
     if not engine.banks:
         return
     phases, key = engine.firing_phases, "firing_angles" if engine.firing_angles else "firing_order"

@@ -1,4 +1,4 @@
-"""Load of an engine: its mean indicated pressure over speed."""
+"""Load of an engine, its mean indicated pressure over speed."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from torsionnet.model.excitations.table_by_pressure import MEAN_PRESSURE, mean_p
 
 @dataclass(frozen=True, kw_only=True)
 class EngineLoad(Declared):
-    """Mean indicated pressure at rated speed, or the power that it makes, and how it follows the speed.
+    """Mean indicated pressure of an engine at rated speed, or the power it makes, and how it follows the speed.
 
     Examples
     --------
@@ -63,7 +63,7 @@ class EngineLoad(Declared):
         return []
 
     def at(self, speeds: FloatArray, swept_volume: float, revolutions: int) -> FloatArray:
-        """Mean indicated pressure in Pa at speeds in rad/s, of an engine with cycles of so many revolutions.
+        """Mean indicated pressure in Pa at speeds in rad/s, shape (n_speeds,), of cycles of so many revolutions.
 
         ``swept_volume`` is that of all cylinders in m^3.
         """

@@ -9,7 +9,7 @@ from torsionnet.model.excitations.order_excitation import OrderExcitation
 
 
 def crankshafts(excitations: Mapping[str, OrderExcitation]) -> list[list[str]]:
-    """Names of the engines by crankshaft, in the order of the model.
+    """Names of the engines that share a crankshaft, grouped by crankshaft, in the order of the model.
 
     Engines that name the same node count their firing angles from the same angle, as the stages of a compressor.
     """
@@ -24,7 +24,9 @@ def crankshafts(excitations: Mapping[str, OrderExcitation]) -> list[list[str]]:
 
 
 def unlocked_engines(acting: Mapping[str, OrderExcitation], declared: Mapping[str, OrderExcitation]) -> dict[str, str]:
-    """First engine of the group with known angles, by acting engine; empty if all angles are known.
+    """First engine of the group whose angles to each other are known, by name of each acting engine.
+
+    Empty if all angles are known.
 
     An engine with a phase is fixed to the first engine of the model, and to others with a phase.
     """
@@ -65,7 +67,7 @@ def conditions_running_alone(conditions: Iterable[tuple[str, Mapping[str, OrderE
 
 
 def _engines(excitations: Mapping[str, OrderExcitation]) -> list[list[str]]:
-    """Names of engines by crankshaft, without compressors and pumps."""
+    """Names of the engines, without compressors and pumps, grouped by crankshaft."""
     return [shaft for shaft in crankshafts(excitations) if not all(excitations[name].absorbs for name in shaft)]
 
 

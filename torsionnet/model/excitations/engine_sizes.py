@@ -11,21 +11,21 @@ from torsionnet.model.excitations.engine_entries import EngineEntries
 from torsionnet.model.excitations.gas_torque import GasPressure
 
 LARGEST_LENGTHS = {"bore": 3.0, "stroke": 10.0, "rod_length": 20.0}
-"""Lengths in m that no engine exceeds; a number in mm without its unit does."""
+"""Bore, stroke and rod length in m that no engine exceeds, as does a number in mm without its unit."""
 USUAL_LENGTHS = {"bore": (0.03, 1.2), "stroke": (0.03, 4.0), "rod_length": (0.05, 6.0)}
-"""Smallest and largest lengths in m of existing engines."""
+"""Smallest and largest bore, stroke and rod length in m of existing engines."""
 MASS_PER_VOLUME = (30.0, 3e5)
-"""Usual range in kg/m^3 of reciprocating mass over swept volume: from light pistons to plungers with crossheads."""
+"""Usual range in kg/m^3 of reciprocating mass over swept volume, from light pistons to plungers with crossheads."""
 CRANKCASE_PRESSURES = (2e4, 1e6)
-"""Usual range in Pa of the pressure below the pistons; beyond it the unit is probably another."""
+"""Usual range in Pa of the pressure below the pistons, beyond which the unit is probably another."""
 HIGHEST_PEAK = 4e7
-"""Highest usual cylinder pressure in Pa of an engine that gives power."""
+"""Highest usual peak pressure in Pa in a cylinder of an engine that gives power."""
 MOTORED_PEAK_SHARES = (0.15, 1.1)
-"""Usual range of the peak pressure without injection over the peak with injection."""
+"""Usual range of a cylinder's peak pressure without injection over the peak with injection."""
 
 
 def impossible_lengths(engine: EngineEntries) -> Iterator[Fault]:
-    """Faults of lengths that no engine has."""
+    """Faults of bore, stroke and rod length that no engine has."""
     for name, most in LARGEST_LENGTHS.items():
         size = getattr(engine, name)
         if size > most:
@@ -41,7 +41,7 @@ def _meant_length(name: str, size: float) -> str:
 
 
 def unusual_sizes_of(engine: EngineEntries) -> Iterator[Fault]:
-    """Warnings of masses and pressures of unusual size."""
+    """Warnings of masses and pressures of an engine that have unusual sizes."""
     yield from _mass(engine)
     gas = engine.gas
     if gas is None:
@@ -67,7 +67,7 @@ def _mass(engine: EngineEntries) -> Iterator[Fault]:
 
 
 def _rounded(size: float) -> str:
-    """Text of a size rounded to two digits, as for usual ranges."""
+    """Text of a size rounded to two digits, as messages state usual ranges."""
     return f"{float(f'{size:.2g}'):g}"
 
 
@@ -102,7 +102,7 @@ def _peaks(gas: GasPressure) -> Iterator[Fault]:
 
 
 def _meant_unit(pressure: float, low: float, high: float) -> str:
-    """Hint of the unit that would bring a pressure between two limits, the nearest power of ten first."""
+    """Hint at the unit in which a pressure would lie between two limits in Pa, the nearest power of ten first."""
     units = {10.0: "bar for MPa", 0.1: "MPa for bar", 100.0: "kPa for bar", 0.01: "bar for kPa"}
     fitting = [words for factor, words in units.items() if low <= pressure / factor <= high]
     return f"; is the unit right, {fitting[0]}?" if fitting and math.isfinite(pressure) else "; is the unit right?"

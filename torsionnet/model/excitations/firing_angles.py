@@ -7,11 +7,11 @@ import math
 from collections.abc import Mapping, Sequence
 
 FIRING_ANGLE_TOL = math.radians(0.5)
-"""Angle in rad by which firing angles may differ from crank and banks: makers state them to a degree or less."""
+"""Angle in rad by which firing angles may differ from crank and banks, as makers state them to a degree or less."""
 
 
 def even_phases(order: Sequence[int], cycle: float) -> dict[int, float]:
-    """Angles in rad of cylinders that fire evenly over a cycle of so many rad, the first at 0.
+    """Firing angle in rad by cylinder of an engine that fires evenly over a cycle in rad, the first cylinder at 0.
 
     >>> [round(math.degrees(angle)) for angle in even_phases([1, 5, 3, 6, 2, 4], 4 * math.pi).values()]
     [0, 120, 240, 360, 480, 600]
@@ -22,7 +22,7 @@ def even_phases(order: Sequence[int], cycle: float) -> dict[int, float]:
 def banked_phases(
     order: Sequence[int], cycle: float, throws: Mapping[int, str], places: Mapping[int, float]
 ) -> dict[int, float] | None:
-    """Firing angles in rad of cylinders in several banks that share crank pins; None if the order does not fix them.
+    """Firing angle in rad by cylinder of several banks that share crank pins; None if the order does not fix them.
 
     All fire evenly if the pins allow that, as in a cross-plane V8. Else those of the bank at angle 0 do, and a cylinder
     in another bank fires when its pin has turned to that bank, in this revolution or the next, as the order says. None
@@ -65,7 +65,10 @@ def banked_phases(
 
 
 def shares_pins(throws: Mapping[int, str], places: Mapping[int, float]) -> bool:
-    """Whether the nodes are crank pins: cylinders of different banks share a throw, cylinders of one bank do not."""
+    """Whether the nodes of the cylinders are crank pins that banks share.
+
+    Cylinders of different banks share a throw, cylinders of one bank do not.
+    """
     places_on: dict[str, list[float]] = {}
     for number, throw in throws.items():
         places_on.setdefault(throw, []).append(places.get(number, 0.0))
@@ -74,7 +77,10 @@ def shares_pins(throws: Mapping[int, str], places: Mapping[int, float]) -> bool:
 
 
 def _in_order(order: Sequence[int], choices: Sequence[Sequence[float]], cycle: float) -> dict[int, float] | None:
-    """Angles in rad by cylinder with which the cylinders fire in this order; None if no or several choices do."""
+    """Firing angle in rad by cylinder, one of its choices each, with which the cylinders fire in this order.
+
+    None if no or several choices do.
+    """
     found: list[list[float]] = [[one] for one in choices[0]]
     for further in choices[1:]:
         found = [
@@ -90,7 +96,7 @@ def _in_order(order: Sequence[int], choices: Sequence[Sequence[float]], cycle: f
 def firing_against_banks(
     phases: Mapping[int, float], throws: Mapping[int, str], places: Mapping[int, float]
 ) -> tuple[int, int, float, float] | None:
-    """First pair of cylinders on one throw whose firing angles do not fit their banks, or None.
+    """Numbers and angles of the first two cylinders on one throw whose firing angles do not fit their banks, or None.
 
     The tuple is (cylinder, cylinder, angle between them in rad, angle by their banks in rad).
 

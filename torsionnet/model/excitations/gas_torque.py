@@ -46,7 +46,7 @@ class ZeroEntry(Spec[float]):
 
 _ANGLE = Value("crank angle", "angle", lower=None)
 _TRACE = "pressure over the cycle: p100.csv, or a list at even steps from firing top dead centre on"
-"""Description of the entries for pressure traces."""
+"""Description of the entries of an engine for pressure traces."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,7 +102,7 @@ class GasPressure(Declared):
 
     @property
     def is_by_pressure(self) -> bool:
-        """Whether traces or harmonics are given by mean indicated pressure."""
+        """Whether the engine gives traces or harmonics by mean indicated pressure."""
         return bool(self.traces) or bool(self.harmonics and None not in self.harmonics)
 
     @property
@@ -111,7 +111,7 @@ class GasPressure(Declared):
 
     @property
     def all_traces(self) -> Iterator[tuple[Path, PressureTrace]]:
-        """(path, trace) of every pressure trace that is given."""
+        """Path and trace of every pressure trace that the engine gives."""
         for key in ("fired", "motored", "crank_end"):
             if getattr(self, key):
                 yield (key,), getattr(self, key)
@@ -120,13 +120,13 @@ class GasPressure(Declared):
 
     @property
     def own_orders(self) -> tuple[tuple[str, float], ...]:
-        """(entry name, order) of all tangential harmonics that are given."""
+        """Name of the entry and order of every tangential harmonic that the engine gives."""
         keys = ("harmonics", "motored_harmonics")
         tables = [(key, table) for key in keys for table in (getattr(self, key) or {}).values()]
         return tuple((key, float(order)) for key, table in tables for order in table)
 
     def fired_harmonics(self, crank: Crank, orders: FloatArray, pressures: FloatArray | None) -> ComplexArray:
-        """Torque of a firing cylinder in N m, (n_pressures or 1, n_orders), at mean indicated pressures in Pa."""
+        """Torque by order of a firing cylinder in N m, shape (n_pressures or 1, n_orders), at pressures in Pa."""
         tables: dict[float | None, ComplexArray] = {}
         if self.harmonics:
             for pressure, table in self.harmonics.items():
@@ -151,18 +151,18 @@ class GasPressure(Declared):
         return np.asarray(crank.factor * trace.harmonics(crank.ratio, crank.revolutions, orders, self.zero, self.below))
 
     def _below_piston(self, crank: Crank, orders: FloatArray) -> ComplexArray:
-        """Torque in N m by order of the pressure on the lower side of a double-acting piston, shape (n_orders,)."""
+        """Torque by order in N m of the pressure below a double-acting piston, shape (n_orders,)."""
         if not self.crank_end:
             return np.zeros(len(orders), dtype=complex)
         return -self._of_trace(self.crank_end, crank, orders) * crank.lower_share
 
     @property
     def below(self) -> float:
-        """Pressure below the pistons in the reference of the traces, Pa."""
+        """Pressure below the pistons in Pa, absolute or over the ambient pressure as the traces are."""
         return float(self.crankcase) if self.reference == "absolute" else 0.0
 
     def factor(self, speeds: FloatArray) -> FloatArray:
-        """Factor on the gas torque of the traces at speeds in rad/s."""
+        """Dimensionless factor on the gas torque of the traces at speeds in rad/s, shape (n_speeds,)."""
         return np.asarray((speeds / not_none(self.rated)) ** self.exponent if self.exponent else np.ones(len(speeds)))
 
 
@@ -171,7 +171,10 @@ GAS = Nested("pressure in the cylinders", lambda: GasPressure, "gas")
 
 @dataclass(frozen=True)
 class Crank:
-    """Crank mechanism of a cylinder, lengths in m; ``rod_diameter`` is that of a piston rod on the lower side."""
+    """Bore, stroke, rod length (m) and cycle of a cylinder's crank mechanism.
+
+    ``rod_diameter`` is that of a piston rod on the lower side.
+    """
 
     bore: float
     stroke: float
@@ -181,7 +184,7 @@ class Crank:
 
     @property
     def ratio(self) -> float:
-        """Crank radius over rod length."""
+        """Crank radius over rod length of the mechanism, dimensionless."""
         return self.stroke / 2 / self.rod_length
 
     @property
@@ -190,15 +193,15 @@ class Crank:
 
     @property
     def factor(self) -> float:
-        """Piston area times crank radius, m^3: torque over tangential pressure."""
+        """Piston area times crank radius in m^3, the gas torque over tangential pressure."""
         return math.pi * self.bore**2 / 4 * self.radius
 
     @property
     def swept_volume(self) -> float:
-        """Swept volume of a cylinder in m^3."""
+        """Swept volume of one cylinder in m^3."""
         return 2 * self.factor
 
     @property
     def lower_share(self) -> float:
-        """Area of the lower side of the piston over that of the upper side."""
+        """Area of the piston's lower side over that of its upper side."""
         return 1 - (self.rod_diameter / self.bore) ** 2

@@ -40,7 +40,7 @@ class MeshError(Declared):
 
 
 KINDS_WITH_SEVERAL_MESHES = ("gearbox", "final_drive")
-"""Kinds of elements with several gear pairs or other parts beside the mesh, in which no single twist can be imposed."""
+"""Kinds of elements with several gear pairs, in which no single twist can be imposed."""
 
 _ERROR = Nested("peak value and phase", lambda: MeshError, "mesh_error", shown="{way: 4 um}")
 
@@ -100,7 +100,7 @@ class GearMesh(TwistExcitation):
         ]
 
     def _lines(self) -> Iterator[_Line]:
-        """Lines (path, order, error) in orders of the wheel on ``speed_of``."""
+        """Lines of the gear errors (path, order, error), orders in revolutions of the wheel on ``speed_of``."""
         for multiple, error in self.transmission_error.items():
             yield _Line(("transmission_error", f"{multiple:g}"), multiple * (self.teeth or 1), error)
         if self.run_out:

@@ -26,7 +26,7 @@ from torsionnet.model.excitations.speed_table import SpeedRows, SpeedTable, not_
 PHASE = Value("phase: what acts is amplitude * cos(order * phi + phase)", "angle", lower=None)
 FREQUENCY = Value("a frequency", "frequency", exclusive=True, below=1e6)
 MOTIONS = ("angle", "velocity", "acceleration")
-"""Motions that can be imposed; the index is the power of s over the angle."""
+"""Names of the motions that can be imposed on a node; the index is the power of s over the angle."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,11 +52,11 @@ class HarmonicAmplitude(Declared):
 
     @property
     def is_motion(self) -> bool:
-        """Whether an angle, velocity or acceleration is given instead of a torque."""
+        """Whether the amplitude is an angle, velocity or acceleration instead of a torque."""
         return self.amplitude is None
 
     def complex_amplitude(self, omega: FloatArray) -> Any:
-        """Complex torque in N m, or angle in rad, at omega in rad/s."""
+        """Complex torque in N m, or angle in rad, at omega in rad/s, in the shape of ``omega``."""
         phase_factor = np.exp(1j * self.phase)
         if not self.is_motion:
             return self.amplitude * phase_factor * np.ones(len(omega))
@@ -105,7 +105,7 @@ class TableByOrder(Plural[Mapping[float, D]]):
         return table, faults
 
     def plain(self, value: Any) -> Any:
-        """Plain table with numbers as keys, which YAML has and JSON has not."""
+        """Plain data of the table, with numbers as keys, which YAML has and JSON has not."""
         return {int(place) if place == int(place) else place: self.of.plain(part) for place, part in value.items()}
 
     def schema(self) -> Schema:

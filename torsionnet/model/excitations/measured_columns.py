@@ -15,9 +15,9 @@ from torsionnet.model.excitations.order_excitation import ComplexArray, FloatArr
 
 FORM = "order, amplitude [N*m], phase [deg]"
 POWERS = {"torque": 0, "angle": 0, "speed": 1, "acceleration": 2}
-"""Recorded quantity -> power of s over the angle; 0 for a torque."""
+"""Power of s over the angle that each recorded quantity has, by quantity; 0 for a torque."""
 PEAKS = {"amplitude": 1.0, "rms": np.sqrt(2), "peak_to_peak": 0.5}
-"""Columns with the size of a line -> factor to its peak value."""
+"""Factor from the recorded size of a line to its peak value, by name of the column."""
 KEYS = ("order", "frequency", "speed")
 KNOWN = (*KEYS, *PEAKS, "phase", "real", "imag")
 _HEADING = re.compile(r"\s*(\w+)\s*(?:\[([^\]]*)\])?\s*")
@@ -25,7 +25,7 @@ _HEADING = re.compile(r"\s*(\w+)\s*(?:\[([^\]]*)\])?\s*")
 
 @dataclass(frozen=True, eq=False)
 class MeasuredLines:
-    """Recorded lines: quantity, orders or frequencies, and peak values over speed.
+    """Recorded lines of a torque or motion by order (or Hz), with complex peak values in SI units over speed.
 
     Attributes
     ----------
@@ -47,7 +47,10 @@ class MeasuredLines:
     values: tuple[ComplexArray, ...]
 
     def at(self, line: int, speeds: FloatArray) -> ComplexArray:
-        """Complex peak values of a line at speeds in rad/s; magnitude and phase are interpolated linearly."""
+        """Complex peak values in SI units of a recorded line at speeds in rad/s, shape (n_speeds,).
+
+        Magnitude and phase are interpolated linearly.
+        """
         values = self.values[line]
         if not self.speeds:
             return np.full(len(speeds), values[0])
@@ -56,7 +59,7 @@ class MeasuredLines:
 
 
 def measured_lines(headings: Sequence[str], rows: FloatArray) -> MeasuredLines:
-    """Recorded lines from rows of numbers (n, n_columns) under given headings.
+    """Lines by order or frequency from rows of a recording, shape (n, n_columns), under given headings.
 
     Raises
     ------
@@ -98,7 +101,7 @@ def _require(holds: bool, text: str) -> None:
 
 
 def _columns(headings: Sequence[str]) -> dict[str, tuple[int, str]]:
-    """Index and unit of each column, by its name."""
+    """Index and unit of each column of a recording, by the column's name."""
     found: dict[str, tuple[int, str]] = {}
     for place, heading in enumerate(headings):
         match = _HEADING.fullmatch(heading)
@@ -118,7 +121,7 @@ def _key(columns: dict[str, tuple[int, str]]) -> str:
 
 
 def _values(columns: dict[str, tuple[int, str]], numbers: dict[str, FloatArray]) -> tuple[str, ComplexArray]:
-    """Recorded quantity, and its complex peak values in SI units."""
+    """Name of the recorded quantity, and its complex peak values in SI units, shape (n_rows,)."""
     if "real" in columns and "imag" in columns:
         quantity, factor = _quantity("real", columns["real"][1])
         _require(_quantity("imag", columns["imag"][1]) == (quantity, factor), "real and imag must have the same unit")
@@ -144,7 +147,7 @@ def _quantity(name: str, unit: str) -> tuple[str, float]:
 
 
 def _factor(unit: str, dimension: str, name: str) -> float:
-    """Factor from the unit of a column to the SI unit."""
+    """Factor from the unit of a recording's column to the SI unit."""
     example = {"speed": "rpm", "angle": "deg", "frequency": "Hz"}.get(dimension, "N*m")
     if not unit or unit == "1":
         raise UsageError(f"the column {name} has no unit; write its heading as {name} [{example}]")

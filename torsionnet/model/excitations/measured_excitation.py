@@ -32,7 +32,7 @@ _NUMBER = Value("a number in the unit of its column", "1", lower=None)
 
 @dataclass(frozen=True, kw_only=True)
 class OrderTable(Declared):
-    """Rows by order or frequency, with or without speeds, under headings with units."""
+    """Rows of recorded values by order or frequency, with or without speeds, under headings with units."""
 
     kind: ClassVar[str] = "table"
     article: ClassVar[str] = "a table"
@@ -64,7 +64,7 @@ class OrderTable(Declared):
 
     @cached_property
     def lines(self) -> MeasuredLines:
-        """Recorded lines of the table by order or frequency."""
+        """Lines of the table by order or frequency, with their peak values over speed."""
         return measured_lines(self.columns, np.array(self.rows, dtype=float))
 
 

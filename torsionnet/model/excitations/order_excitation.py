@@ -24,13 +24,13 @@ FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 _KINDS: dict[str, type[OrderExcitation]] = {}
-"""Excitation class by kind, in alphabetical order."""
+"""Class of every kind of excitation, by the word in ``type:``, in alphabetical order."""
 T = TypeVar("T", bound="type[OrderExcitation]")
 
 
 @dataclass(frozen=True, eq=False)
 class TorqueShares:
-    """Torques, each on one node, that are added to the sum of an excitation one at a time or with factors.
+    """Torques on one node each in N m, added to the sum of an excitation one at a time or with factors.
 
     Attributes
     ----------
@@ -52,7 +52,9 @@ class TorqueShares:
 
 @dataclass(frozen=True, eq=False)
 class OrderTorques:
-    """Torques on nodes, T(t) = Re sum_i T_i exp(j (h_i phi + 2 pi f_i t)), phi the angle of the shaft.
+    """Torques on nodes in N m by order, over speed.
+
+    T(t) = Re sum_i T_i exp(j (h_i phi + 2 pi f_i t)), phi the angle of the shaft.
 
     A positive torque drives its shaft. Excitations that impose a motion give angles of nodes in their sense of
     rotation, or twists: the angle in rad by which the shaft of the excitation, where it enters the element, is ahead
@@ -96,52 +98,55 @@ class OrderExcitation(Declared):
 
     @property
     def shaft(self) -> str:
-        """Node of the shaft whose revolutions the orders count."""
+        """Name of the node of the shaft whose revolutions the orders of the excitation count."""
         raise NotImplementedError
 
     @property
     def quantity(self) -> str:
-        """Name of the excited quantity: ``torque`` on nodes, ``angle`` of nodes or ``twist`` of elements."""
+        """Name of the quantity that the excitation imposes.
+
+        ``torque`` on nodes, ``angle`` of nodes or ``twist`` of elements.
+        """
         return "torque"
 
     @property
     def node_entries(self) -> tuple[tuple[Path, str], ...]:
-        """(path, node) of every entry that names a node on which the excitation acts."""
+        """Path and node of every entry that names a node on which the excitation acts."""
         return ()
 
     @property
     def element_entry(self) -> tuple[Path, str] | None:
-        """(path, name) of the element whose twist is imposed, or None."""
+        """Path and name of the element whose twist the excitation imposes, or None."""
         return None
 
     @property
     def nodes(self) -> tuple[str, ...]:
-        """Nodes on which the excitation acts, without duplicates."""
+        """Names of the nodes on which the excitation acts, without duplicates."""
         return tuple(dict.fromkeys(node for _, node in self.node_entries))
 
     @property
     def reaction_entry(self) -> tuple[Path, str] | None:
-        """(path, node) of the entry for the node that takes the reaction torques, or to which motions are relative."""
+        """Path and node of the entry for the node that takes reactions, or to which motions are relative, or None."""
         return None
 
     @property
     def reaction_node(self) -> str | None:
-        """Node that takes the reaction torques; None for the ground."""
+        """Name of the node that takes the reaction torques of the excitation; None for the ground."""
         return None if self.reaction_entry is None else self.reaction_entry[1]
 
     @property
     def crankshaft(self) -> frozenset[str]:
-        """Nodes of the crankshaft from which firing angles count; empty for machines without pistons."""
+        """Names of the crankshaft's nodes, from which firing angles count; empty for machines without pistons."""
         return frozenset()
 
     @property
     def is_phased(self) -> bool:
-        """Whether the crank angle against the first engine of the model is given."""
+        """Whether the excitation gives its crank angle against the first engine of the model."""
         return False
 
     @property
     def absorbs(self) -> bool:
-        """Whether the machine takes work, as a compressor does."""
+        """Whether the machine of the excitation takes work, as a compressor does."""
         return False
 
     def channel(self, place: str) -> Input:
@@ -149,7 +154,7 @@ class OrderExcitation(Declared):
         return Input(self.quantity, place, self.reaction_node)
 
     def with_element_data(self, elements: Mapping[str, Element]) -> Self:
-        """Copy of the excitation completed from the elements it names: a shaft, a number of teeth."""
+        """Copy of the excitation with data of the elements that it names: a shaft, a number of teeth."""
         del elements
         return self
 
@@ -159,21 +164,27 @@ class OrderExcitation(Declared):
         return []
 
     def torques(self, speeds: FloatArray) -> OrderTorques:
-        """Torques, angles or twists by order at speeds of the shaft in rad/s."""
+        """Torques in N m, or angles or twists in rad, by order at speeds of the shaft in rad/s."""
         raise NotImplementedError
 
     def phase_vectors(self, order: float) -> dict[str, tuple[str, complex]]:
-        """Node and phase vector ``exp(-j order alpha)`` of each acting part by name; 0 for a part out of action."""
+        """Node and phase vector ``exp(-j order alpha)`` of each acting part of the machine, by name.
+
+        0 for a part out of action.
+        """
         del order
         return {node: (node, 1.0 + 0j) for node in self.nodes}
 
     @property
     def rating(self) -> Rating | None:
-        """Rated mean torque and speed as stated by the excitation, or None."""
+        """Rated mean torque (N m) and speed (rad/s) as the excitation states them, or None."""
         return None
 
     def remarks(self, speeds: FloatArray | None) -> list[Fault]:
-        """Faults, warnings and notes at speeds of the shaft in rad/s; None where these are not known."""
+        """Faults, warnings and notes on the excitation at speeds of its shaft in rad/s.
+
+        None where these are not known.
+        """
         del speeds
         return []
 
@@ -210,5 +221,5 @@ def register_excitation(cls: T) -> T:
 
 
 def excitation_kinds() -> Mapping[str, type[OrderExcitation]]:
-    """Registered excitation classes by ``type:``."""
+    """Class of every registered kind of excitation, by the word in ``type:``."""
     return _KINDS

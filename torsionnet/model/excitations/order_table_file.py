@@ -14,11 +14,11 @@ from torsionnet.core.errors import Fault, ModelError, Position, UsageError
 from torsionnet.model.excitations.measured_columns import FORM, measured_lines
 
 DIALECT_LINES = 400
-"""Lines from which separators and the first row of numbers are recognised: longer than any head, quick to read."""
+"""Number of lines from which separators and the first row of numbers are recognised, longer than any head."""
 
 
 def read_order_table(path: Path) -> tuple[tuple[str, ...], tuple[tuple[float, ...], ...]]:
-    """Headings with units and rows of numbers of a text file.
+    """Headings with units, and rows of numbers, of a text file from an order analysis.
 
     Raises
     ------
@@ -52,6 +52,6 @@ def read_order_table(path: Path) -> tuple[tuple[str, ...], tuple[tuple[float, ..
 
 
 def _fault(text: str, file: str, number: int, lines: Sequence[str]) -> ModelError:
-    """ModelError with a fault at a line of the file, counted from 1."""
+    """Error with a fault at a line of an order analysis file, counted from 1."""
     source = lines[number - 1].rstrip()[:200].replace("\t", " ") if 0 < number <= len(lines) else ""
     return ModelError([Fault(text, position=Position(file, max(number, 1), 1, len(source) + 1, source))], file)

@@ -24,23 +24,23 @@ from torsionnet.model.excitations.pressure_trace import (
 )
 
 DIALECT_LINES = 400
-"""Lines from which separators and the first row of numbers are recognised: longer than any head, quick to read."""
+"""Number of lines from which separators and the first row of numbers are recognised, longer than any head."""
 FORM = "angle [deg];pressure [bar]"
 EVEN_STEP_TOL = 0.02
-"""Share of a step by which angles at even steps may be off: rounding of their decimals."""
+"""Share of a step of crank angle by which even steps may be off, as their decimals are rounded."""
 LARGEST_END_GAP = 1.5
-"""Steps that may be missing between the last sample and the end of the cycle: one, and rounding."""
+"""Largest number of steps missing between a trace's last sample and the end of the cycle, one and rounding."""
 CLOSING_STEP_RATIO = 1.5
-"""Largest pressure step from the last to the first sample, over the largest step within the trace."""
+"""Largest pressure step from a trace's last to its first sample, over the largest step within the trace."""
 MOST_STEPS = 14_400
-"""Largest number of interpolated steps of a cycle: 0.05 deg of two revolutions, finer than indicators sample."""
+"""Largest number of interpolated steps of a cycle, 0.05 deg of two revolutions, finer than indicators sample."""
 _DEGREES = re.compile(r"(\bdeg|°)\s*(CAD?|KW|crank)?(?![A-Za-z])")
-"""Spellings of crank degrees in headings."""
+"""Regular expression of the spellings of crank degrees in headings."""
 
 
 @dataclass(frozen=True)
 class _Rows:
-    """Rows of a trace file: angles in degrees, pressures in Pa, and their lines."""
+    """Angles in degrees and pressures in Pa of a trace file, with the lines of the file."""
 
     angles: FloatArray
     pressures: FloatArray
@@ -82,13 +82,13 @@ def _refuse(faults: Iterator[Fault], path: Path) -> None:
 
 
 def _fault(text: str, file: str, number: int, lines: Sequence[str]) -> Fault:
-    """Fault at a line of the file, counted from 1."""
+    """Fault at a line of a trace file, counted from 1."""
     source = lines[number - 1].rstrip()[:200].replace("\t", " ") if 0 < number <= len(lines) else ""
     return Fault(text, position=Position(file, max(number, 1), 1, len(source) + 1, source))
 
 
 def _rows(path: Path) -> _Rows:
-    """Angle and pressure columns of a trace file."""
+    """Angles in degrees and pressures in Pa that a trace file has."""
     with path.open(encoding=detect_encoding(path), newline=None, errors="replace") as file:
         lines = file.readlines()
     above = next((at for at, line in enumerate(lines) if line.strip() and not line.startswith(("#", "%"))), 0)
@@ -114,7 +114,7 @@ def _rows(path: Path) -> _Rows:
 def _columns(
     heading: Headings, dialect: Dialect, row: str, file: str, number: int, lines: Sequence[str]
 ) -> tuple[int, int]:
-    """Column indices of crank angle and pressure, by their units, else in this order."""
+    """Indices of the columns of crank angle and pressure, by their units, else in this order."""
     width = len(heading.names)
     if width > 1 and not dialect.cells(row)[-1]:
         width -= 1  # every row ends with a separator
@@ -130,7 +130,7 @@ def _columns(
 
 
 def _factor(heading: Headings, column: int, kind: str, file: str, number: int, lines: Sequence[str]) -> float:
-    """Factor from the unit of a column to degrees or Pa."""
+    """Factor from the unit of a trace file's column to degrees or Pa."""
     name, text = heading.names[column], heading.units[column]
     meant = "angle [deg]" if kind == "angle" else "pressure [bar]"
     unit = _unit(text)
@@ -163,7 +163,7 @@ def _wrong_rows(rows: _Rows) -> Iterator[Fault]:
 
 
 def _covered(rows: _Rows) -> tuple[int, bool]:
-    """Number of revolutions in the trace, and whether it has both ends of the cycle."""
+    """Number of revolutions in a trace file, and whether it has both ends of the cycle."""
     step, span = float(np.median(np.diff(rows.angles))), float(rows.angles[-1] - rows.angles[0])
     for revolutions in (1, 2):
         missing = 360 * revolutions - span
@@ -185,7 +185,7 @@ def _not_closing(rows: _Rows, both_ends: bool, revolutions: int) -> Iterator[Fau
 
 
 def _trace(rows: _Rows, revolutions: int) -> PressureTrace:
-    """Pressure trace at even steps, the first at or after 0 degrees."""
+    """Pressure trace in Pa at even steps of crank angle, the first at or after 0 degrees."""
     cycle, count = 360.0 * revolutions, len(rows.angles)
     step, note = cycle / count, ""
     angles: FloatArray = rows.angles

@@ -11,13 +11,13 @@ from torsionnet.model.excitations.order_excitation import ComplexArray, FloatArr
 from torsionnet.model.excitations.slider_crank import harmonics, piston_rate
 
 LOWEST_PEAK, HIGHEST_PEAK = 1e3, 1e9
-"""Range in Pa of the peak pressure of a cylinder; a number in bar or MPa without its unit lies below."""
+"""Smallest and largest possible peak pressure of a cylinder in Pa, as one in bar without its unit lies below."""
 CLOSING_RTOL = 0.02
-"""Share of the peak by which the two ends of a trace may differ: measuring noise and drift."""
+"""Share of the peak by which the two ends of a pressure trace may differ, for measuring noise and drift."""
 LEAST_SAMPLES = 24
-"""Smallest number of pressures in a cycle: fewer cannot give the orders of a gas torque."""
+"""Smallest number of pressures in a cycle, as fewer cannot give the orders of a gas torque."""
 WHOLE_CYCLE = "a cycle is 720 deg of a four-stroke engine, 360 deg of a two-stroke engine"
-"""Hint for messages on traces that cover another angle."""
+"""Hint for messages on pressure traces that cover another angle than a whole cycle."""
 
 
 @dataclass(frozen=True)
@@ -54,11 +54,11 @@ class PressureTrace:
 
     @property
     def origin(self) -> str:
-        """Beginning of messages on the trace: its file, or nothing."""
+        """Text with which messages on the trace begin: its file, or nothing."""
         return f"{self.file}: " if self.file else ""
 
     def tangential(self, ratio: float, revolutions: int, zero: float, below: float) -> tuple[FloatArray, FloatArray]:
-        """Angles after firing top dead centre in rad, and torques over piston area and crank radius in Pa.
+        """Angles in rad after firing top dead centre and tangential pressures in Pa, each of shape (n_samples,).
 
         ``zero`` is the angle of the trace at firing top dead centre, ``below`` the pressure under the piston.
         """
@@ -68,18 +68,18 @@ class PressureTrace:
     def harmonics(
         self, ratio: float, revolutions: int, orders: FloatArray, zero: float = 0.0, below: float = 0.0
     ) -> ComplexArray:
-        """Complex tangential pressure in Pa by order, from the samples without smoothing."""
+        """Complex tangential pressure in Pa by order, shape (n_orders,), from the samples without smoothing."""
         angles, tangential = self.tangential(ratio, revolutions, zero, below)
         return np.asarray(harmonics(tangential, revolutions, orders) * np.exp(-1j * orders * angles[0]))
 
     def mean_indicated_pressure(self, ratio: float, revolutions: int, zero: float = 0.0) -> float:
-        """Mean indicated pressure in Pa: work of a cycle over the swept volume."""
+        """Mean indicated pressure of the trace in Pa, the work of a cycle over the swept volume."""
         _, tangential = self.tangential(ratio, revolutions, zero, 0.0)
         return float(np.mean(tangential) * np.pi * revolutions)
 
 
 def peak_pressure_fault(trace: PressureTrace) -> str:
-    """Message if the peak pressure is impossible for a cylinder, else an empty text."""
+    """Message if the peak pressure of a trace is impossible for a cylinder, else an empty text."""
     peak = max(map(abs, trace.values))
     if peak < LOWEST_PEAK:
         meant = "is the column in another unit?" if trace.file else f"a bare number is Pa, write {peak:.6g} bar"

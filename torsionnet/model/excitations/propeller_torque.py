@@ -20,7 +20,7 @@ from torsionnet.model.excitations.order_excitation import FloatArray, OrderExcit
 from torsionnet.model.excitations.rating import Rating
 
 ZERO_PITCH = "zero_pitch"
-"""Name of the condition that only a controllable-pitch propeller has."""
+"""Name of a propeller's condition that only a controllable pitch makes possible."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,7 +113,10 @@ class PropellerTorque(OrderExcitation):
         return list(self._orders_of_the_shaft())
 
     def _orders_of_the_shaft(self) -> Iterator[Fault]:
-        """Warnings of blade orders that were probably counted by revolutions: 4 and 8 of 4 blades, without 1."""
+        """Warnings of blade orders that were probably counted in revolutions of the shaft.
+
+        4 and 8 of 4 blades, without 1.
+        """
         tables: dict[Path, Any] = {("blade_orders",): self.blade_orders}
         tables |= {("conditions", name, "blade_orders"): one.blade_orders for name, one in self.conditions.items()}
         for path, table in tables.items():
@@ -149,7 +152,7 @@ class PropellerTorque(OrderExcitation):
 
     @property
     def law(self) -> tuple[float, float]:
-        """Mean torque in N m at rated speed in the present condition, and its exponent over speed."""
+        """Mean torque of the propeller in N m at rated speed in the present condition, and its exponent over speed."""
         if not self.condition:
             return float(self.torque), float(self.exponent)
         present = self.conditions[self.condition]

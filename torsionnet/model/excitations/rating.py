@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from torsionnet.core.errors import Path
 
 MECHANICAL_EFFICIENCIES = (0.75, 1.0)
-"""Usual range of the power at the coupling over the indicated power of engines."""
+"""Smallest and largest usual power of engines at the coupling over the indicated power."""
 
 
 @dataclass(frozen=True)
 class Rating:
-    """Mean torque of a machine at its rated speed, with the entries that state both.
+    """Mean torque of a machine in N m at its rated speed in rad/s, with the entries that state both.
 
     Attributes
     ----------

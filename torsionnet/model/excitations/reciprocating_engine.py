@@ -80,7 +80,7 @@ class ReciprocatingEngine(EngineEntries):
         )
 
     def _shares(self, what: str, torques: Mapping[int, ComplexArray]) -> TorqueShares:
-        """Torque shares by cylinder, to be added to the sum of all cylinders."""
+        """Torque shares of the engine by cylinder, to be added to the sum of all cylinders."""
         return TorqueShares(
             tuple(f"{what} {number}" for number in torques),
             tuple(self.numbers[number] for number in torques),
@@ -93,7 +93,7 @@ class ReciprocatingEngine(EngineEntries):
         return () if isinstance(self.misfire, str) else self.misfire
 
     def _gas_of(self, number: int, fired: ComplexArray, motored: ComplexArray) -> ComplexArray:
-        """Torque of a cylinder's gas by speed and order, before the shift to its firing angle."""
+        """Gas torque of a cylinder in N m by speed and order, before the shift to its firing angle."""
         if number in self.gas_off:
             return np.zeros_like(fired)
         if number in self._without_injection:
@@ -101,7 +101,7 @@ class ReciprocatingEngine(EngineEntries):
         return np.asarray(fired * self._factor(number))
 
     def _factor(self, number: int) -> float:
-        """Factor on the gas torque of a cylinder against the other cylinders."""
+        """Dimensionless factor on the gas torque of a cylinder against the other cylinders."""
         return float((self.factors or {}).get(str(number), 1.0))
 
     def _fired(self, speeds: FloatArray) -> ComplexArray:

@@ -8,7 +8,9 @@ from torsionnet.model.excitations.order_excitation import ComplexArray, FloatArr
 
 
 def piston_rate(angle: FloatArray, ratio: float) -> FloatArray:
-    """Piston rate dx/dphi over the crank radius, x from top dead centre; ``ratio`` is crank radius over rod length.
+    """Piston rate dx/dphi over the crank radius, x from top dead centre, in the shape of ``angle`` (rad).
+
+    ``ratio`` is crank radius over rod length.
 
     >>> bool(abs(piston_rate(np.array([np.pi / 2]), 0.25)[0] - 1) < 1e-12)
     True
@@ -18,7 +20,7 @@ def piston_rate(angle: FloatArray, ratio: float) -> FloatArray:
 
 
 def piston_curvature(angle: FloatArray, ratio: float) -> FloatArray:
-    """Piston curvature d2x/dphi2 over the crank radius."""
+    """Piston curvature d2x/dphi2 over the crank radius, in the shape of ``angle`` (rad)."""
     sine, cosine = np.sin(angle), np.cos(angle)
     root = np.sqrt(1 - (ratio * sine) ** 2)
     # 1 - 2 sin^2 is cos^2 - sin^2; the last term is the change of the rod's own slope.
@@ -26,7 +28,9 @@ def piston_curvature(angle: FloatArray, ratio: float) -> FloatArray:
 
 
 def inertia_harmonics(ratio: float, orders: FloatArray, samples: int = 4096) -> ComplexArray:
-    """Torque of a reciprocating mass over m r^2 Omega^2, -x' x'', by whole orders of the crank; 0 at others.
+    """Torque -x' x'' of a reciprocating mass over m r^2 Omega^2, complex, at whole orders, shape (n_orders,).
+
+    0 at others.
 
     The torque is a sine series. For a short rod, as for r/l = 0.25, orders 1 to 4 are:
 
@@ -38,7 +42,9 @@ def inertia_harmonics(ratio: float, orders: FloatArray, samples: int = 4096) -> 
 
 
 def harmonics(samples: FloatArray, revolutions: int, orders: FloatArray) -> ComplexArray:
-    """Complex amplitudes T_h of evenly spaced samples over ``revolutions``; 0 at orders the cycle does not hold.
+    """Complex amplitudes at orders, shape (n_orders,), of evenly spaced samples over ``revolutions``.
+
+    0 at orders the cycle does not hold.
 
     >>> phi = 2 * np.pi * np.arange(8) / 8
     >>> bool(abs(harmonics(3 * np.cos(phi + 0.5), 1, np.array([1.0]))[0] - 3 * np.exp(0.5j)) < 1e-12)

@@ -18,7 +18,7 @@ SPEED = Value("a speed", "speed", exclusive=True, below=1e6)
 RANGE_EXAMPLES = "300..788 rpm or [300 rpm, 788 rpm]"
 """Examples of a range of speeds, for messages."""
 MOST_SPEEDS = 100_000
-"""Largest number of speeds of a range: more only come from a step in the wrong unit, and would fill the memory."""
+"""Largest number of speeds in a range, as more only come from a step in the wrong unit."""
 _RANGE = re.compile(r"\s*([\d.eE+]+)\s*([A-Za-z/]*)\s*\.\.\s*([\d.eE+]+)\s*([A-Za-z/]*)\s*")
 
 
@@ -86,7 +86,7 @@ class SpeedRange(Declared):
 
     @property
     def values(self) -> tuple[float, ...]:
-        """Speeds in rad/s, rising."""
+        """Speeds of the range in rad/s, rising."""
         if self.list:
             return tuple(sorted(set(self.list)))
         (low, high), step = not_none(self.range), not_none(self.step)

@@ -17,7 +17,7 @@ from torsionnet.model.excitations.order_excitation import FloatArray
 SpeedRows = tuple[tuple[float, float], ...]
 _SPEED = Value("a speed", "speed", below=1e6)
 SPEED_RTOL = 1e-9
-"""Share of the largest speed by which a speed may lie outside of a table: rounding of units."""
+"""Share of the largest speed by which a speed may lie outside of a table, for rounding of units."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -56,7 +56,7 @@ class SpeedTable(Spec[SpeedRows]):
 
 
 def not_covered(tables: Mapping[Path, SpeedRows | None], speeds: FloatArray | None) -> list[Fault]:
-    """Faults of tables, given by path, that do not cover the speeds in rad/s; none for unknown speeds."""
+    """Faults of tables over speed, given by path, that do not cover the speeds in rad/s; none for unknown speeds."""
     if speeds is None:
         return []
     texts = {path: _outside(table, speeds, str(path[-1])) for path, table in tables.items() if table}
@@ -64,7 +64,7 @@ def not_covered(tables: Mapping[Path, SpeedRows | None], speeds: FloatArray | No
 
 
 def over_speed(table: SpeedRows, speeds: FloatArray, what: str) -> FloatArray:
-    """Values of a table at speeds in rad/s.
+    """Values of a table, in its own unit, interpolated at speeds in rad/s, shape (n_speeds,).
 
     Raises
     ------
@@ -87,7 +87,7 @@ def over_speed(table: SpeedRows, speeds: FloatArray, what: str) -> FloatArray:
 
 
 def _outside(table: SpeedRows, speeds: FloatArray, what: str) -> str:
-    """Message if speeds lie outside of the table, else an empty text."""
+    """Message if speeds lie outside of a table, else an empty text."""
     (low, high), (first, last) = (speeds.min(), speeds.max()), (table[0][0], table[-1][0])
     if low >= first - SPEED_RTOL * last and high <= last + SPEED_RTOL * last:
         return ""

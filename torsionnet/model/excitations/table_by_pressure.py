@@ -16,9 +16,9 @@ from torsionnet.model.excitations.order_excitation import ComplexArray, FloatArr
 
 MEAN_PRESSURE = Value("a mean indicated pressure", "pressure")
 SMALLEST_MEAN_PRESSURE = 1e3
-"""Smallest mean indicated pressure in Pa but zero; below 0.01 bar, a number in bar was written without its unit."""
+"""Smallest mean indicated pressure in Pa but zero, as a number in bar without its unit lies below."""
 PRESSURE_RTOL = 1e-6
-"""Relative distance beyond a pressure table that counts as rounding; nothing further is extrapolated."""
+"""Relative distance beyond the ends of a pressure table that counts as rounding, as nothing is extrapolated."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -61,7 +61,7 @@ class TableByPressure(Composite[Mapping[float, Stored_co]]):
 
 
 def mean_pressure(raw: object) -> float:
-    """Mean indicated pressure in Pa of an entry; EntryError if it is too small for an engine."""
+    """Mean indicated pressure in Pa that an entry gives; EntryError if it is too small for an engine."""
     try:
         pressure = MEAN_PRESSURE.coerce(raw)
     except EntryError as error:
@@ -75,7 +75,7 @@ def mean_pressure(raw: object) -> float:
 
 
 def interpolated(known: Sequence[float], values: ComplexArray, wanted: FloatArray) -> ComplexArray:
-    """Rows of ``values`` at ``known`` pressures, interpolated linearly at the ``wanted`` pressures.
+    """Rows of ``values`` at ``known`` pressures, interpolated at the ``wanted`` pressures, shape (n_wanted, n_orders).
 
     Raises
     ------

@@ -56,7 +56,10 @@ _BY_PRESSURE = TableByPressure("mean indicated pressure -> orders", _BY_ORDER)
 
 
 class HarmonicTables(Composite[Tables]):
-    """Entry for a table by order, or for several by mean indicated pressure in Pa; a single table has the key None."""
+    """Entry for tangential pressures in a table by order, or in several by mean indicated pressure in Pa.
+
+    A single table has the key None.
+    """
 
     def read(self, raw: object) -> tuple[Any, list[Fault]]:
         if isinstance(raw, Mapping) and (None in raw or any(_names_pressure(key) for key in raw)):
@@ -82,7 +85,10 @@ def _names_pressure(key: Any) -> bool:
 
 
 def amplitudes(table: Mapping[float, TangentialHarmonic], orders: FloatArray, phase_of: str) -> ComplexArray:
-    """Complex tangential pressure in Pa by order, shape (n_orders,); 0 at orders that the table lacks."""
+    """Complex tangential pressure in Pa at orders, shape (n_orders,), from a table by order.
+
+    0 at orders that the table lacks.
+    """
     found = np.zeros(len(orders), dtype=complex)
     for order, one in table.items():
         found[np.isclose(orders, order)] = one.complex_amplitude(phase_of)

@@ -28,7 +28,10 @@ _ANGLE = Value("crank angle of the first pressure", "angle", lower=None)
 
 
 class TraceEntry(Composite[PressureTrace]):
-    """Entry for a pressure trace: a list at even steps, a list with its first angle, or the name of a file."""
+    """Entry for a pressure trace of a cylinder over one cycle.
+
+    A list at even steps, a list with its first angle, or the name of a file.
+    """
 
     @property
     def example(self) -> str:
@@ -59,7 +62,7 @@ class TraceEntry(Composite[PressureTrace]):
         return PressureTrace(tuple(values[:-1] if len(values) % 2 else values), start), faults
 
     def plain(self, value: Any) -> Json:
-        """Pressures in Pa instead of the file name, so that a written model can be read anywhere."""
+        """Plain list of pressures in Pa instead of the file name, so that a written model can be read anywhere."""
         return list(value.values) if not value.start else {"start": value.start, "pressures": list(value.values)}
 
     def schema(self) -> Schema:
@@ -74,7 +77,7 @@ class TraceEntry(Composite[PressureTrace]):
 
 
 def _numbers(raw: Sequence[Any] | np.ndarray[Any, Any]) -> tuple[list[float], list[Fault]]:
-    """Pressures in Pa, and the faults of entries that are no pressures."""
+    """Pressures of a list in Pa, and the faults of entries that are no pressures."""
     values: list[float] = []
     faults: list[Fault] = []
     for index, one in enumerate(raw.tolist() if isinstance(raw, np.ndarray) else raw):

@@ -18,7 +18,7 @@ class TwistExcitation(OrderExcitation):
     """Base class of excitations by a twist in one element, with the orders of a shaft at one of its ends."""
 
     element_field: ClassVar[str] = ""
-    """Name of the entry that names the element."""
+    """Name of the entry that names the twisted element, in the class of an excitation."""
 
     speed_of: str | None = entry(
         NodeName(
@@ -52,5 +52,5 @@ class TwistExcitation(OrderExcitation):
 
 
 def shafts_of(element: Element) -> list[str]:
-    """Nodes of an element without the ground."""
+    """Names of an element's nodes without the ground."""
     return [node for node in element.ports.values() if node != GROUND]

@@ -19,7 +19,7 @@ from torsionnet.model.excitations.order_excitation import FloatArray, OrderTorqu
 from torsionnet.model.excitations.twist_excitation import TwistExcitation, shafts_of
 
 LARGEST_JOINT_ANGLE = math.radians(45)
-"""Angle in rad up to which cross joints are built; a number in degrees without its unit is far above."""
+"""Largest angle in rad for which cross joints are built, as one in degrees without its unit is far above."""
 
 
 @register_excitation

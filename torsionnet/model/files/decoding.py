@@ -7,11 +7,14 @@ import codecs
 from torsionnet.core.errors import Fault, ModelError, Position
 
 MOST_BYTES = 4_000_000
-"""Size in bytes of the largest model file; a larger one is no model and would only fill the memory."""
+"""Size in bytes of the largest model file, as a larger one is no model and would only fill the memory."""
 
 
 def decode(raw: bytes, file: str) -> str:
-    """Text from UTF-8 bytes; raises ModelError with the position of bytes that are not UTF-8."""
+    """Text of a model file from its bytes in UTF-8 code.
+
+    Raises ModelError with the position of bytes that are not UTF-8.
+    """
     if len(raw) > MOST_BYTES:
         raise _fault(f"the file is too large: more than {MOST_BYTES // 1_000_000} MB", file)
     if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) or b"\0" in raw[:4]:

@@ -12,7 +12,7 @@ from torsionnet.model.configurations import DEFAULT_AXIS
 from torsionnet.model.files.located_yaml import LocatedDocument
 
 LONGEST_MESSAGE = 600
-"""Longest message in characters; the middle of a longer one is left out."""
+"""Length in characters of the longest message on a fault, of a longer one of which the middle is left out."""
 
 _PLAIN = {"got None": "got nothing", "got True": "got true", "got False": "got false"}
 _PYTHON = re.compile("got (None|True|False)$")
@@ -58,7 +58,7 @@ def _place(fault: Fault, document: LocatedDocument) -> Fault:
 
 
 def _path_in_file(fault: Fault, data: Any) -> Path:
-    """Path as the file spells it: the name of a single axis may be left out there."""
+    """Path of a fault's entry as the file spells it: the name of a single axis may be left out there."""
     path = fault.path
     if fault.configuration and path[:1] != ("configurations",):
         path = _alternative(fault.configuration, fault.message, data) or path
@@ -69,7 +69,7 @@ def _path_in_file(fault: Fault, data: Any) -> Path:
 
 
 def _alternative(label: str, message: str, data: Any) -> Path:
-    """Path of the alternative that causes a fault of a configuration, or of the change the message names."""
+    """Path of the alternative that causes a fault of a configuration, or of the change that the message names."""
     table = entry_at(data, ("configurations",))
     for part in reversed(label.split(",")):
         axis, _, name = part.rpartition("=")
@@ -82,7 +82,7 @@ def _alternative(label: str, message: str, data: Any) -> Path:
 
 
 def entry_at(data: Any, path: Path) -> Any:
-    """Entry at a path in plain data, None if there is none."""
+    """Entry at a path in the plain data of a file, None if there is none."""
     for part in path:
         if isinstance(data, Mapping):
             data = data.get(part)
@@ -112,5 +112,5 @@ def _without_consequences(faults: list[Fault]) -> list[Fault]:
 
 
 def _parent(fault: Fault) -> Path:
-    """Path of the entry that lacks a key."""
+    """Path of the entry that lacks the missing key of a fault."""
     return fault.path if fault.path != (fault.about,) else ()

@@ -1,4 +1,4 @@
-"""Library of the package: models, benches, studies, parts and catalogues."""
+"""Library of the package with its models, benches, studies, parts and catalogues."""
 
 from __future__ import annotations
 
@@ -9,15 +9,18 @@ from pathlib import Path
 from torsionnet.model.files.yaml_scalars import plain_value
 
 PACKAGE = Path(__file__).resolve().parents[2]
-"""Folder of the package."""
+"""Folder of the package ``torsionnet``, in or beside which its library lies."""
 HEAD_LINES = 40
-"""Lines at the beginning of a file in which its title and source are looked for; the heads of the library's files are
+"""Number of lines at the beginning of a file that may hold its title and source, as heads in the library are
 shorter."""
 _END = re.compile("[,:.]")
 
 
 def library_folder() -> Path:
-    """Folder of the library: ``torsionnet/library`` where installed, ``library`` beside the package in a checkout."""
+    """Path of the folder with the library of the package.
+
+    ``torsionnet/library`` where installed, ``library`` beside the package in a checkout.
+    """
     installed = PACKAGE / "library"
     return installed if installed.is_dir() else PACKAGE.parent / "library"
 
@@ -78,7 +81,9 @@ def library_catalogues() -> dict[str, Path]:
 
 
 def catalogue_entry(path: Path) -> tuple[str, str]:
-    """Title and source of a catalogue, from its first line, ``# Tyres of cars, data of usual size: ...``.
+    """Title and source of a catalogue, read from the comment in its first line.
+
+    ``# Tyres of cars, data of usual size: ...``.
 
     Examples
     --------

@@ -9,7 +9,7 @@ from torsionnet.model.files.located_yaml import compose
 
 
 def other_use(name: str) -> str:
-    """Message how a part, catalogue or study of that name is used, which is no model; empty if there is none.
+    """Message on how a part, catalogue or study of that name is used, which is no model; empty if there is none.
 
     Examples
     --------

@@ -28,13 +28,13 @@ from torsionnet.model.files.syntax import explain
 from torsionnet.model.files.yaml_scalars import plain_value
 
 MOST_CHARACTERS = 4_000_000
-"""Largest number of characters of a file; more is no model and would only fill the memory."""
+"""Largest number of characters of a file, as a longer one is no model and would only fill the memory."""
 MOST_NODES = 200_000
-"""Largest number of entries of a file, aliases followed: nested aliases could multiply a small file without bound."""
+"""Largest number of entries of a file with its aliases, as nested aliases could multiply a small file without bound."""
 MOST_LEVELS = 20
-"""Deepest nesting of entries; the recursion of the composer is as deep."""
+"""Deepest nesting of entries in a file, to which the recursion of its reading is bounded."""
 LONGEST_EXCERPT = 400
-"""Longest line that a message quotes, in characters; longer ones would hide the message."""
+"""Length in characters of the longest line that a message quotes, as a longer one would hide the message."""
 
 _BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
 _ASCII_CONTROL = "[^\t\n\r\x20-\x7e]"
@@ -42,7 +42,7 @@ _CONTROL = "[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000
 
 
 class PythonParser(yaml.reader.Reader, yaml.scanner.Scanner, yaml.parser.Parser):
-    """Source of YAML events where PyYAML comes without its C library."""
+    """Source of YAML events in plain Python, where PyYAML comes without its C library."""
 
     def __init__(self, text: str) -> None:
         yaml.reader.Reader.__init__(self, text)
@@ -59,7 +59,7 @@ def _fastest() -> Any:
 
 
 class Span(NamedTuple):
-    """Stretch of text by lines and columns from 0, the end exclusive."""
+    """Stretch of text by lines and columns from 0, the end not included."""
 
     line: int
     column: int
@@ -68,13 +68,13 @@ class Span(NamedTuple):
 
 
 Place: TypeAlias = tuple[int, int, int, int]
-"""Plain tuple with the fields of a :class:`Span`."""
+"""Type of a stretch of text as a plain tuple with the fields of a :class:`Span`."""
 _NOTHING: Mapping[str | int, LocatedNode] = MappingProxyType({})
 
 
 @dataclass(slots=True)
 class LocatedNode:
-    """Value with its position and that of its key; ``size`` counts the values in it, aliases followed.
+    """Value in a file with its position and that of its key; ``size`` counts the values in it, aliases followed.
 
     ``home`` is set where it comes from another document than what it stands in.
     Places are those of a :class:`Span` in a plain tuple, which Python's collector of cycles can forget about.
@@ -89,18 +89,18 @@ class LocatedNode:
 
     @property
     def span(self) -> Span:
-        """Position of the value."""
+        """Position of the value in the file."""
         return Span(*self.place)
 
     @property
     def key(self) -> Span | None:
-        """Position of the key, None for an entry of a list."""
+        """Position of the value's key in the file, None for an entry of a list."""
         return Span(*self.key_place) if self.key_place else None
 
 
 @dataclass
 class LocatedDocument:
-    """Data of a file with the position of each entry.
+    """Data of a YAML file with the position of each entry.
 
     ``dropped`` holds values that a duplicate key made unreadable: what they name is not in ``data``.
     """
@@ -113,11 +113,11 @@ class LocatedDocument:
 
     @property
     def data(self) -> Any:
-        """Plain data of the whole file, None where it is empty."""
+        """Plain data of the whole file, None where the file is empty."""
         return None if self.root is None else self.root.value
 
     def position(self, path: Path = (), *, on_key: bool = False) -> Position:
-        """Position of an entry, or of the nearest entry above it that exists.
+        """Position in the file of an entry, or of the nearest entry above it that exists.
 
         Of a value that fills several lines the key is shown.
         """
@@ -131,19 +131,25 @@ class LocatedDocument:
         return home.place(node.key if show_key and node.key else node.span)
 
     def place(self, span: Span) -> Position:
-        """Position of a span in the file; of several lines the first."""
+        """Position in the file, with line and columns from 1, of a span that counts from 0.
+
+        Of several lines the first.
+        """
         source = self.lines[span.line] if span.line < len(self.lines) else ""
         end = span.end_column if span.end_line == span.line else len(source.rstrip())
         shown = "" if len(source) > LONGEST_EXCERPT else "".join(char if char.isprintable() else " " for char in source)
         return Position(self.file, span.line + 1, span.column + 1, max(end, span.column + 1) + 1, shown.rstrip())
 
     def fault(self, message: str, span: Span, path: Path = ()) -> Fault:
-        """Fault at a span of the file."""
+        """Fault with a message at a span of the file."""
         return Fault(message, path, position=self.place(span))
 
 
 def compose(text: str, file: str, parser: Any = None) -> LocatedDocument:
-    """Parse the single document in ``text``; raises ModelError for a fault that makes the rest unreadable."""
+    """Data of the single document in ``text``, with the position of every entry.
+
+    Raises ModelError for a fault that makes the rest unreadable.
+    """
     document = LocatedDocument(file, _BREAK.split(text[:MOST_CHARACTERS]))
     if len(text) > MOST_CHARACTERS:
         raise ModelError(
@@ -164,7 +170,7 @@ def compose(text: str, file: str, parser: Any = None) -> LocatedDocument:
 
 
 class _Composer:
-    """Composer of located nodes from YAML events, by recursion as deep as the data, which is bounded."""
+    """Composer that makes values with positions from YAML events, recursive as deep as the data are nested."""
 
     def __init__(self, events: Any, document: LocatedDocument) -> None:
         self.events = events
@@ -204,7 +210,10 @@ class _Composer:
         return self.grow(node, event)
 
     def grow(self, node: LocatedNode, event: Any) -> LocatedNode:
-        """Count a finished value: an alias counts as all it stands for, other values were counted within."""
+        """Value of a file after it is finished, with its entries counted and the number of all limited.
+
+        An alias counts as all it stands for, other values were counted within.
+        """
         self.count += node.size if type(event) is AliasEvent else 1
         if self.count > MOST_NODES:
             raise self.refusal(f"the file holds more than {MOST_NODES} entries, aliases (*) followed", _span(event))
@@ -254,7 +263,7 @@ class _Composer:
         return event.value
 
     def duplicate(self, first: LocatedNode, second: LocatedNode, path: Path) -> None:
-        """Report a key that occurs twice, with both positions; the first entry is kept."""
+        """Report a key that occurs twice in a file, with both positions; the first entry is kept."""
         assert first.key is not None
         assert second.key is not None
         where = f"line {first.key.line + 1}, column {first.key.column + 1}"

@@ -17,9 +17,9 @@ from torsionnet.model.bench.bench_file import BenchFile
 from torsionnet.model.definition import Definition
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
-"""Identifier of the version of JSON Schema."""
+"""Identifier of the version of JSON Schema in which the schemas are written."""
 SCALAR = {**SCALAR_SCHEMA, "description": "a number in SI units, a value with unit, or an expression of parameters"}
-"""JSON Schema of a number, a quantity or an expression."""
+"""JSON Schema of an entry that is a number, a quantity or an expression."""
 
 
 def file_schema(*kinds: type[Declared]) -> Schema:

@@ -1,4 +1,4 @@
-"""Parts from other files: those that a model includes, and those of the library that it names."""
+"""Inclusion of parts from other files, those that a model includes and those of the library that it names."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from torsionnet.model.files.located_yaml import LocatedDocument, LocatedNode, co
 _FILE_OF_PARTS = (KEY, "name", "source", "description", "parts", "include")
 """Keys that a file of parts may have."""
 _OF_THE_WHOLE = (KEY, "name", "operating_point", "speeds", "load", "bench", "report", "parts", "include")
-"""Keys of a model that describe it as a whole and are left out where it is used as a part."""
+"""Keys of a model that describe it as a whole and are left out where the model is used as a part."""
 
 
 def include_parts(document: LocatedDocument) -> None:
@@ -41,7 +41,10 @@ def include_parts(document: LocatedDocument) -> None:
 
 
 class _Including:
-    """Table of all parts that can be named; those of the document itself have no home of their own."""
+    """Table of all parts that a model can name, filled from the files that it includes.
+
+    Those of the document itself have no home of their own.
+    """
 
     def __init__(self, document: LocatedDocument) -> None:
         self.document = document

@@ -32,13 +32,16 @@ def check_partial_model(definition: Definition, document: LocatedDocument, fault
 
 
 def _with_hint(fault: Fault, lost: set[str]) -> Fault:
-    """Fault with a question whether its name is that of an entry that could not be read, misspelt."""
+    """Fault with the question whether its name is that of an entry that could not be read, misspelt."""
     meant = "" if fault.kind != "unknown name" or fault.meant else nearest(fault.about, sorted(lost))
     return replace(fault, message=f'{fault.message}; did you mean "{meant}"?', meant=meant) if meant else fault
 
 
 def _sound_checks(definition: Definition) -> Iterator[Fault]:
-    """Faults of names and values one by one; the structure cannot be checked while parts are missing."""
+    """Faults of names and values in a model that could not be read completely.
+
+    The structure cannot be checked while parts are missing.
+    """
     for check in _CHECKS:
         yield from check(definition)
     yield from values.wrong_dimensions(definition)
@@ -51,7 +54,7 @@ def _sound_checks(definition: Definition) -> Iterator[Fault]:
 
 
 def _lost_words(document: LocatedDocument, broken: Iterable[Path]) -> Iterator[str]:
-    """Names in the entries that could not be read, which may be defined or used there."""
+    """Names in the entries of a file that could not be read, which may be defined or used there."""
     for path in dict.fromkeys(path[:2] for path in broken):
         yield from _words([*path, entry_at(document.data, path)])
     for path, value in document.dropped:

@@ -16,7 +16,7 @@ _ESCAPES = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\t": "\\t", "\r": "\\r"}
 
 
 def scalar_text(value: Plain) -> str:
-    """Scalar as a model file holds it: text in quotes wherever YAML 1.1 or 1.2 would make something else of it.
+    """Text of a scalar as a model file holds it; in quotes wherever YAML 1.1 or 1.2 would make something else of it.
 
     >>> [scalar_text(value) for value in ("motor", "0.46 kN*m/rad", "no", "3:1", "12", 1e-5, math.inf, True)]
     ['motor', '0.46 kN*m/rad', '"no"', '"3:1"', '"12"', '1.0e-05', '.inf', 'true']

@@ -27,11 +27,11 @@ SUFFIXES = (".yaml", ".yml", ".json")
 
 
 Further: TypeAlias = Callable[[Definition], Iterable[Fault]]
-"""Function that gives further faults of a sound definition, beside those of the model alone."""
+"""Type of a function that returns further faults of a sound definition, beside those of the model alone."""
 
 
 def read_file(path: str | os.PathLike[str], further: Further | None = None) -> tuple[Definition | None, list[Fault]]:
-    """Read a model file: its definition, None if it has errors, and all faults in the order of the file."""
+    """Definition of a model from its file, None if it has errors, and all faults in the order of the file."""
     found = find_model(path)
     try:
         raw = found.read_bytes()
@@ -48,7 +48,10 @@ def read_file(path: str | os.PathLike[str], further: Further | None = None) -> t
 def read_text(
     text: str, file: str, folder: Path | None = None, further: Further | None = None
 ) -> tuple[Definition | None, list[Fault]]:
-    """Read the text of a model file as :func:`read_file` does; files that it names lie in ``folder``."""
+    """Definition of a model from the text of its file, and faults, as :func:`read_file` returns them.
+
+    Files that it names lie in ``folder``.
+    """
     try:
         document = compose(text.removeprefix("\ufeff"), file)
     except ModelError as error:

@@ -32,14 +32,14 @@ _MEANINGS = (
     ("node content", "a value is missing or is not closed here"),
     ("indentation", "this does not fit the indentation of the lines above"),
 )
-"""Messages by regular expressions of the problem that PyYAML reports."""
+"""Message to the user by regular expression of the problem that PyYAML reports."""
 
 
 _UNSEPARATED = re.compile(r"(\s*)(\w+)(\s*|:)[{\[]")
 
 
 def explain(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> tuple[str, tuple[int, int]]:
-    """Message about a fault of YAML syntax, and its line and column (from 0)."""
+    """Message about a fault of YAML syntax, and its line and column, from 0."""
     problem = error.problem or "this is no YAML"
     mark = _mark(error.problem_mark or error.context_mark, lines)
     character = lines[mark[0]][mark[1] : mark[1] + 1] if mark[0] < len(lines) else ""
@@ -79,7 +79,10 @@ def _no_start(character: str) -> str:
 
 
 def _mark(mark: yaml.Mark | None, lines: Sequence[str]) -> tuple[int, int]:
-    """Line and column of a mark; the end of the file is the end of the last line that is not empty."""
+    """Line and column, from 0, of a place that the YAML parser names.
+
+    The end of the file is the end of the last line that is not empty.
+    """
     if mark is None:
         return 0, 0
     line, column = mark.line, mark.column

@@ -24,14 +24,14 @@ _NOTHING = Overlay()
 
 @dataclass(frozen=True)
 class ValuePlace:
-    """Place of a parameter's value: the table of parameters, or an alternative of an axis."""
+    """Place of a parameter's value in a model, the table of parameters or an alternative."""
 
     parameter: str
     axis: str = ""
     alternative: str = ""
 
     def paths(self) -> tuple[Path, ...]:
-        """Paths at which the value may be written in a file; a single axis needs no name."""
+        """Paths at which the value of the parameter may be written in a file; a single axis needs no name."""
         if not self.axis:
             return (("parameters", self.parameter, "value"), ("parameters", self.parameter))
         inner = (self.alternative, self.parameter)
@@ -40,7 +40,7 @@ class ValuePlace:
 
 
 def place_of(definition: Definition, choice: Mapping[str, str], parameter: str) -> ValuePlace:
-    """Place of a parameter's value under a choice of alternatives: the axis that sets it, or the base.
+    """Place of a parameter's value in a model under a choice of alternatives: the axis that sets it, or the base.
 
     Examples
     --------
@@ -55,7 +55,7 @@ def place_of(definition: Definition, choice: Mapping[str, str], parameter: str) 
 
 
 def changed_definition(definition: Definition, changes: Mapping[ValuePlace, Expression]) -> Definition:
-    """Definition with other values of the parameters at some places."""
+    """Definition of a model with other values of the parameters at some places."""
     parameters = dict(definition.parameters)
     axes = {axis: dict(alternatives) for axis, alternatives in definition.configurations.items()}
     for place, value in changes.items():
@@ -75,7 +75,7 @@ def changed_text(
     file: str = "",
     folder: FolderPath | None = None,
 ) -> str:
-    """Text of a model file with other parameter values; only their characters differ.
+    """Text of a model file in which only the changed parameter values differ.
 
     Where that cannot be (a value that is an alias of another one), the model is written anew, without comments.
 

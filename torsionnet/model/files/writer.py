@@ -20,7 +20,8 @@ _BLOCK_LEVELS = {
     "configurations": 2,
     "operating_point": 1,
 }
-"""Levels of block style in each section of a file; deeper levels are in flow style."""
+"""Number of nested levels that each section of a file has in block style, one entry a line; deeper levels are in flow
+style."""
 
 
 def dump(definition: Definition, path: str | os.PathLike[str] | None = None) -> str:

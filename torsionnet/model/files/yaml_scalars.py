@@ -20,12 +20,15 @@ _WORDS |= dict.fromkeys((".nan", ".NaN", ".NAN"), "nan")
 _INTEGER = re.compile(r"[-+]?(0|[1-9][0-9]{0,17})")
 _DECIMAL = re.compile(r"[-+]?((0|[1-9][0-9]*)(\.[0-9]*)?|\.[0-9]+)([eE][-+]?[0-9]{1,3})?")
 _LONGEST_DECIMAL = 40
-"""Longest text in characters that is read as a decimal number; floats have 17 digits, longer ones stay text."""
+"""Length in characters of the longest text read as a decimal number, as floats have 17 digits; longer ones stay
+text."""
 
 
 @lru_cache(maxsize=4096)
 def plain_value(text: str) -> Plain:
-    """Value of an unquoted scalar; a number that no float holds exactly as written stays text.
+    """Value of an unquoted scalar of YAML, a number, text, true, false or nothing.
+
+    A number that no float holds exactly as written stays text.
 
     >>> [plain_value(text) for text in ("1", "0.1", "1e3", "no", "3:1", "017", "true", "0.1234567890123456789")]
     [1, 0.1, 1000.0, 'no', '3:1', '017', True, '0.1234567890123456789']

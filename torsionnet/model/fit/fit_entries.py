@@ -16,7 +16,7 @@ from torsionnet.core.entries.words import MODEL_NAME, Count, Flag, OneOf, Text
 from torsionnet.core.errors import Fault
 
 RANGES = ("band", "from", "to", "start", "stop", "low", "high", "frequencies")
-"""Keys by which a range of frequencies may be looked for in the settings, where it is an entry of a measurement."""
+"""Keys of a range of frequencies that users may write in the settings of a fit instead of in a measurement."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,7 +102,7 @@ class FitParameter(Declared):
 
 
 class ParameterTable(Named[FitParameter]):
-    """Entry of parameters by name, or of a list of their names."""
+    """Entry of a fit's parameters by name, or of a list of their names."""
 
     def read(self, raw: object) -> tuple[Mapping[str, FitParameter], list[Fault]]:
         return super().read(dict.fromkeys(raw) if isinstance(raw, list) and raw else raw)

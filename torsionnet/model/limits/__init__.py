@@ -1,4 +1,4 @@
-"""Limits on what elements can bear: rules, each a class in a file of this package, all imported here."""
+"""Limits on what elements can bear, one rule in each file of this package."""
 
 import importlib
 import pkgutil

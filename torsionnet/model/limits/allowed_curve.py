@@ -1,4 +1,4 @@
-"""Allowed values of a limit over speed: one for all speeds, or tables over speed or speed ratio."""
+"""Allowed values of a limit, one for all speeds or tables over speed or speed ratio."""
 
 from __future__ import annotations
 
@@ -15,17 +15,20 @@ from torsionnet.core.expressions import Number
 from torsionnet.response.frequency_response import FloatArray
 
 ALLOWED = ValueInUnitOfUse("value allowed", exclusive=True)
-"""Specification of one allowed value."""
+"""Specification of one allowed value in a table of a limit."""
 _KEYS = {"speed": Value("a speed", "speed", below=1e6), "1": Value("a speed ratio", "1", below=10)}
 Pairs = tuple[tuple[float, Number], ...]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AllowedTable(Plural[Pairs]):
-    """Entry of a table of allowed values: ``{300 rpm: 40 MPa, 750 rpm: 25 MPa}``, stored as pairs by rising key."""
+    """Entry of a table of values that a limit allows, over speed or speed ratio.
+
+    ``{300 rpm: 40 MPa, 750 rpm: 25 MPa}``, stored as pairs by rising key.
+    """
 
     over: str
-    """Dimension of the keys: "speed" or "1"."""
+    """Dimension of the table's keys, "speed" or "1": "speed" or "1"."""
 
     @property
     def absent(self) -> Pairs:
@@ -75,7 +78,9 @@ class AllowedTable(Plural[Pairs]):
 
 
 def allowed_at(pairs: Pairs, at: FloatArray) -> FloatArray:
-    """Allowed values at speeds or speed ratios, interpolated linearly, same shape; NaN outside of the table.
+    """Allowed values in SI units at speeds or speed ratios, interpolated linearly, in the shape of ``at``.
+
+    NaN outside of the table.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Limits of flexible couplings: nominal, maximum and vibratory torque, heat and twist as makers state them."""
+"""Limits of flexible couplings on torque, heat and twist as makers state them."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.limits.limit_check import RuleText
 
 REFERENCE_HZ = 10.0
-"""Frequency in Hz up to which DIN 740-2 takes the permissible vibratory torque for constant."""
+"""Frequency in Hz up to which DIN 740-2 takes the permissible vibratory torque of a coupling for constant."""
 FORMULA = (
     "T_mean S_theta <= T_KN; (T_mean + T_v) S_theta <= T_Kmax, also in passing; {vibratory} <= T_KW; "
     "P <= P_KV times the factor for temperature, P = sum over frequencies of Re(T conj(dgamma/dt))/2 with T the whole "
     "torque, elastic and damping; T_v: half range of the sum of all orders; S_theta = {theta:g}"
 )
-"""Formula of the rule as reports print it."""
+"""Formula of the rule for couplings as reports print it."""
 
 
 @register_rule

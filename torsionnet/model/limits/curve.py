@@ -30,7 +30,7 @@ from torsionnet.response.order_sums import lines_of_one_frequency
 
 DIMENSION_OF = {"angle": "angle", "velocity": "speed", "acceleration": "acceleration", "twist": "angle",
                 "torque": "torque", "stress": "pressure"}  # fmt: skip
-"""Dimension of the allowed value, by the quantity of the sensor."""
+"""Dimension of the value that a limit allows, by the quantity of the limited sensor."""
 
 
 @register_rule
@@ -90,7 +90,7 @@ class CurveLimit(Limit):
         return faults
 
     def sensor(self, subject: LimitSubject) -> Sensor | None:
-        """Sensor whose values are limited: an output, or the angle of a node; None where there is none."""
+        """Sensor whose values the curve limits: an output, or the angle of a node; None where there is none."""
         found = named_sensor(self.output, subject.sensors)
         return found or (Sensor("angle", self.output) if name_fault(self.output) is None else None)
 

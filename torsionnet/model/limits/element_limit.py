@@ -22,12 +22,13 @@ from torsionnet.model.limits.subject import LimitSubject
 
 @dataclass(frozen=True, kw_only=True)
 class ElementLimit(Limit):
-    """Base of limits with values for some of an element's criteria."""
+    """Base of limits with allowed values for some of an element's torque, twist and heat."""
 
     criteria: ClassVar[tuple[str, ...]] = ()
-    """Entries of which at least one has to be given."""
+    """Names of the entries of a limit of which at least one has to be given."""
     alternatives: ClassVar[tuple[tuple[str, ...], ...]] = ()
-    """Alternative groups of entries for the same limit: with one group given, a catalogue adds none of the others."""
+    """Groups of entry names that state the same limit in different ways: with one group given, a catalogue adds none of
+    the others."""
 
     element: str = entry(ElementName("what it is about"))
     source: str = entry(Text("who states the values, and where"), "values given by the user")
@@ -42,16 +43,16 @@ class ElementLimit(Limit):
 
     @property
     def torque(self) -> Sensor:
-        """Sensor of the torque at the port that defines its sign."""
+        """Sensor of the element's torque at the port that defines its sign."""
         return Sensor("torque", self.element)
 
     @property
     def twisting(self) -> Sensor:
-        """Sensor of the element's twist."""
+        """Sensor of the twist of the limited element."""
         return Sensor("twist", self.element)
 
     def fitted(self, elements: Mapping[str, Element]) -> Self:
-        """Copy of the limit whose missing entries come from the catalogue of the element, if it has one."""
+        """Copy of the limit whose missing entries come from the catalogue of its element, if it has one."""
         row = elements[self.element].catalogue if self.element in elements else None
         if row is None:
             return self
@@ -70,7 +71,7 @@ class ElementLimit(Limit):
         return replace(self, **found)
 
     def _stated_otherwise(self) -> set[str]:
-        """Names of entries that would repeat in another way what given entries say."""
+        """Names of entries that would repeat in another way what given entries of the limit say."""
         given = [way for way in self.alternatives if any(getattr(self, name) is not None for name in way)]
         return {name for way in self.alternatives if given and way not in given for name in way}
 
@@ -80,7 +81,7 @@ class ElementLimit(Limit):
             yield Fault(f"nothing is limited; give one of {', '.join(self.criteria)}", on_key=True)
 
     def total(self, line: LimitLine, mean: Sensor, evidence: Evidence) -> LimitLine:
-        """Limit line with the absolute mean value plus the half range of ``line`` at every speed.
+        """Limit line with the absolute mean value plus the half range of vibration at every speed.
 
         No speed may exceed its limit.
         """
@@ -91,5 +92,5 @@ class ElementLimit(Limit):
 
 
 def constant_over_speed(value: float, evidence: Evidence) -> Any:
-    """Array of the same value at every speed, shape (n_speeds,)."""
+    """Array of one value in its own unit at every speed, shape (n_speeds,)."""
     return np.full(len(evidence.speeds), float(value))

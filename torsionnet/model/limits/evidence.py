@@ -49,30 +49,36 @@ class Evidence:
 
     @property
     def examined(self) -> SpeedSpan:
-        """Range from the lowest to the highest speed."""
+        """Speeds from the lowest to the highest one examined, in rad/s."""
         return SpeedSpan(float(self.speeds[0]), float(self.speeds[-1]))
 
     def size(self, sensors: Sequence[Sensor]) -> FloatArray:
-        """Half range of the sum of all orders, the largest of the sensors, shape (n_speeds,)."""
+        """Half range of the sum of all orders, the largest of the sensors, in SI units, shape (n_speeds,)."""
         return np.asarray(np.max([self.run.half_range[:, self._place(sensor)] for sensor in sensors], axis=0))
 
     def size_by_case(self, sensors: Sequence[Sensor]) -> FloatArray | None:
-        """Half range in each case of excitation, shape (n_speeds, n_cases); None where there are no cases."""
+        """Half range in each case of excitation, the largest of the sensors, in SI units, shape (n_speeds, n_cases).
+
+        None where there are no cases.
+        """
         if not isinstance(self.run, WorstResponse) or len(self.run.each) < 2:
             return None
         places = [self._place(sensor) for sensor in sensors]
         return np.stack([case.half_range[:, places].max(axis=1) for case in self.run.each], axis=1)
 
     def orders(self, sensors: Sequence[Sensor]) -> FloatArray:
-        """Amplitudes (n_speeds, n_lines), of every order the largest of the sensors and of all cases."""
+        """Amplitude of every order, the largest of sensors and cases, in SI units, shape (n_speeds, n_lines)."""
         return np.asarray(np.max([self.run.sizes[:, :, self._place(one)] for one in sensors], axis=0))
 
     def summed_orders(self, sensor: Sensor) -> FloatArray:
-        """Amplitudes (n_speeds, n_frequencies), lines of one frequency added with their phases."""
+        """Amplitudes of a sensor by frequency in SI units, shape (n_speeds, n_frequencies).
+
+        Lines of one frequency are added with their phases.
+        """
         return summed_sizes(self.run)[:, :, self._place(sensor)]
 
     def weighted_size(self, sensor: Sensor, weights: FloatArray) -> FloatArray:
-        """Half range of the sum of all lines times their weights (n_speeds, n_lines), the largest of all cases."""
+        """Half range of the sum of a sensor's lines times their weights, largest of all cases, shape (n_speeds,)."""
         place, found = self._place(sensor), []
         for case in self._cases:
             values = case.values[:, :, place : place + 1] * weights[:, :, None]
@@ -82,15 +88,18 @@ class Evidence:
 
     @property
     def _cases(self) -> tuple[OrderResponse, ...]:
-        """Responses of the worst combination and of each case alone."""
+        """Responses over speed of the worst combination and of each case alone."""
         return (self.run, *self.run.case_responses) if isinstance(self.run, WorstResponse) else (self.run,)
 
     def worst_case(self, sensor: Sensor, at: int) -> str:
-        """Name of the case that is worst for a sensor at a speed, given by index; empty where there is one case."""
+        """Name of the case of excitation that is worst for a sensor at a speed, given by index.
+
+        Empty where there is one case.
+        """
         return self.run.case_at(at, str(sensor)) if isinstance(self.run, WorstResponse) else ""
 
     def mean(self, sensor: Sensor) -> FloatArray | None:
-        """Mean value of a sensor, shape (n_speeds,); None where it is not known."""
+        """Mean value of a sensor in SI units, shape (n_speeds,); None where it is not known."""
         return self.means.get(sensor)
 
     def power(self, element: str) -> FloatArray:
@@ -102,7 +111,10 @@ class Evidence:
 
 
 def torques_of(element: Element) -> list[Sensor]:
-    """Sensors of the torque at every port not on ground; of one port where no inertia lies between the ports."""
+    """Sensors of the torque at every port of an element that is not on ground.
+
+    Of one port where no inertia lies between the ports.
+    """
     ports = [port for port, node in element.ports.items() if node != GROUND]
     if element.diameters is None or len(ports) < 2:
         return [Sensor("torque", element.name)]

@@ -68,7 +68,7 @@ class FatigueLimit(ShaftLimit):
 
     @property
     def strength(self) -> float:
-        """Strength tau_W in Pa for the number of cycles wanted."""
+        """Fatigue strength tau_W in Pa of the shaft for the number of cycles wanted."""
         if self.cycles is None or self.cycles >= self.knee:
             return float(self.fatigue_strength)
         return float(self.fatigue_strength * (self.knee / self.cycles) ** (1 / not_none(self.slope)))
@@ -119,7 +119,10 @@ class FatigueLimit(ShaftLimit):
         return (f"safety against fatigue {self.safety * float(np.min(line.allowed / line.values)):.3g}",)
 
     def mean_stress_in(self, evidence: Evidence) -> Any:
-        """Mean shear stress (n_speeds,) in Pa; zero where it is left out, None where it is needed and not known."""
+        """Mean shear stress of the shaft in Pa, shape (n_speeds,).
+
+        Zero where it is left out, None where it is needed and not known.
+        """
         found = self.mean_stress_of(evidence)
         if found is None and self.mean_stress == "none" and self.yield_strength is None:
             return np.zeros(len(evidence.speeds))

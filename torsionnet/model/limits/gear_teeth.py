@@ -1,4 +1,4 @@
-"""Limits of gears: vibratory torque against mean torque, and gear hammer."""
+"""Limits of gears on vibratory torque against mean torque, and on gear hammer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Limits of IACS unified requirement M68: permissible torsional vibration stresses of propulsion shafts."""
+"""Limits of IACS unified requirement M68 on torsional vibration stresses of propulsion shafts."""
 
 from __future__ import annotations
 
@@ -140,7 +140,7 @@ class IacsM68(ShaftLimit):
             yield Fault(text, ("safe_speed",))
 
     def _inapplicable(self, section: RoundSection) -> str:
-        """Message why C_K does not hold for the hole or slot given; empty where it does."""
+        """Message why the factor C_K does not hold for the hole or slot given; empty where it does."""
         outer = section.outer
         if self.hole_diameter is not None and self.hole_diameter > HOLE * outer:
             return f"C_K = 0.50 is for radial holes up to {HOLE:g} d; this one has {self.hole_diameter / outer:.3g} d"
@@ -166,13 +166,13 @@ class IacsM68(ShaftLimit):
 
     @property
     def strength(self) -> float:
-        """Tensile strength sigma_B in Pa, capped as the rule says."""
+        """Tensile strength sigma_B of the shaft in Pa, capped as the rule says."""
         cap = min(CAPS[self.material], PROPELLER_CAP if self.shaft == "propeller" else math.inf)
         return float(min(self.tensile_strength, cap))
 
     @property
     def feature_factor(self) -> float:
-        """Factor C_K of the design feature."""
+        """Dimensionless factor C_K of the shaft's design feature."""
         if self.stress_concentration is not None:
             return float(min(1.0, SCF_OF_UNIT / self.stress_concentration))
         return FEATURES[self.shaft][self.feature]
@@ -231,7 +231,9 @@ class IacsM68(ShaftLimit):
         return self._in_operation(line, name, evidence, wanted, rated)
 
     def _barred(self, above: SpeedSpan, evidence: Evidence, values: FloatArray, rated: float) -> SpeedSpan:
-        """Range to be barred: speeds above tau_C and the usual range around the peak, with the tachometer's tolerance.
+        """Range of speeds in rad/s to be barred around the peak of the stress.
+
+        Speeds above tau_C and the usual range around the peak, with the tachometer's tolerance.
 
         The rule of thumb must cover what exceeds tau_C; beyond that it may stop where ranges must.
         """
@@ -281,7 +283,7 @@ class IacsM68(ShaftLimit):
 
 
 def _beyond(evidence: Evidence, ratio: FloatArray) -> tuple[str, ...]:
-    """Remark on speeds that the rule does not cover, or that it covers and nobody examined."""
+    """Remark on speeds that the rule does not cover."""
     rpm = evidence.run.rpm[ratio > HIGHEST_RATIO * (1 + 1e-12)]
     if ratio[-1] < 1 - 1e-9:
         return (f"speeds examined end at lambda = {ratio[-1]:.3g}: nothing is said of those from there to rated speed",)

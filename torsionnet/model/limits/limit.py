@@ -1,4 +1,4 @@
-"""Base class of limits: the rule, the element or output concerned, and verdicts on a condition of the drivetrain."""
+"""Base class of limits, which name a rule and the element or output concerned, and give verdicts."""
 
 from __future__ import annotations
 
@@ -33,24 +33,24 @@ from torsionnet.response.worst_response import ALL_CASES_EQUAL
 _RULES: dict[str, type[Limit]] = {}
 L = TypeVar("L", bound="type[Limit]")
 SHARP_PEAK_DROP = 0.1
-"""Drop from a peak to the mean of its neighbours, as a share of it, above which a finer step of speeds may find a
-higher value; a smaller share would remark on more peaks."""
+"""Drop from a peak to its neighbours, as a share of it, above which a remark says that the peak may be higher; a
+smaller share would remark on more peaks."""
 UNDAMPED_STEP = 1e-6
-"""Relative step of speed at which a peak that is still sharp is taken for a resonance without damping."""
+"""Relative step of speed at which a peak that is still sharp counts as a resonance without damping."""
 TOLERANCE = Value("how wrong a tachometer may be, as 2 %: ranges are wider by it", "1", below=0.2)
-"""Specification of the entry for the error of a tachometer."""
+"""Specification of a limit's entry for the error of a tachometer."""
 NOT_EXAMINED = ("no lower speed was examined", "no higher speed was examined")
-"""Remarks on a barred range that is cut off at the lowest or the highest speed examined."""
+"""Remarks on a barred range of speeds that is cut off at the lowest or the highest speed examined."""
 
 
 def register_rule(cls: L) -> L:
-    """Register a rule under its ``kind``; a class decorator."""
+    """Class decorator that registers a rule of limits under its ``kind``."""
     _RULES[cls.kind] = cls
     return cls
 
 
 def limit_rules() -> Mapping[str, type[Limit]]:
-    """Classes of limits by the word in ``rule:``."""
+    """Class of every kind of limit, by the word in ``rule:``."""
     return _RULES
 
 
@@ -67,7 +67,7 @@ class Limit(Declared):
 
     @property
     def named(self) -> tuple[tuple[Path, str, str], ...]:
-        """Triples (path, "element" or "node", name) of the entries that name an element or node of the model."""
+        """Path, "element" or "node", and name of every entry of the limit that names an element or node."""
         raise NotImplementedError
 
     def fitted(self, elements: Mapping[str, Element]) -> Limit:
@@ -81,11 +81,11 @@ class Limit(Declared):
         yield from ()
 
     def order_sensors(self, subject: LimitSubject) -> list[Sensor]:
-        """Sensors whose orders the limit needs."""
+        """Sensors whose orders the limit needs to judge a condition."""
         raise NotImplementedError
 
     def mean_sensors(self, subject: LimitSubject) -> list[Sensor]:
-        """Sensors whose mean values the limit needs."""
+        """Sensors whose mean values the limit needs to judge a condition."""
         del subject
         return []
 
@@ -94,37 +94,43 @@ class Limit(Declared):
         return []
 
     def text(self, evidence: Evidence) -> RuleText:
-        """Source of the rule, its formula with numbers, and what it does not cover."""
+        """Text on the source of the rule, its formula with numbers, and what it does not cover."""
         raise NotImplementedError
 
     def breaks(self, subject: LimitSubject) -> list[float]:
-        """Speeds of the reference shaft, rad/s, at which the value allowed ends, leaps or bends."""
+        """Speeds of the reference shaft in rad/s at which the value allowed ends, leaps or bends."""
         del subject
         return []
 
     def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
-        """Lines of values over speed with the values allowed; everything named is switched on."""
+        """Lines of values over speed with the values allowed, one for each criterion of the limit.
+
+        Everything named is switched on.
+        """
         raise NotImplementedError
 
     def remarks(self, line: LimitLine, evidence: Evidence) -> tuple[str, ...]:
-        """Remarks on a line as a whole."""
+        """Remarks of the limit on a line as a whole."""
         del line, evidence
         return ()
 
     def known_lines(self, evidence: Evidence) -> list[LimitLine]:
-        """Lines of a condition; a line that cannot be judged says why."""
+        """Lines of a condition over speed, one for each criterion of the limit.
+
+        A line that cannot be judged says why.
+        """
         off = self.switched_off(evidence.subject)
         if off:
             return [replace(line_without_data("all", f"{off} is switched off in this condition"), absent=True)]
         return list(self.lines(evidence))
 
     def verdicts(self, name: str, evidence: Evidence, lines: Sequence[LimitLine] | None = None) -> list[LimitVerdict]:
-        """Verdicts on a condition, from its lines if they are given."""
+        """Verdicts of the limit on a condition, from its lines if they are given."""
         known = self.known_lines(evidence) if lines is None else lines
         return [one for line in known for one in self.judged(line, name, evidence)]
 
     def judged(self, line: LimitLine, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
-        """Verdicts on a line; none where the rule does not apply to the line."""
+        """Verdicts of the limit on one line over speed; none where the rule does not apply to the line."""
         if line.why_not:
             yield replace(self.open(name, evidence, line.criterion, line.why_not), absent=line.absent)
         else:
@@ -136,7 +142,7 @@ class Limit(Declared):
         return next((what for _, kind, what in self.named if what not in there[kind]), "")
 
     def open(self, name: str, evidence: Evidence, criterion: str, why: str) -> LimitVerdict:
-        """Verdict where data are missing."""
+        """Verdict that a criterion is open because data are missing."""
         empty = np.empty(0)
         return LimitVerdict(
             limit=name, of=self.of, criterion=criterion, quantity="", unit="", values=empty, allowed=empty,
@@ -144,7 +150,7 @@ class Limit(Declared):
         )  # fmt: skip
 
     def peak(self, line: LimitLine, name: str, evidence: Evidence) -> LimitVerdict:
-        """Verdict on a criterion that no speed may exceed, not even while it is passed."""
+        """Verdict of the limit on a criterion that no speed may exceed, not even while it is passed."""
         above = spans_above(evidence.speeds, line.values, line.allowed)
         over = tuple(f"exceeded from {span}" for span in above)
         return self._verdict(line, name, evidence, FAIL if above else PASS, (), over)
@@ -155,7 +161,9 @@ class Limit(Declared):
         return 0.0
 
     def continuous(self, line: LimitLine, name: str, evidence: Evidence) -> LimitVerdict:
-        """Verdict on a criterion for continuous operation: speeds where it is exceeded are to be barred, if possible.
+        """Verdict of the limit on a criterion for continuous operation.
+
+        Speeds where it is exceeded are to be barred, if possible.
 
         In normal firing neither the rated nor the highest speed can be barred.
         """
@@ -178,7 +186,10 @@ class Limit(Declared):
         kept: Sequence[float | None],
         remarks: tuple[str, ...],
     ) -> LimitVerdict:
-        """Verdict with speeds to be barred; where a cylinder is out, with a highest speed if a speed kept is barred."""
+        """Verdict on a criterion that bars speeds, or that holds up to a highest speed.
+
+        Where a cylinder is out, with a highest speed if a speed kept is barred.
+        """
         highest = min((span.low for span in barred if span.holds_any(kept)), default=None)
         if highest is None or not evidence.subject.misfiring:
             return self._verdict(line, name, evidence, BARRED if barred else PASS, barred, remarks)
@@ -206,7 +217,7 @@ class Limit(Declared):
 
 @dataclass(frozen=True, eq=False)
 class LimitLine:
-    """Values of one criterion over speed with the values allowed.
+    """Values of one criterion over speed with the values allowed, each of shape (n_speeds,).
 
     Attributes
     ----------
@@ -241,12 +252,18 @@ class LimitLine:
 
     @property
     def utilisation(self) -> FloatArray:
-        """Value over value allowed, (n_speeds,); NaN where no value is allowed or the rule does not apply."""
+        """Value of the criterion over the value allowed, dimensionless, shape (n_speeds,).
+
+        NaN where no value is allowed or the rule does not apply.
+        """
         return utilisation_of(self.values, self.allowed)
 
     @property
     def each(self) -> FloatArray:
-        """Values of each case, (n_speeds, n_cases); a single column where there are no cases."""
+        """Values of the criterion in each case of excitation, shape (n_speeds, n_cases).
+
+        A single column where there are no cases.
+        """
         return self.values[:, None] if self.cases is None else self.cases
 
 
@@ -256,7 +273,10 @@ def line_without_data(criterion: str, why: str) -> LimitLine:
 
 
 def merged_line(parts: Sequence[LimitLine], order: NDArray[np.intp]) -> LimitLine:
-    """Line merged from the lines of several groups of speeds; ``order`` sorts their concatenated speeds."""
+    """Line of a criterion merged from the lines of several groups of speeds.
+
+    ``order`` sorts their concatenated speeds.
+    """
 
     def every(arrays: Sequence[FloatArray | None]) -> FloatArray | None:
         known = [array for array in arrays if array is not None]
@@ -270,7 +290,10 @@ def merged_line(parts: Sequence[LimitLine], order: NDArray[np.intp]) -> LimitLin
 
 
 def _worst_case(evidence: Evidence, line: LimitLine, sensor: Sensor) -> tuple[str, ...]:
-    """Remark on the case that is worst at the worst speed, as a misfiring cylinder; none where all are equal."""
+    """Remark on the case of excitation that is worst at the worst speed, as a misfiring cylinder.
+
+    None where all are equal.
+    """
     if not line.vibratory:
         return ()
     at = int(np.argmax(np.nan_to_num(line.utilisation, nan=-1.0)))

@@ -19,37 +19,37 @@ FEATURES: dict[str, dict[str, float]] = {
     "thrust": {"thrust_collar": 0.85, "roller_bearing": 0.85},
     "propeller": {"flange": 0.55, "keyless": 0.55, "keyed": 0.55, "forward_of_aft_bearing": 0.80},
 }
-"""Factor C_K of the rule by kind of shaft and design feature."""
+"""Factor C_K of IACS M68 by kind of shaft and design feature."""
 STRENGTHS = {"carbon": (400e6, 760e6), "carbon_manganese": (400e6, 760e6), "alloy": (400e6, 950e6)}
-"""Tensile strength of the materials that the rule is for, Pa."""
+"""Smallest and largest tensile strength in Pa of the materials that IACS M68 is for, by material."""
 CAPS = {"carbon": 600e6, "carbon_manganese": 600e6, "alloy": 800e6}
-"""Largest tensile strength that the rule counts, by material, Pa."""
+"""Largest tensile strength in Pa that IACS M68 counts, by material."""
 PROPELLER_CAP = 600e6
-"""Largest tensile strength that the rule counts for propeller shafts, Pa."""
+"""Largest tensile strength in Pa that IACS M68 counts for propeller shafts."""
 NO_BARRED_ABOVE, CONSTANT_ABOVE, HIGHEST_RATIO = 0.8, 0.9, 1.05
-"""Speed ratios above which normal firing has no barred range, tau_C no longer falls, and the rule says nothing."""
+"""Speed ratios above which M68 bars no range, tau_C no longer falls, and the rule says nothing."""
 STRENGTH_FOR_PASSING = 500e6
 """Tensile strength in Pa that the rule wants of shafts stressed nearly up to tau_T."""
 SCF_OF_UNIT = 1.45
-"""Stress concentration of a slot at which the rule's C_K = 1.45/scf is 1."""
+"""Stress concentration of a slot at which the factor C_K = 1.45/scf of IACS M68 is 1."""
 SLOT_LENGTH, SLOT_BORE, SLOT_WIDTH, HOLE = 0.8, 0.7, 0.15, 0.3
-"""Bounds of the rule over the outer diameter: a slot is shorter, its shaft's bore smaller, its width larger; a hole is
-no larger."""
+"""Bounds of IACS M68 on slots and holes over the outer diameter: a slot is shorter, its shaft's bore smaller, its width
+larger; a hole is no larger."""
 SOURCE = (
     "IACS UR M68, torsional vibration stresses and C_K as in KR Rules Part 5 Chapter 4 (2025), 202 and 206, "
     "which carry them"
 )
-"""Source of the rule as reports print it."""
+"""Text with the source of IACS M68 as reports print it."""
 NOT_COVERED = (
     "speeds above 1.05 rated; crankshafts, shafts of gears, electric machines and turbines; ice class; shafts exposed "
     "to sea water; bending; required diameters (M68.4). With a controllable pitch propeller full and zero pitch are "
     "conditions of their own"
 )
-"""Exclusions of the rule as reports print them."""
+"""Text with what IACS M68 does not cover, as reports print it."""
 
 
 def size_factor(diameter: float) -> float:
-    """Size factor C_D of an outer diameter in m.
+    """Dimensionless size factor C_D of IACS M68 for an outer diameter in m.
 
     >>> round(size_factor(0.4), 5)
     0.63059
@@ -58,7 +58,9 @@ def size_factor(diameter: float) -> float:
 
 
 def permissible(strength: float, factors: float, ratio: FloatArray) -> FloatArray:
-    """Stress tau_C in Pa over speed ratio lambda, for a tensile strength in Pa and C_K C_D; NaN above 1.05.
+    """Stress tau_C in Pa that IACS M68 permits at speed ratios lambda, in the shape of ``ratio``.
+
+    NaN above 1.05. ``strength`` is the tensile strength in Pa, ``factors`` is C_K C_D.
 
     >>> (permissible(600e6, size_factor(0.4), np.array([0.5, 1.0])) / 1e6).round(3).tolist()
     [66.562, 36.742]
@@ -69,7 +71,7 @@ def permissible(strength: float, factors: float, ratio: FloatArray) -> FloatArra
 
 
 def usual_range(critical: float, rated: float) -> SpeedSpan:
-    """Speed range of the rule of thumb to be barred around a critical speed.
+    """Range of speeds in the unit of both arguments that M68 usually bars around a critical speed.
 
     >>> span = usual_range(0.5, 1.0)
     >>> round(span.low / 0.5, 5), round(span.high / 0.5, 5)

@@ -1,4 +1,4 @@
-"""Limits of generators: swing of the rotor in electrical degrees, at which lamps begin to flicker."""
+"""Limits of generators on the swing of the rotor in electrical degrees, at which lamps begin to flicker."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Base of limits of shaft stress: the section, from the shaft itself or from entries of the limit."""
+"""Base of limits of shaft stress in a section of the shaft itself or of the limit's entries."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class RoundSection:
 
     @property
     def modulus(self) -> float:
-        """Polar section modulus, m^3."""
+        """Polar section modulus of the section in m^3."""
         return math.pi * (self.outer**4 - self.inner**4) / (16 * self.outer)
 
 
@@ -82,24 +82,27 @@ class ShaftLimit(Limit):
         return [Sensor("torque", self.element)]
 
     def section(self, subject: LimitSubject) -> RoundSection:
-        """Section in which the stress is judged."""
+        """Round section of the shaft in which the limit judges the stress."""
         own = _own(subject.elements[self.element], Values(subject.values))
         outer = self.diameter if self.diameter is not None else own.outer if own else math.nan
         inner = self.bore if self.bore is not None else own.inner if own else 0.0
         return RoundSection(float(outer), float(inner))
 
     def stress(self, evidence: Evidence) -> tuple[FloatArray, FloatArray]:
-        """Nominal shear stress in Pa: half range (n_speeds,) and amplitudes by order (n_speeds, n_lines)."""
+        """Half range (n_speeds,) and amplitudes by order (n_speeds, n_lines) of the nominal shear stress in Pa."""
         torques, modulus = torques_of(evidence.subject.active[self.element]), self.section(evidence.subject).modulus
         return evidence.size(torques) / modulus, evidence.orders(torques) / modulus
 
     def stress_by_case(self, evidence: Evidence) -> FloatArray | None:
-        """Half range (n_speeds, n_cases) of the nominal shear stress in Pa; None where there are no cases."""
+        """Half range in Pa of the nominal shear stress in each case of excitation, shape (n_speeds, n_cases).
+
+        None where there are no cases.
+        """
         found = evidence.size_by_case(torques_of(evidence.subject.active[self.element]))
         return None if found is None else found / self.section(evidence.subject).modulus
 
     def mean_stress_of(self, evidence: Evidence) -> FloatArray | None:
-        """Magnitude (n_speeds,) of the mean stress in Pa, None where it is not known."""
+        """Magnitude of the mean shear stress in Pa, shape (n_speeds,), None where it is not known."""
         mean = evidence.mean(Sensor("torque", self.element))
         return None if mean is None else abs(mean) / self.section(evidence.subject).modulus
 

@@ -12,7 +12,7 @@ from torsionnet.model.elements import Element
 
 @dataclass(frozen=True, eq=False)
 class LimitSubject:
-    """Model in one condition, as far as limits need it.
+    """Model in one condition, with the elements, nodes, sensors and values that limits need.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Limits of torsional vibration dampers, viscous or with springs: heat and twist."""
+"""Limits of torsional vibration dampers, viscous or with springs, on heat and twist."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class DamperLimit(ElementLimit):
 
     @property
     def allowed_power(self) -> float | None:
-        """Allowed dissipated power in W, None where it is not limited."""
+        """Power in W that the damper may turn into heat, None where it is not limited."""
         per_area = None if self.power_per_area is None else float(self.power_per_area * not_none(self.area))
         return float(self.power) if self.power is not None else per_area
 

@@ -10,10 +10,10 @@ from torsionnet.core.units import expected_unit
 from torsionnet.model.limits.limit import Limit
 
 UNIT_SLIP_RATIO = 100.0
-"""Ratio of two values of one limit from which a unit was probably left out: torques of a coupling differ by 10 at most,
-a forgotten prefix makes 1000."""
+"""Ratio of two values of one limit from which a unit was probably left out, as torques of a coupling differ less: by 10
+at most, a forgotten prefix makes 1000."""
 PREFIXES = {"torque": (1e3, "kN*m"), "power": (1e3, "kW"), "pressure": (1e6, "MPa")}
-"""Factor and name of the unit that is likely meant, by dimension."""
+"""Factor and name of the unit that is likely meant in a limit, by dimension."""
 
 
 def unit_slips(limit: Limit) -> Iterator[Fault]:

@@ -16,11 +16,14 @@ from torsionnet.core.units import RPM
 _SPEED = Value("a speed", "speed", below=1e6)
 _TORQUE = Value("a torque", "torque")
 MOST_EXPONENT = 10
-"""Largest exponent of a torque over speed that is accepted; 1 to 3 are usual."""
+"""Largest exponent of a torque over speed that a load accepts, as 1 to 3 are usual."""
 
 
 class TorqueOverSpeed(Plural[tuple[tuple[float, float], ...]]):
-    """Entry of a table of torque over speed: ``{300 rpm: 30 kN*m}``, stored as pairs in rad/s and N m, sorted."""
+    """Entry of a table of torque over speed, stored as pairs in rad/s and N m.
+
+    A file has ``{300 rpm: 30 kN*m}``; the pairs rise with the speed.
+    """
 
     @property
     def absent(self) -> tuple[tuple[float, float], ...]:
@@ -113,11 +116,13 @@ class Absorber(Declared):
 
     @property
     def needs_rated(self) -> bool:
-        """Whether the rated speed must come from another entry."""
+        """Whether the absorber needs the rated speed of another entry."""
         return not self.over_speed and self.rated is None
 
     def torque_at(self, speed: float, rated: float | None = None) -> float:
-        """Torque absorbed in N m at a speed >= 0 of its node in rad/s; ``rated`` is used where it has none itself.
+        """Torque in N m that the absorber takes at a speed >= 0 of its node in rad/s.
+
+        ``rated`` is used where it has none itself.
 
         Raises
         ------

@@ -17,10 +17,10 @@ from torsionnet.model.speeds import mean_speeds, speeds_by_reference
 from torsionnet.model.torque_places import torque_place
 
 UNKNOWN = "the load determines no mean torques here"
-"""End of messages that a load is cut off."""
+"""End of messages on a driver or absorber that is cut off from the load's reference node."""
 
 NEEDS_RATED = "what follows the speed, as the load does, needs the rated speed: speeds: {of: node, rated: 750 rpm, ...}"
-"""Message that the rated speed is missing."""
+"""Message that the rated speed of the reference shaft is missing."""
 
 
 class CutOffError(UsageError):
@@ -28,7 +28,7 @@ class CutOffError(UsageError):
 
 
 def reference_node(definition: Definition) -> str:
-    """Node whose speed a load follows: that of ``speeds:``, else the first absorber."""
+    """Name of the node whose speed a load follows: that of ``speeds:``, else the first absorber."""
     if definition.speeds is not None:
         return str(definition.speeds.of)
     return torque_place(next(iter(definition.load.by_place))).of if definition.load else ""
@@ -54,7 +54,7 @@ class ExternalTorques:
 
     @cached_property
     def mean_speeds(self) -> dict[str, float]:
-        """Speed in rad/s of every node that the operating point determines.
+        """Speed in rad/s of every node that the operating point determines, by node.
 
         Raises
         ------
@@ -65,20 +65,22 @@ class ExternalTorques:
 
     @cached_property
     def ratios(self) -> dict[str, float]:
-        """Speed of every node over that of the reference, for nodes that turn with it."""
+        """Speed of every node over that of the reference, by node, for nodes that turn with it."""
         speeds = speeds_by_reference(self.definition, self.values, self.reference, self.mean_speeds)
         own = speeds.get(self.reference)
         return {node: speed / own for node, speed in speeds.items()} if own else {}
 
     @cached_property
     def rated_speed(self) -> float | None:
-        """Rated speed of the reference in rad/s, None where it is not given."""
+        """Rated speed of the reference node in rad/s, None where it is not given."""
         rated = self.definition.speeds.rated if self.definition.speeds else None
         return rated or self._rated_of_absorber()
 
     @cached_property
     def operating_speed(self) -> float:
-        """Speed of the reference in rad/s about which the model is linear: the operating point's, else the rated one.
+        """Speed of the reference node in rad/s about which the model is linear.
+
+        The operating point's, else the rated one.
 
         Raises
         ------
@@ -91,7 +93,7 @@ class ExternalTorques:
         return float(found)
 
     def _rated_of_absorber(self) -> float | None:
-        """Reference speed at which the first absorber with a rated speed of its own runs at that speed."""
+        """Speed in rad/s of the reference node at which the first absorber with a rated speed runs at that speed."""
         for place, absorber in self.absorbers.items():
             ratio = self._relative(place)
             if absorber.rated and ratio:
@@ -100,19 +102,19 @@ class ExternalTorques:
 
     @cached_property
     def absorbers(self) -> dict[Input, Absorber]:
-        """Absorbers by the place where their torque acts."""
+        """Absorbers of the load by the place where their torque acts."""
         load = self.definition.load
         return {reacting(self.definition, place): one for place, one in load.by_place.items()} if load else {}
 
     @cached_property
     def at_operating_point(self) -> dict[str, float]:
-        """Torques in N m by node at the operating point: of the load, else as stated there."""
+        """Mean external torque in N m, by node, at the operating point: of the load, else as stated there."""
         if self.definition.load is None:
             return stated_torques(self.definition, self.values)
         return self.at(self.operating_speed)
 
     def at(self, speed: float) -> dict[str, float]:
-        """Torques in N m by node at a speed > 0 of the reference in rad/s.
+        """Mean external torque in N m, by node, at a speed > 0 of the reference node in rad/s.
 
         Raises
         ------
@@ -147,7 +149,10 @@ class ExternalTorques:
         return drivers(self.definition, self.definition.load)
 
     def _relative(self, place: Input) -> float | None:
-        """Relative speed at a place over that of the reference; a reaction node without a ratio stands still."""
+        """Speed of a place against its reaction node over that of the reference node.
+
+        A reaction node without a ratio stands still.
+        """
         own = self.ratios.get(place.of)
         if own is None or place.against is None:
             return own
@@ -165,7 +170,7 @@ class ExternalTorques:
 
 
 def mean_torques(external: ExternalTorques) -> dict[str, float]:
-    """Mean external torque in N m by node at the operating point; empty where the load is cut off."""
+    """Mean external torque in N m, by node, at the operating point; empty where the load is cut off."""
     try:
         return external.at_operating_point
     except CutOffError:
@@ -173,6 +178,6 @@ def mean_torques(external: ExternalTorques) -> dict[str, float]:
 
 
 def stated_torques(definition: Definition, values: Mapping[str, Any]) -> dict[str, float]:
-    """Mean external torque in N m on the nodes for which the operating point gives one."""
+    """Mean external torque in N m, by node, that the operating point gives."""
     stated = definition.operating_point.torque
     return on_nodes((torque_place(text), float(value.evaluate(values))) for text, value in stated.items())

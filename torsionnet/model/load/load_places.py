@@ -11,11 +11,13 @@ from torsionnet.model.load.load_section import Load
 from torsionnet.model.torque_places import torque_place
 
 ENGINE = "reciprocating_engine"
-"""Type of the excitation that drives where the load names no driver."""
+"""Kind of the excitation that drives where the load names no driver."""
 
 
 def drivers(definition: Definition, load: Load) -> dict[Input, float]:
-    """Share of the power by the place where it is given; that of an engine is spread evenly over its cylinders.
+    """Share of the power that each driver of a load gives, by the place where it acts.
+
+    That of an engine is spread evenly over its cylinders.
 
     Raises
     ------
@@ -40,7 +42,7 @@ def drivers(definition: Definition, load: Load) -> dict[Input, float]:
 
 
 def reacting(definition: Definition, text: str) -> Input:
-    """Place where a driver or absorber acts, with the node that takes its reaction.
+    """Torque input where a driver or absorber acts, with the node that takes its reaction.
 
     On a node alone it is the machine whose excitation acts there, and reacts where that does.
     """
@@ -56,7 +58,7 @@ def reacting(definition: Definition, text: str) -> Input:
 
 
 def on_nodes(acting: Iterable[tuple[Input, float]]) -> dict[str, float]:
-    """Torques by node, from torques that act on a node or between two."""
+    """Torque in N m by node, from torques that act on a node or between two nodes."""
     found: dict[str, float] = {}
     for place, torque in acting:
         for node, share in place.row.items():
@@ -65,7 +67,7 @@ def on_nodes(acting: Iterable[tuple[Input, float]]) -> dict[str, float]:
 
 
 def unknown_driver(definition: Definition, name: str) -> str | None:
-    """Message that ``name`` cannot drive, or None."""
+    """Message that a node or excitation of this name cannot drive, or None."""
     nodes = all_nodes(definition.elements.values())
     if name in definition.excitations or all(node in nodes for node in torque_place(name).nodes):
         return None

@@ -19,7 +19,7 @@ _ABSORBER = Nested(
 )
 _SHARE = Value("share of the power that this one gives, 1 or 100 % in all", "1", exclusive=True)
 SHARE_ROUNDING = 1e-6
-"""Largest difference of the sum of the shares from 1: shares written with six digits round by as much."""
+"""Largest difference from 1 of the sum of the drivers' shares, as six digits round by as much."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,5 +77,5 @@ class Load(Absorber):
 
     @property
     def by_place(self) -> Mapping[str, Absorber]:
-        """Absorbers by the node, or pair of nodes, at which they act."""
+        """Absorbers of the load by the node, or pair of nodes, at which they act."""
         return dict(self.absorbers) if self.absorbers else {str(self.absorbed_at): self}

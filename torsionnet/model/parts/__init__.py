@@ -1,1 +1,1 @@
-"""Parts of models: models with ports, written once and put into others as often as they are needed."""
+"""Parts of models, which are models with ports that others use as often as they need them."""

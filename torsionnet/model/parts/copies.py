@@ -1,4 +1,4 @@
-"""Copies of a part that one use puts into a model: their names, the nodes of their ports, their own values."""
+"""Copies of a part that one use puts into a model, with their names, nodes and values."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from torsionnet.core.expressions import Expression
 from torsionnet.model.parts.use import Use
 
 MOST_LISTED = 12
-"""Names listed at most in a message, so that it stays readable."""
+"""Largest number of names that a message lists, so that it stays readable."""
 
 
 @dataclass(frozen=True)
 class Copy:
-    """Copy of a part: the prefix of its names, the node of each port, and the values given to it."""
+    """Copy of a part with the prefix of its names, the node of each port, and its values."""
 
     name: str
     nodes: Mapping[str, str]
@@ -42,7 +42,10 @@ def _joined(use: Use) -> tuple[str, ...]:
 
 
 def _node(prefixes: tuple[str, ...], use: Use, port: str, index: int) -> str:
-    """Node of a port of one copy; within a chain the rear of a copy is the front of the next one."""
+    """Name of the node to which a port of one copy is attached.
+
+    Within a chain the rear of a copy is the front of the next one.
+    """
     if use.chain is not None:
         front, rear = use.chain
         if port == rear and index < len(prefixes) - 1:
@@ -58,7 +61,7 @@ def _one(value: Any, index: int) -> Any:
 
 
 def use_faults(use: Use, ports: Collection[str], parameters: Collection[str]) -> Iterator[Fault]:
-    """Faults of a use of a part that has these ports and parameters."""
+    """Faults of a use that contradict the ports and parameters of the part it names."""
     yield from _unknown(use, ports, parameters)
     missing = [port for port in ports if port not in _joined(use)]
     missing += [port for port in use.chain or () if port in ports and port not in use.at]
@@ -77,7 +80,10 @@ def _ports_of(use: Use) -> Path:
 
 
 def listing(what: str, names: Collection[str]) -> str:
-    """Text ``the nodes are a, b``, shortened to the first of them where there are many."""
+    """Text that lists names of one kind, shortened to the first of them where there are many.
+
+    ``the nodes are a, b``.
+    """
     shown = [*islice(names, MOST_LISTED), *(["..."] if len(names) > MOST_LISTED else [])]
     return f"the {what} are {', '.join(shown)}" if names else f"there are no {what}"
 

@@ -17,17 +17,16 @@ from torsionnet.model.parts.part import Part
 from torsionnet.model.parts.use import Use
 
 SECTIONS = ("parameters", "elements", "inputs", "sensors", "configurations", "excitations", "limits")
-"""Sections of a model that a part may have too."""
+"""Names of the sections of a model that a part may have too."""
 MOST_ENTRIES = 10_000
-"""Largest number of entries of a flat model; a few parts that hold each other several times would be more than memory
-holds."""
+"""Largest number of entries of a flat model, as parts that hold each other could be more than memory holds."""
 MOST_LEVELS = 20
-"""Deepest nesting of parts in parts, far beyond any drivetrain; it bounds the recursion."""
+"""Deepest nesting of parts in parts, far beyond any drivetrain, to bound the recursion."""
 
 
 @dataclass
 class PartContent:
-    """Contents of a model or a part, by section."""
+    """Elements, parameters and other contents of a model or a part, by section."""
 
     parameters: dict[str, Any] = field(default_factory=dict)
     elements: dict[str, Any] = field(default_factory=dict)
@@ -39,12 +38,12 @@ class PartContent:
 
     @property
     def size(self) -> int:
-        """Number of entries in all sections."""
+        """Number of entries in all sections of the part."""
         return sum(len(getattr(self, section)) for section in SECTIONS)
 
 
 def flatten_parts(definition: Definition, *, whole: bool = True) -> tuple[Definition, list[Fault]]:
-    """Definition without parts, whose contents are put in, and the faults of parts that could not be.
+    """Definition of a model whose parts are put in, and the faults of parts that could not be.
 
     Faults have the paths of the definition as it was written.
     """
@@ -69,7 +68,7 @@ class _Flattening:
         self.uses: tuple[Path, ...] = ()
 
     def tell(self, *faults: Fault) -> None:
-        """Add faults, each with the uses that led to its part, outermost first."""
+        """Add faults of a part, each with the uses that led to it, outermost first."""
         self.faults += [replace(fault, uses=self.uses) for fault in faults]
 
     def unused(self, parts: Mapping[str, Part]) -> None:
@@ -79,7 +78,7 @@ class _Flattening:
                 self.faults.append(Fault(text, ("parts", name), "warning", on_key=True, about=name))
 
     def content(self, owner: Definition | Part, path: Path, within: tuple[str, ...]) -> PartContent:
-        """Contents of a model or a part with everything it uses."""
+        """Elements, parameters and other contents of a model or a part with everything it uses."""
         found = PartContent(**{name: dict(getattr(owner, name)) for name in SECTIONS})
         _expand(found)
         for name, use in owner.use.items():
@@ -190,14 +189,14 @@ class _Flattening:
 
 
 def _quoting_shafts(content: PartContent) -> Iterator[str]:
-    """Nodes at whose speed values of the part are quoted, or to which its readings are referred."""
+    """Names of nodes at whose speed values of a part are quoted, or to which its readings are referred."""
     for one in (*content.elements.values(), *content.sensors.values()):
         if one.referred_to is not None:
             yield one.referred_to
 
 
 def _referred(part: Part, name: str) -> Iterator[tuple[Path, Any]]:
-    """Pairs (path, object) of elements and sensors of a part whose values are quoted at the speed of a shaft."""
+    """Path and object of elements and sensors of a part whose values are quoted at the speed of a shaft."""
     for section in ("elements", "sensors"):
         for key, one in getattr(part, section).items():
             if one.referred_to is not None:
@@ -205,12 +204,15 @@ def _referred(part: Part, name: str) -> Iterator[tuple[Path, Any]]:
 
 
 def _below(path: Path, section: str) -> Path:
-    """Path within an entry, without the section and the name with which faults of elements begin."""
+    """Path within an entry of a part, without the section and the name with which faults of elements begin."""
     return path[2:] if path[:1] == (section,) else path
 
 
 def _overlay(overlay: Overlay, names: Renaming, part: PartContent) -> Overlay:
-    """Alternative of a part with the names of the whole model; entries of excitations are read, renamed and written."""
+    """Changes by an alternative of a part, with the names of the whole model.
+
+    Entries of excitations are read, renamed and written.
+    """
     entries = {}
     for key, raw in overlay.entries.items():
         name, _, own = key.rpartition(".")
@@ -221,7 +223,7 @@ def _overlay(overlay: Overlay, names: Renaming, part: PartContent) -> Overlay:
 
 
 def _expand(content: PartContent) -> None:
-    """Replace elements that stand for several by those, also where configurations switch them."""
+    """Replace elements that stand for several by these, also where configurations switch them."""
     groups: dict[str, tuple[Element, ...]] = {}
     elements: dict[str, Element] = {}
     for name, element in content.elements.items():

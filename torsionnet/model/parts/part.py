@@ -1,4 +1,4 @@
-"""Part as its author wrote it: ports, parameters and elements, before a model uses it."""
+"""Part as its author wrote it, with ports, parameters and elements, before a model uses it."""
 
 from __future__ import annotations
 
@@ -44,14 +44,17 @@ class Part(Declared):
     limits: Mapping[str, Limit] = entry(sections.LIMITS, None)
 
     def __post_init__(self) -> None:
-        """Store the default of entries that are not given; the other values have their types already."""
+        """Store the default value of the part's entries that are not given.
+
+        The other values have their types already.
+        """
         for name, stored in self.defaults().items():
             if getattr(self, name) is None:
                 object.__setattr__(self, name, stored)
 
     @classmethod
     def read(cls, raw: object) -> tuple[Self | None, list[Fault]]:
-        """Part that could be read, without the entries that could not, and every fault."""
+        """Part of a model as far as it could be read, and every fault."""
         if isinstance(raw, cls) or not isinstance(raw, Mapping):
             return super().read(raw)
         values, faults = cls.read_entries(raw)

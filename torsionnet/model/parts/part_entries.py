@@ -42,8 +42,8 @@ USE = Named(
     names=PLAIN_NAME_SCHEMA,
     form="{left: {part: half_shaft, at: {inner: dl, outer: hub}}}",
 )
-"""Specification of the entry ``use:``."""
+"""Specification of a model's entry ``use:``, the parts put into it."""
 PORTS = Listed(
     "nodes at which a model is joined to others that use it as a part", NodeName("a node", False), "a list of nodes"
 )
-"""Specification of the entry ``ports:``."""
+"""Specification of a model's entry ``ports:``, the nodes at which it is joined to others."""

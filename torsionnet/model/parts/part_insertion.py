@@ -16,14 +16,14 @@ from torsionnet.model.parts.use import Use
 
 
 def as_written(definition: Definition) -> Definition:
-    """Definition with its parts, where it can be written with them."""
+    """Definition of a model with its parts, where it can be written with them."""
     written = definition.authored
     changed = written.changed(definition) if isinstance(written, AuthoredModel) else None
     return replace(definition, authored=None) if changed is None else changed
 
 
 def part_of(definition: Definition) -> tuple[Part, Mapping[str, Part]]:
-    """Model as a part, and the parts that it uses itself."""
+    """Part made of a model, and the parts that the model uses itself, by name."""
     written = as_written(definition)
     return Part(**{one.name: getattr(written, one.name) for one in fields(Part)}), written.parts
 
@@ -65,7 +65,7 @@ def _renamed_uses(part: Part, names: Mapping[str, str]) -> Part:
 
 
 def _free(parts: Mapping[str, Part], wish: str, part: Part) -> str:
-    """Name ``wish`` if it is free or that of an equal part, else with the first number at which it is."""
+    """Name ``wish`` of a part if it is free or that of an equal part, else with the first free number behind it."""
     name, number = wish, 1
     while name in parts and parts[name] != part:
         number += 1

@@ -21,7 +21,10 @@ def _part() -> type[Part]:
 
 
 class PartTable(Named["Part"]):
-    """Entry of parts by name; a part that could be read incompletely is kept, so that its uses are checked."""
+    """Entry of a model's parts by name.
+
+    A part that could be read incompletely is kept, so that its uses are checked.
+    """
 
     def read(self, raw: object) -> tuple[Mapping[str, Part], list[Fault]]:
         if not isinstance(raw, Mapping):
@@ -47,10 +50,10 @@ PARTS = PartTable(
     names=PLAIN_NAME_SCHEMA,
     form="{half_shaft: {ports: [inner, outer], elements: {...}}}",
 )
-"""Specification of the entry ``parts:``."""
+"""Specification of a model's entry ``parts:``, its own parts by name."""
 INCLUDE = Listed(
     "files beside this one or below with parts:, or models with ports:, which are parts under the name of their file",
     Text("the name of a file", "the name of a file"),
     "a list of files",
 )
-"""Specification of the entry ``include:``."""
+"""Specification of a model's entry ``include:``, the files of parts that it includes."""

@@ -16,7 +16,7 @@ from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.nodes import NodeName
 
 MOST_COPIES = 1000
-"""Largest number of copies in one use; a larger one is a slip, and far more would fill the memory."""
+"""Largest number of copies in one use of a part, as a larger number is a slip and would fill the memory."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -85,5 +85,5 @@ class Use(Declared):
         return []
 
     def prefixes(self, name: str) -> tuple[str, ...]:
-        """Prefixes of the names of each copy, without the dot."""
+        """Prefixes, without the dot, of the names of each copy of the part."""
         return (name,) if self.repeat is None else tuple(f"{name}{index}" for index in range(1, self.repeat + 1))

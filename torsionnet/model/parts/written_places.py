@@ -15,7 +15,7 @@ from torsionnet.model.parts.part import Part
 
 @dataclass(frozen=True)
 class PlaceInPart:
-    """Path of an entry as written, the uses that lead to it, outermost first, and the prefix they put before names."""
+    """Path of a part's entry as written, the uses that lead to it, outermost first, and their prefix of names."""
 
     path: Path
     uses: tuple[Path, ...] = ()
@@ -70,7 +70,10 @@ def _renamed_back(section: str, rest: Path, before: str) -> Path:
 
 
 def at_written_places(authored: Definition, faults: Iterable[Fault]) -> list[Fault]:
-    """Faults with the paths where they are written; a fault in every use of a part is kept once, in its words."""
+    """Faults of a flat model with the paths where their entries are written.
+
+    A fault in every use of a part is kept once, in its words.
+    """
     found: dict[tuple[object, ...], Fault] = {}
     for fault in faults:
         told = _in_part(fault, place_in_part(authored, fault.path))

@@ -16,12 +16,12 @@ from torsionnet.core.errors import UsageError, suggestion_or
 from torsionnet.model.report.sections import SECTIONS
 
 ANGLES = ("rad", "deg")
-"""Units of angle that a report may use."""
+"""Names of the units of angle that a report may use."""
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Transfer function of output over input, with the excitation where the input is a measured one.
+    """Transfer function of an output over an input for a report, with the excitation if the input is measured.
 
     Examples
     --------
@@ -37,7 +37,7 @@ class Pair:
 
     @classmethod
     def parse(cls, text: str) -> Pair:
-        """Parse a transfer function from the text ``OUTPUT/INPUT``.
+        """Transfer function that the text ``OUTPUT/INPUT`` names.
 
         Raises
         ------
@@ -60,7 +60,7 @@ class Pair:
 
 
 class PairEntry(Spec[Pair]):
-    """Entry of a transfer function: ``OUTPUT/INPUT``, or its parts by name."""
+    """Entry of a transfer function for the report of a model: ``OUTPUT/INPUT``, or its parts by name."""
 
     def coerce(self, raw: object) -> Pair:
         if isinstance(raw, Pair):
@@ -99,7 +99,7 @@ _PARTS = {
     "input": "input or node, or a sensor: a measured input",
     "excitation": "what drives while the input is measured, if there are several inputs",
 }
-"""Keys of a transfer function written in parts, and their descriptions."""
+"""Description of each key of a transfer function that is written in parts."""
 
 
 def section_fault(name: Any) -> str:
@@ -135,9 +135,9 @@ class ConfigurationName(Spec[str]):
 
 
 SIMPLIFY = Value("how far leaving elements out may move the modes in the band, as 1 %", "1", exclusive=True, below=1)
-"""Specification of the entry for the largest change of modes in simplified transfer functions."""
+"""Specification of the report's entry for the largest change of modes in simplified transfer functions."""
 PAIR = PairEntry("OUTPUT/INPUT, as theta_1/T_T")
-"""Specification of a transfer function of the report."""
+"""Specification of an entry with a transfer function of the report."""
 _SECTIONS = Listed("sections of the report; default: all that apply", SectionName(""), form="a list of names")
 _PAIRS = Listed("OUTPUT/INPUT, in this order", PAIR, form="a list such as [theta_1/T_T]")
 _ORDERS = Listed(

@@ -24,4 +24,4 @@ SECTIONS = {
     "checks": "findings of the checks, and how well the numbers agree with a second way to them",
     "validity": "what the results rest on",
 }
-"""Contents of every section of a report, by its name."""
+"""Description of what every section of a report contains, by the section's name."""

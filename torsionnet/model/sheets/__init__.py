@@ -1,1 +1,1 @@
-"""Mass-elastic sheets of makers: inertias and the shafts between them in a table of text."""
+"""Mass-elastic sheets of makers, tables of text with inertias and the shafts between them."""

@@ -1,4 +1,4 @@
-"""Mass-elastic sheet as it was read: inertias, the shafts between them, and how each column was understood."""
+"""Mass-elastic sheet as it was read, with inertias, shafts and how each column was understood."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class MassElasticSheet:
-    """Contents of a mass-elastic sheet: masses, the shafts between them, and how its columns were read.
+    """Masses and shafts of a mass-elastic sheet, and how its columns were read.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class MassElasticSheet:
     notes: tuple[str, ...]
 
     def report(self) -> Table:
-        """Table of how each column of the file was read: its heading, its meaning, and its unit."""
+        """Table of how each column of the sheet was read, its heading, meaning and unit."""
         from torsionnet.response.table import Column, Table  # loads numpy, which reading a model can do without
 
         rows = tuple((column.heading, _taken(column), _unit(column), column.remark) for column in self.columns)
@@ -76,7 +76,9 @@ def _unit(column: SheetColumn) -> str:
 
 
 def read_sheet(path: Path, name: str = "") -> MassElasticSheet:
-    """Read a mass-elastic sheet: CSV, or text saved by a spreadsheet program; ``name`` is shown instead of the path's.
+    """Mass-elastic sheet read from a file.
+
+    CSV, or text saved by a spreadsheet program; ``name`` is shown instead of the path's.
 
     Raises
     ------
@@ -87,7 +89,7 @@ def read_sheet(path: Path, name: str = "") -> MassElasticSheet:
 
 
 def parse_sheet(grid: CellGrid) -> MassElasticSheet:
-    """Mass-elastic sheet from cells that are already read.
+    """Mass-elastic sheet made from cells that are already read.
 
     >>> from torsionnet.core.delimited.cell_grid import parse_grid
     >>> grid = parse_grid(["Masse;J [kgm²];k [MNm/rad]", "Zyl. 1;0,45;2,1", "Schwungrad;14;"], "sheet.csv")
@@ -110,7 +112,10 @@ def parse_sheet(grid: CellGrid) -> MassElasticSheet:
 
 
 def _referred(columns: SheetColumns, grid: CellGrid, first: int) -> tuple[bool, bool]:
-    """Whether values are referred, and whether the sheet says so: in headings, remarks, or the lines above."""
+    """Whether values of the sheet are referred to one speed, and whether the sheet says so.
+
+    In headings, remarks, or the lines above.
+    """
     used = [column.referred for column in columns.all if column.meaning in ("inertia", "stiffness")]
     above = [cell.text for row in grid.rows for cell in row if cell.line < first]
     texts = [*grid.remarks, *(text for text in above if text not in {one.heading for one in columns.all})]
@@ -119,7 +124,7 @@ def _referred(columns: SheetColumns, grid: CellGrid, first: int) -> tuple[bool, 
 
 
 def _speeds(masses: Iterable[SheetMass], referred: bool, said: bool) -> list[str]:
-    """Note on what several speeds mean for the values."""
+    """Notes on what several speeds of a sheet's masses mean for its values."""
     if len({abs(mass.ratio) for mass in masses} | {Fraction(1)}) == 1:
         return []
     if referred:

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from torsionnet.core.units import DIMENSIONS, Dimension
 
 DAMPING = "damping"
-"""Meaning of a damping column that does not say whether it acts to ground or in the shaft."""
+"""Meaning of a sheet's damping column that does not say whether it acts to ground or in the shaft."""
 
 
 @dataclass(frozen=True)
 class Meaning:
-    """Meaning of a column: its dimensions (none: text), the words for it, and an example of a heading."""
+    """Meaning that a column of a mass-elastic sheet can have, with dimensions and words for it."""
 
     key: str
     shown: str
@@ -23,16 +23,16 @@ class Meaning:
 
     @property
     def is_text(self) -> bool:
-        """Whether the column holds text, not numbers."""
+        """Whether a column of this meaning holds text, not numbers."""
         return not self.dimensions
 
     @property
     def needs_unit(self) -> bool:
-        """Whether the values of the column need a unit."""
+        """Whether the values of a column of this meaning need a unit."""
         return bool(self.dimensions) and self.dimensions != ("1",)
 
     def fits(self, dimension: Dimension | None) -> bool:
-        """Whether a column of that unit may have this meaning; None is no unit."""
+        """Whether a column whose unit has this dimension may have this meaning; None is no unit."""
         if dimension is None:
             return True
         return any(DIMENSIONS[name] == dimension for name in self.dimensions)
@@ -81,9 +81,9 @@ MEANINGS = (
              r"|bezeichnung|benennung|beschreibung|mass|masses|masse|element|component|part|item|bauteil"
              r"|drehmasse|komponente|what", "name"),
 )  # fmt: skip
-"""Meanings of columns, the likeliest first where a heading fits several."""
+"""Meanings that columns of a sheet can have, the likeliest first where a heading fits several."""
 BY_KEY = {meaning.key: meaning for meaning in MEANINGS}
-"""Meanings of columns by their key."""
+"""Meanings of columns by their key, as ``inertia``."""
 
 _REFERRED = re.compile(
     r"\b(?:referred|reduced|reduziert\w*|red|bezogen\w*|equivalent)\b|\bref(?:\.|\b)(?!\s*(?:no|nr|erence))"
@@ -110,7 +110,9 @@ def is_referred(text: str) -> bool | None:
 
 
 def plain_heading(text: str) -> str:
-    """Heading in the form that is compared with words: small letters, single blanks, no note on referring.
+    """Heading of a sheet's column in the form that is compared with words.
+
+    Small letters, single blanks, no note on referring.
 
     >>> plain_heading("J_red. (referred to crank)"), plain_heading("Rel.-Damp.")
     ('j', 'rel damp')
@@ -120,7 +122,7 @@ def plain_heading(text: str) -> str:
 
 
 def meanings_of(heading: str) -> list[Meaning]:
-    """Meanings that the words of a heading may have, the likeliest first.
+    """Meanings that the words of a column's heading may have, the likeliest first.
 
     >>> [meaning.key for meaning in meanings_of("Massenträgheitsmoment")], [one.key for one in meanings_of("Mass")]
     (['inertia'], ['name'])

@@ -25,13 +25,13 @@ _WORDS = {
     "absolute damping": "absolute", "relative damping": "relative", "loss factor": "eta", "speed ratio": "ratio",
     "drehzahlverhältnis": "ratio",
 }  # fmt: skip
-"""Meaning of words for which an unknown heading may be a misspelling."""
+"""Meaning of each word for which an unknown heading may be a misspelling, by word."""
 _NO_UNIT = {"", "-", "–", "—", "1", "[-]", "(-)"}
 
 
 @dataclass(frozen=True)
 class SheetColumn:
-    """Column of a sheet: its heading, its meaning (empty: not understood) and its unit, if it has one."""
+    """Column of a mass-elastic sheet with its heading, meaning and unit."""
 
     place: int
     cell: Cell
@@ -48,17 +48,17 @@ class SheetColumn:
 
 @dataclass(frozen=True)
 class SheetColumns:
-    """Columns of a sheet in their order, and the rows of cells below."""
+    """Columns of a mass-elastic sheet in their order, and the rows of cells below."""
 
     all: tuple[SheetColumn, ...]
     rows: tuple[tuple[Cell, ...], ...]
 
     def of(self, key: str) -> SheetColumn | None:
-        """Column of that meaning, None where there is none."""
+        """Column of the sheet that has this meaning, None where there is none."""
         return next((column for column in self.all if column.meaning == key), None)
 
     def cell(self, row: Sequence[Cell], key: str) -> Cell | None:
-        """Cell of a row in the column of that meaning, None where there is none or it is empty."""
+        """Cell of a row in the column that has this meaning, None where there is none or it is empty."""
         column = self.of(key)
         if column is None or column.place >= len(row) or not row[column.place].text:
             return None
@@ -66,7 +66,7 @@ class SheetColumns:
 
 
 def read_columns(grid: CellGrid) -> SheetColumns:
-    """Recognise the columns of a sheet.
+    """Columns of a sheet with the meaning and unit that their headings give.
 
     Raises
     ------
@@ -118,7 +118,7 @@ def _readable(text: str) -> SheetUnit | None:
 
 
 def _by_unit(text: str) -> str:
-    """Meaning of a column by its unit alone: those of inertia and stiffness are used for nothing else."""
+    """Meaning of a sheet's column by its unit alone: those of inertia and stiffness are used for nothing else."""
     unit = _readable(text)
     if unit is None:
         return ""
@@ -166,14 +166,20 @@ def _column(
 
 
 def _preferred(fitting: Sequence[Meaning], unit: SheetUnit | None) -> Meaning:
-    """Meaning chosen of several: relative damping is psi where it has no unit, and viscous where it has one."""
+    """Meaning chosen of several that a heading may have.
+
+    Relative damping is psi where it has no unit, and viscous where it has one.
+    """
     if unit is None or unit.dimension == DIMENSIONS["1"]:
         return next((one for one in fitting if one.key == "psi"), fitting[0])
     return fitting[0]
 
 
 def _text_or_not(known: Sequence[Meaning], below: Sequence[Cell]) -> str:
-    """Meaning "name" or "number" where the words leave it open: ``Drehmasse`` and ``Mass`` head both."""
+    """Meaning "name" or "number" of a sheet's column where the words of its heading leave it open.
+
+    ``Drehmasse`` and ``Mass`` head both.
+    """
     keys = [meaning.key for meaning in known]
     numbers = sum(is_like_number(cell.text) for cell in below)
     if not {"name", "number"} & set(keys) or not below:
@@ -194,7 +200,7 @@ def _bad_unit(text: str, meaning: Meaning) -> str:
 
 
 def _doubts(meaning: Meaning, heading: str, unit_text: str, below: Sequence[Cell]) -> Iterator[str]:
-    """Messages why a column cannot be used although its words are known."""
+    """Messages why a sheet's column cannot be used although its words are known."""
     if meaning.key == "gear ratio":
         yield (
             f'"{heading}" may be the speed of this mass over that of the first, or the reverse; '
@@ -211,7 +217,10 @@ def _doubts(meaning: Meaning, heading: str, unit_text: str, below: Sequence[Cell
 
 
 def _without_doubles(columns: Sequence[SheetColumn], faults: list[Fault], grid: CellGrid) -> list[SheetColumn]:
-    """Columns with one for each meaning: real values are preferred to referred ones, other doubles are faults."""
+    """Columns of a sheet of which no two have the same meaning.
+
+    Real values are preferred to referred ones, other doubles are faults.
+    """
     kept = list(columns)
     for meaning in MEANINGS:
         same = [column for column in kept if column.meaning == meaning.key]
@@ -234,7 +243,7 @@ def _without_doubles(columns: Sequence[SheetColumn], faults: list[Fault], grid: 
 
 
 def _misspelt(column: SheetColumn, columns: Sequence[SheetColumn], grid: CellGrid) -> Iterator[Fault]:
-    """Fault of a heading that is not understood, but nearly a word for a column that the sheet lacks."""
+    """Fault of a column's heading that is not understood, but nearly a word for a column that the sheet lacks."""
     if column.meaning or not column.heading or column.remark:
         return
     plain = plain_heading(named_unit(column.heading)[0])

@@ -12,7 +12,10 @@ from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet, read_sh
 
 
 class SheetEntry(Spec[MassElasticSheet]):
-    """Entry of a mass-elastic sheet: the name of a file in the folder of the model file, or below."""
+    """Entry that names the file of a mass-elastic sheet.
+
+    The name of a file in the folder of the model file, or below.
+    """
 
     @property
     def example(self) -> str:

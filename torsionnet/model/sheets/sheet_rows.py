@@ -1,4 +1,4 @@
-"""Rows of a mass-elastic sheet: masses, and the shafts between them, in rows between or by columns to and from."""
+"""Rows of a mass-elastic sheet, read as masses and the shafts between them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from torsionnet.model.sheets.meanings import DAMPING
 from torsionnet.model.sheets.sheet_values import NOTHING, SheetValue, SheetValues
 
 GROUND = "ground"
-"""Name of the fixed end of a shaft."""
+"""Name of the fixed end of a shaft in a mass-elastic sheet."""
 _EARTH = {"ground", "earth", "fixed", "grund", "erde", "fest"}
 _TOTAL = re.compile(r"(?:total|sum|summe|gesamt|Σ|overall)\b", re.IGNORECASE)
 _LOSSES = ("psi", "eta", "zeta", "magnifier")
@@ -26,7 +26,10 @@ Row = Sequence[Cell]
 
 @dataclass(frozen=True)
 class SheetMass:
-    """Inertia with damping to ground, in real values; ``ratio`` is its speed over that of the crank."""
+    """Inertia with damping to ground in one row of a sheet, in real values, not referred ones.
+
+    ``ratio`` is its speed over that of the crank.
+    """
 
     name: str
     label: str
@@ -38,7 +41,7 @@ class SheetMass:
 
 @dataclass(frozen=True)
 class SheetLink:
-    """Shaft or mesh between two masses, in real values; without a stiffness it is rigid.
+    """Shaft or mesh between two masses of a sheet, in real values, not referred ones; without a stiffness it is rigid.
 
     It turns with the speed of the first; where that of the second is another, a gear is at its end.
     """
@@ -56,17 +59,17 @@ class SheetLink:
 
 @dataclass
 class _Begun:
-    """Shaft or mesh that is read from a row before the mass at its end is known."""
+    """Shaft or mesh that is read from a sheet's row before the mass at its end is known."""
 
     row: Row
     first: str | None
     second: str | None
     link: SheetLink | None
-    """Shaft or mesh of the row; None where the row does not say how the masses are connected."""
+    """Shaft or mesh that the row begins; None where the row does not say how the masses are connected."""
 
 
 def read_rows(values: SheetValues, *, referred: bool) -> tuple[list[SheetMass], list[SheetLink], list[str]]:
-    """Masses, links and notes of a sheet; faults are added to those of ``values``."""
+    """Masses, links between them, and notes of a sheet; faults are added to those of ``values``."""
     reader = _Rows(values)
     reader.read()
     links = reader.connected() if not values.faults else []
@@ -90,7 +93,7 @@ def _real_link(link: SheetLink, ratios: dict[str, Fraction]) -> SheetLink:
 
 
 def _quotient(speed: SheetValue, first: SheetValue) -> Fraction:
-    """Ratio of two speeds; in the same unit it is exact, since rpm in rad/s is no fraction."""
+    """Ratio of two speeds of a sheet as a fraction; in the same unit it is exact, since rpm in rad/s is no fraction."""
     (above, _, unit), (below, _, first_unit) = speed.text.partition(" "), first.text.partition(" ")
     if unit and unit == first_unit:
         return Fraction(above) / Fraction(below)
@@ -146,7 +149,7 @@ class _Rows:
         self.values.faults.append(self.values.grid.fault(text, at))
 
     def read(self) -> None:
-        """Read masses, and links whose ends may still be open."""
+        """Read the masses of a sheet, and links whose ends may still be open."""
         pending: list[_Begun] = []
         last: str | None = None
         ratio = Fraction(1)
@@ -194,7 +197,7 @@ class _Rows:
         return name, ratio
 
     def _open_damping(self, row: Row) -> SheetValue | None:
-        """Damping without a word on where it acts, where the row is about one thing; else a fault."""
+        """Damping in a row about one thing that does not say where it acts; else a fault."""
         if not self.one_row:
             return self.values.of(row, DAMPING)
         column = self.values.columns.of(DAMPING)
@@ -221,7 +224,7 @@ class _Rows:
         return _quotient(found, self.first_speed)
 
     def _link(self, row: Row, first: str | None) -> _Begun:
-        """Shaft read from a row of the sheet; rows of later masses may say which masses it connects."""
+        """Shaft that a row of the sheet begins; rows of later masses may say which masses it connects."""
         if not self._has_link(row):
             return _Begun(row, first, None, None)
         of = self.values.of
@@ -242,7 +245,7 @@ class _Rows:
         return _Begun(row, first, None, link)
 
     def connected(self) -> list[SheetLink]:
-        """Shafts and meshes between the masses that were read."""
+        """Shafts and meshes between the masses that were read from the sheet."""
         links: list[SheetLink] = []
         for begun in self.begun:
             links += self._ended(begun)
@@ -278,7 +281,7 @@ class _Rows:
         return [replace(link, name=name, first=first, second=second, stiffness=None if rigid else link.stiffness)]
 
     def _open_end(self, begun: _Begun) -> list[SheetLink]:
-        """Fault of a shaft after the last mass, which leads nowhere, unless its cell is empty or 0."""
+        """Empty list, with a fault for a shaft after the last mass unless its cell is empty or 0."""
         link = begun.link
         if link is not None and not (link.stiffness is not None and (link.stiffness.is_rigid or not link.stiffness.si)):
             cell = self.values.columns.cell(begun.row, "stiffness")
@@ -287,7 +290,7 @@ class _Rows:
         return []
 
     def _rigid_gear(self, begun: _Begun, first: str, second: str, *, explicit: bool) -> list[SheetLink]:
-        """Rigid link between masses without a shaft: a mesh, where their speeds differ; else a fault."""
+        """Rigid link between two masses of a sheet without a shaft: a mesh, where their speeds differ; else a fault."""
         one, other = self.masses.get(first), self.masses.get(second)
         if one is None or other is None or one.ratio == other.ratio:
             if self.branched and not explicit:
@@ -318,7 +321,10 @@ class _Rows:
         return True
 
     def _named(self, cell: Cell) -> str | None:
-        """Name of the mass that a cell means by its number or name; None with a fault where there is none."""
+        """Name of the mass that a cell of the sheet means by its number or name.
+
+        None with a fault where there is none.
+        """
         text = cell.text.casefold()
         if text in _EARTH:
             return GROUND

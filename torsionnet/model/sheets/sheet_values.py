@@ -17,15 +17,15 @@ from torsionnet.model.sheets.meanings import BY_KEY
 from torsionnet.model.sheets.sheet_columns import SheetColumn, SheetColumns
 
 NOTHING = {"", "-", "–", "—", "--", "n/a", "na", "n.a.", "none", "keine"}
-"""Texts of an empty cell."""
+"""Texts that stand for an empty cell of a sheet."""
 RIGID = {"rigid", "starr", "inf", "infinite", "∞", "unendlich"}
-"""Texts of an infinite stiffness."""
+"""Texts that stand for an infinite stiffness in a sheet."""
 _NUMBER_AND_UNIT = re.compile(r"(?P<number>[+\-−]?[\d.,]*\d(?:[eE][+\-]?\d+)?)\s*(?P<unit>[A-Za-zµμ°%].*)")
 
 
 @dataclass(frozen=True)
 class SheetValue:
-    """Value of a sheet in SI; ``text`` is for a model file, empty where the value was scaled. Rigid is neither."""
+    """Value of a cell in SI units, and its text for a model file, empty where the value was scaled."""
 
     si: Real
     text: str = ""
@@ -33,17 +33,17 @@ class SheetValue:
 
     @property
     def raw(self) -> str | Real:
-        """Value as an entry of an element takes it."""
+        """Text or number in SI units with which an element's entry takes the value."""
         return self.text or self.si
 
     def times(self, factor: Fraction) -> SheetValue:
-        """Value scaled by a factor."""
+        """Value of the cell multiplied by a factor."""
         return self if factor == 1 or self.is_rigid else SheetValue(self.si * factor)
 
 
 @dataclass
 class SheetValues:
-    """Reader of the values in cells; its faults grow while it reads."""
+    """Reader of the values in the cells of a mass-elastic sheet; its faults grow while it reads."""
 
     grid: CellGrid
     columns: SheetColumns
@@ -64,7 +64,7 @@ class SheetValues:
             raise ModelError([self.grid.fault(wrong[1], wrong[0])], self.grid.file)
 
     def of(self, row: Sequence[Cell], key: str) -> SheetValue | None:
-        """Value of a row in the column of that meaning; None where there is none."""
+        """Value, in SI units, of a row in the column that has this meaning; None where there is none."""
         column, cell = self.columns.of(key), self.columns.cell(row, key)
         if column is None or cell is None or cell.text.casefold() in NOTHING:
             return None
@@ -111,7 +111,7 @@ class SheetValues:
         return None
 
     def _quotient(self, cell: Cell, above: str, below: str) -> SheetValue | None:
-        """Ratio written as 1/4 or 1:4."""
+        """Ratio of speeds from a cell that is written as 1/4 or 1:4."""
         parts = [plain_number_text(one, self.decimal) for one in (above, below)]
         try:
             numbers = [parse_number(part or "") for part in parts]
@@ -123,7 +123,7 @@ class SheetValues:
         return self._possible(SheetValue(numbers[0] / numbers[1]), cell)
 
     def _own_unit(self, column: SheetColumn, cell: Cell, text: str) -> SheetUnit | None:
-        """Unit in a cell, which has to be that of the heading where the heading has one."""
+        """Unit in a cell of the sheet, which has to be that of the heading where the heading has one."""
         meaning = BY_KEY[column.meaning]
         try:
             unit = sheet_unit(text)
@@ -142,7 +142,10 @@ class SheetValues:
 
 
 def _in_unit(number: str, unit: SheetUnit | None) -> SheetValue:
-    """Value in SI of a number with its unit; a compliance becomes a stiffness, and rigid where it is 0."""
+    """Value in SI units of a number with its unit in a sheet.
+
+    A compliance becomes a stiffness, and rigid where it is 0.
+    """
     value = parse_number(number)
     if unit is None or unit.dimension == DIMENSIONS["1"]:
         return SheetValue(exact(value * (unit.factor if unit else 1)))

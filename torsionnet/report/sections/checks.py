@@ -1,4 +1,4 @@
-"""Section of a report on the checks: findings on the model, and results calculated a second way."""
+"""Section of a report with findings of the checks, and results calculated a second way."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import capital, pair_latex, sentence
 
 COMPARED_FREQUENCIES = 40
-"""Frequencies at which both ways of calculation are compared: more would take longer and show the same."""
+"""Number of frequencies at which two ways of calculation are compared, as more take longer and show the same."""
 
 
 PASSED = (
     "The model passed all checks without an error, a warning or a note: names, units and dimensions, connections, gear "
     "loops, positive values, in every configuration."
 )
-"""Sentence of the section where no check found anything."""
+"""Sentence of the section on the checks where no check found anything."""
 
 
 def findings(subject: ReportData) -> list[Fault]:
@@ -38,13 +38,13 @@ def findings(subject: ReportData) -> list[Fault]:
 
 
 def warned(subject: ReportData) -> list[Fault]:
-    """Warnings of the calculation, each once; that a free drivetrain drifts off at 0 Hz is no news."""
+    """Warnings of the calculation of a report, each once; that a free drivetrain drifts off at 0 Hz is no news."""
     texts = dict.fromkeys(str(entry.message) for entry in subject.warning_messages)
     return [Fault(text, severity="warning") for text in texts if "infinite at 0 Hz" not in text]
 
 
 def checks_section(subject: ReportData) -> Section:
-    """Section with the findings of the checks and the comparison of two ways of calculation."""
+    """Section of a report with the findings of the checks and the comparison of two ways of calculation."""
     found = [*findings(subject), *warned(subject)]
     blocks: list[Block] = []
     if not found:
@@ -58,7 +58,7 @@ def checks_section(subject: ReportData) -> Section:
 
 
 def _comparisons(subject: ReportData) -> Iterator[tuple[Cell, ...]]:
-    """Rows on transfer functions by elimination along the drivetrain against a solution of the matrices."""
+    """Table rows that compare transfer functions by elimination along the drivetrain with a matrix solution."""
     if subject.is_large:
         return
     frequencies = np.geomspace(*subject.band, COMPARED_FREQUENCIES)

@@ -1,4 +1,4 @@
-"""Section of a report on tests: measured responses over those of the model."""
+"""Section of a report on tests, with measured responses over those of the model."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from torsionnet.signals.agreement import agreement
 
 
 def comparison_section(subject: ReportData) -> Section:
-    """Section that compares each measured response with the model."""
+    """Section of a report that compares each measured response with the model."""
     blocks: list[Block] = []
     for number, test in enumerate(subject.request.tests, 1):
         blocks += _test(subject, test, number)

@@ -1,4 +1,4 @@
-"""Section of a report on critical speeds: crossings of orders and modes, what excites them, Holzer tables."""
+"""Section of a report on critical speeds, with crossings of orders and modes and Holzer tables."""
 
 from __future__ import annotations
 
@@ -17,15 +17,16 @@ if TYPE_CHECKING:
     from torsionnet.response.table import Table
 
 MOST_DRAWN, MOST_HOLZER_TABLES = 3, 4
-"""Drivetrains whose interference diagram is drawn, and modes whose Holzer table is printed."""
+"""Largest number of drivetrains whose interference diagram is drawn, and of modes whose Holzer table is printed."""
 MOST_ROWS = 30
-"""Crossings in a table; of more, those with the largest generalised force are kept."""
+"""Largest number of crossings of orders and modes in a table of the report; of more, those with the largest generalised
+force are kept."""
 LEFT_OUT_COLUMNS = ("on its shaft", "amplifi- cation")
-"""Columns that a page has no room for."""
+"""Headings of columns that the report leaves out, as a page has no room for them."""
 SHORT_HEADINGS = {"J referred": "J", "k referred": "k", "sum of torque": "sum"}
-"""Headings of a table in which all values are referred to one shaft."""
+"""Shorter headings of a Holzer table in which all values are referred to one shaft."""
 REAL_COLUMNS = ("J", "k")
-"""Columns of a Holzer table with the values at a shaft's own speed, beside which it has referred ones."""
+"""Headings of the Holzer table's columns with values at a shaft's own speed, beside which it has referred ones."""
 INTRODUCTION = (
     "A critical speed is one at which an order meets a natural frequency. Damping shifts natural frequencies: both the "
     "undamped and the damped one are given. A crossing that is not excited in one condition may be in another, as with "
@@ -34,7 +35,10 @@ INTRODUCTION = (
 
 
 def critical_speeds_section(subject: ReportData) -> Section | None:
-    """Section on critical speeds; None for a model without excitations."""
+    """Section of a report on critical speeds, at which orders meet natural frequencies.
+
+    None for a model without excitations.
+    """
     if not subject.has_excitations:
         return None
     blocks: list[Block] = [Paragraph((INTRODUCTION, *subject.coverage_note))]
@@ -44,7 +48,7 @@ def critical_speeds_section(subject: ReportData) -> Section | None:
 
 
 def _of_drivetrain(cases: tuple[Case, ...], number: int, *, several: bool) -> list[Block]:
-    """Tables and diagram of configurations with equal drivetrains, with the conditions that excite each crossing."""
+    """Tables and diagram of critical speeds of one drivetrain, with the conditions that excite each crossing."""
     names = [case.configuration for case in cases]
     runs = [
         replace(case.drivetrain.critical_speeds(), condition=distinct_choices(case.configuration, names))
@@ -81,7 +85,7 @@ def _reached(found: CriticalSpeeds) -> Table:
 
 
 def _largest(found: CriticalSpeeds, runs: Sequence[CriticalSpeeds]) -> CriticalSpeeds:
-    """Crossings with the largest generalised force in any condition, in the order of modes."""
+    """Critical speeds with the largest generalised force in any condition, in the order of modes."""
     forces: dict[tuple[object, ...], float] = {}
     for one in (one for run in runs for one in run.crossings):
         forces[_place(one)] = max(forces.get(_place(one), 0.0), _force(one))
@@ -91,7 +95,7 @@ def _largest(found: CriticalSpeeds, runs: Sequence[CriticalSpeeds]) -> CriticalS
 
 
 def _force(one: CriticalSpeed) -> float:
-    """Generalised force of a crossing, infinite for an imposed motion, which has none and is never left out."""
+    """Generalised force of a crossing in N m, infinite for an imposed motion, which has none and is never left out."""
     return math.inf if math.isnan(one.generalised_force) else one.generalised_force
 
 
@@ -105,7 +109,7 @@ def _narrow(found: CriticalSpeeds) -> Table:
 
 
 def _split(found: CriticalSpeeds, conditions: int) -> tuple[CriticalSpeeds, CriticalSpeeds]:
-    """Crossings that some condition excites, and crossings that none excites."""
+    """Critical speeds that some condition excites, and critical speeds that none excites."""
     acts = [one.excited is not False or (conditions > 1 and bool(one.excited_in)) for one in found.crossings]
     pairs = list(zip(found.crossings, acts, strict=True))
     return (
@@ -123,7 +127,7 @@ def _diagram(found: CriticalSpeeds, number: int, where: str) -> Picture:
 
 
 def _holzer_tables(case: Case, excited: CriticalSpeeds) -> list[Block]:
-    """Holzer tables of the lowest modes that anything excites."""
+    """Holzer tables of the lowest modes that any excitation reaches."""
     modes = sorted({one.mode.number for one in excited.crossings})[:MOST_HOLZER_TABLES]
     blocks: list[Block] = []
     for mode in modes:

@@ -32,12 +32,12 @@ if TYPE_CHECKING:
     from torsionnet.model.elements import Element
 
 MOST_ELEMENTS = 40
-"""Rows of elements in the table; of more it gives the number."""
+"""Largest number of rows in the report's table of elements; of more it gives the number."""
 Row = tuple[Cell, ...]
 
 
 def elements_section(subject: ReportData) -> Section:
-    """Section with tables of the elements and of inputs and sensors."""
+    """Section of a report with tables of the elements and of inputs and sensors."""
     rig = subject.cases[0].drivetrain
     blocks: list[Block] = [_elements(rig, several=len(subject.cases) > 1)]
     if rig.inputs or rig.sensors:
@@ -64,7 +64,7 @@ def _elements(rig: Drivetrain, *, several: bool) -> TableBlock:
 
 
 def _alike(rig: Drivetrain) -> list[list[Element]]:
-    """Elements grouped by type and values."""
+    """Elements of a drivetrain grouped by equal type and values."""
     groups: dict[str, list[Element]] = {}
     for element in rig.definition.elements.values():
         values = [shown_cells(row) for row in _values(element, rig)]
@@ -73,7 +73,7 @@ def _alike(rig: Drivetrain) -> list[list[Element]]:
 
 
 def _rows(group: list[Element], rig: Drivetrain) -> Iterator[Row]:
-    """Rows on a group of equal elements, one for each property; the elements are named in the first row only."""
+    """Table rows on a group of equal elements, one for each property; the elements are named in the first row only."""
     element = group[0]
     ends = [between(each) for each in group]
     names, nodes = [as_words(each.name) for each in group], list(dict.fromkeys(ends))
@@ -89,14 +89,14 @@ def _remark(element: Element) -> str:
 
 
 def between(element: Element) -> str:
-    """Nodes of an element as text: ``motor – ground``, or its ports by name where there are others."""
+    """Text of the nodes that an element connects: ``motor – ground``, or its ports by name where there are others."""
     if set(element.ports) <= {"first", "second", "node"}:
         return " – ".join(map(as_words, element.ports.values()))
     return ", ".join(f"{as_words(port)}: {as_words(node)}" for port, node in element.ports.items())
 
 
 def _values(element: Element, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cell, Cell]]:
-    """Property, symbol, value and unit of everything that was given of an element."""
+    """Property, symbol, value and unit, as cells, of everything that the model gives of an element."""
     defaults = element.defaults()
     for name, spec, value in given(element):
         if isinstance(value, DampingMeasure):
@@ -119,7 +119,7 @@ def _values(element: Element, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cel
 def _in_words(
     element: Element, name: str, spec: Spec[object], value: Any, rig: Drivetrain
 ) -> Iterator[tuple[Cell, Cell, Cell, Cell]]:
-    """Rows on an entry of expressions: symbol, value and unit of each; words where there is none."""
+    """Cells of property, symbol, value and unit for an entry of several values or of words."""
     found = [(path, one, of) for path, _, one, of in element.expressions() if path[0] == name]
     for path, one, of in found:
         number = NumberText(float(one.evaluate(rig.exact_values)), 5)
@@ -129,7 +129,7 @@ def _in_words(
 
 
 def _of_table(spec: Spec[object], value: Any, rig: Drivetrain) -> tuple[Cell, Cell, Cell]:
-    """Symbol, value and unit of one of several quantities of an entry."""
+    """Symbol, value and unit, as cells, of one of several quantities of an entry."""
     if isinstance(spec, QuantityKind) and isinstance(value, Expression):
         number = NumberText(float(value.evaluate(rig.exact_values)), 5)
         return _symbol(value), number, unit(expected_unit(spec.dimension))
@@ -154,7 +154,7 @@ def _plain(spec: Spec[object], value: Any) -> str:
 
 
 def _measure(element: Element, value: DampingMeasure, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cell, Cell]]:
-    """Rows on a measure of damping and the damping coefficient that follows from the measure."""
+    """Cells on a measure of damping and on the damping coefficient that follows from the measure."""
     dimension = MEASURES[value.measure].dimension
     at = f" at {float(value.at.evaluate(rig.exact_values)):g} Hz" if value.at is not None else ""
     number = float(value.value.evaluate(rig.exact_values))

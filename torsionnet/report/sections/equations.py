@@ -45,27 +45,27 @@ if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
 MATRIX_UNITS = {"M": "kg·m²", "C": "N·m·s/rad", "K": "N·m/rad"}
-"""Units of the matrices' entries."""
+"""Units of the entries of the inertia, damping and stiffness matrix."""
 DERIVATIVES = {"M": r"\ddot{\mathbf{q}}", "C": r"\dot{\mathbf{q}}", "K": r"\mathbf{q}"}
-"""LaTeX of the coordinates or their derivative that each matrix is multiplied with."""
+"""LaTeX of the coordinates, or of their derivative, that each of the matrices M, C and K is multiplied with."""
 MATRIX_NAMES = {"M": "inertia", "C": "viscous damping", "K": "stiffness"}
-"""Quantity that each matrix holds."""
+"""Name of the quantity that each of the matrices M, C and K holds."""
 WIDEST_NUMBER_MATRIX = 84
-"""Characters of a matrix of numbers that fits the page, roughly."""
+"""Width in characters of a matrix of numbers that roughly fits the page."""
 MOST_UNFOLDED_ENTRIES = 60
-"""Entries of matrices that are listed in full view; longer lists are folded away."""
+"""Number of matrix entries up to which a list of them is in full view, and beyond which it is folded away."""
 COMPLEX_NOTE = "Stiffness that depends on frequency, or is complex, is not included."
-"""Note under matrices that lack a frequency-dependent stiffness."""
+"""Note under matrices of numbers that lack a frequency-dependent stiffness."""
 MOST_ENTRIES = 200
-"""Entries of matrices that are listed at all."""
+"""Largest number of matrix entries that a report lists."""
 MOST_MATRIX_ROWS = 24
-"""Rows of the matrices of all configurations together that are printed in numbers."""
+"""Largest number of matrix rows, of all configurations together, that a report prints in numbers."""
 MOST_NUMERIC_COORDINATES = 12
-"""Coordinates of a system whose matrices are printed in numbers."""
+"""Largest number of coordinates of a system whose matrices a report prints in numbers."""
 
 
 def equations_section(subject: ReportData) -> Section:
-    """Section with the equations of motion, in symbols for models of few coordinates."""
+    """Section of a report with the equations of motion, in symbols for models of few coordinates."""
     if (n := subject.n_coordinates) > MOST_SYMBOLIC:
         lead = f"The model has {n} coordinates; its equations are given by the entries of their matrices."
         return Section("equations", ("Equations of motion",), (Paragraph((lead,)), *_entries(subject)))
@@ -89,7 +89,7 @@ def equations_section(subject: ReportData) -> Section:
 
 
 def _is_short(system: SymbolicSystem) -> bool:
-    """Whether every entry of the matrices fits a line."""
+    """Whether every entry of a system's symbolic matrices fits a line of the report."""
     return all(
         formula_letters(cell) <= WIDEST_FORMULA for key in MATRIX_UNITS for cell in getattr(system, key) if cell != 0
     )
@@ -100,7 +100,10 @@ def _where(cases: tuple[Case, ...]) -> str:
 
 
 def _form(form: SymbolicEquations, *, several: bool) -> list[Block]:
-    """Blocks on one system of equations: line by line, and as a sum of matrices if these fit."""
+    """Blocks of the report on one system of equations of motion.
+
+    Line by line, and as a sum of matrices if these fit.
+    """
     system = form.system
     blocks: list[Block] = []
     if several:
@@ -120,7 +123,7 @@ def _form(form: SymbolicEquations, *, several: bool) -> list[Block]:
 
 
 def _matrices(system: SymbolicSystem) -> list[Block]:
-    """Formulas of the equations as a sum of matrices, and of each matrix that has an entry."""
+    """Formulas of the equations of motion as a sum of matrices, and of each matrix that has an entry."""
     filled = [key for key in MATRIX_UNITS if any(getattr(system, key))]
     terms = [rf"\mathbf{{{key}}}\,{DERIVATIVES[key]}" for key in filled]
     dynamic = complex_stiffness(system)
@@ -141,7 +144,7 @@ def _matrices(system: SymbolicSystem) -> list[Block]:
 
 
 def _laws(system: SymbolicSystem) -> list[Block]:
-    """Formulas of the torques of controllers, by their Laplace transforms."""
+    """Formulas of the torques of controllers, as Laplace transforms of their laws."""
     import sympy
 
     found: list[Block] = []
@@ -164,7 +167,10 @@ def _introduction(system: Any) -> Text:
 
 
 def _numbers(subject: ReportData) -> list[Block]:
-    """Table of M, C, K of every case in numbers; a matrix that is the same in all cases stands once."""
+    """Table of the matrices M, C and K in numbers in SI units, of every configuration of the report.
+
+    A matrix that is the same in all cases stands once.
+    """
     found = [(key, [getattr(case.drivetrain.assembly.system, key) for case in subject.cases]) for key in MATRIX_UNITS]
     if (
         len(subject.cases) * subject.n_coordinates > MOST_MATRIX_ROWS
@@ -188,7 +194,7 @@ def _numbers(subject: ReportData) -> list[Block]:
 
 
 def numbers_latex(matrix: FloatArray) -> str:
-    """LaTeX of a matrix of numbers, with a power of ten in front where that makes it shorter."""
+    """LaTeX of a matrix of numbers, with a power of ten in front where that makes the matrix shorter."""
     if not matrix.any():
         return r"\mathbf{0}"
     sizes = np.abs(matrix[matrix != 0])
@@ -210,7 +216,7 @@ def _number_width(matrix: FloatArray) -> int:
 
 
 def _entries(subject: ReportData) -> list[Block]:
-    """Table of the nonzero entries on and above the diagonals of M, C, K, in numbers."""
+    """Table of the nonzero entries on and above the diagonals of M, C and K, in numbers in SI units."""
     case = subject.cases[0]
     system, names = case.drivetrain.assembly.system, case.drivetrain.assembly.kinematics.coordinates
     matrices = [getattr(system, key) for key in MATRIX_UNITS]

@@ -1,4 +1,4 @@
-"""Section of a report on the excitations: speeds, entries of every excitation, and its torques by order."""
+"""Section of a report on the excitations, their entries, speeds and torques by order."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ if TYPE_CHECKING:
     from torsionnet.model.excitations.speed_range import SpeedRange
 
 EQUAL_AMPLITUDES = 1e-9
-"""Relative difference up to which amplitudes count as equal: no more than rounding."""
+"""Relative difference up to which amplitudes of torques count as equal, no more than rounding."""
 LONGEST_LIST = 12
-"""Numbers of a list that are written out; longer lists are given by their range."""
+"""Largest number of numbers in a list that a report writes out; longer lists are given by their range."""
 MOST_ORDERS = 30
-"""Orders in the table of an excitation; of more it gives the number."""
+"""Largest number of orders in the table of an excitation; of more it gives the number."""
 OWN_SHAFT = " Orders of an excitation are multiples of the speed of its own shaft."
 """Note on which shaft the orders of an excitation refer to."""
 Row = tuple[Cell, ...]
 
 
 def excitations_section(subject: ReportData) -> Section | None:
-    """Section on the excitations; None for a model without."""
+    """Section of a report on the excitations; None for a model without."""
     if not subject.has_excitations:
         return None
     definition = subject.model.definition
@@ -67,7 +67,7 @@ def _entries(name: str, excitation: OrderExcitation) -> TableBlock:
 
 
 def _properties(entry: Declared, over: str = "") -> Iterator[Row]:
-    """Property, value and unit of everything that was given of an entry."""
+    """Property, value and unit, as cells, of everything that the model gives of an excitation or another entry."""
     absent = dict(entry.defaults())
     for name, spec in entry.specs():
         value = getattr(entry, name)
@@ -80,7 +80,7 @@ def _properties(entry: Declared, over: str = "") -> Iterator[Row]:
 
 
 def _shown(spec: Spec[object], value: Any) -> tuple[Cell, Cell]:
-    """Value of an entry as a cell, and its unit."""
+    """Value and unit of an entry as two cells."""
     if isinstance(spec, Value) and spec.dimension == "speed":
         return NumberText(value * RPM, 6), "r/min"
     if isinstance(spec, Value):
@@ -97,7 +97,7 @@ def _shown(spec: Spec[object], value: Any) -> tuple[Cell, Cell]:
 
 
 def _given(entry: Declared) -> str:
-    """Names and values of what was given of one of several entries, each number with its unit."""
+    """Text with the names and values of what is given of one of several entries, each number with its unit."""
     absent = dict(entry.defaults())
     found = ((name, spec, getattr(entry, name)) for name, spec in entry.specs())
     return ", ".join(
@@ -124,7 +124,7 @@ def _text(value: Any) -> str:
 
 
 def _torques(case: Case, name: str, excitation: OrderExcitation) -> TableBlock:
-    """Table of the largest amplitude of every order, with the node on which it acts."""
+    """Table of the largest amplitude of every order of an excitation in N m, with the node on which it acts."""
     speed, own = shaft_speeds(case.drivetrain, name)
     torques = excitation.torques(np.array([own]))
     sizes = np.abs(torques.amplitudes[0])
@@ -157,12 +157,12 @@ def _torques(case: Case, name: str, excitation: OrderExcitation) -> TableBlock:
 
 
 def _node(nodes: Sequence[str], place: int, alike: int) -> str:
-    """Name of the node whose phase is given, and the number of nodes with the same amplitude."""
+    """Text with the node whose phase is given, and the number of nodes with the same amplitude."""
     return as_words(nodes[place]) + (f" (of {alike} alike)" if alike > 1 else "")
 
 
 def _changes(subject: ReportData) -> Iterator[Row]:
-    """Rows on entries of excitations that a configuration has otherwise than the model as written."""
+    """Table rows on entries of excitations that a configuration has otherwise than the model as written."""
     written = subject.model.definition.excitations
     for case in subject.cases:
         for name, excitation in case.drivetrain.definition.excitations.items():

@@ -1,4 +1,4 @@
-"""Section of a report on fits: fitted parameters with their intervals."""
+"""Section of a report on fits, the parameters found and their intervals."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def fit_section(subject: ReportData) -> Section:
-    """Section with table, comparison and correlations of each fit."""
+    """Section of a report with table, comparison and correlations of each fit."""
     blocks: list[Block] = []
     for number, fit in enumerate(subject.request.fits, 1):
         blocks += _fit(subject, fit, number)

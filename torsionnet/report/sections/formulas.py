@@ -40,18 +40,18 @@ if TYPE_CHECKING:
     from torsionnet.symbolic.transfer_function import TransferFunction
 
 FORMULA_OPERATIONS, MOST_OPERATIONS = 70, 420
-"""Operations of a transfer function that is written in one formula, and of one written as a table of steps."""
+"""Largest number of operations of a transfer function written in one formula, and of one written as table of steps."""
 MOST_UNFOLDED_STEPS = 24
-"""Steps of a formula that a reader may follow; more are folded away."""
+"""Number of steps of a formula up to which a reader sees all of them; more are folded away."""
 
 MOST_ORDER = 10
-"""Order up to which the coefficients of the polynomials are written out."""
+"""Order up to which a report writes out the coefficients of a transfer function's polynomials."""
 MOST_TERMS = 14
-"""Terms of a coefficient that is written out."""
+"""Largest number of terms of a coefficient that a report writes out."""
 
 
 def formulas_section(subject: ReportData) -> Section | None:
-    """Section with the transfer functions in symbols; None without any."""
+    """Section of a report with the transfer functions in symbols; None without any."""
     if not subject.pairs:
         return None
     blocks: list[Block] = []
@@ -68,7 +68,7 @@ def formulas_section(subject: ReportData) -> Section | None:
 
 
 def _forms(subject: ReportData) -> tuple[SymbolicEquations, ...]:
-    """Equations in symbols of all cases if they are few, else those of the first case."""
+    """Equations in symbols of all configurations if they are few, else those of the first configuration."""
     if subject.n_coordinates <= MOST_SYMBOLIC and len(subject.symbolic_equations) <= FEW_CASES:
         return subject.symbolic_equations
     return (SymbolicEquations(subject.cases[:1], subject.cases[0].drivetrain.symbolic()),)
@@ -162,7 +162,10 @@ def _numbers(where: list[tuple[Any, Any]], pair: Pair, cases: tuple[Case, ...]) 
 
 
 def _number(value: Any) -> Cell:
-    """Coefficient as a cell; one with a tabulated stiffness depends on the frequency and has no number."""
+    """Coefficient of a polynomial as a cell.
+
+    One with a tabulated stiffness depends on the frequency and has no number.
+    """
     return NumberText(float(value), 5) if value.is_number else "depends on frequency"
 
 

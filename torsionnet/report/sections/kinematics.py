@@ -1,4 +1,4 @@
-"""Section of a report on kinematic relations: nodes that follow others, by which element and ratio."""
+"""Section of a report on kinematic relations, nodes that follow others and by which ratio."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
 
 MOST_ROWS, MOST_COLUMNS, MOST_NAMES, LONGEST_RATIO = 40, 6, 12, 24
-"""Rows, configurations and names that are shown, and letters of a ratio in symbols."""
+"""Largest number of rows, configurations and names in tables of ratios, and largest number of letters of a ratio."""
 
 
 def kinematics_section(subject: ReportData) -> Section:
-    """Section on the nodes that follow others."""
+    """Section of a report on nodes that follow other nodes by rigid connections."""
     rig = subject.cases[0].drivetrain
     kept = rig.assembly.kinematics.coordinates
     if not subject.is_large:
@@ -100,7 +100,7 @@ def _same_ratios(rig: Drivetrain, other: Drivetrain) -> bool:
 
 
 def _ratio(rig: Drivetrain, node: str, given: list[tuple[Any, str]]) -> Cell:
-    """Ratio in numbers of a node that follows one coordinate; a dash for several."""
+    """Cell with the ratio, in numbers, of a node that follows one coordinate; a dash for several."""
     if len(given) > 1:
         return "–"
     row = rig.assembly.T[rig.assembly.node_index[node]]

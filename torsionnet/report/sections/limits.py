@@ -1,4 +1,4 @@
-"""Section of a report on limits: verdicts in all conditions, limits over speed, the rules they rest on."""
+"""Section of a report on limits, with verdicts, limits over speed and the rules they rest on."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ from torsionnet.response.limits.limit_conclusion import LimitConclusion
 from torsionnet.response.limits.operating_instructions import instruction_table
 
 MOST_DRAWN = 8
-"""Limits drawn over speed, each in its worst condition."""
+"""Largest number of limits that a report draws over speed, each in its worst condition."""
 MOST_ROWS = 24
-"""Conditions whose conclusion is shown; the verdict is on all."""
+"""Largest number of conditions whose conclusion a report shows; the verdict is on all."""
 
 
 def limits_section(subject: ReportData) -> Section | None:
-    """Section on stresses and limits; None for a model without limits."""
+    """Section of a report on stresses and limits; None for a model without limits."""
     found = subject.limit_conclusion
     if found is None:
         return None
@@ -49,12 +49,12 @@ def limits_section(subject: ReportData) -> Section | None:
 
 
 def verdict(found: LimitConclusion) -> Paragraph:
-    """Paragraph with the verdict on the model, and first of all what was not examined."""
+    """Paragraph with the verdict on the model's limits, and first of all what was not examined."""
     return Paragraph((Strong(f"Verdict on stresses and limits: {found.verdict}."), f" {capital(found.sentence)}."))
 
 
 def conclusion(found: LimitConclusion) -> TableBlock:
-    """Table with one sentence for every condition; of many conditions the gravest."""
+    """Table with one sentence on the limits for every condition; of many conditions the gravest."""
     columns = (Heading("Configuration"), Heading("Verdict"), Heading("Conclusion", wide=True))
     kept = [one for one in found.checks if one.verdict != PASS] if len(found.checks) > MOST_ROWS else found.checks
     rows = [(check.configuration, check.verdict, as_words(check.finding())) for check in kept[:MOST_ROWS]]
@@ -70,7 +70,10 @@ def _instructions(subject: ReportData, found: LimitConclusion) -> list[TableBloc
 
 
 def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableBlock:
-    """Table of the worst speed of every condition and criterion of one limit; of many conditions the gravest."""
+    """Table of the worst speed of every condition and criterion of one limit, with value and value allowed there.
+
+    Of many conditions the gravest.
+    """
     checks = _gravest(judged, name)
     found = [(check, one) for check in checks for one in check.verdicts if one.limit == name]
     columns = (
@@ -105,7 +108,7 @@ def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableB
 
 
 def _gravest(found: LimitConclusion, name: str) -> list[LimitCheck]:
-    """Checks of the conditions that are shown of one limit, in their order."""
+    """Checks of the limits in those conditions that the report shows of one limit, in their order."""
 
     def grave(check: LimitCheck) -> tuple[bool, float]:
         verdicts = [one.verdict for one in check.verdicts if one.limit == name]
@@ -116,7 +119,10 @@ def _gravest(found: LimitConclusion, name: str) -> list[LimitCheck]:
 
 
 def _numbers(subject: ReportData, check: LimitCheck, one: LimitVerdict) -> tuple[float | None, ...]:
-    """Worst speed in r/min, value and allowed value there, utilisation in per cent; None each where there is none."""
+    """Worst speed in r/min, value and value allowed there, and utilisation in per cent, of a verdict.
+
+    None each where there is none.
+    """
     at = one.worst
     if at is None:
         return (None, None, None, None)
@@ -126,7 +132,7 @@ def _numbers(subject: ReportData, check: LimitCheck, one: LimitVerdict) -> tuple
 
 
 def _picture(subject: ReportData, judged: LimitConclusion, name: str, number: int) -> list[Picture]:
-    """Picture of a limit over speed in the condition in which it is used most."""
+    """Figures of a limit over speed in the condition in which the limit is used most."""
     from torsionnet.plot.limit_check import limit_check
 
     use = [_most_used(check, name) for check in judged.checks]
@@ -147,7 +153,10 @@ def _most_used(check: LimitCheck, name: str) -> float:
 
 
 def _rules(found: LimitConclusion) -> list[Block]:
-    """Blocks on the rules that limits rest on: source, formula and what is not covered; and the remarks."""
+    """Blocks of the report on the rules that limits rest on.
+
+    Source, formula and what is not covered; and the remarks.
+    """
     texts = {text: names for check in found.checks for text, names in check.texts().items()}
     rules = tuple(
         (Strong(", ".join(map(as_words, names))), f": {text.source}. {text.formula}. Not covered: {text.not_covered}.")
@@ -161,7 +170,7 @@ def _rules(found: LimitConclusion) -> list[Block]:
 
 
 def _remarks(found: LimitConclusion) -> list[str]:
-    """Remarks on limits, each once, with its configurations unless they are all."""
+    """Texts of the remarks on limits, each once, with its configurations unless they are all."""
     known = list(dict.fromkeys(check.configuration for check in found.checks))
     said = (
         (f"{as_words(one.limit)}, {as_words(one.criterion)}", check.configuration, remark)

@@ -8,11 +8,11 @@ from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import results_table
 
 MOST_LOADS = 3
-"""Loads whose mean torques are listed."""
+"""Largest number of loads whose mean torques a report lists."""
 
 
 def mean_torques_section(subject: ReportData) -> Section | None:
-    """Section on mean torques and stresses; None for a model without a load."""
+    """Section of a report on mean torques and stresses under the load; None for a model without a load."""
     definition = subject.model.definition
     if definition.load is None or definition.speeds is None:
         return None

@@ -33,13 +33,13 @@ if TYPE_CHECKING:
     from torsionnet.response import Modes
 
 LEAST_SHARE, MOST_SHARES = 0.05, 4
-"""Least share of the energy for which an element is named, and elements named at most."""
+"""Least share of the energy for which a mode's table names an element, and largest number of elements it names."""
 MOST_DRAWN = 6
-"""Configurations whose mode shapes are drawn."""
+"""Largest number of configurations whose mode shapes a report draws."""
 SHOWS_THESE = " shows these, not the modes of the whole drivetrain."
-"""End of the sentence on poles against a measured input."""
+"""End of the sentence that says what the poles over a measured input are."""
 KIND_WORDS = {"oscillatory": "vibration"}
-"""Words for kinds of modes where the report has other words."""
+"""Words of the report for kinds of modes where it has other words than the tables on the screen."""
 COLUMNS = (
     Heading("Mode", numeric=True),
     Heading("Kind"),
@@ -51,7 +51,7 @@ COLUMNS = (
 
 
 def modes_section(subject: ReportData) -> Section:
-    """Section on the modes: tables, energies and shapes, and poles against measured inputs."""
+    """Section of a report on the modes: tables, energies and shapes, and poles against measured inputs."""
     blocks: list[Block] = [Paragraph(_introduction(subject))]
     caption = "Modes by configuration" if 1 < len(subject.cases) <= FEW_CASES else "Modes"
     if not any(map(len, subject.modes)):
@@ -78,7 +78,7 @@ def _introduction(subject: ReportData) -> Text:
 
 
 def modes_table(subject: ReportData, found: tuple[Modes, ...], caption: Text) -> TableBlock:
-    """Table of modes with a group of rows for each case."""
+    """Table of modes with a group of rows for each configuration of the report."""
     groups = []
     for case, modes in zip(subject.cases, found, strict=True):
         title = f"Configuration {case.configuration}" if len(subject.cases) > 1 else ""
@@ -89,7 +89,10 @@ def modes_table(subject: ReportData, found: tuple[Modes, ...], caption: Text) ->
 def listed_modes(
     subject: ReportData, found: tuple[Modes, ...], caption: Text, *, energies: bool = False
 ) -> list[Block]:
-    """Tables of the modes of every case; of many cases the first in full, and how frequencies and damping vary."""
+    """Tables of the modes of every configuration of the report.
+
+    Of many cases the first in full, and how frequencies and damping vary.
+    """
 
     def full(part: ReportData, modes: tuple[Modes, ...], said: Text) -> list[Block]:
         return [modes_table(part, modes, said), *([_energies(part, modes)] if energies else [])]
@@ -108,7 +111,10 @@ def listed_modes(
 
 
 def _compared(subject: ReportData, found: tuple[Modes, ...], caption: Text, *, damping: bool) -> TableBlock | None:
-    """Table of natural frequencies or damping ratios with a row for each case; None without vibrations."""
+    """Table of natural frequencies (Hz) or damping ratios with a row for each configuration of the report.
+
+    None without vibrations.
+    """
     swings = [[index for index, kind in enumerate(modes.kinds) if kind == OSCILLATORY] for modes in found]
     letter, shown = (r"\zeta", "%") if damping else ("f", "Hz")
     columns = [Heading("Configuration")]
@@ -156,7 +162,7 @@ def _number(modes: Modes, index: int) -> Cell:
 
 
 def _notes(subject: ReportData, found: tuple[Modes, ...]) -> list[Text]:
-    """Notes under a table of modes: undamped natural frequencies, and notes of the calculation."""
+    """Texts of the notes under a table of modes: undamped natural frequencies, and notes of the calculation."""
     notes: list[Text] = []
     for case, modes in zip(subject.cases, found, strict=True):
         where = f"{case.configuration}: " if len(subject.cases) > 1 else ""
@@ -185,7 +191,7 @@ def _energies(subject: ReportData, found: tuple[Modes, ...]) -> TableBlock:
 
 
 def _energy(modes: Modes, index: int) -> tuple[str, str, str]:
-    """Words for where the kinetic energy, strain energy and dissipated power of a mode are."""
+    """Texts on where the kinetic energy, strain energy and dissipated power of a mode are."""
     return (
         _shares(modes.elements, modes.kinetic[:, index]),
         _shares(modes.elements, modes.strain[:, index]),
@@ -194,7 +200,7 @@ def _energy(modes: Modes, index: int) -> tuple[str, str, str]:
 
 
 def _shares(elements: tuple[str, ...], shares: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
-    """Elements with their shares as text: ``dmf 79 %, half shaft 21 %``."""
+    """Text of the elements of a mode with their shares of the energy: ``dmf 79 %, half shaft 21 %``."""
     order = np.argsort(-np.round(shares, 9), kind="stable")[:MOST_SHARES]
     kept = [index for index in order if shares[index] >= LEAST_SHARE]
     if not kept and shares.any():

@@ -15,18 +15,18 @@ from torsionnet.response.order_sums import lines_of_one_frequency, sum_name
 from torsionnet.response.worst_response import WorstResponse
 
 MOST_CURVES = 7
-"""Configurations that can be told apart in one plot."""
+"""Largest number of configurations in one plot over speed, as more curves cannot be told apart."""
 HALF_RANGE_NOTE = (
     "All orders act at once. The half range is (max − min)/2 of their sum with the phases they have, not the sum of "
     "their magnitudes; amplitudes of single orders are peak values."
 )
-"""Sentence on what a half range is."""
+"""Sentence that says what a half range is."""
 NO_CYCLE_NOTE = " What has no short common cycle takes every position to each other: such half ranges are added."
 """Sentence on half ranges of excitations without a short common cycle."""
 
 
 def orders_section(subject: ReportData) -> Section | None:
-    """Section on the response by order; None for a model without excitations."""
+    """Section of a report on the response by order over speed; None for a model without excitations."""
     if not subject.has_excitations or not subject.order_outputs:
         return None
     blocks: list[Block] = [Paragraph(_introduction(subject)), *engine_remarks(subject)]
@@ -41,7 +41,10 @@ def _introduction(subject: ReportData) -> tuple[Inline, ...]:
 
 
 def _output(subject: ReportData, name: str, number: int) -> list[Block]:
-    """Blocks on an output: half ranges of all configurations, orders of the worst one, and the largest values."""
+    """Blocks of the report on one output over speed.
+
+    Half ranges of all configurations, orders of the worst one, and the largest values.
+    """
     from torsionnet.plot.order_response import half_ranges, order_response
 
     runs = subject.order_responses
@@ -64,7 +67,7 @@ def _output(subject: ReportData, name: str, number: int) -> list[Block]:
 
 
 def _worst(subject: ReportData, name: str) -> TableBlock:
-    """Table of the largest half range of every configuration, and the largest order there."""
+    """Table of the largest half range of an output in every configuration, and of the largest order there."""
     runs, place = subject.order_responses, subject.order_responses[0].output(name)
     scale = subject.conventions.scale(runs[0].outputs[place].unit)
     shown = unit(subject.conventions.unit(runs[0].outputs[place].unit))
@@ -90,12 +93,12 @@ def _worst(subject: ReportData, name: str) -> TableBlock:
 
 
 def _line_name(run: OrderResponse, number: int) -> str:
-    """Name of the lines of one frequency, by its number."""
+    """Name of all lines of a response that have the frequency with this number."""
     return sum_name([run.lines[place] for place in lines_of_one_frequency(run.lines)[number]])
 
 
 def _condition(case: Case, run: OrderResponse, name: str, index: int) -> str:
-    """Name of a configuration, with its worst case at a speed where it has several cases."""
+    """Name of a configuration, with its worst case at a speed where the configuration has several cases."""
     if not isinstance(run, WorstResponse):
         return case.configuration
     return ": ".join(part for part in (case.configuration, as_words(run.cases(name)[index])) if part)

@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from torsionnet.model.parameters import Parameter
 
 MOST_ROWS, MOST_COLUMNS = 60, 12
-"""Parameters or nodes in a table, and parameters beside each other that differ between configurations."""
+"""Largest number of rows in a table of parameters or nodes, and of parameters compared between configurations."""
 
 
 def parameters_section(subject: ReportData) -> Section | None:
-    """Section on the parameters; None for a model without any."""
+    """Section of a report on the parameters, configurations and operating points; None for a model without any."""
     rig = subject.model
     blocks: list[Block] = []
     if rig.parameters:
@@ -83,7 +83,7 @@ def _bounds(parameter: Parameter) -> Text:
 
 
 def _changed(cases: tuple[Case, ...]) -> list[str]:
-    """Names of parameters that do not have the same value in all cases."""
+    """Names of parameters that do not have the same value in all configurations of the report."""
     first = cases[0].drivetrain.parameters
     return [name for name in first if len({case.drivetrain.parameters[name] for case in cases}) > 1]
 
@@ -116,7 +116,7 @@ def _switches(cases: tuple[Case, ...], names: list[str]) -> TableBlock:
 
 
 def _operating_points(cases: tuple[Case, ...]) -> list[Block]:
-    """Tables of operating points, one for all configurations that share it."""
+    """Tables of mean speeds and torques at operating points, one for all configurations that share it."""
     alike: dict[tuple[object, ...], list[Case]] = {}
     for case in cases:
         rig = case.drivetrain

@@ -35,15 +35,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST_PEAKS, FEW_PEAKS = 6, 3
-"""Peaks listed of each configuration where they are few, and where they are many."""
+"""Number of peaks listed of each configuration where configurations are few, and where they are many."""
 LEAST_PROMINENCE = 1.001
-"""Ratio of a peak to the higher of the valleys beside it from which on it is listed; smaller ones are ripples."""
+"""Least ratio of a listed peak to the higher valley beside it, as smaller ones are ripples."""
 MOST_CURVES = 7
-"""Curves that can be told apart in one plot."""
+"""Largest number of curves in one plot of responses, as more cannot be told apart."""
 
 
 def responses_section(subject: ReportData) -> Section | None:
-    """Section on the frequency responses; None for a model without transfer functions."""
+    """Section of a report on the frequency responses; None for a model without transfer functions."""
     if not subject.pairs:
         return None
     blocks: list[Block] = []
@@ -56,7 +56,7 @@ def responses_section(subject: ReportData) -> Section | None:
 
 
 def left_out(subject: ReportData, pair: Pair) -> Iterator[Block]:
-    """Paragraphs on configurations that lack the transfer function, and why."""
+    """Paragraphs on configurations that lack the transfer function, and why they do."""
     part = subject.for_pair(pair)
     if part is not subject:
         for case in subject.cases:
@@ -94,7 +94,7 @@ def label_axes(figure: Figure, pair: Pair) -> None:
 
 
 def peaks_table(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse, ...]) -> TableBlock:
-    """Table of static value and peaks of every case."""
+    """Table of static value and peaks of a transfer function in every configuration of the report."""
     scale, shown = found[0].scale(subject.conventions), unit(found[0].unit(conventions=subject.conventions))
     groups = []
     for case, response in zip(subject.cases, found, strict=True):
@@ -125,7 +125,7 @@ def peaks_table(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse,
 
 
 def highest_peaks(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse, ...]) -> TableBlock:
-    """Table of static value and the highest peaks in the order of frequency, with a row for each case."""
+    """Table of static value and highest peaks of a transfer function, with a row for each configuration."""
     scale, shown = found[0].scale(subject.conventions), unit(found[0].unit(conventions=subject.conventions))
     read = [static_value_and_peaks(subject, pair, response, index) for index, response in enumerate(found)]
     columns = [Heading("Configuration"), Heading("Static value", shown, numeric=True)]
@@ -158,7 +158,7 @@ def _stands_out(response: FrequencyResponse, frequency: float) -> bool:
 def static_value_and_peaks(
     subject: ReportData, pair: Pair, response: FrequencyResponse, index: int
 ) -> list[tuple[str, Peak]]:
-    """Static value and highest peaks of a case, each with its name, in the order of frequency."""
+    """Static value and highest peaks of a response, each with its name, in the order of frequency."""
     solve = subject.solver(subject.cases[index], pair)
     value = static_value(solve, 0, 0)
     found = [peak for peak in peaks(response, solve, 0, 0) if _stands_out(response, peak.frequency)]

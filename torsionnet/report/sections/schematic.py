@@ -8,7 +8,10 @@ from torsionnet.report.report_text import as_words, first_names
 
 
 def schematic_section(subject: ReportData) -> Section:
-    """Section with the schematic of the first configuration; others differ in values or switched elements."""
+    """Section of a report with the schematic of the drivetrain in the first configuration.
+
+    Others differ in values or switched elements.
+    """
     from torsionnet.plot.schematic.schematic import schematic
 
     case = subject.cases[0]

@@ -26,11 +26,11 @@ COLUMNS = (
 
 
 DEFAULT_TOLERANCE = 0.01
-"""Share by which modes may move, unless the model file or the call gives another."""
+"""Relative amount by which simplifying may move frequencies and damping of modes, unless another is given."""
 
 
 def simplified_section(subject: ReportData) -> Section | None:
-    """Section on simplified transfer functions; None for a model without transfer functions."""
+    """Section of a report on simplified transfer functions; None for a model without transfer functions."""
     if not subject.pairs:
         return None
     tolerance = subject.request.plan.simplify or DEFAULT_TOLERANCE

@@ -1,4 +1,4 @@
-"""Section of a report on studies: what varied, what every variant was asked, and the conclusions."""
+"""Section of a report on studies, what varied, what was asked of every variant, and the conclusions."""
 
 from __future__ import annotations
 
@@ -34,19 +34,19 @@ if TYPE_CHECKING:
     from torsionnet.study.study_result import StudyResult
 
 LEFT_OUT_COLUMNS = ("variants", "smallest", "largest", "largest at variant")
-"""Columns that a page has no room for."""
+"""Headings of a study's columns that the report leaves out, as a page has no room for them."""
 MOST_ANSWER_ROWS = 60
-"""Rows up to which a table of an answer stands in a report; a map has thousands, and a picture."""
+"""Largest number of rows of an answer's table in a report, as a map has thousands, and a picture."""
 METHODS = {
     "random": "independent random draws",
     "latin_hypercube": "Latin hypercube",
     "sobol": "scrambled Sobol sequence",
 }
-"""Words for the methods of drawing random values."""
+"""Words of a report for the methods by which a study draws random values."""
 
 
 def studies_section(subject: ReportData) -> Section:
-    """Section with a subsection for each study."""
+    """Section of a report with a subsection for each study."""
     blocks = (_study(subject, result, number) for number, result in enumerate(subject.request.studies, 1))
     return Section("study", ("Studies",), tuple(blocks))
 
@@ -75,7 +75,7 @@ def _study(subject: ReportData, result: StudyResult, number: int) -> Section:
 
 
 def _facts(study: Study) -> Iterator[tuple[str, Text]]:
-    """Configurations of a study, number of variants, and how they were drawn."""
+    """Terms and texts on the configurations of a study, its number of variants, and how they were drawn."""
     space, cases = study.space, [name for name in study.configurations if name]
     yield "Configurations", (", ".join(cases) or "the model as it stands",)
     if space.grid:
@@ -130,7 +130,10 @@ def _answer(subject: ReportData, study: Study, result: StudyResult, file: str, n
 
 
 def _results(subject: ReportData, study: Study, found: Table, caption: str, units: ShownUnits) -> TableBlock:
-    """Table of results in the units of the study; a quantity that all rows have in common is named in the caption."""
+    """Table of a study's results in the units of the study.
+
+    A quantity that all rows have in common is named in the caption.
+    """
 
     def shown(text: str) -> Cell:
         is_name = text in study.quantities or text in study.space.names
@@ -149,5 +152,5 @@ def _said(subject: ReportData, study: Study, text: str) -> Text:
 
 
 def _phrase(subject: ReportData, study: Study, text: str) -> Text:
-    """Text in which names of the model and of quantities are words and symbols."""
+    """Text of a study in which names of the model and of quantities are words and symbols."""
     return sentence(typeset_unit(text), subject.model, (*study.quantities, *study.space.names))

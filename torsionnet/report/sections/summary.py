@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from torsionnet.response import Modes
 
 MOST_VIBRATIONS, MOST_PAIRS = 3, 4
-"""Vibrations and transfer functions that the summary shows."""
+"""Largest number of vibrations and of transfer functions that the summary of a report shows."""
 
 
 def summary_section(subject: ReportData) -> Section:
-    """Section with the verdict, the lowest natural frequencies, fitted models, and highest peaks."""
+    """Section of a report with verdict, lowest natural frequencies, fitted models and highest peaks."""
     judged = subject.limit_conclusion if subject.request.wants("limits") else None
     blocks: list[Block] = [] if judged is None else [verdict(judged)]
     blocks += _of_model(subject.by_drivetrain)
@@ -38,7 +38,10 @@ def summary_section(subject: ReportData) -> Section:
 
 
 def _fitted(subject: ReportData, fit: Fit) -> TableBlock | None:
-    """Table of the lowest natural frequencies with the fitted values; None where nothing vibrates."""
+    """Table of the lowest natural frequencies in Hz with the fitted values of the parameters.
+
+    None where nothing vibrates.
+    """
     modes = tuple(_with_values(fit, case).modes() for case in subject.cases)
     if not any(OSCILLATORY in one.kinds for one in modes):
         return None
@@ -53,7 +56,7 @@ def _fitted(subject: ReportData, fit: Fit) -> TableBlock | None:
 
 
 def _with_values(fit: Fit, case: Case) -> Drivetrain:
-    """Drivetrain of a case with the fitted values, those of all cases and its own."""
+    """Drivetrain of a configuration with the fitted values, those of all configurations and its own."""
     rig = fit.configured(case.drivetrain)
     own = {name.removesuffix(f"[{case.configuration}]"): value for name, value in fit.values.items()}
     return rig.configured(**{name: value for name, value in own.items() if name in rig.parameter_definitions})
@@ -89,7 +92,7 @@ def _of_model(subject: ReportData) -> list[TableBlock]:
 
 
 def _response(subject: ReportData, pair: Pair) -> TableBlock:
-    """Table of static value and highest peak of a transfer function."""
+    """Table of static value and highest peak of a transfer function in every configuration."""
     found = subject.responses(pair)
     scale, shown = found[0].scale(subject.conventions), unit(found[0].unit(conventions=subject.conventions))
     points = [static_value_and_peaks(subject, pair, response, index) for index, response in enumerate(found)]

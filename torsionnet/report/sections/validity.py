@@ -1,4 +1,4 @@
-"""Section of a report on validity: the assumptions that apply to this model."""
+"""Section of a report on validity, the assumptions that apply to its model."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from torsionnet.model.elements import Element
 
 MOST_NAMES = 6
-"""Names of elements that a sentence lists."""
+"""Largest number of element names that a sentence on validity lists."""
 
 LINEAR = (
     "Linear: small torsional vibrations{about}. Backlash, clearances, friction that sticks, slipping clutches and "
@@ -62,7 +62,7 @@ IMPOSED = "Imposed angles ({names}): the drive follows its set-point whatever th
 
 
 def validity_section(subject: ReportData) -> Section:
-    """Section with the assumptions behind the results, as far as they concern this model."""
+    """Section of a report with the assumptions behind the results, as far as they concern this model."""
     return Section("validity", ("Validity",), (Listing(tuple(map(inlines, _notes(subject)))),))
 
 
@@ -85,7 +85,7 @@ def _notes(subject: ReportData) -> Iterator[Cell]:
 
 
 def _about(subject: ReportData, text: str, *kinds: type[Element]) -> Iterator[str]:
-    """Text with the names of the elements of these types, if any is in a case."""
+    """Text on an assumption with the names of the elements of these types, if any is in a configuration."""
     found = {
         name: None
         for case in subject.cases

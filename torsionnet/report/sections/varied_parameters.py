@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from torsionnet.study.study import Study
 
 SIGNIFICANT_DIGITS = 5
-"""Significant digits of the numbers in a distribution."""
+"""Number of significant digits that a report writes of the numbers in a distribution."""
 MOST_NAMES = 4
-"""Configurations that a row names."""
+"""Largest number of configurations that a row of a study's table names."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,10 @@ class EqualVariation:
 
 
 def varied_parameters(study: Study, units: ShownUnits) -> TableBlock:
-    """Table of the varied parameters: unit, value in the model, distribution, and its text in the study."""
+    """Table of the parameters that a study varies.
+
+    Unit, value in the model, distribution, and its text in the study.
+    """
     alike = {name: list(_by_configuration(study, name)) for name in study.space.names}
     columns = (
         Heading("Parameter"),
@@ -57,7 +60,10 @@ def varied_parameters(study: Study, units: ShownUnits) -> TableBlock:
 
 
 def correlations(study: Study) -> Iterator[TableBlock]:
-    """Table of correlated parameters and their coefficients; nothing where none are correlated."""
+    """Table of a study's correlated parameters and their coefficients of correlation.
+
+    Nothing where none are correlated.
+    """
     rows: list[tuple[Cell, ...]] = [
         (_names(one.between), NumberText(one.coefficient)) for one in study.space.entries.correlation
     ]
@@ -73,7 +79,7 @@ def _names(names: tuple[str, ...]) -> Text:
 
 
 def _by_configuration(study: Study, name: str) -> Iterator[EqualVariation]:
-    """Variations of a parameter, configurations with the same value in the model together."""
+    """Variations of a parameter in a study, configurations with the same value in the model together."""
     found: dict[tuple[float | None, ...], EqualVariation] = {}
     for case in study.configurations:
         nominal = nominals(study.model_in(case), [name])[name]
@@ -85,7 +91,10 @@ def _by_configuration(study: Study, name: str) -> Iterator[EqualVariation]:
 
 
 def _numbers(sizes: Mapping[str, float], scale: float) -> Text:
-    """Numbers of a distribution as text: ``mean 0.46, standard deviation 0.018``."""
+    """Text of the numbers of a distribution, such as its mean and standard deviation.
+
+    ``mean 0.46, standard deviation 0.018``.
+    """
     parts = [
         part for what, size in sizes.items() for part in (f", {what} ", NumberText(size * scale, SIGNIFICANT_DIGITS))
     ]

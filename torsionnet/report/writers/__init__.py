@@ -1,1 +1,1 @@
-"""Writers of a report: HTML, LaTeX, Markdown, and PDF through a browser."""
+"""Writers of a report into HTML, LaTeX, Markdown, and through a browser into pdf."""

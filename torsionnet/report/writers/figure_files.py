@@ -13,7 +13,9 @@ from torsionnet.report.writers.templating import Illustrations
 
 
 def figure_folder(path: Path) -> Path:
-    """Folder of the figures of a report: ``rig_figures`` for ``rig.tex``, without characters a link cannot hold.
+    """Path of the folder with the figures of a report.
+
+    ``rig_figures`` for ``rig.tex``, without characters a link cannot hold.
 
     >>> figure_folder(Path("gear V 100%.tex")).name
     'gear_V_100__figures'
@@ -34,7 +36,7 @@ def _file(image: str) -> str:
 
 
 def write_beside(report: Report, path: Path, form: str, text: str) -> tuple[Path, ...]:
-    """Write a text, every figure as SVG or PDF, and the template's images in use, and return the paths."""
+    """Write a text, every figure and the template's images in use, and return the paths of the files."""
     from torsionnet.plot.drawing.rendering import figure_bytes
 
     folder = figure_folder(path)

@@ -14,7 +14,7 @@ from torsionnet.report.writers.mathml import mathml
 from torsionnet.report.writers.templating import Illustrations, TextFormat, render
 
 MOST_UNBROKEN_ROWS = 14
-"""Rows of a table up to which it is not split between two pages."""
+"""Number of rows of a table in HTML up to which it is not split between two printed pages."""
 
 
 def write(report: Report, path: Path) -> tuple[Path, ...]:
@@ -36,12 +36,12 @@ def _drawing(block: Picture, number: str) -> str:
 
 
 def _data(name: str, data: bytes) -> str:
-    """Address of an image that is part of the page (``data:``)."""
+    """Address (``data:``) with which an image becomes part of the HTML page."""
     return f"data:{MEDIA_TYPES[Path(name).suffix.lower()]};base64,{base64.b64encode(data).decode()}"
 
 
 MEDIA_TYPES = {".svg": "image/svg+xml", ".png": "image/png", ".jpg": "image/jpeg", ".jpeg": "image/jpeg"}
-"""Media types of images by their ending."""
+"""Media type of an image by the ending of its file."""
 FORMAT = TextFormat(
     ".html",
     inline,
@@ -51,7 +51,7 @@ FORMAT = TextFormat(
     },
     tuple(MEDIA_TYPES),
 )
-"""Functions that turn the parts of a report into HTML."""
+"""File format HTML with the functions that turn the parts of a report into it."""
 
 
 def _table_html(block: TableBlock, label: str, name: str) -> str:
@@ -87,7 +87,7 @@ def _group(title: Cell, rows: Sequence[tuple[Cell, ...]], columns: Sequence[Head
 
 
 def _continued(row: tuple[Cell, ...]) -> str:
-    """Attribute of a row that continues what the row above is about, and has no line over it."""
+    """HTML attribute of a row that continues what the row above is about, and has no line over it."""
     return " class=on" if row and row[0] == "" else ""
 
 

@@ -1,4 +1,7 @@
-"""HTML of texts inside a line. Every text passes :func:`escaped`; nothing else reaches the page."""
+"""HTML of texts, formulas and numbers inside a line of a report.
+
+Every text passes :func:`escaped`; nothing else reaches the page.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ from torsionnet.report.writers.mathml import mathml
 
 
 def escaped(text: str) -> str:
-    """Text with the characters of markup escaped, and control characters replaced.
+    """Text with the characters of HTML markup escaped, and control characters replaced.
 
     >>> escaped('<b>A & "B"</b>')
     '&lt;b&gt;A &amp; &quot;B&quot;&lt;/b&gt;'
@@ -23,7 +26,7 @@ def _is_control(char: str) -> bool:
 
 
 def inline(cell: Cell) -> str:
-    """HTML of a cell, caption or paragraph."""
+    """HTML of a cell, caption or paragraph of a report."""
     return "".join(map(_part, inlines(cell)))
 
 
@@ -48,7 +51,7 @@ def _infix(text: str, latex: str) -> str:
 
 
 def number(value: NumberText, decimals: int = 0) -> str:
-    """HTML of a number; invisible digits make up for the decimals that others in its column have."""
+    """HTML of a number in a report; invisible digits make up for the decimals that others in its column have."""
     text = value.mantissa.replace("-", "−")
     if value.exponent is not None:
         return f"{text}·10<sup>{str(value.exponent).replace('-', '−')}</sup>"

@@ -15,7 +15,7 @@ from torsionnet.report.writers.latex_text import display_math, inline
 from torsionnet.report.writers.templating import TextFormat, render
 
 LONG_WORD = 60
-"""Letters of a word from which on it is set smaller, such as a check sum."""
+"""Number of letters of a word from which on LaTeX sets it smaller, such as a check sum."""
 
 
 def write(report: Report, path: Path) -> tuple[Path, ...]:
@@ -29,7 +29,7 @@ def latex_document(report: Report, folder: str) -> str:
 
 
 def _breakable(text: Text) -> str:
-    """LaTeX of a text with long words in a smaller size."""
+    """LaTeX of a text with its long words in a smaller size."""
     return " ".join(
         rf"{{\footnotesize\texttt{{{word}}}}}" if len(word) > LONG_WORD and word.isalnum() else word
         for word in inline(text).split(" ")
@@ -49,4 +49,4 @@ FORMAT = TextFormat(
     },
     (".pdf", ".png", ".jpg", ".jpeg"),
 )
-"""Functions that turn the parts of a report into LaTeX."""
+"""File format LaTeX with the functions that turn the parts of a report into it."""

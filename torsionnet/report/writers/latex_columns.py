@@ -24,11 +24,11 @@ from torsionnet.report.document_tree import (
 )
 
 PAGE_LETTERS, GAP_LETTERS, FEWEST_LETTERS = 98, 2, 10
-"""Letters across the page, of the gap between two columns, and of the narrowest column of text."""
+"""Width in letters of the page, of the gap between two columns, and of the narrowest column of text."""
 MATRIX_LETTERS = 48
-"""Letters that a matrix in a table may be wide before it is made smaller."""
+"""Width in letters of a matrix in a LaTeX table above which the matrix is made smaller."""
 LONGEST_WORD = 20
-"""Letters of a word that stays in one piece."""
+"""Largest number of letters of a word in a LaTeX table that stays in one piece."""
 
 _MARKUP = re.compile(r"(begin|end)\{bmatrix\}|\\[a-zA-Z]+|[{}_^~\\ &]")
 _BREAKS = re.compile(r"(?<=[=,/_+])|(?<=\S)\s+")
@@ -36,14 +36,17 @@ _BREAKS = re.compile(r"(?<=[=,/_+])|(?<=\S)\s+")
 
 @dataclass(frozen=True)
 class Columns:
-    """Columns of one piece of a table: their numbers in the table, their widths if they break, and their headings."""
+    """Numbers, widths and headings of the columns in one piece of a LaTeX table."""
 
     indices: tuple[int, ...]
     widths: tuple[float | None, ...]
     headings: tuple[tuple[Cell, ...], ...]
 
     def spec(self, block: TableBlock) -> str:
-        """Column specification of a ``longtable``: each width as given, or as measured before in its length."""
+        """Text of the columns' specification for a ``longtable``.
+
+        Each width as given, or as measured before in its length.
+        """
         parts = []
         for place, (index, width) in enumerate(zip(self.indices, self.widths, strict=True)):
             side = "left" if block.columns[index].numeric else "right"
@@ -63,7 +66,10 @@ def length_name(place: int) -> str:
 
 
 def table_pieces(block: TableBlock) -> list[Columns]:
-    """Pieces of a table below each other: the whole table if it fits, if need be with broken texts."""
+    """Pieces into which a LaTeX table is split, one below the other.
+
+    The whole table if it fits, if need be with broken texts.
+    """
     everything = tuple(range(len(block.columns)))
     loose = [natural_width(block, index) for index in everything]
     if sum(loose) + GAP_LETTERS * len(loose) <= PAGE_LETTERS:
@@ -78,7 +84,10 @@ def table_pieces(block: TableBlock) -> list[Columns]:
 
 
 def _fitted(block: TableBlock, indices: tuple[int, ...], least: Sequence[float]) -> Columns:
-    """Columns of a piece; those with text share the room that is left, by how much text they have."""
+    """Widths and headings of the columns in one piece of a LaTeX table.
+
+    Those with text share the room that is left, by how much text they have.
+    """
     room = PAGE_LETTERS - GAP_LETTERS * len(indices) - sum(least[index] for index in indices)
     wanted = {index: max(natural_width(block, index) - least[index], 0) for index in indices}
     total = sum(wanted.values())
@@ -93,12 +102,12 @@ def _fitted(block: TableBlock, indices: tuple[int, ...], least: Sequence[float])
 
 
 def is_matrix(cell: Cell) -> bool:
-    """Whether a cell is a matrix."""
+    """Whether a cell of a table is a matrix."""
     return isinstance(cell, Math) and "matrix" in cell.latex
 
 
 def can_break(block: TableBlock, index: int) -> bool:
-    """Whether lines may break in a column: in texts, not in numbers and matrices."""
+    """Whether lines may break in a column of a LaTeX table: in texts, not in numbers and matrices."""
     return not block.columns[index].numeric and not any(map(is_matrix, block.column(index)))
 
 
@@ -107,7 +116,10 @@ def _title(column: Heading) -> Cell:
 
 
 def heading_lines(column: Heading, width: float) -> tuple[Cell, ...]:
-    """Lines of a heading no wider than its column, as far as it has spaces; the unit has a line of its own."""
+    """Lines of a column's heading no wider than its column, as far as the heading has spaces.
+
+    The unit has a line of its own.
+    """
     unit = [column.bracket] if column.bracket else []
     if not isinstance(column.text, str):
         whole = _title(column)
@@ -122,7 +134,7 @@ def heading_lines(column: Heading, width: float) -> tuple[Cell, ...]:
 
 
 def natural_width(block: TableBlock, index: int) -> float:
-    """Letters of the widest cell of a column, or of its heading."""
+    """Width in letters of the widest cell of a column, or of its heading."""
     return max(len(visible_text(_title(block.columns[index]))), _content(block, index))
 
 
@@ -140,7 +152,7 @@ def _content(block: TableBlock, index: int) -> int:
 
 
 def _least(block: TableBlock, index: int) -> float:
-    """Letters that a column needs at least."""
+    """Least width in letters that a column of a LaTeX table needs."""
     column = block.columns[index]
     words = [len(word) for word in visible_text(column.text).split()] + [len(column.unit) + 2 if column.unit else 0]
     if any(is_matrix(cell) for cell in block.column(index)):
@@ -184,6 +196,6 @@ def _letters(part: Inline) -> str:
 
 
 def _rowed(latex: str) -> str:
-    """Text of one row of a formula for counting letters, with gaps between columns and around operators."""
+    """Text of one row of a LaTeX formula for counting letters, with gaps between columns and around operators."""
     bare = re.sub(_MARKUP, "", latex.replace("&", "ooo").replace(r"\cdot", "o"))
     return re.sub(r"(?<=[^ ])[-+=](?=[^ ])", "- ", bare)

@@ -16,22 +16,22 @@ from torsionnet.report.document_tree import (
 from torsionnet.report.writers.latex_columns import table_pieces
 
 HEADING_LINES, CAPTION_LINES, TABLE_HEAD_LINES = 3.5, 2.5, 2.0
-"""Lines of a heading with the room around it, of a caption, and of the head and foot of a table."""
+"""Heights, in lines, of a heading with its room, of a caption, and of the head and foot of a LaTeX table."""
 MOST_UNBROKEN_ROWS, ROWS_BELOW_HEADING = 14, 6
-"""Rows of a table that stays on one page, and of a longer one that stand below its heading."""
+"""Largest number of rows of a LaTeX table on one page, and rows of a longer one that stay below its heading."""
 LETTERS_PER_LINE, PARAGRAPH_LINES, OTHER_LINES = 100, 3, 2
-"""Letters of a line, and lines that a paragraph or another block needs at least."""
+"""Number of letters in a line of LaTeX, and of lines that a paragraph or another block needs at least."""
 LINE_POINTS, PAGE_POINTS, MOST_LINES = 12.0, 483.0, 48.0
-"""Points of a line, of the width of a page, and lines that a figure fills at most."""
+"""Height of a line and width of a page in points, and number of lines that a figure fills at most."""
 
 
 def room_command(block: Block) -> str:
-    """LaTeX command that begins a new page if less is left of this one than the block needs."""
+    """LaTeX command that begins a new page if less is left of the page than the block needs."""
     return rf"\room{{{lines_needed(block):.0f}\baselineskip}}" + "\n"
 
 
 def lines_needed(block: Block) -> float:
-    """Number of lines that a block needs at least on the page on which it begins."""
+    """Height, in lines, that a block needs at least on the page on which it begins."""
     if isinstance(block, Section):
         return HEADING_LINES + (_beginning(block.blocks) if block.blocks else 0)
     if isinstance(block, TableBlock):
@@ -54,7 +54,7 @@ def lines_needed(block: Block) -> float:
 
 
 def _beginning(blocks: tuple[Block, ...]) -> float:
-    """Lines of the first block, and of the beginning of the next one if the first is a sentence on it."""
+    """Height, in lines, of the first block, and of the next one's beginning if the first is a sentence on it."""
     first = lines_needed(blocks[0])
     if isinstance(blocks[0], Paragraph) and len(blocks) > 1 and not isinstance(blocks[1], Picture):
         first += min(lines_needed(blocks[1]), ROWS_BELOW_HEADING + CAPTION_LINES + TABLE_HEAD_LINES)
@@ -62,7 +62,7 @@ def _beginning(blocks: tuple[Block, ...]) -> float:
 
 
 def _lines(cell: object) -> float:
-    """Lines of a cell: rows of a matrix, or lines of a text that breaks."""
+    """Height of a table cell in lines: rows of a matrix, or lines of a text that breaks."""
     if isinstance(cell, Math) and "matrix" in cell.latex:
         return 1.3 * (cell.latex.count(r"\\") + 1) + 1
     text = "".join(part for part in cell if isinstance(part, str)) if isinstance(cell, tuple) else cell

@@ -44,7 +44,7 @@ def _piece(block: TableBlock, columns: Columns, caption: str, decimals: Sequence
 
 
 def _measured(block: TableBlock, columns: Columns, decimals: Sequence[int]) -> list[str]:
-    """LaTeX that measures the columns that do not break, so that one run of pdfTeX is enough."""
+    """LaTeX lines that measure the columns that do not break, so that one run of pdfTeX is enough."""
     lines = []
     for place, (index, width, heading) in enumerate(
         zip(columns.indices, columns.widths, columns.headings, strict=True)
@@ -66,7 +66,7 @@ def _heading(lines: tuple[Cell, ...], *, numeric: bool) -> str:
 
 
 def _gap(row: tuple[Cell, ...]) -> str:
-    """LaTeX of the room below a row; a row with a matrix needs some."""
+    """LaTeX of the vertical room below a table row; a row with a matrix needs some."""
     return "[9pt]" if any(is_matrix(cell) for cell in row) else ""
 
 

@@ -1,4 +1,7 @@
-r"""LaTeX of texts: special characters are escaped, and characters that pdfTeX cannot print are spelt out."""
+r"""LaTeX of the texts and numbers of a report.
+
+Special characters are escaped, and characters that pdfTeX cannot print are spelt out.
+"""
 
 from __future__ import annotations
 
@@ -16,22 +19,22 @@ SPECIAL = {
     "²": r"$^2$", "³": r"$^3$", "°": r"$^\circ$", "µ": r"$\mu$", "±": r"$\pm$", "\N{NO-BREAK SPACE}": "~",
     "‘": "`", "’": "'", "“": "``", "”": "''", "≤": r"$\le$", "≥": r"$\ge$", "→": r"$\to$",
 }  # fmt: skip
-"""LaTeX of characters with a meaning in LaTeX, and of some beyond ASCII."""
+"""LaTeX of characters with a meaning in LaTeX, and of some others, by character."""
 GREEK = {
     unicodedata.lookup(f"GREEK {size} LETTER {name.upper().replace('LAMBDA', 'LAMDA')}"): rf"$\{name}$"
     for name in sorted(symbol_names.GREEK)
     for size in ("CAPITAL" if name[0].isupper() else "SMALL",)
 }
-"""LaTeX of Greek letters."""
+"""LaTeX of Greek letters by letter."""
 LONGEST_WORD, PIECE_LETTERS = 20, 10
-"""Letters of a word that stays in one piece, and after which a longer one may break."""
+"""Largest number of letters of a word in one piece, and number of letters after which a longer one may break."""
 _BREAK = r"\allowbreak{}"
 FIRST_UNKNOWN_LETTER = 0x180
-"""Code points below are letters that T1 fonts have, or can be composed from these."""
+"""First code point of the letters that the LaTeX fonts (T1) may lack; those below they have, or compose."""
 
 
 def escaped(text: str) -> str:
-    r"""LaTeX that prints a text as it stands.
+    r"""LaTeX that prints a text of the report as it stands.
 
     >>> print(escaped("<b>A & B</b> $x_1$ 100%"))
     \textless{}b\textgreater{}A \& B\textless{}/b\textgreater{} \$x\_1\$ 100\%
@@ -51,7 +54,7 @@ def _char(char: str) -> str:
 
 
 def inline(cell: Cell) -> str:
-    r"""LaTeX of a cell, caption or paragraph; a long word may break after its signs.
+    r"""LaTeX of a cell, caption or paragraph of a report; a long word may break after its signs.
 
     >>> print(inline("in water=dry,coupling=warm"))
     in water=\allowbreak{}dry,\allowbreak{}coupling=\allowbreak{}warm
@@ -60,7 +63,9 @@ def inline(cell: Cell) -> str:
 
 
 def breakable(part: Inline) -> str:
-    r"""LaTeX of a part of a cell in a narrow column: words may also break after signs, and long ones anywhere.
+    r"""LaTeX of a part of a table's cell, which may break over lines in a narrow column.
+
+    Words may also break after signs, and long ones anywhere.
 
     >>> print(breakable("gear=V,clutch=open"))
     gear=\allowbreak{}V,\allowbreak{}clutch=\allowbreak{}open
@@ -100,7 +105,7 @@ def _part(part: Inline) -> str:
 
 
 def number(value: NumberText, decimals: int = 0) -> str:
-    """LaTeX of a number; a gap makes up for the decimals that others in its column have."""
+    """LaTeX of a number in a report; a gap makes up for the decimals that others in its column have."""
     text = value.mantissa
     if not text[-1:].isdigit():
         return escaped(text)

@@ -35,7 +35,7 @@ def markdown_text(report: Report, folder: str) -> str:
 
 
 def escaped(text: str) -> str:
-    r"""Text with all marks of Markdown escaped.
+    r"""Text with all marks of Markdown in it escaped.
 
     >>> print(escaped("<b>A</b> $x_1$"))
     \<b\>A\</b\> \$x\_1\$
@@ -44,7 +44,7 @@ def escaped(text: str) -> str:
 
 
 def inline(cell: Cell) -> str:
-    """Markdown of a cell, caption or paragraph."""
+    """Markdown of a cell, caption or paragraph of a report."""
     return "".join(map(_part, inlines(cell)))
 
 
@@ -94,4 +94,4 @@ FORMAT = TextFormat(
     {"display": _display, "equation": lambda row: _display(" ".join(row.parts)), "table": _table},
     (".svg", ".png", ".jpg", ".jpeg"),
 )
-"""Functions that turn the parts of a report into Markdown."""
+"""File format Markdown with the functions that turn the parts of a report into it."""

@@ -11,7 +11,7 @@ from torsionnet.report.document_tree import Block, Details, Formula, Picture, Se
 
 @dataclass(frozen=True)
 class NumberedBlock:
-    """Block of a report with its number and the blocks inside.
+    """Block of a report with its number and the blocks inside it.
 
     Attributes
     ----------
@@ -33,12 +33,12 @@ class NumberedBlock:
 
     @property
     def level(self) -> int:
-        """Depth of a section: the number of sections around it."""
+        """Depth of a block's section in the report, as the number of sections around it."""
         return self.number.count(".")
 
 
 def number_blocks(blocks: Sequence[Block], *, folds: bool = False) -> tuple[NumberedBlock, ...]:
-    """Blocks with their numbers; without ``folds`` the blocks that are folded away are left out."""
+    """Blocks of a report with their numbers; without ``folds`` the blocks that are folded away are left out."""
     return _Numbers(Counter(), folds).of(blocks)
 
 

@@ -15,11 +15,11 @@ _TAGS = ("block", "endblock", "if", "elif", "else", "endif", "for", "endfor", "s
 _UNKNOWN_TAG = re.compile(r"Encountered unknown tag '(\w+)'")
 _OTHERS = (nodes.Extends, nodes.Include, nodes.Import, nodes.FromImport)
 _SILENT = (nodes.Block, nodes.Macro, nodes.Assign, nodes.AssignBlock, *_OTHERS)
-"""Statements that show nothing outside of all blocks, or are refused in any place."""
+"""Kinds of Jinja statements that show nothing outside of all blocks, or are refused in any place."""
 
 
 def page_faults(template: TemplateFolder, name: str) -> list[Fault]:
-    """Faults in the syntax of a page, or else in its blocks."""
+    """Faults in the syntax of a template folder's page, or else in its blocks."""
     environment = environment_of(name.removeprefix("page"), template)
     try:
         tree = environment.parse(template.texts[name])
@@ -57,7 +57,7 @@ def _faults(tree: nodes.Template, known: tuple[str, ...]) -> Iterator[tuple[int,
 
 
 def _shown(output: nodes.Output) -> Iterator[int]:
-    """Line number of the first text in an output that is not blank."""
+    """Line number of the first text in an output statement of a template that is not blank."""
     for node in output.nodes:
         text = node.data if isinstance(node, nodes.TemplateData) else "x"
         if text.strip():

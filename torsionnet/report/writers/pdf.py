@@ -17,7 +17,7 @@ from torsionnet.report.document_tree import Report
 from torsionnet.report.writers.html import html_page
 
 BROWSER_TIMEOUT = 120
-"""Seconds that the browser may take to print."""
+"""Seconds that the browser may take to print a report."""
 _DATE = re.compile(rb"/(CreationDate|ModDate) \(D:\d{14}")
 _FIXED = b"20000101000000"
 
@@ -35,19 +35,19 @@ BROWSER_COMMANDS = (
     "msedge",
     "brave-browser",
 )
-"""Commands of browsers that are looked for on the search path."""
+"""Names of browser commands that are looked for on the search path."""
 MAC_BROWSERS = (
     "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
     "/Applications/Chromium.app/Contents/MacOS/Chromium",
     "/Applications/Microsoft Edge.app/Contents/MacOS/Microsoft Edge",
 )
-"""Program files of browsers on Macs."""
+"""Paths of browsers' program files on Macs."""
 WINDOWS_BROWSERS = (
     r"Google\Chrome\Application\chrome.exe",
     r"Chromium\Application\chrome.exe",
     r"Microsoft\Edge\Application\msedge.exe",
 )
-"""Program files of browsers below the program folders of Windows."""
+"""Paths of browsers' program files below the program folders of Windows."""
 WINDOWS_FOLDER_VARIABLES = ("PROGRAMFILES", "PROGRAMFILES(X86)", "LOCALAPPDATA")
 """Environment variables that name the program folders of Windows."""
 
@@ -95,7 +95,7 @@ def _failed(browser: str, reason: str) -> SolveError:
 
 
 def undated(data: bytes) -> bytes:
-    """PDF without the time of its printing, with the same length in bytes.
+    """Bytes of a pdf file without the time of its printing, as many as before.
 
     >>> undated(b"/CreationDate (D:20250331120000+00'00')")
     b"/CreationDate (D:20000101000000+00'00')"

@@ -25,7 +25,7 @@ from torsionnet.report.template_folder import STYLE, TemplateFolder, TemplateFol
 from torsionnet.report.writers.numbering import number_blocks
 
 SHIPPED = files("torsionnet.report.writers") / "templates"
-"""Folder of the templates of this package."""
+"""Folder of the report templates that come with this package."""
 ALLOWED_FILTERS = (
     "capitalize",
     "default",
@@ -39,7 +39,7 @@ ALLOWED_FILTERS = (
     "truncate",
     "upper",
 )
-"""Filters that a template may use: none returns a text that would pass for markup."""
+"""Names of the filters that a template may use, none of which returns a text that would pass for markup."""
 PAGE_NAMES = (
     "title",
     "subtitle",
@@ -53,7 +53,7 @@ PAGE_NAMES = (
     "word",
     "image",
 )
-"""Names that a page can show or call."""
+"""Names that a page of a template folder can show or call."""
 TEMPLATE_TAGS = {
     ".tex": {
         "block_start_string": "<%", "block_end_string": "%>",
@@ -61,14 +61,14 @@ TEMPLATE_TAGS = {
         "comment_start_string": "<!--", "comment_end_string": "-->",
     }
 }  # fmt: skip
-"""Signs around template statements, for formats in which braces have another meaning."""
+"""Signs around template statements, by file ending, for formats in which braces have another meaning."""
 _WRONG = (TemplateError, ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RuntimeError, MemoryError)
-"""Exceptions that an expression in a template can cause."""
+"""Classes of exceptions that an expression in a template can cause."""
 
 
 @dataclass(frozen=True)
 class TextFormat:
-    """File format of a report: functions that turn its parts into text.
+    """File format of a report, with the functions that turn its parts into text.
 
     Attributes
     ----------
@@ -88,7 +88,7 @@ class TextFormat:
     images: tuple[str, ...]
 
     def shown(self, value: Any) -> Markup:
-        """Value as text of the format; what a template has rendered is that already."""
+        """Value of a template as text of the file format; what a template has rendered is that already."""
         if isinstance(value, Markup):
             return value
         return Markup(self.inline(value if isinstance(value, Inline | tuple) else str(value)))
@@ -96,7 +96,7 @@ class TextFormat:
 
 @dataclass(frozen=True)
 class Illustrations:
-    """Functions that give the text by which figures and images stand in a file.
+    """Functions that give the text by which figures and images stand in a report's file.
 
     Attributes
     ----------
@@ -111,7 +111,7 @@ class Illustrations:
 
 
 def render(report: Report, target: TextFormat, figures: Illustrations, *, folds: bool = False) -> str:
-    """Text of a report in a format."""
+    """Text of a whole report in a file format."""
     template = report.template or TemplateFolder()
     environment = environment_of(target.ending, template, target.shown)
     tools = {name: _marked(tool) for name, tool in {**target.tools, "drawing": figures.drawing}.items()}
