@@ -157,7 +157,7 @@ class TestCommand:
         assert (found.frequencies.min(), found.frequencies.max()) == (2.0, 9.0)
         assert found.frequencies[1] - found.frequencies[0] == pytest.approx(0.25)
         refused = run("report", "dmf_rig", *names, "--record-band", "2e4", "3e4", "-o", "s.md", code=2)
-        assert "nothing between 20000 and 30000 Hz" in refused.stderr
+        assert "no frequency between 20000 and 30000 Hz" in refused.stderr
         assert "LOW < HIGH" in run("report", "dmf_rig", *names, "--record-band", "9", "2", code=2).stderr
 
     def test_the_summary_has_the_modes_of_the_fit(self, folder):

@@ -155,7 +155,7 @@ class ParametricResponse:
 
         def evaluate(some: LawStiffness, other_order: bool) -> ComplexArray:
             problem = derivatives.problem.in_other_order if other_order else derivatives.problem
-            y = derivatives.values(respond(problem, some).values, kappa.s)
+            y = derivatives.values(respond(problem, some).values, some.s)
             return self._quotient(*self._stressed(y, np.zeros((*y.shape, len(numbers)), dtype=complex), numbers)).values
 
         poor = (expected_errors(evaluate, kappa, values) > ACCEPTED_ERROR).any(axis=(1, 2))
