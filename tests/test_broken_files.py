@@ -328,7 +328,7 @@ def test_missing_files_name_what_there_is(tmp_path):
         tmp_path / "notes.txt": "is no model file; its name would end in .yaml, .yml, .json",
         tmp_path / "gone" / "x.yaml": "there is no file",
         "amt_rigg": 'no library model is named "amt_rigg"; did you mean "amt_rig"?',
-        "zzzz": "there are amt_rig, d",
+        "zzzz": "there are amt_rig, b",
         "a\0b": "a file name cannot hold the character U+0000",
         "x" * 5000 + ".yaml": "there is no file",
         "": "is a folder",

@@ -55,7 +55,8 @@ class TestLimits:
     def test_a_misfire_is_told_once_with_the_configurations_that_have_it(self, file):
         shown = self.lines(file, "-c", "all")
         assert [line for line in shown if MISFIRING in line] == [f"firing=first or each: {MISFIRING}"]
-        notes = [line for line in shown if line.strip() and not line.startswith("rubber=")]
+        details = shown[shown.index("plant: limits") :]
+        notes = [line for line in details if line.strip() and not line.startswith("rubber=")]
         assert len(set(notes)) == len(notes)
 
     def test_what_all_have_names_none(self, file):

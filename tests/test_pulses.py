@@ -164,7 +164,8 @@ class TestRepairs:
     def test_a_wheel_with_another_number_of_teeth(self):
         every = pulses_of(self.angle)
         with pytest.raises(
-            UsageError, match=r"missing every 36 pulses, first at 0.02\d* s: .* 36 steps .*; 60 were given"
+            UsageError,
+            match=r"missing every 36 pulses, first at 0.02\d* s: .* 36 steps per revolution .*; give this number instead of 60",
         ):
             angle_from_pulses(every[np.arange(len(every)) % 36 < 35], 60, RATE)
 
