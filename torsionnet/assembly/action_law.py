@@ -52,7 +52,7 @@ class ActionLaw:
 
     @property
     def rows(self) -> tuple[str, Mapping[str, Fraction], Mapping[str, Fraction], Mapping[str, Fraction]]:
-        """Element, row over nodes, driven row and sensed row of the action, which do not depend on its coefficients."""
+        """Element of the action, and its rows over nodes: all it touches, the driven and the sensed ones."""
         return self.owner, self.nodes, self.row, self.sensed
 
     @cached_property

@@ -63,7 +63,7 @@ def frequency_range(start: float, stop: float, points: int, logarithmic: bool | 
 
 
 def read_list(text: str) -> FloatArray:
-    """Frequencies, shape (n,), from ``0.1:40:0.1`` (start:stop:step, the stop included) or ``1,2,5.5``.
+    """Frequencies in Hz, shape (n,), from ``0.1:40:0.1`` (start:stop:step, the stop included) or ``1,2,5.5``.
 
     >>> read_list("0:1:0.25,5").tolist()
     [0.0, 0.25, 0.5, 0.75, 1.0, 5.0]

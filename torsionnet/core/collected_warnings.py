@@ -27,7 +27,7 @@ class _Collectors:
         self.before: Any = None
 
     def enter(self) -> None:
-        """Count one more collecting caller; the first one installs the replacement."""
+        """Count one more caller that collects warnings; the first one replaces the way they are shown."""
         with self.lock:
             self.count += 1
             if self.count == 1:

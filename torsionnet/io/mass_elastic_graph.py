@@ -165,10 +165,10 @@ def _ratios(graph: MassElasticGraph, reference: str) -> dict[str, Any]:
                 ratios[there.second] = speed
                 waiting.append(there.second)
             elif abs(float(ratios[there.second] / speed) - 1) > 1e-9:
-                text = (
-                    f"{one.name} connects nodes that turn at other speeds than its ratio; a sheet has one speed a mass"
+                raise UsageError(
+                    f"the ratio of {one.name} is not that of the speeds of its nodes by another way through the plant; "
+                    "a sheet has one speed for each mass, so switch one of the ways off"
                 )
-                raise UsageError(text)
     unconnected = [node for node in graph.inertias if node not in ratios]
     if unconnected:
         raise UsageError(

@@ -87,7 +87,7 @@ def factors_of(poles: ComplexArray) -> tuple[tuple[int, ...], FloatArray]:
 
 
 def roots_of(sizes: tuple[int, ...], coefficients: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-    """Poles (n,), one of each pair, and derivatives (n, n_coefficients) by the logarithms of the coefficients."""
+    """Roots (n,) of a product of polynomials, one of each pair, and derivatives to the logarithms of coefficients."""
     poles: list[complex] = []
     slopes: list[ComplexArray] = []
     place = 0

@@ -76,7 +76,11 @@ class SpringStages(Composite[tuple[SpringStage, ...]], Plural[tuple[SpringStage,
         for place, stage in enumerate(stages[:-1]):
             if stage.to is None:
                 return (), [
-                    Fault("every stage but the last needs its end; add to, a torque or an angle", (place,), on_key=True)
+                    Fault(
+                        "every stage but the last needs its end; give it as to: with a torque or an angle",
+                        (place,),
+                        on_key=True,
+                    )
                 ]
         torques = [torque for torque in stage_torques(stages) if torque is not None]
         for place, (first, second) in enumerate(zip([0.0, *torques], torques, strict=False)):

@@ -53,7 +53,7 @@ def sweep(tape: Tape, kappa: LawStiffness) -> tuple[ComplexArray, NDArray[np.boo
 def read(
     tape: Tape, slots: LawStiffness, table: ReadingTable, kappa: LawStiffness
 ) -> tuple[ComplexArray, FloatArray, NDArray[np.bool_]]:
-    """Readings per excitation, or over the measured reading, at all frequency points, in one compiled loop.
+    """Readings of sensors in SI units per excitation, or over the measured reading, at all frequency points.
 
     Parameters
     ----------
