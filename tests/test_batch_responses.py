@@ -39,7 +39,7 @@ def together(batch, output, input, f, excitation=None, method="auto"):
     return batched_responses(batch, request, f, method).values
 
 
-@pytest.mark.few(8)
+@pytest.mark.few(4)
 @pytest.mark.filterwarnings("ignore::torsionnet.TorsionnetWarning")
 @methods
 @pytest.mark.parametrize("name", library_cases())
@@ -55,6 +55,7 @@ def test_library_models(name, method):
     np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-13 * np.nanmax(np.abs(expected)))
 
 
+@pytest.mark.few(4)
 @methods
 @pytest.mark.parametrize(
     ("input", "excitation"),

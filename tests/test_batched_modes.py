@@ -67,7 +67,7 @@ def assert_all_as_single(batch, found):
         assert_as_single(found, place, natural_modes(batch.model(place))[0])
 
 
-@pytest.mark.few(7)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", library_cases(LIBRARY))
 def test_library_models_as_each_variant_by_itself(name):
     model = tn.load(name)
@@ -81,7 +81,7 @@ def test_library_models_as_each_variant_by_itself(name):
         )  # its planets' modes are equal
 
 
-@pytest.mark.few(8)
+@pytest.mark.few(4)
 @pytest.mark.parametrize("seed", range(campaigns.examples(30, 300)))
 def test_random_drivetrains_as_each_variant_by_itself(seed):
     """Trees and loops with gears, massless nodes, hysteretic springs and planetary sets."""

@@ -291,7 +291,7 @@ BYTES = {
 }
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("content", "message", "place"), BYTES.values(), ids=BYTES)
 def test_bytes_that_are_no_model(tmp_path, content, message, place):
     path = tmp_path / "model.yaml"

@@ -736,6 +736,7 @@ def test_reader_that_goes_away_is_no_error(tmp_path):
     assert done.stderr == ""
 
 
+@pytest.mark.slow
 def test_a_console_without_the_characters_still_shows_the_rest(tmp_path):
     path = tmp_path / "arrow.yaml"
     path.write_text(AXES.replace("two axes", "torque → Ω"), encoding="utf-8")

@@ -156,6 +156,7 @@ def test_half_power_of_a_record_warns_of_strong_damping(folder):
     assert folder.exists()
 
 
+@pytest.mark.slow
 def test_sensitivity_of_every_configuration(tmp_path):
     result = run(
         "sensitivity", "amt_rig", "-c", "II", "-c", "V", "--parameter", "c_O", "--parameter", "k_1", "--mode", 1

@@ -47,6 +47,7 @@ def rows(path):
     return list(csv.DictReader(lines))
 
 
+@pytest.mark.slow
 def test_bench_writes_the_record_and_says_what_is_in_it(folder):
     result = run("bench", "rig.yaml", "--plot", "signals.png")
     assert (folder / "rig.npz").is_file()
@@ -161,6 +162,7 @@ def test_compare_takes_one_configuration(record):
     assert "name one with -c" in result.stderr
 
 
+@pytest.mark.slow
 def test_spectrogram_follows_the_sweep(record):
     result = run(
         "spectrogram", record, "--channel", "M", "--channel", "phi", "--plot", "s.png", "--csv", "s.csv", "--to", 40

@@ -160,6 +160,7 @@ class TestCommand:
         assert "no frequency between 20000 and 30000 Hz" in refused.stderr
         assert "LOW < HIGH" in run("report", "dmf_rig", *names, "--record-band", "9", "2", code=2).stderr
 
+    @pytest.mark.slow
     def test_the_summary_has_the_modes_of_the_fit(self, folder):
         rig = tn.load("dmf_rig")
         response = rig.configured(k_2=20e3).frequency_response("theta_1", "T_T", [1, 2, 4, 8, 12, 16])

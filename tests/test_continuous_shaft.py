@@ -154,6 +154,7 @@ def drill_string(make):
     return rig(make("string", nodes=("top", "bottom"), **sizes), *ends)
 
 
+@pytest.mark.slow
 def test_drill_string_of_friswell_example_9_9():
     polar = np.pi * (0.78**4 - 0.65**4) / 32
     exact = roots_of_discs(75e9 * polar / 800, 8000 * polar * 800, 200, 10, 10)
@@ -191,7 +192,7 @@ def damped_root(start, drag, disc, eta):
         return complex(mpmath.findroot(equation, mpmath.mpmathify(start)))
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("drag", [20.0, 200.0, 480.0])
 @pytest.mark.parametrize("eta", [0, 0.03])
 def test_damped_poles_are_roots(drag, eta):

@@ -123,7 +123,7 @@ class TestPoles:
         assert by_size(found) == pytest.approx(by_size(expected), rel=1e-12)
         assert modes.kinds.count("rigid body") == 1
 
-    @pytest.mark.few(23)
+    @pytest.mark.few(11)
     @pytest.mark.parametrize("seed", range(40))
     def test_random_laws_have_the_poles_of_a_dense_pencil(self, seed):
         plant = Plant(seed)
@@ -137,7 +137,7 @@ class TestPoles:
         moving = expected[np.abs(expected) > 1e-4]
         assert len(moving) == np.sum(np.abs(found) > 1e-4)
 
-    @pytest.mark.few(21)
+    @pytest.mark.few(10)
     @pytest.mark.parametrize("seed", range(40))
     def test_every_pole_and_shape_solves_the_equation_of_motion_with_delays(self, seed):
         plant = Plant(seed, delay=True, forms=("pid", "polynomials"))

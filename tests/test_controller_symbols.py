@@ -23,7 +23,7 @@ def speed_loop(delay=0, law=None):
 
 
 class TestNumbers:
-    @pytest.mark.few(9)
+    @pytest.mark.few(4)
     @pytest.mark.parametrize("seed", range(16))
     def test_are_those_of_dense_matrices(self, seed):
         plant = Plant(seed, delay=seed % 2 > 0)

@@ -504,6 +504,7 @@ class TestCommand:
         rows = {(row["mode"], row["order"]): row for row in csv.DictReader(lines)}
         assert float(rows["3", "3"]["undamped [rpm]"]) == pytest.approx(775.007, abs=1e-3)
 
+    @pytest.mark.few(1)
     @pytest.mark.parametrize("stars", [[], ["--stars", "3"]])
     def test_pictures(self, folder, stars):
         run("critical-speeds", "plant.yaml", "-c", "normal", "--plot", folder / "a.png", *stars)

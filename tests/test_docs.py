@@ -161,6 +161,7 @@ class TestGeneratedPages:
         assert "| AMT II | DC gain | 0.44 deg/(N*m) | 0.41971 deg/(N*m) | -4.6 % |" in page
         assert "| AMT V | DC gain | 0.16 deg/(N*m) | 0.17406 deg/(N*m) | +8.8 % |" in page
 
+    @pytest.mark.slow
     def test_published_values_are_met(self, generate):
         rows = re.findall(r"\| ([+-]\d\.\de[+-]\d\d) \|$", generate.cases_page(), re.MULTILINE)
         assert len(rows) >= 25
@@ -281,7 +282,7 @@ def lay_out(page, folder):
             (folder / name[1]).write_text(text, encoding="utf-8")
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @each(path for path in PAGES if blocks(path, "python"))
 def test_programs_on_pages_run(path, workplace, capsys):
     lay_out(path, workplace)

@@ -298,6 +298,7 @@ class TestMarkdown:
         assert "$\\theta_{1} / T_{T}$" in text
         assert text.count("$$") % 2 == 0
 
+    @pytest.mark.slow
     def test_no_escape_that_markdown_eats(self):
         text = markdown.markdown_text(make_report("amt_rig", date=None), "f")
         for formula in re.findall(r"\$\$?(.+?)\$\$?", text, re.DOTALL):
@@ -329,6 +330,7 @@ def _runs(lines):
             found = []
 
 
+@pytest.mark.slow
 def test_names_in_svg_are_unique_and_all_used():
     from torsionnet.plot.drawing.rendering import inline_svg
 

@@ -69,6 +69,7 @@ def test_a_model_as_a_part_answers_as_alone(name):
         np.testing.assert_array_equal(other.modes().eigenvalues, one.modes().eigenvalues)
 
 
+@pytest.mark.few(7)
 @pytest.mark.parametrize("name", library_cases())
 def test_a_model_as_a_part_is_written_and_read(name):
     definition = dotted(tn.load(name)).definition

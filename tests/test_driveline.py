@@ -22,7 +22,7 @@ def cars():
 class TestCar:
     """The plant by its components, and as it was written with gears, inertias and rigid couplings."""
 
-    @pytest.mark.few(4)
+    @pytest.mark.few(2)
     @pytest.mark.parametrize("case", CASES)
     def test_modes_and_responses_are_the_same(self, case):
         ours, theirs = (car.configured(case) for car in cars())

@@ -300,6 +300,7 @@ def test_a_load_of_constant_power_beside_a_tabulated_spring():
     assert plain[plain.imag > 0].real > 0
 
 
+@pytest.mark.slow
 def test_few_modes_of_a_large_driven_system():
     rig = random_driven(1, 150)
     every, few = rig.modes().eigenvalues, rig.modes(lowest=6).eigenvalues

@@ -100,6 +100,7 @@ class TestTwins:
         known = response(plant(star=", phase: 100 deg"))
         assert response(tn.loads(by_angles)).values == pytest.approx(known.values, rel=1e-9, abs=1e-9)
 
+    @pytest.mark.few(1)
     @pytest.mark.parametrize("side", ["port", "star"])
     def test_a_misfire_of_either_engine_has_an_angle_of_its_own(self, side):
         """Each cylinder of one engine, against a grid of phases for each."""
@@ -114,6 +115,7 @@ class TestTwins:
         said = "misfire of cylinder" if side == "port" else "all cases alike"
         assert all(case.startswith(said) for case in found.cases())
 
+    @pytest.mark.slow
     def test_scatter_is_worst_together_with_the_angle(self):
         """All signs of the cylinders of one engine, each with its worst angle."""
         found = response(plant(star=", spread: 10 %")).half_range[:, 0]
@@ -160,6 +162,7 @@ class TestTwins:
         with pytest.raises(tn.UsageError, match="no order 7 acts"):
             found.amplitude_of_order(7)
 
+    @pytest.mark.slow
     def test_parameters_that_follow_the_speed_change_nothing_of_it(self):
         """Solved speed by speed and put together: with a damping of each speed against that value fixed."""
         following = text().replace("damping: 900}", "damping: c}")
@@ -202,6 +205,7 @@ class TestClosedForms:
         assert least.angles[0].degrees.item() == pytest.approx(180 / order, abs=0.05)
         assert abs(least.values.sum()) < 0.01
 
+    @pytest.mark.slow
     def test_three_engines_make_the_sum_of_their_sizes(self):
         """Whatever their phases; and with two smaller ones against the third what is left of it."""
         case = self.one_order(2.0, [5.0, 3.0j, -1.0])
@@ -259,6 +263,7 @@ class TestWhatIsSaid:
         verdict = plant().check_limits().of("shaft")
         assert verdict.values == pytest.approx(response(plant()).half_range[:, 0], rel=1e-12)
 
+    @pytest.mark.slow
     def test_orders_say_both_angles(self):
         found = run("orders", "twins.yaml", "-c", "both", "--output", "torque(sh)")
         assert (

@@ -509,6 +509,7 @@ class TestWorstCase:
     def half_ranges(self, **entries):
         return self.rig(**entries).order_response(list(self.SPRINGS)).half_range
 
+    @pytest.mark.slow
     def test_misfire_of_each_cylinder_is_the_worst_of_all(self):
         run = self.rig(misfire="each").order_response(list(self.SPRINGS))
         singly = np.array([self.half_ranges(misfire=[number]) for number in range(1, 7)])
@@ -523,6 +524,7 @@ class TestWorstCase:
             abs(np.array([one.values for one in run.alternatives.values()])).max(axis=0)
         )
 
+    @pytest.mark.slow
     def test_spread_against_all_combinations(self):
         run = self.rig(spread="5 %").order_response(list(self.SPRINGS))
         sound = self.rig().order_response(list(self.SPRINGS))
@@ -589,6 +591,7 @@ class TestWorstCase:
         )
         assert len(data["pressure_Pa"]) == 720
 
+    @pytest.mark.slow
     def test_parts_of_the_speeds_do_not_matter(self, monkeypatch):
         whole = self.rig(misfire="each", spread="2 %").order_response("twist(crank3)")
         monkeypatch.setattr("torsionnet.solve.running.operating_groups.SPEEDS_PER_BLOCK", 2)

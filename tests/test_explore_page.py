@@ -134,6 +134,7 @@ def test_a_slider_by_keyboard_and_by_mouse(lent):
     assert lent.page.get_by_role("button", name="Reset all").is_disabled()
 
 
+@pytest.mark.slow
 def test_derived_parameters_follow(lent):
     assert lent.page.get_attribute("#parameter-I_F", "readonly") is not None
     with lent.update():
@@ -170,6 +171,7 @@ def test_configurations_are_tabs(lent):
         lent.page.get_by_role("tab", name="V", exact=True).click()
 
 
+@pytest.mark.slow
 def test_what_is_impossible_is_said_and_the_last_curve_stays(lent):
     lent.page.fill("#parameter-k_1", "-3")
     lent.page.keyboard.press("Enter")
@@ -213,6 +215,7 @@ def test_response_quantity_units_and_band(opened):
     assert drawn(opened)[0]["frequencies"][0] == 1
 
 
+@pytest.mark.slow
 def test_zoom_by_dragging_and_back_by_double_click(lent):
     box = lent.page.locator("#magnitude .u-over").bounding_box()
     y = box["y"] + 50

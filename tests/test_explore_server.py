@@ -248,6 +248,7 @@ def test_connections_are_limited():
         assert status == 200
 
 
+@pytest.mark.slow
 def test_a_request_has_time_as_a_whole(monkeypatch):
     """Connections that send a byte now and then hold their places no longer than silent ones."""
     monkeypatch.setattr(server_module, "REQUEST_SECONDS", 0.5)

@@ -260,6 +260,7 @@ TREES = st.recursive(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=campaigns.examples(150, 400))
 @given(TREES)
 def test_the_text_of_any_tree_parses_back(tree):
@@ -294,6 +295,7 @@ def test_any_text_is_read_or_refused(text):
             assert isinstance(read(text), Expression)
 
 
+@pytest.mark.slow
 @given(st.text(max_size=210).filter(str.strip))
 def test_refusals_point_into_the_text(text):
     try:

@@ -209,6 +209,7 @@ def test_every_element_type_survives_a_round_trip(tmp_path):
     assert yaml.safe_load(text)["name"] == "no"
 
 
+@pytest.mark.few(7)
 @pytest.mark.parametrize("name", library_cases())
 def test_library_models_survive_a_round_trip(name):
     rig = load(name)
@@ -279,6 +280,7 @@ def test_what_only_follows_from_an_unreadable_entry_is_not_reported():
         assert [fault.severity for fault in faults] == ["error"], faults
 
 
+@pytest.mark.slow
 def test_reading_imports_nothing_heavy():
     program = (
         "import sys; from torsionnet.model.files import read_file; assert read_file('amt_rig')[0]; print(*sys.modules)"

@@ -168,6 +168,7 @@ class TestProfileAtBounds:
         expected = BEST * np.exp(np.sqrt((np.log(2.5) - LOG) ** 2 + rise / slope))
         assert (low, high) == pytest.approx((2.5, expected), abs=2e-3 * 2.5 * error)
 
+    @pytest.mark.slow
     def test_what_is_not_determined_goes_from_bound_to_bound(self):
         """Down to no inertia at all, of which there is no response."""
         fit = fitted(measurements=measured(gain=True))

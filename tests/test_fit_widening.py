@@ -37,7 +37,7 @@ def measured(lines=60, top=5.0, noise=0.0, **more):
     return tn.Measurement(replace(response, values=response.values * (1 + error)), "w", "T", **more)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("begin", [598.0, 630.0, 700.0])
 @pytest.mark.parametrize("residual", ["complex", "log"])
 def test_length_of_a_continuous_shaft(begin, residual):
@@ -64,7 +64,7 @@ def test_derivatives_are_those_of_the_response():
     )
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("begin", "lines", "top"), [(300.0, 40, 10.0), (1000.0, 100, 10.0), (2000.0, 60, 5.0)])
 def test_what_is_far_is_found_or_told(begin, lines, top):
     fit = tn.identify(string(begin), measured(lines, top), ["L"])
@@ -72,6 +72,7 @@ def test_what_is_far_is_found_or_told(begin, lines, top):
     assert found or any("the model does not fit" in one or "it may have other peaks" in one for one in fit.verdicts)
 
 
+@pytest.mark.slow
 def test_stated_noise_is_no_reason_to_doubt():
     fit = tn.identify(string(620.0), measured(noise=0.15, error=0.2), ["L"])
     assert not any("other peaks" in one for one in fit.verdicts)

@@ -59,7 +59,7 @@ def library(tmp_path, monkeypatch):
 
 
 class TestCrashes:
-    @pytest.mark.few(5)
+    @pytest.mark.few(2)
     @pytest.mark.parametrize(
         ("what", "text"),
         [
@@ -132,6 +132,7 @@ class TestCrashes:
 
 
 class TestProcess:
+    @pytest.mark.slow
     def test_one_for_several_files(self, tmp_path, monkeypatch):
         needs(".h5")
         paths = [written(tmp_path / str(number), ".h5") for number in range(3) if not (tmp_path / str(number)).mkdir()]
@@ -361,6 +362,7 @@ class TestClaims:
             file.create_dataset("x", shape=(10**10,), dtype="f8", chunks=(10**6,))
         assert "would take 80000 MB when unpacked" in message(tmp_path / "r.h5", sampling_rate=10)
 
+    @pytest.mark.slow
     def test_parquet_of_one_value(self, tmp_path):
         pytest.importorskip("pyarrow")
         import pyarrow as pa

@@ -34,7 +34,7 @@ def tried(kind, content, folder):
     return trying.attempt(kind, path)
 
 
-@pytest.mark.few(10)
+@pytest.mark.few(5)
 @pytest.mark.parametrize("path", CORPUS, ids=lambda path: f"{path.parent.name}/{path.name}")
 def test_once_failed(path, folder):
     kind = kind_of(path)
@@ -46,7 +46,7 @@ def test_once_failed(path, folder):
     assert trial.outcome in {"result", "error"}, trial.signature
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", KINDS.values(), ids=list(KINDS))
 def test_what_is_damaged_was_sound(kind, folder):
     path = folder / f"input{kind.ending}"
@@ -60,6 +60,7 @@ def test_names_of_100_000_characters(where, folder):
     assert trial.outcome in {"result", "error"}, trial.signature
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("use", "signature"),
     [

@@ -37,7 +37,7 @@ def assert_well_behaved(text):
     assert caught.value.faults
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("block", range(8))
 def test_mutants(block):
     for seed in range(50 * block, 50 * (block + 1)):
@@ -51,6 +51,7 @@ def test_many_mutants(block):
         assert_well_behaved(mutant(seed))
 
 
+@pytest.mark.slow
 def test_mutated_bytes():
     for seed in range(200):
         chance = random.Random(seed)

@@ -175,7 +175,7 @@ class TestReferred:
 
 
 class TestWholePlants:
-    @pytest.mark.few(5)
+    @pytest.mark.few(2)
     @pytest.mark.parametrize("mode", range(1, 12))
     def test_marine_closes(self, mode):
         plant = tn.load(FOLDER / "marine.yaml")
@@ -183,6 +183,7 @@ class TestWholePlants:
         assert holzer.relative_remainder < 1e-11
         check_equilibrium(plant, holzer)
 
+    @pytest.mark.few(2)
     @pytest.mark.parametrize("mode", range(1, 8))
     def test_car_with_loops_housing_and_differential_closes(self, mode):
         """What is not followed (the differential, the powertrain's mount) counts where it acts: all lines end with 0."""

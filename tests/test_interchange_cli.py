@@ -13,6 +13,7 @@ from torsionnet.io.fmu.platforms import this_machine
 from torsionnet.io.formats import extras
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(
     ("model", "name"),
     [

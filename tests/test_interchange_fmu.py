@@ -30,7 +30,7 @@ def agree(found, expected, tolerance=1e-9):
     np.testing.assert_allclose(found / scale, expected / scale, atol=tolerance)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("name", "configuration"), MODELS)
 def test_exact_where_the_host_tells_how_inputs_run(name, configuration):
     rig = library_model(name, configuration)

@@ -123,6 +123,7 @@ CASES = {kind: element for kind, element in EVERY_ELEMENT.items() if kind not in
 }
 
 
+@pytest.mark.few(17)
 @pytest.mark.parametrize("case", CASES)
 def test_every_element_with_all_its_sensors(case):
     rig = without_indeterminate(around(CASES[case]))

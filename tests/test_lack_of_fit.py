@@ -71,6 +71,7 @@ def test_noise_on_the_torque_of_a_sweep_biases_nothing(rig, noisy, name):
     assert not any(fit.verdicts for fit in fits)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", ["H1", "H2", "Hr"])
 def test_estimator_of_a_fit_is_that_of_the_responses(rig, name):
     """Under an excitation that never rests nothing is taken off."""
@@ -171,6 +172,7 @@ def test_noise_of_a_record_is_that_of_the_sensor(rig, inertia, stiffness, most):
     assert found < max(1.15, 0.35 * misfit)
 
 
+@pytest.mark.slow
 def test_noise_between_lines_is_found_beside_a_smooth_misfit():
     rng = np.random.default_rng(1)
     correlation = toeplitz([1, 0.5, 0.1, *np.zeros(97)])

@@ -46,6 +46,7 @@ def test_is_sound_in_every_configuration(name):
         assert all(fault.severity == "note" for fault in variant.check())
 
 
+@pytest.mark.few(9)
 @pytest.mark.parametrize("name", MODELS)
 def test_says_what_it_is(name):
     model = tn.load(name)
@@ -66,7 +67,7 @@ def test_readme_has_a_row_for_every_model():
     assert sorted(re.findall(r"^\| `(\w+)` \|", readme, flags=re.MULTILINE)) == sorted(MODELS)
 
 
-@pytest.mark.few(9)
+@pytest.mark.few(4)
 @pytest.mark.parametrize("name", MODELS)
 def test_reads_back_what_it_writes(name):
     model = tn.load(name)

@@ -19,6 +19,7 @@ LONG = {"inline_six_damper", "marine_yield"}
 """Running speeds are calculated one variant after the other."""
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", library_studies())
 def test_every_study_loads_without_a_warning(name):
     study = load_study(name)
@@ -28,7 +29,7 @@ def test_every_study_loads_without_a_warning(name):
     assert not study.findings
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", library_studies())
 def test_editors_find_nothing_wrong_in_any_study(name):
     text = library_studies()[name].read_text(encoding="utf-8")
@@ -69,6 +70,7 @@ def test_a_name_that_no_study_has_is_refused_with_one_that_is():
         load_study("qqqq")
 
 
+@pytest.mark.slow
 def test_the_command_takes_a_name():
     found = CliRunner().invoke(app, ["study", "amt_two_stiffnesses"])
     assert found.exit_code == 0, found.output

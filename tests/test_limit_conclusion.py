@@ -70,6 +70,7 @@ def test_a_report_on_some_says_first_which_were_left_out(strict):
     assert lead[1].startswith(" 13 of 14 configurations not examined: all but supply=mains,rig=n0; all limits hold")
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("arguments", "code", "told"),
     [
@@ -118,6 +119,7 @@ def test_what_one_configuration_switches_off_is_judged_by_the_others():
     assert LimitConclusion((free,)).verdict == "not judged"
 
 
+@pytest.mark.slow
 def test_sections_about_some_configurations_say_so(strict):
     report = make_report(tn.loads(json.dumps(strict)), sections=["critical_speeds", "orders"], date=None)
     assert [section.blocks[0].text[-1] for section in report.sections] == [

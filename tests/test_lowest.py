@@ -113,6 +113,7 @@ def test_identical_branches_keep_all_their_modes(damping, sparse_only):
         assert np.linalg.matrix_rank(found.vectors[:, multiple], tol=1e-6) == branches - 1
 
 
+@pytest.mark.slow
 def test_chain_in_closed_form(sparse_only):
     """Free chain of equal parts: omega_m = 2 sqrt(k/J) sin(m pi / 2n), damping proportional to stiffness."""
     n, k, beta = 400, 1e6, 1e-5

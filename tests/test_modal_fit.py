@@ -88,6 +88,7 @@ class TestKnownPoles:
         np.testing.assert_allclose(found.synthesised.values, response.values, rtol=1e-6, atol=1e-9)
         assert found.misfit.max() < 1e-8
 
+    @pytest.mark.slow
     def test_residual_terms_come_back(self):
         poles = [pole(8, 0.05)]
         response = response_of(poles, chain_residues(poles, 2)[0], LINES, upper=2e-3, lower=-1.5)
@@ -182,6 +183,7 @@ class TestNoise:
             mean = np.mean([getattr(test, numbers)[0] for test in tests])
             assert abs(mean - truth) < 3 * scatter / np.sqrt(runs)
 
+    @pytest.mark.slow
     def test_errors_grow_where_neighbouring_lines_are_alike(self):
         poles = [pole(8.7, 0.257)]
         plain = response_of(poles, chain_residues(poles)[0], LINES)
@@ -215,7 +217,7 @@ each_cut = pytest.mark.parametrize(
 class TestRigs:
     """The poles of theta_1/T_T are those of the rig cut at the torque meter."""
 
-    @pytest.mark.few(2)
+    @pytest.mark.few(1)
     @each_cut
     def test_without_noise(self, case):
         model = rig(case)
@@ -228,7 +230,7 @@ class TestRigs:
         whole = model.modes().eigenvalues
         assert nearest(found.poles, whole[:1]).min() > 0.03
 
-    @pytest.mark.few(2)
+    @pytest.mark.few(1)
     @each_cut
     @pytest.mark.parametrize("noise", [pytest.param(0.002, marks=pytest.mark.slow), 0.01])
     def test_with_noise(self, case, noise):
@@ -291,6 +293,7 @@ class TestRigs:
 
 
 class TestLscf:
+    @pytest.mark.slow
     def test_light_modes_come_back(self):
         poles = [pole(f, z) for f, z in ((12, 0.005), (25, 0.01), (40, 0.02), (58, 0.01), (70, 0.008), (91, 0.01))]
         residues, shapes = chain_residues(poles, 4)
@@ -368,6 +371,7 @@ class TestDiagram:
         assert len(wandering) <= 2
         assert identify_modes(diagram, selection="clusters").natural_frequencies == pytest.approx([4, 9, 17], rel=2e-3)
 
+    @pytest.mark.slow
     def test_criteria_are_kept(self):
         poles = SYSTEMS["medium"]
         response = response_of(poles, chain_residues(poles, 3)[0], LINES, noise=0.01)
@@ -386,7 +390,7 @@ class TestDiagram:
         assert found.natural_frequencies == pytest.approx([4, 9], rel=0.01)
         assert found.method.endswith("chosen by hand")
 
-    @pytest.mark.few(2)
+    @pytest.mark.few(1)
     @pytest.mark.parametrize(
         ("selection", "message"),
         [
@@ -527,6 +531,7 @@ class TestRemarks:
     def notes(self, response, **options):
         return " | ".join(identify_modes(response, **options).notes)
 
+    @pytest.mark.slow
     def test_bandwidth_under_three_lines(self):
         poles = [pole(20, 0.001)]
         assert "half-power bandwidth under 3 lines at 20 Hz" in self.notes(
@@ -584,6 +589,7 @@ class TestUse:
         with pytest.raises(UsageError, match='did you mean "y1"'):
             found.shape_at("y11")
 
+    @pytest.mark.slow
     def test_shapes_are_scaled_by_what_moves(self):
         """A torque in N m beside angles of some mrad: 1 is at the largest angle."""
         response = rig("dmf").frequency_response(
@@ -605,6 +611,7 @@ class TestUse:
         assert nearest(found.poles, [pole(8, 0.1)])[0] < 1e-6
         assert len(found.frequencies) == len(LINES) - 1
 
+    @pytest.mark.slow
     def test_lines_that_a_test_cannot_resolve_are_left_out(self):
         response = response_of([pole(8, 0.1)], np.ones((1, 1, 1)), LINES)
         response.values[LINES > 12] = 1e3

@@ -244,6 +244,7 @@ class TestChoiceOfTheMethod:
         response = response_of(poles, chain_residues(poles, outputs)[0], lines, noise=0.05)
         return identify_modes(response, Settings())
 
+    @pytest.mark.slow
     def test_a_close_pair_is_taken_from_the_rational_fraction(self):
         poles = [pole(11.0, 0.008), pole(11.165, 0.009), pole(22.0, 0.01)]
         found = self.found(poles, np.arange(2, 30, 0.05), 3)

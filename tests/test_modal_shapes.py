@@ -155,6 +155,7 @@ class TestMatch:
         assert row[:2] == (1, 1)
         assert row[8] == pytest.approx(1)
 
+    @pytest.mark.slow
     def test_with_the_whole_rig_shows_what_is_wrong(self):
         """Against a measured torque the first mode is 16 % higher than that of the whole rig: 3.945 to 3.409 Hz."""
         paired = match(self.identified(), self.rig().modes())
@@ -163,6 +164,7 @@ class TestMatch:
         assert paired.mac is None
         assert "two or more common sensors" in paired.notes[0]
 
+    @pytest.mark.slow
     def test_shapes_tell_crossed_modes_apart(self):
         """Two modes whose frequencies have changed sides between test and model."""
         poles = [pole(10, 0.02), pole(10.4, 0.02)]
@@ -199,6 +201,7 @@ class TestMatch:
         assert paired.frequency_errors == pytest.approx(0, abs=1e-6)
         assert paired.mac[0, 0] == pytest.approx(1)
 
+    @pytest.mark.slow
     def test_messages(self):
         found = self.identified()
         with pytest.raises(UsageError, match=r'did you mean "angle\(motor\)"'):

@@ -150,6 +150,7 @@ class TestCircle:
         assert abs(zeta - truth) < 1.2
         assert abs(zeta - truth) < 0.4 * abs(HALF_POWER[case] - truth)
 
+    @pytest.mark.slow
     def test_points_weigh_as_their_lines_did(self):
         """Noise of one size in the receptance grows with frequency in the mobility: those points count for less."""
         frequencies = np.arange(2, 30, 0.05)

@@ -52,7 +52,7 @@ def results():
 DRAWN = {"orders", "critical speeds", "limits", "response", "sensitivities", "answers"}
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "name",
     [

@@ -327,7 +327,7 @@ def test_many_random_drivetrains_agree_with_exact_mechanics(part):
     agrees((f"tests-{i}" for i in range(25 * part, 25 * part + 25)), 8000)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "seed", ["7-41", "7-100", pytest.param("8-8", marks=pytest.mark.slow), "9-64", "9-149", "9-190", "9-531", "10-15"]
 )

@@ -105,6 +105,7 @@ class TestConditionsOfOnePlant:
             },
         }  # fmt: skip
 
+    @pytest.mark.few(1)
     @pytest.mark.parametrize(
         "k_b", ["900 N*m/rad", FOLLOWING, BY_VIBRATION], ids=["constant", "by speed", "by vibratory torque"]
     )
@@ -228,6 +229,7 @@ class TestSumOverOrders:
         assert both.revolutions is None
         assert both.half_range[0, 0] == pytest.approx((total.max() - total.min()) / 2, rel=2e-4)
 
+    @pytest.mark.slow
     def test_long_common_cycle(self):
         """Orders that all crest at one angle, between any points; odd counts, so that the trough is as deep."""
         counts, sizes, angle = np.array([175, 333, 611, 1777]), np.array([1.0, 0.4, 0.2, 0.03]), 1.234567

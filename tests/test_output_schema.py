@@ -98,7 +98,7 @@ CALLS = {
 }
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("call", [call for calls in CALLS.values() for call in calls])
 def test_output_follows_its_schema(folder, call, monkeypatch):
     monkeypatch.chdir(folder)

@@ -126,6 +126,7 @@ def test_poles_of_the_measured_transfer_function(case):
     assert_printed(100 * modes.damping_ratios[first], CUT[case][1])
 
 
+@pytest.mark.few(7)
 @pytest.mark.parametrize("first", GEARS)
 @pytest.mark.parametrize("second", GEARS)
 def test_ratio_of_static_values(first, second):

@@ -134,6 +134,7 @@ def joined(draw, upstream, downstream, meters=("rigid_coupling", "spring", "gear
 # --- receptance -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @examples(60)
 @given(blueprints(kinds=LOSSY), frequencies)
 def test_receptances_are_those_of_lagrange_in_100_digits(blueprint, f):
@@ -387,6 +388,7 @@ def test_splitting_a_node_by_a_rigid_coupling_changes_nothing(blueprint, f, data
     assert np.array_equal(H[:, 0], H[:, 1])
 
 
+@pytest.mark.slow
 @examples(25)
 @given(blueprints(size=2), blueprints(kinds=RATIONAL, size=2, holds=HOLDS), ratios, frequencies, st.data())
 def test_drivetrain_behind_a_gear_scaled_by_tau_squared_equals_no_gear(front, behind, tau, f, data):
@@ -874,6 +876,7 @@ def test_each_conjugate_pair_is_given_once_in_order(blueprint):
     assert np.all(modes.converged)
 
 
+@pytest.mark.slow
 @examples(25)
 @given(blueprints(holds=HOLDS), frequencies, st.data())
 def test_state_space_has_the_same_frequency_response(blueprint, f, data):

@@ -275,6 +275,7 @@ class TestFiles:
         assert parts[0] / SMALL == pytest.approx(1, abs=1e-3)  # in phase with the torque: times are those of the file
         assert any(note.startswith("cut to where there are pulses: from ") for note in record.notes)
 
+    @pytest.mark.slow
     def test_stamps_alone(self, folder):
         angle = motion(6)
         np.savez("alone.npz", n1=pulses_of(angle))
@@ -290,6 +291,7 @@ class TestFiles:
         record = read_recording("stamps.csv", pulses={"pulses": 60})
         assert record["pulses"].values[-1] == pytest.approx(SPEED, rel=2e-3)
 
+    @pytest.mark.slow
     def test_a_double_pulse_is_told(self, folder):
         record = read_recording(folder / "double.npz", pulses={"n1": 60}, quantities={"T": "torque"})
         assert any(n.startswith("warning: n1: 1 pulse too many left out: pulse 4501 at 3.0") for n in record.notes)
@@ -324,6 +326,7 @@ class TestFiles:
         )
         assert folder.exists()
 
+    @pytest.mark.slow
     def test_fit_files_take_them(self, folder):
         (folder / "rig.yaml").write_text(RIG)
         fit = """\

@@ -87,6 +87,7 @@ def clocked(tmp_path, step, count=100, name="t", unit=""):
 
 
 class TestClockWithoutUnit:
+    @pytest.mark.few(1)
     @pytest.mark.parametrize(("step", "count"), [(1.0, 100), (0.1, 100), (1000.0, 100), (0.02, 200_000)])
     def test_ms_are_doubted(self, tmp_path, step, count):
         found = read_recording(clocked(tmp_path, step, count))

@@ -48,6 +48,7 @@ def test_noise_of_the_torque_is_found_within_a_few_percent():
     assert on_output == pytest.approx(np.radians(0.02) ** 2 / 10, rel=0.5)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("wrong", [{"I_2": 0.2}, {"k_2": 200.0}, {"k_2": 2000.0, "c_2": 20.0}])
 def test_noise_of_the_torque_is_not_taken_for_more_by_a_wrong_model(wrong):
     """Where quiet windows are asked, not the lines compared."""
@@ -94,7 +95,7 @@ def test_means_weigh_by_errors():
     assert error == pytest.approx((1 / 0.01 + 1 / 0.04) ** -0.5)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("amplitude", [1.3, 4.3, 12.0])
 def test_steps_change_a_sine_as_the_describing_function_says(amplitude):
     """Sum over k of 2 (-1)^k J_1(2 pi k A) / (pi k A) cos(2 pi k o), Gelb and Vander Velde (1968), for A steps."""
@@ -141,6 +142,7 @@ def test_an_interval_holds_what_noise_and_steps_do():
         assert np.mean(np.abs(drawn) < half) == pytest.approx(0.95, abs=0.012)
 
 
+@pytest.mark.slow
 def test_steps_of_a_fit_survive_a_file(tmp_path):
     fit = fit_of(record(Encoder(lines=1024)))
     assert len(fit.steps["c_2"]) == 1

@@ -74,7 +74,7 @@ class TestRoundTrip:
         write_recording(recording(), tmp_path / f"b{ending}")
         assert (tmp_path / f"a{ending}").read_bytes() == (tmp_path / f"b{ending}").read_bytes()
 
-    @pytest.mark.few(5)
+    @pytest.mark.few(2)
     @pytest.mark.parametrize("stamped", [False, True])
     @pytest.mark.parametrize("ending", ENDINGS)
     def test_keeps_everything(self, tmp_path, ending, stamped):

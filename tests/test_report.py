@@ -383,6 +383,7 @@ class TestModeShapes:
         titles = [axes.get_title() for axes in mode_shapes(modes, rig, which=[49, 2, 3]).axes]
         assert [title.split(":")[0] for title in titles] == ["49", "2", "3"]
 
+    @pytest.mark.slow
     def test_vibrations_alone_in_two_columns_on_one_page(self):
         """Of a ship with rigid-body mode, real poles and 18 stations."""
         ship = tn.load("marine_medium_speed")
@@ -405,7 +406,7 @@ class TestModeShapes:
 
 
 class TestSchematic:
-    @pytest.mark.few(3)
+    @pytest.mark.few(1)
     @each_example
     def test_texts_meet_no_texts_and_no_lines_and_lie_inside(self, example):
         figure = drawn(example)
@@ -622,6 +623,7 @@ class TestSave:
         size = [int.from_bytes(header[:4]), int.from_bytes(header[4:])]
         np.testing.assert_allclose(size, 150 * figure.get_size_inches(), atol=1)
 
+    @pytest.mark.few(1)
     @pytest.mark.parametrize("name", ["picture.jpg", "picture", ".svg", "picture.svg.txt"])
     def test_other_endings_are_refused(self, tmp_path, name):
         with pytest.raises(tn.UsageError, match=re.escape(".svg, .png or .pdf")):

@@ -84,6 +84,7 @@ def test_orders_without_excitations_are_told():
         tn.loads("torsionnet: 1\nelements: {J: {type: inertia, node: a, inertia: 1}}\nreport: {orders: [a]}\n")
 
 
+@pytest.mark.slow
 def test_the_largest_crossings_are_those_of_any_condition():
     """Order 0.5 cancels in normal firing; with a misfire it is the largest of the first mode."""
     from torsionnet.report.sections.critical_speeds import MOST_ROWS, _largest

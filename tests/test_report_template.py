@@ -141,6 +141,7 @@ class TestExample:
         assert r"\renewcommand{\figurename}{Bild}" in (tmp_path / "r.tex").read_text(encoding="utf-8")
         assert (tmp_path / "r_figures" / "template_logo.pdf").read_bytes() == (EXAMPLE / "logo.pdf").read_bytes()
 
+    @pytest.mark.slow
     @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
     def test_latex_compiles(self, tmp_path):
         tn.write_report("dmf_rig", tmp_path / "r.tex", template=EXAMPLE, **SHORT)
@@ -174,6 +175,7 @@ class TestWords:
         assert wording("Modes of x") == "1 x"
         assert wording("Modes of, by x") == "1, nach x"
 
+    @pytest.mark.slow
     def test_every_text_stands_in_the_code(self):
         """What is fixed in each text, between what is inserted, is a part of a string of the program."""
         package = ROOT / "torsionnet"
@@ -197,6 +199,7 @@ class TestWords:
                 low = piece.lower().rpartition(".")[2]  # of a nested entry the last name
                 assert low in words or f'"{piece}"' in shown or any(low in one for one in strings), (text, piece)
 
+    @pytest.mark.slow
     def test_every_text_of_a_section_is_listed(self):
         """Strings of the sections that look like a text: with a capital, or with a space at the edge, or two words."""
         pieces = {piece for text in TEXTS for piece in PLACEHOLDER.split(text)[::2]}
@@ -293,6 +296,7 @@ class TestWords:
         fill(folder, words_yaml=text)
         assert re.search(r"words\.yaml:\d+:\d+: error: ", faults(folder))
 
+    @pytest.mark.slow
     def test_markup_in_words_is_text(self, folder):
         evil = "x' onclick=alert(1) \\\\newpage <script>"
         listed = "".join(
@@ -421,7 +425,7 @@ class TestPage:
         found = faults(folder)
         assert re.search(rf"house/page\.html:{line}:\d+: error: .*{re.escape(what)}", found), found
 
-    @pytest.mark.few(11)
+    @pytest.mark.few(5)
     @pytest.mark.parametrize(
         ("text", "what"),
         [

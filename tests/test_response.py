@@ -88,6 +88,7 @@ def test_conventions_are_checked(wrong):
         tn.Conventions(**wrong)
 
 
+@pytest.mark.slow
 def test_repr_is_short(H):
     assert repr(H) == "<FrequencyResponse angle, g / m, g: 3 frequencies, 1 to 5 Hz>"
     assert H._repr_html_().count("<tr>") == 4

@@ -54,7 +54,7 @@ def worst_speed(run, order, output):
     return run.rpm[np.argmax(np.abs(run.of_order(order, output)))]
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("name", "power", "rpm", "efficiency", "cylinders"),
     [
@@ -77,6 +77,7 @@ class TestMarine:
     def plant():
         return tn.load("marine_medium_speed").configured("water=wet")
 
+    @pytest.mark.slow
     def test_undamped_and_damped_frequency_of_the_crankshaft(self, plant):
         """The film holds the ring: 38.75 Hz, order 3 at 775 r/min, is in truth 26.49 Hz, 530 r/min."""
         undamped = plant.modes().undamped_natural_frequencies
@@ -238,6 +239,7 @@ class TestCar:
     def plant():
         return tn.load("front_wheel_drive_car").configured("gear=III")
 
+    @pytest.mark.slow
     def test_order_two_meets_the_dual_mass_flywheel(self, plant):
         """|lambda|/2 pi 23.59 Hz is 708 r/min, 20.86 Hz undamped is 626; the twist is largest at 704 to 706."""
         assert np.abs(pole_frequencies(plant) - 23.59).min() < 0.005
@@ -311,6 +313,7 @@ class TestCompressor:
         sums = np.abs(engine.torques(np.array([50.0])).amplitudes[0].sum(axis=1))
         assert (sums[engine.acting_orders % 4 != 0] < 1e-9 * sums.max()).all()
 
+    @pytest.mark.slow
     def test_a_lost_head_end_meets_the_coupling_with_order_two(self, plant):
         low = plant.modes().undamped_natural_frequencies[1]
         run = plant.configured("one_head_end_lost").order_response("T_cpl")
@@ -331,6 +334,7 @@ class TestWindTurbine:
         ratio = (1 + 99 / 21) * (1 + 94 / 20) * 97 / 29
         assert sorted(float(line.relative) for line in run.lines) == pytest.approx([2 * ratio, 12 * ratio])
 
+    @pytest.mark.slow
     def test_weight_of_three_blades_does_not_reach_the_shaft(self, plant):
         run = plant.order_response(
             ["T_ms", "torque(blade1.edge)"], speeds=[1.2], excitations=["weight_A", "weight_B", "weight_C"]

@@ -46,7 +46,7 @@ GLYPHS_AND_SHAPES = [
 
 
 class TestMadeUpElements:
-    @pytest.mark.few(4)
+    @pytest.mark.few(2)
     @pytest.mark.parametrize(("glyph", "shape"), GLYPHS_AND_SHAPES)
     def test_any_glyph_with_any_ports_is_drawn_with_its_name(self, glyph, shape):
         element = SHAPES[shape](glyph)
@@ -187,6 +187,7 @@ def tapped():
 
 
 class TestTorquesStandBesideTheirElement:
+    @pytest.mark.slow
     def test_flags_of_a_hub(self):
         figure = drawable(schematic(tapped()))
         assert collisions(figure) == crossed(figure) == []

@@ -96,6 +96,7 @@ def test_numbers_of_elements_without_a_name():
     assert np.allclose(found.jacobian[:, 0, 0], -(H**2)[:, None] * np.column_stack([np.ones(6), s**2, s]), rtol=1e-9)
 
 
+@pytest.mark.slow
 @settings(max_examples=campaigns.examples(10, 30), deadline=None, suppress_health_check=list(HealthCheck))
 @given(strategies.blueprints(size=4), st.data())
 def test_random_drivetrains_against_differences_of_the_solver(blueprint, data):
@@ -173,7 +174,7 @@ def test_one_mass_in_closed_form():
     assert found.damping_slopes[0, 2] == pytest.approx(zeta / c)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("gear", ["II", "V_c_O_360"])
 @pytest.mark.parametrize("measured", [None, "T_T"])
 def test_poles_of_the_papers_rig_overdamped_ones_too(gear, measured):
@@ -345,6 +346,7 @@ def test_modes_have_the_numbers_of_their_table():
         plot.tornado(found, modes=[0])
 
 
+@pytest.mark.slow
 def test_tornado_has_no_empty_panels():
     undamped = mode_sensitivities(tn.load("geared_branch"))
     from torsionnet import plot

@@ -43,6 +43,7 @@ def command(*arguments):
     return f"from torsionnet.cli import main\nsys.argv = {['torsionnet', *arguments]}\nsys.exit(main())"
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("body", "unwanted"),
     [
@@ -132,6 +133,7 @@ NOT_FOR_A_PLAIN_RIG = {
 }
 
 
+@pytest.mark.slow
 def test_a_model_imports_what_it_has(pytestconfig):
     loaded = loaded_modules(command("check", "dmf_rig"), pytestconfig.rootpath)
     assert {"torsionnet.model.elements.inertia", "torsionnet.model.checks.structure"} <= loaded

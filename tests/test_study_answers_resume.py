@@ -156,6 +156,7 @@ class TestSameResult:
         assert answers_as_text(study_of_answers(FEW), folder) == few
         assert (counted == []) == keep
 
+    @pytest.mark.slow
     def test_nothing_is_written_without_a_folder(self, few, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)
         assert answers_as_text(study_of_answers(FEW)) == few
@@ -240,6 +241,7 @@ class TestFolder:
         monkeypatch.setattr(evaluation_memory.EvaluationLog, "append", append)
         assert answers_as_text(study_of_answers(FEW), folder) == few
 
+    @pytest.mark.slow
     def test_variants_and_answers_in_one_folder(self, tmp_path, monkeypatch):
         study = small_study(40, answers={"shares": {"type": "sobol_indices", "count": 64}, "yes": {"type": "scatter"}})
         whole = answer_study(study, tmp_path / "study")

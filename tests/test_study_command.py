@@ -116,6 +116,7 @@ def test_nothing_to_draw(plan, tmp_path):
     assert "nothing to draw" in run(str(plan), "--plot", str(tmp_path / "spread.png"), code=2).output
 
 
+@pytest.mark.slow
 def test_labelled_arrays():
     pytest.importorskip("xarray")
     result = run_study(small_study(10))

@@ -51,7 +51,7 @@ def test_the_file_itself_is_right(tmp_path):
     assert tn.load_study(tmp_path / "plan.yaml").count == 24
 
 
-@pytest.mark.few(8)
+@pytest.mark.few(4)
 @pytest.mark.parametrize(
     "other",
     [NOT_A_COUNT, NO_TYPE, ("c_1: {type", "c1: {type"), ("deviation: 4 %}\n  k_2", "deviation: -4 %}\n  k_2")],

@@ -39,6 +39,7 @@ def none_is_better(sizes):
     return not any((np.all(other <= one) and np.any(other < one)) for one in sizes for other in sizes)
 
 
+@pytest.mark.slow
 def test_two_parabolas():
     found = pareto_front(
         DesignProblem(parameters(1), several("a", "b"), parabolas), population=40, generations=40, single=parabolas
@@ -98,6 +99,7 @@ def test_three_objectives():
     assert np.linalg.norm(found.designs[list(found.extremes)] - list(corners.values()), axis=1).max() < 1e-5
 
 
+@pytest.mark.slow
 def test_the_seed_decides():
     problems = [DesignProblem(parameters(5, 0, 1, 0.5), several("a", "b"), zdt1) for _ in range(3)]
     one, same, other = (
@@ -108,6 +110,7 @@ def test_the_seed_decides():
     assert not np.array_equal(one.designs[0], other.designs[0])
 
 
+@pytest.mark.slow
 def test_one_design_is_the_best_in_everything():
     def agreeing(values):
         return {"a": values["x0"] ** 2, "b": values["x0"] ** 2 + 1}

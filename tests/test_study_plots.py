@@ -54,6 +54,7 @@ class TestContourMap:
     def test_values_over_decades_have_colours_by_factors(self):
         assert plot.contour_map(a_map(10.0 ** rising())).axes[1].get_yscale() == "log"
 
+    @pytest.mark.few(1)
     @pytest.mark.parametrize("values", [np.full((5, 4), 3.0), np.zeros((5, 4)), np.full((5, 4), np.nan)])
     def test_constants_and_nothing(self, values, tmp_path):
         figure = drawn(plot.contour_map(a_map(values)), tmp_path)

@@ -53,7 +53,7 @@ HOW = [
 ]
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("kind", "entries", "formula"), HOW)
 @pytest.mark.parametrize(("model", "names", "mode"), CASES)
 def test_a_mode_is_that_of_every_variant(
@@ -77,7 +77,7 @@ def test_undamped_natural_frequencies_count_from_the_lowest_vibration(model: tn.
         assert value == pytest.approx(rates[rates > 1e-6][1], rel=1e-9)
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("kind", "entries", "formula"), HOW)
 @pytest.mark.parametrize("model", [AMT, PLANT])
 def test_modes_do_not_depend_on_who_is_solved_along(

@@ -58,6 +58,7 @@ def test_fewer_speeds_are_some_of_those_of_the_model() -> None:
     assert made("utilisation").at(PLANT) == pytest.approx(every)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("firing", ["normal", "misfire", "gas_off"])
 def test_the_vibration_of_a_plant_is_that_of_every_variant(firing: str) -> None:
     model = SHORT.configured(f"firing={firing}")

@@ -129,6 +129,7 @@ def test_intervals_of_subset_sampling_hold_what_they_say(margin, d, truth):
     assert np.mean([one.probability for one in found]) == pytest.approx(truth, rel=0.03)
 
 
+@pytest.mark.slow
 def test_intervals_of_importance_sampling_hold_what_they_say():
     seeds = campaigns.examples(40, 400)
     found = [importance_sampling(linear(3), 3, count=20_000, accuracy=0.02, seed=seed) for seed in range(seeds)]

@@ -72,6 +72,7 @@ class TestSameBytes:
         assert json.dumps(kept.to_data()) == json.dumps(free.to_data())
         assert kept.values("f_1", "V").tobytes() == free.values("f_1", "V").tobytes()
 
+    @pytest.mark.slow
     def test_every_variant_is_that_of_its_own_model(self, whole):
         """Against models that are made and solved one by one."""
         result = run_study(small_study(), whole)
@@ -102,6 +103,7 @@ class TestSameBytes:
 
 
 class TestFolder:
+    @pytest.mark.slow
     def test_what_is_there_is_not_calculated_again(self, whole, tmp_path, monkeypatch):
         shutil.copytree(whole, tmp_path / "study")
         monkeypatch.setattr(calculating.ChunkWork, "__call__", lambda *_: pytest.fail("calculated"))

@@ -273,6 +273,7 @@ def test_joint_density_is_that_of_two_normal_variables():
     assert found.log_density(points) == pytest.approx(law.logpdf(np.column_stack(list(points.values()))), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_joint_density_is_a_density():
     found = space({"c_B": RANDOM["c_B"], "c_1": RANDOM["c_1"]}, (Correlation(between=["c_1", "c_B"], coefficient=0.8),))
     x, y = np.meshgrid(1 + (np.arange(1000) + 0.5) / 1000, 2 + 2.8 * (np.arange(1000) + 0.5) / 1000)

@@ -151,6 +151,7 @@ class TestYield:
             )
         assert counted.missing == kept.missing > 0
 
+    @pytest.mark.slow
     def test_missing_values_are_counted(self, part):
         """The soft oscillator does not vibrate where it is damped critically: c >= 2 sqrt(J k)."""
         one = part.study
@@ -251,6 +252,7 @@ class TestSameBytes:
 
 
 class TestPart:
+    @pytest.mark.slow
     def test_is_every_so_many_of_all(self, whole, part):
         every = part.kept.every
         assert every > 1
@@ -261,6 +263,7 @@ class TestPart:
             for name, column in part.kept_parameters(case).items():
                 assert column.tobytes() == of_all[name][::every].tobytes()
 
+    @pytest.mark.slow
     def test_has_no_more_values_than_may_be_kept(self, part):
         held = part.kept
         kept = [*held.numbers.values(), *held.extremes.values(), *held.parameters.values()]
@@ -271,6 +274,7 @@ class TestPart:
         curves = one.evaluator("stiff")(one.space.at(one.model_in("stiff")).values(0, one.space.count))["H"]
         np.testing.assert_array_equal(whole.kept_values("H", "stiff"), np.sort(curves, axis=1)[:, [0, -1]])
 
+    @pytest.mark.slow
     def test_sums_and_the_worst_variant_are_of_all(self, whole, part):
         for key, one in whole.summaries.items():
             other = part.summaries[key]
@@ -316,6 +320,7 @@ class TestPart:
         assert one.count == len(part.kept_values("f", "stiff"))
         ours.figure(tn.plot).draw_without_rendering()
 
+    @pytest.mark.slow
     def test_lines_say_what_they_are_of(self, part):
         lines = found(part.study, "lines", part)
         assert lines.sentences[-1].endswith(f"are of one in {part.kept.every} of {part.study.count} variants")
@@ -323,12 +328,14 @@ class TestPart:
         any_limit = np.any([beyond["stiff", name] for name in LIMITS], axis=0).ravel()[:: part.kept.every]
         assert lines.beyond["stiff"].tolist() == any_limit.tolist()
 
+    @pytest.mark.slow
     def test_all_values_are_refused_by_name(self, part):
         with pytest.raises(UsageError, match=rf"f has too many values: those of one in {part.kept.every} variants"):
             part.values("f", "stiff")
         with pytest.raises(UsageError, match="H is a curve"):
             part.values("H", "stiff")
 
+    @pytest.mark.slow
     def test_files_have_the_part_and_its_indices(self, part, whole, tmp_path):
         part.to_csv(tmp_path / "part.csv")
         lines = (tmp_path / "part.csv").read_text().splitlines()
@@ -343,6 +350,7 @@ class TestPart:
         assert part.to_data()["kept_every"] == part.kept.every
         assert "kept_every" not in whole.to_data()
 
+    @pytest.mark.slow
     def test_lines_are_written_in_pieces_that_do_not_show(self, part, tmp_path, monkeypatch):
         part.to_csv(tmp_path / "at_once.csv")
         monkeypatch.setattr(study_result, "CSV_BLOCK_LINES", 7)

@@ -209,6 +209,7 @@ def test_single_edges_are_the_same_stiffness(source, count):
 WITH_BUNDLES = ("shaft", "shaft", "planetary", "compliant_gear", "gear_in_housing", "damped_spring", "differential")
 
 
+@pytest.mark.slow
 @settings(max_examples=campaigns.examples(12, 40), deadline=None, suppress_health_check=list(HealthCheck))
 @given(strategies.blueprints(kinds=WITH_BUNDLES, size=3, heavy=True), strategies.frequencies, st.data())
 def test_shafts_and_gear_trains_against_mechanics_in_many_digits(blueprint, frequencies, data):

@@ -96,6 +96,7 @@ def a_drivetrain_and_a_question(source, **options):
 
 
 class TestEveryFormIsTheNumericResponse:
+    @pytest.mark.slow
     @EXAMPLES
     @given(st.randoms(use_true_random=False))
     def test_trees_with_gears_and_branches(self, source):
@@ -109,6 +110,7 @@ class TestEveryFormIsTheNumericResponse:
         drivetrain, question = a_drivetrain_and_a_question(source, loops=loops, count=4)
         assert_all_forms(drivetrain, *question)
 
+    @pytest.mark.slow
     @EXAMPLES
     @given(st.randoms(use_true_random=False))
     def test_a_law_over_three_coordinates(self, source):
@@ -132,7 +134,7 @@ class TestEveryFormIsTheNumericResponse:
         assert_equal(H.evaluate(F).values[:, 0, 0], expected, "evaluate")
         assert_equal(run_code(H.python_code())(F), expected, "code")
 
-    @pytest.mark.few(18)
+    @pytest.mark.few(9)
     @pytest.mark.parametrize("kind", [kind for kind in EVERY_ELEMENT if kind not in ("lock", "inertia")])
     def test_every_element(self, kind):
         """Against the numbers at other values than the model's, so that nothing may have been rounded in."""

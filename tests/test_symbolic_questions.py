@@ -53,6 +53,7 @@ class TestLawsBetweenTheSameCoordinates:
     def test_shafts_with_inertia_of_their_own(self, output):
         agree(shafts(6), output, "T")
 
+    @pytest.mark.slow
     def test_operations_grow_in_proportion_to_shafts(self):
         ten, twenty, forty = (
             shafts(n).symbolic().transfer_function(f"n{n}", "T").program.operations for n in (10, 20, 40)
@@ -96,6 +97,7 @@ class TestContinuedFractionsOfShafts:
         assert sympy.simplify(H.mechanical - expected) == 0
         assert str(H.mechanical).count("G") == 1
 
+    @pytest.mark.slow
     def test_everything_appears_once(self):
         text = str(shafts(15).symbolic().transfer_function("n0", "T").mechanical)
         assert [text.count(f"/(32*L_{i})") for i in range(15)] == [1] * 15

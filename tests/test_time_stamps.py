@@ -40,7 +40,7 @@ def write(tmp_path, stamps, separator=";", heading="time{0}T [Nm]{0}phi [deg]", 
 
 
 class TestForms:
-    @pytest.mark.few(10)
+    @pytest.mark.few(5)
     @pytest.mark.parametrize("form", FORMS)
     @pytest.mark.parametrize("separator", [";", "\t"])
     def test_seconds_from_the_first_stamp(self, tmp_path, form, separator):
@@ -108,6 +108,7 @@ class TestForms:
 class TestMidnight:
     NIGHT = datetime.fromisoformat("2024-02-28T23:59:59")
 
+    @pytest.mark.few(4)
     @pytest.mark.parametrize("form", ["clock", "ISO", "German", "with an offset"])
     @pytest.mark.parametrize("seconds", [None, 0.7])
     def test_is_passed(self, tmp_path, form, seconds):

@@ -231,6 +231,7 @@ def test_the_text_of_a_dimension_is_a_unit_of_it(dimension):
     assert (unit.factor, unit.dimension) == (1, dimension)
 
 
+@pytest.mark.slow
 @given(st.builds(Dimension, EXPONENTS, EXPONENTS), st.builds(Dimension, EXPONENTS, EXPONENTS))
 def test_dimensions_form_a_group(a, b):
     assert a * b / b == a

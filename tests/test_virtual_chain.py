@@ -27,7 +27,7 @@ def bench(rig):
     )
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("name", "configuration", "peak"),
     [
