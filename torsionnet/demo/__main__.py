@@ -1,4 +1,4 @@
-"""``python -m torsionnet.demo``."""
+"""Entry of ``python -m torsionnet.demo``, which runs all demonstrations."""
 
 import sys
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 DEGREES = Conventions(angle="deg")
 GEARS = ("II", "III", "IV", "V")
 BAND = (0.3, 40.0)
-"""Frequencies in Hz between which the responses are estimated, as in the paper's figures."""
+"""Lowest and highest frequency in Hz at which the responses are estimated, as in the paper's figures."""
 
 # Text printed below the table of agreements.
 REMARKS = """\
@@ -109,7 +109,7 @@ def agreements(done: list[Run]) -> Table:
 
 
 def show(folder: Path) -> list[Run]:
-    """Print the table of agreements, write the figures to the folder, and return the tests."""
+    """Print how tests and models agree, write the paper's figures to the folder, and return the virtual tests."""
     dmf, *gears = tests()
     print_table(agreements([dmf, *gears]))
     print()
@@ -123,7 +123,7 @@ def show(folder: Path) -> list[Run]:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Write the figures to the folder given and return the exit code."""
+    """Write the paper's figures of tests to the folder given and return the exit code."""
     given = sys.argv[1:] if arguments is None else arguments
     folder = Path(given[0] if given else "out")
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""The paper's identification on the virtual bench: ``python -m torsionnet.demo.identification [FOLDER]``.
+"""Damping of both rigs identified as in the paper: ``python -m torsionnet.demo.identification [FOLDER]``.
 
 Galvagno et al. (2015) fit the flywheel's c_2 by hand, and c_O and c_B of the transmission by least squares over gears
 II, III and IV. Here records of virtual tests are fitted, whose true values are known.
@@ -40,13 +40,13 @@ def with_quadrature(bench: Bench) -> Bench:
 
 
 def flywheel() -> Fit:
-    """Fit of the damping c_2 of the DMF rig."""
+    """Fit of the damping c_2 in N m s/rad of the DMF rig to a virtual test."""
     test = Measurement(with_quadrature(load_bench("dmf_bench")).run(), "theta_1", "T_T", settings=PAPER, name="DMF")
     return identify(load("dmf_rig"), test, {"c_2": START_VALUES["c_2"]})
 
 
 def transmission(gears: tuple[str, ...] = GEARS) -> Fit:
-    """Fit of the damping c_O and c_B of the AMT rig to several gears at once."""
+    """Fit of the damping c_O and c_B in N m s/rad of the AMT rig to virtual tests in several gears at once."""
     bench = with_quadrature(load_bench("amt_bench"))
     tests = [Measurement(bench.configured(gear).run(), "theta_1", "T_T", gear, settings=PAPER) for gear in gears]
     return identify(load("amt_rig"), tests, {name: START_VALUES[name] for name in ("c_O", "c_B")})

@@ -61,7 +61,7 @@ class Rig:
     drivetrain: Drivetrain
 
     def response(self, against: str, frequencies: FloatArray = FREQUENCIES) -> FrequencyResponse:
-        """Response of theta_1 to an input or measured input at frequencies in Hz."""
+        """Frequency response in SI of theta_1 to an input or measured input at frequencies in Hz."""
         return self.drivetrain.frequency_response("theta_1", against, frequencies)
 
 
@@ -74,7 +74,7 @@ def rigs() -> list[Rig]:
 
 
 def first_vibration(modes: Modes) -> tuple[float, float]:
-    """Natural frequency in Hz and damping ratio of the lowest pole pair."""
+    """Natural frequency in Hz and damping ratio of the lowest oscillatory mode."""
     index = modes.kinds.index("oscillatory")
     return float(modes.natural_frequencies[index]), float(modes.damping_ratios[index])
 
@@ -94,7 +94,7 @@ def quantities(rig: Rig) -> Iterator[tuple[str, str, float]]:
 
 
 def comparison(cases: list[Rig]) -> Table:
-    """Table of the model beside the paper's test, theta_1/T_T."""
+    """Table of vibration and theta_1/T_T of each rig by the model beside the paper's test."""
     columns = (
         Column("case"),
         Column("quantity"),
@@ -166,7 +166,7 @@ def write_files(cases: list[Rig], folder: Path) -> Iterator[Path]:
 
 
 def show(folder: Path) -> None:
-    """Print the tables, write plots and curves to the folder."""
+    """Print the tables of modes and comparison, and write plots and curves of the rigs to the folder."""
     cases = rigs()
     for rig in cases:
         print_table(without_eigenvalues(rig.drivetrain.modes().table()))

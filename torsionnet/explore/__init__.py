@@ -1,4 +1,4 @@
-"""A page on this machine to play with a drivetrain: parameters as sliders, responses and modes at once.
+"""Page in the browser, served from this machine, to play with a drivetrain: sliders, responses and modes at once.
 
 One :class:`Session` holds a model; an :class:`ExploreServer` shows it to the browser and answers the page's questions
 (:mod:`torsionnet.explore.api`). Everything is calculated here; the page in ``static/`` draws. Neither loads anything

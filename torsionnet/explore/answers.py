@@ -1,4 +1,4 @@
-"""The answer to one state of the page: response, modes, parameters and misfit of a test, as JSON data."""
+"""Answer to one state of the explore page: response, modes, parameters and misfit of a test, as JSON data."""
 
 from __future__ import annotations
 
@@ -29,22 +29,24 @@ MOST_MODES, MANY_NODES = 40, 120
 All modes of such a model would take longer than the drag of a slider.
 """
 MOST_PEAKS = 6
-"""Largest number of peaks that are marked in the plot; more labels would cover the curve."""
+"""Largest number of peaks of a response that are marked in the plot; more labels would cover the curve."""
 
 
 POINTS, PER_PEAK, LEAST_PER_PEAK = 300, 41, 9
 MOST_AT_PEAKS = 1600
-"""Largest number of frequencies around all peaks together; a screen has about as many columns of pixels."""
+"""Largest number of frequencies of a plotted response around all peaks together; a screen has about as many columns
+of pixels."""
 UNDAMPED_RATIO = 1e-7
 """Damping ratio below which a vibration counts as undamped: its drawn height would depend on the nearest frequency."""
 NEAREST_TO_POLE = 2e-4
-"""Smallest relative distance of a frequency from an undamped pole; the peak is drawn some thousand times its flanks."""
+"""Smallest relative distance of a plotted frequency from an undamped pole; the peak is drawn some thousand times its
+flanks."""
 APPROACH = 4.0 ** np.arange(1, 5) / 2
-"""Distances from an undamped pole of the frequencies added around it, in units of ``NEAREST_TO_POLE``."""
+"""Distances from an undamped pole of the plotted frequencies added around it, in units of ``NEAREST_TO_POLE``."""
 
 
 def answer(session: Session, state: State) -> dict[str, Any]:
-    """Everything that changes with the state, as JSON data; the reasons under ``refused`` where it is impossible."""
+    """Everything on the page that changes with its state, as JSON data; reasons under ``refused`` if impossible."""
     with collected_notes() as notes:
         try:
             return _answer(session, state) | {"notes": notes}
@@ -119,14 +121,14 @@ def _measured(rig: Drivetrain, state: State) -> Modes | None:
 
 
 def respond(rig: Drivetrain, state: State, frequencies: FloatArray) -> FrequencyResponse:
-    """Frequency response of a completed state at frequencies in Hz."""
+    """Frequency response in SI that a state of the page shows, at frequencies in Hz."""
     response = rig.frequency_response(state.output, state.input, frequencies, excitation=state.excitation or None)
     is_motion = response.outputs[0].unit in DERIVATIVE_ORDERS
     return getattr(response, state.quantity)() if state.quantity and is_motion else response
 
 
 def response_data(response: FrequencyResponse, unbounded: FloatArray) -> dict[str, Any]:
-    """Magnitude in SI and continuous phase in degrees, with what it takes to show them in other units.
+    """Magnitude in SI and continuous phase in degrees of a response over Hz as JSON data, with factors to other units.
 
     ``unbounded`` are frequencies in Hz at which a peak has no height.
     """
@@ -149,7 +151,10 @@ def response_data(response: FrequencyResponse, unbounded: FloatArray) -> dict[st
 def _peaks(
     frequencies: FloatArray, magnitude: FloatArray, phase: FloatArray, unbounded: FloatArray
 ) -> list[list[float | None]]:
-    """Hz, magnitude and degrees of the largest local maxima, by rising frequency; None as height of undamped ones."""
+    """Frequency in Hz, magnitude (SI) and phase in degrees of a response's largest maxima, by rising frequency.
+
+    None as height of undamped ones.
+    """
     inner = magnitude[1:-1]
     with np.errstate(invalid="ignore"):
         at = 1 + np.flatnonzero((inner > magnitude[:-2]) & (inner >= magnitude[2:]) & np.isfinite(inner))
@@ -162,7 +167,7 @@ def _peaks(
 
 
 def modes_data(modes: Modes) -> dict[str, Any]:
-    """Columns of the table of modes as JSON data; frequencies in Hz, eigenvalues in rad/s."""
+    """Columns of the table of modes as JSON data, frequencies in Hz, eigenvalues in rad/s."""
     return {
         "title": modes.title,
         "natural": json_numbers(modes.natural_frequencies),
@@ -197,7 +202,7 @@ def response_frequencies(band: tuple[float, float], *modes: Modes) -> FloatArray
 
 
 def _undamped(*modes: Modes) -> FloatArray:
-    """Frequencies in Hz of vibrations without damping; several at one frequency count once."""
+    """Frequencies in Hz of vibrations without damping, shape (n,); several at one frequency count once."""
     found = [
         mode.damped_frequencies[(mode.damped_frequencies > 0) & (mode.damping_ratios < UNDAMPED_RATIO)]
         for mode in modes

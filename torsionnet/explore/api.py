@@ -1,4 +1,4 @@
-"""The four requests of the page, from JSON to JSON: model, answer, overlay and saved file."""
+"""The four requests of the explore page, from JSON to JSON."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ QUESTIONS: Mapping[str, Callable[[Session, State], dict[str, Any]]] = {
 
 
 def reply(session: Session, path: str, body: bytes) -> bytes:
-    """JSON text of the answer to a request.
+    """JSON text, in bytes, that answers a request of the page.
 
     A state that the model refuses is answered with its reasons under ``refused``: sliders reach such states.
 

@@ -1,4 +1,4 @@
-"""Outputs and inputs that the page offers for responses: sensors, nodes, inputs and torques on nodes."""
+"""Outputs and inputs that the explore page offers for responses: sensors, nodes, inputs and torques on nodes."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from torsionnet.response import FrequencyResponse
 from torsionnet.solve.dynamic_stiffness.transfer_request import usable_channels
 
 TWISTING = ("shaft", "spring")
-"""Glyphs of the elements whose torque the page offers."""
+"""Glyphs of the elements whose torque the page offers as an output."""
 MOTIONS = ("angle", "velocity", "acceleration", "twist")
-"""Quantities of the sensors that come first as the output."""
+"""Quantities of sensors, all of motion, that the page takes first as the output of a response."""
 
 
 @dataclass(frozen=True)
 class ResponseChoice:
-    """A response by the names of its output and input.
+    """Frequency response chosen by the names of its output and input.
 
     Examples
     --------
@@ -39,7 +39,7 @@ class ResponseChoice:
 
 
 def read_pair(text: str) -> ResponseChoice:
-    """Read a response written ``OUTPUT/INPUT``; UsageError where the text has another form."""
+    """Output and input of a response, read from ``OUTPUT/INPUT``; UsageError where the text has another form."""
     output, slash, into = (part.strip() for part in text.partition("/"))
     if not (slash and output and into) or "/" in into:
         raise UsageError(f'a transfer function is written OUTPUT/INPUT, as in theta_1/T_M; got "{text}"')

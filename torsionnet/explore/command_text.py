@@ -1,4 +1,4 @@
-"""The state of a page as a command line that prints the same numbers."""
+"""State of the explore page as a command line that prints the same numbers."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def command_text(session: Session, state: State) -> str:
-    """``torsionnet frf MODEL ...``, or ``orders``, for a completed state, quoted for the shell of this system.
+    """Command line ``torsionnet frf MODEL ...``, or ``orders``, for a state of the page, quoted for the shell here.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Access check of the server: only the page opened with the printed address may send requests."""
+"""Access check of the server of the explore page: only the page opened with the printed address may send requests."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from http import HTTPStatus
 
 HOST = "127.0.0.1"
-"""Address the server listens on: this machine alone."""
+"""IP address that the server of the page listens on: this machine alone."""
 NAMES = (HOST, "localhost")
-"""Host names a request may be addressed to."""
+"""Host names that a request to the server of the page may be addressed to."""
 
 HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
@@ -22,7 +22,8 @@ HEADERS = {
     "X-Frame-Options": "DENY",
     "Cache-Control": "no-store",
 }
-"""Headers of every answer: nothing is loaded from elsewhere, no other page frames this one, the token stays here."""
+"""HTTP headers of every answer of the page's server: nothing is loaded from elsewhere, no other page frames this
+one, the token stays here."""
 
 
 class RefusedError(Exception):
@@ -35,7 +36,7 @@ class RefusedError(Exception):
 
 @dataclass(frozen=True)
 class Guard:
-    """Port that the server listens on and secret token in its address.
+    """Access check of the page's server, with the port it listens on and the secret token in its address.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Vibration of one output over the speed of the machinery, for the page: all orders together and the largest ones."""
+"""Vibration of one output over the speed of machinery, for the explore page: all orders together and the largest."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import OrderResponse
 
 MOST_ORDERS = 5
-"""Largest number of orders that are drawn beside their sum; more lines cannot be told apart."""
+"""Largest number of orders over speed that are drawn beside their sum; more lines cannot be told apart."""
 ROUGH_SPEEDS = 120
 """Number of speeds that are calculated while a slider moves; a plot has a few pixels for each."""
 
@@ -62,14 +62,14 @@ def over_speed(rig: Drivetrain, output: str, *, rough: bool = False) -> dict[str
 
 
 def _thinned(speeds: FloatArray, most: int) -> tuple[FloatArray, bool]:
-    """Selection of at most ``most`` speeds, the first and the last among them, and whether any were left out."""
+    """Selection of at most ``most`` speeds in rad/s, first and last among them, and whether any were left out."""
     if len(speeds) <= most:
         return speeds, False
     return speeds[np.linspace(0, len(speeds) - 1, most).round().astype(int)], True
 
 
 def _largest(run: OrderResponse) -> list[dict[str, Any]]:
-    """Names and amplitudes of the orders with the largest amplitudes, the largest one first."""
+    """Names of the orders with the largest amplitudes and these over speed, in SI, the largest one first."""
     sizes = np.abs(run.values[:, :, 0])
     chosen = np.argsort(-sizes.max(axis=0), kind="stable")[:MOST_ORDERS]
     return [{"name": str(run.lines[line]), "magnitude": json_numbers(sizes[:, line])} for line in chosen.tolist()]

@@ -1,4 +1,4 @@
-"""The measured response that the page lays over the calculated one, and the misfit between both."""
+"""Measured response that the explore page lays over the calculated one, and the misfit between both."""
 
 from __future__ import annotations
 

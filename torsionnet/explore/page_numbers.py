@@ -1,4 +1,4 @@
-"""Numbers and units as the page shows them."""
+"""Numbers and units as the explore page shows them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""HTTP server of the page for the browser on this machine only."""
+"""HTTP server of the explore page for the browser on this machine only."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from torsionnet.explore.session import Session
 from torsionnet.explore.state import RequestError
 
 LARGEST_REQUEST = 100_000
-"""Most bytes of a request; a state of 2000 parameters has about that many."""
+"""Largest number of bytes of a request to the page's server; a state of 2000 parameters has about that many."""
 REQUEST_SECONDS = 20.0
 """Longest time in seconds for a request to come in, once the connection waits for it, and for an answer to go out."""
 MOST_CONNECTIONS = 32
-"""Most connections at a time, each of which takes a thread; a browser opens six."""
+"""Largest number of connections to the page's server at a time; a browser opens six."""
 JSON = "application/json"
-"""Media type of requests and answers."""
+"""Media type of JSON requests to the page's server and of its answers."""
 
 
 STATIC = Path(__file__).parent / "static"
@@ -42,7 +42,7 @@ INDEX = "index.html"
 
 
 class ExploreServer(ThreadingHTTPServer):
-    """Server that listens on 127.0.0.1 from the moment it exists; ``serve_forever`` answers.
+    """Server of the explore page that listens on 127.0.0.1 from the moment it exists; ``serve_forever`` answers.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ class ExploreServer(ThreadingHTTPServer):
 
     @property
     def address(self) -> str:
-        """Address to open in a browser, with the token in it."""
+        """Address of the page to open in a browser, with the token in it."""
         return self.guard.address
 
     def process_request(self, request: Any, client_address: Any) -> None:
@@ -105,7 +105,7 @@ class ExploreServer(ThreadingHTTPServer):
 
 
 class Handler(BaseHTTPRequestHandler):
-    """Answers to GET for the files of the page and to POST for its requests; other methods are refused."""
+    """HTTP handler that answers GET for the files of the page and POST for its requests, and refuses other methods."""
 
     server: ExploreServer
     protocol_version = "HTTP/1.1"

@@ -1,4 +1,4 @@
-"""The model of the page with its start state and test, which the server keeps between requests."""
+"""Model of the explore page with its start state and test, which the server keeps between requests."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ MOST_SURVEYED = 24
 
 @dataclass(frozen=True, eq=False)
 class Session:
-    """Model, its text and the state that the page begins with.
+    """Model that the page shows, with its text and the state that the page begins with.
 
     Attributes
     ----------
@@ -64,14 +64,14 @@ class Session:
     _chosen: dict[str, Drivetrain] = field(default_factory=dict, repr=False)
 
     def model_in(self, choice: Mapping[str, str]) -> Drivetrain:
-        """Drivetrain in a configuration, with the values of its file."""
+        """Drivetrain of the page in a configuration, with the parameter values of its file."""
         name = ",".join(f"{axis}={alternative}" for axis, alternative in choice.items())
         if name not in self._chosen:
             self._chosen[name] = self.base.configured(name) if name else self.base
         return self._chosen[name]
 
     def model_for(self, state: State) -> Drivetrain:
-        """Drivetrain in the configuration and with the values of a state; UsageError for an expression as a value."""
+        """Drivetrain in a state's configuration with its parameter values; UsageError for an expression as a value."""
         changed = (
             self.model_in(state.choice).configured(**state.values) if state.values else self.model_in(state.choice)
         )
@@ -83,7 +83,7 @@ class Session:
         return changed
 
     def with_defaults(self, state: State) -> State:
-        """Copy of the state with the response and the excitation that an empty name stands for.
+        """State of the page with the response and the excitation that an empty name stands for.
 
         Of a state whose input is no sensor the excitation is empty.
         """
@@ -112,7 +112,7 @@ class Session:
         }
 
     def overlay_for(self, state: State) -> dict[str, Any] | None:
-        """Data of the measured response in the state's output and input; None without one."""
+        """Measured response of a state's output and input as JSON data in Hz, SI and degrees; None without one."""
         return overlay_data(self.overlay, self.with_defaults(state))
 
     @property
@@ -122,7 +122,7 @@ class Session:
         return f"{path.stem}_changed{path.suffix}"
 
     def changed_file_text(self, state: State) -> str:
-        """Text of the model file with the values of a state.
+        """Text of the model file with the parameter values of a state.
 
         A value that the configuration chosen sets is changed there, any other one in the table of parameters.
         """
@@ -141,7 +141,7 @@ def open_session(
     text: str | None = None,
     over_speed: Sequence[str] = (),
 ) -> Session:
-    """Read a model, and a measured response to draw with the calculated one.
+    """Session of the page with a model read from its file, and a measured response to draw with the calculated one.
 
     Parameters
     ----------

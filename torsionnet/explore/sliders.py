@@ -1,4 +1,4 @@
-"""Sliders of the page: unit, value and range of every parameter of a model."""
+"""Sliders of the explore page: unit, value and range of every parameter of a model."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ RANGE_FACTOR = 10.0
 
 @dataclass(frozen=True)
 class Slider:
-    """Slider of a parameter; numbers are in ``unit``, the one written in the model.
+    """Slider of a model's parameter with value and range in ``unit``, the one written in the model.
 
     Attributes
     ----------
@@ -117,7 +117,7 @@ def _followed(own: Parameter) -> str:
 
 
 def written_unit(value: Expression) -> str:
-    """Unit behind a number in the model file; empty where none is written.
+    """Text of the unit behind a parameter's number in the model file; empty where none is written.
 
     >>> from torsionnet.core.expression_reading import scalar
     >>> written_unit(scalar("0.46 kN*m/rad")), written_unit(scalar(3))
@@ -134,7 +134,7 @@ def written_unit(value: Expression) -> str:
 
 
 def _over(value: Any, factor: Any) -> float:
-    """Value over a factor, exact where both are fractions, so that 0.46 kN*m/rad stays 0.46."""
+    """Value in SI over the factor of its unit, exact where both are fractions, so that 0.46 kN*m/rad stays 0.46."""
     exact = isinstance(value, int | Fraction) and isinstance(factor, Fraction)
     return float(Fraction(value) / factor) if exact else float(value) / float(factor)
 

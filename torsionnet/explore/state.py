@@ -1,4 +1,4 @@
-"""State of the page: configuration, values of parameters, the response shown and the frequency band."""
+"""Choices made on the explore page: configuration, values of parameters, the response shown and the frequency band."""
 
 from __future__ import annotations
 
@@ -15,11 +15,13 @@ AXES = ("frequency", "speed")
 QUANTITIES = ("", "receptance", "mobility", "accelerance")
 ANGLES = ("rad", "deg")
 LONGEST_TEXT = 200
-"""Most characters of a name or value in a request; none in a real model comes near, and messages quote them."""
+"""Largest number of characters of a name or value in a request of the page; none in a real model comes near, and
+messages quote them."""
 MOST_VALUES = 2000
-"""Most values in a table of a request, so many that no model with sliders has more parameters."""
+"""Largest number of values in a table of a request of the page, so many that no model with sliders has more
+parameters."""
 HIGHEST_FREQUENCY = 1e9
-"""Upper bound of the frequency band in Hz, far above any torsional vibration."""
+"""Upper bound of the frequency band of the page in Hz, far above any torsional vibration."""
 
 Value: TypeAlias = int | float | str
 
@@ -67,12 +69,12 @@ class State:
     rough: bool = False
 
     def to_data(self) -> dict[str, Json]:
-        """Attributes of the state as JSON data."""
+        """Choices made on the page as JSON data by name."""
         return {entry.name: getattr(self, entry.name) for entry in fields(self)} | {"band": list(self.band)}
 
 
 def read_state(raw: object) -> State:
-    """State of the page in a request.
+    """State of the page from the JSON data of a request.
 
     Raises
     ------

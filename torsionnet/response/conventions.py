@@ -11,16 +11,16 @@ from dataclasses import dataclass
 from torsionnet.core.errors import UsageError, did_you_mean
 
 ANGLES = {"rad": 1.0, "deg": 180 / math.pi}
-"""Factor from rad to each unit of angle."""
+"""Factor from rad to each unit in which angles are shown, by name of the unit."""
 FREQUENCIES = {"Hz": 1.0, "cpm": 60.0, "rpm": 60.0, "rad/s": 2 * math.pi}
-"""Factor from Hz to each unit of frequency."""
+"""Factor from Hz to each unit in which frequencies are shown, by name of the unit."""
 AMPLITUDES = {"peak": 1.0, "RMS": 1 / math.sqrt(2), "peak-to-peak": 2.0}
-"""Factor from a peak value to each kind of amplitude."""
+"""Factor from the peak value of a vibration to each kind of amplitude, by name of the kind."""
 
 
 @dataclass(frozen=True)
 class Conventions:
-    """Units and references of tables, files and plots.
+    """Units of angle and frequency, kind of amplitude and dB reference of tables, files and plots.
 
     Attributes
     ----------
@@ -53,29 +53,29 @@ class Conventions:
             raise UsageError(f"the dB reference must be a positive number, got {self.db_reference}")
 
     def scale(self, unit: str) -> float:
-        """Factor from the SI unit of a channel to the unit shown; not 1 for angles and stresses."""
+        """Factor from an SI unit to the unit in which its values are shown; not 1 for angles and stresses."""
         return ANGLES[self.angle] if "rad" in unit else 1e-6 if unit == "Pa" else 1.0
 
     def unit(self, unit: str) -> str:
-        """Name of the unit shown for an SI unit."""
+        """Name of the unit in which values of an SI unit are shown, such as deg for rad."""
         return "N/mm^2" if unit == "Pa" else unit.replace("rad", self.angle)
 
     def unit_of_column(self, unit: str) -> str:
-        """Unit shown for a column in SI units or Hz."""
+        """Name of the unit in which a table's column of an SI unit, or of Hz, is shown."""
         return self.frequency if unit == "Hz" else self.unit(unit)
 
     def scale_of_column(self, unit: str) -> float:
-        """Factor from SI units or Hz to the unit shown for a column."""
+        """Factor from the SI unit, or Hz, of a table's column to the unit in which it is shown."""
         return self.frequency_scale if unit == "Hz" else self.scale(unit)
 
     @property
     def frequency_scale(self) -> float:
-        """Factor from Hz to the unit of frequency shown."""
+        """Factor from Hz to the unit in which frequencies are shown."""
         return FREQUENCIES[self.frequency]
 
     @property
     def amplitude_scale(self) -> float:
-        """Factor from a peak value to the kind of amplitude shown."""
+        """Factor from the peak value of a vibration to the kind of amplitude shown."""
         return AMPLITUDES[self.amplitude]
 
 

@@ -23,20 +23,20 @@ from torsionnet.response.table import Column, Table, result_table
 from torsionnet.response.vibration_mode import VibrationMode
 
 NEGLIGIBLE_FORCE = 1e-9
-"""Relative generalised force below which 0 is shown: it is what rounding leaves of a sum of zero."""
+"""Generalised force over that of one cylinder below which tables show 0: what rounding leaves of a sum of zero."""
 SAME_MODE_DISTANCE = 0.02
 """Relative difference of natural frequencies up to which modes of two conditions count as the same mode."""
 OVERDAMPED_NOTE = "undamped modes that damping leaves no vibration are counted behind all others"
-"""Note below tables with overdamped modes."""
+"""Text of the note below tables of modes on how overdamped modes are counted."""
 EXCITED: Schema = {"type": ["boolean", "null"], "description": "null where nothing says what acts"}
-"""JSON Schema of whether a mode is excited."""
+"""JSON Schema of whether a mode is excited, null where no torques are known."""
 FREQUENCY_FIELDS = {"undamped": "undamped_frequency", "natural": "natural_frequency", "damped": "damped_frequency"}
-"""Field of :class:`VibrationMode` for each kind of frequency of a mode."""
+"""Field of :class:`VibrationMode` that holds each kind of frequency of a mode in Hz, by name of the kind."""
 
 
 @dataclass(frozen=True)
 class SpeedPeak:
-    """Largest amplitude of one order of one output over speed, near a critical speed.
+    """Largest amplitude of one order of one output near a critical speed, in SI units of the output, and its speed.
 
     ``speed`` in rad/s of the reference shaft, ``amplitude`` a peak value in SI units.
     """
@@ -48,7 +48,7 @@ class SpeedPeak:
 
 @dataclass(frozen=True)
 class StarVector:
-    """Vector of a star diagram: what acts, on which node, and its share of the generalised force."""
+    """Complex vector of a star diagram, without unit, with what acts and the node it acts on."""
 
     label: str
     node: str
@@ -57,7 +57,7 @@ class StarVector:
 
 @dataclass(frozen=True, eq=False)
 class CriticalSpeedRow:
-    """Critical speed as plain data: one order or fixed frequency, one mode, speeds of the reference shaft in rad/s."""
+    """Critical speed of one excitation line and one mode as plain data, in rad/s of the reference shaft."""
 
     mode: int
     excitation: str
@@ -79,7 +79,7 @@ class CriticalSpeedRow:
 
 @dataclass(frozen=True, eq=False)
 class ModeWithShape(VibrationMode):
-    """A vibration mode with its shape by node, 1 at the node that moves most."""
+    """Vibration mode with its shape as complex angles by node, without unit, 1 at the node that moves most."""
 
     shape_by_node: Annotated[Mapping[str, complex], Out(json="shape")]
 
@@ -166,7 +166,7 @@ class CriticalSpeed:
         return self.speed(which) * float(self.ratio)
 
     def row(self) -> CriticalSpeedRow:
-        """Critical speed as plain data, for JSON."""
+        """Critical speed of one excitation line and one mode as plain data for JSON, in rad/s."""
         star = self.star
         vectors = [] if star is None else zip(star.labels, star.nodes, star.vectors.tolist(), strict=True)
         return CriticalSpeedRow(
@@ -178,12 +178,15 @@ class CriticalSpeed:
 
     @property
     def passes(self) -> bool | None:
-        """Whether the margin is at least the required one; None where the rule requires none."""
+        """Whether the separation margin of a critical speed is at least what the rule requires, if it requires one.
+
+        None where the rule requires none.
+        """
         return None if self.required is None else self.margin >= self.required
 
     @property
     def remark(self) -> str:
-        """Remark for tables, of the mode, and whether it is not excited here or in which condition it is."""
+        """Remark on a critical speed in tables, on its mode, on where it is not excited, or on the worst case."""
         said = [self.mode.remark] if self.mode.remark else []
         if self.excited is False:
             elsewhere = f", but in {', '.join(self.excited_in)}" if self.excited_in else " in this condition"
@@ -194,7 +197,7 @@ class CriticalSpeed:
 
     @property
     def line(self) -> str:
-        """Excitation line as a text, such as '4.5' or '100 Hz'."""
+        """Excitation line of a critical speed as a text, its order or frequency, such as '4.5' or '100 Hz'."""
         if not self.order:
             return f"{self.fixed:g} Hz"
         return f"{self.order:g}" + (f" {self.fixed:+g} Hz" if self.fixed else "")
@@ -250,7 +253,7 @@ class CriticalSpeeds(NotebookResult):
     notes: tuple[str, ...] = ()
 
     def of(self, mode: int, order: float, excitation: str | None = None) -> CriticalSpeed:
-        """Critical speed by the number of its mode and its order.
+        """Critical speed at which a mode, by its number, meets an excitation order.
 
         Raises
         ------
@@ -274,7 +277,7 @@ class CriticalSpeeds(NotebookResult):
         raise UsageError(f"mode {mode} meets no order {order:g} in or near the operating range; it meets {known}")
 
     def mode(self, number: int) -> VibrationMode:
-        """Mode by its number.
+        """Vibration mode of the drivetrain by its number, counted from 1 without rigid bodies.
 
         Raises
         ------
@@ -287,7 +290,7 @@ class CriticalSpeeds(NotebookResult):
         raise UsageError(f"there is no mode {number}; there are {len(self.modes)}, counted from 1 without rigid bodies")
 
     def in_conditions(self, others: Sequence[CriticalSpeeds]) -> CriticalSpeeds:
-        """Copy in which each crossing names the other conditions that excite it (``excited_in``)."""
+        """Critical speeds that each name the other conditions which excite the mode (``excited_in``)."""
         return replace(
             self,
             crossings=tuple(
@@ -297,7 +300,7 @@ class CriticalSpeeds(NotebookResult):
         )
 
     def table(self) -> Table:
-        """Table with a row per crossing, critical speed, peaks, margin and generalised force."""
+        """Table of critical speeds in rpm, a row per crossing, with peaks, margin in % and generalised force in N m."""
         geared = any(one.order and one.ratio != 1 for one in self.crossings)
         columns = [
             Column("mode"),
@@ -340,17 +343,17 @@ class CriticalSpeeds(NotebookResult):
         return (*notes, *([f"margins: {self.rule}"] if self.rule else []), *self.notes)
 
     def notebook_tables(self) -> tuple[Table, ...]:
-        """Tables of modes and critical speeds."""
+        """Tables of the vibration modes and of the critical speeds, as a notebook shows them."""
         return self.mode_table(), self.table()
 
     def mode_table(self) -> Table:
-        """Table with a row per mode: frequencies with and without damping, damping ratio, amplification."""
+        """Table with a row per vibration mode, frequencies in Hz with and without damping, and damping ratio."""
         overdamped = any(math.isnan(one.natural_frequency) for one in self.modes)
         notes = (COUNTING_NOTE, *([OVERDAMPED_NOTE] if overdamped else []))
         return result_table(f"{self.title}: natural frequencies", self.modes, VibrationMode, notes=notes)
 
     def record(self, configuration: str = "") -> CriticalSpeedsRecord:
-        """Critical speeds as plain data, for JSON."""
+        """Critical speeds of one configuration as plain data for JSON, with modes and crossings."""
         modes = (ModeWithShape(**vars(mode), shape_by_node=self.shape(mode.number)) for mode in self.modes)
         return CriticalSpeedsRecord(
             self.title, configuration, self.reference, self.speed_range, str(self.rule) if self.rule else None,
@@ -358,12 +361,12 @@ class CriticalSpeeds(NotebookResult):
         )  # fmt: skip
 
     def shape(self, mode: int) -> Mapping[str, complex]:
-        """Mode shape as complex angles by node, 1 at the node that moves most."""
+        """Shape of a mode, by its number, as complex angles by node, without unit, 1 where it moves most."""
         return dict(zip(self.nodes, self.mode(mode).shape.tolist(), strict=True))
 
 
 def _excites(other: CriticalSpeeds, one: CriticalSpeed) -> bool:
-    """Whether another condition excites the same mode by the same excitation line."""
+    """Whether another condition excites the mode of a critical speed by the same excitation line."""
     for crossing in other.crossings:
         same = (crossing.excitation, crossing.order, crossing.fixed) == (one.excitation, one.order, one.fixed)
         if same and crossing.excited and _is_same_mode(crossing.mode, one.mode):

@@ -12,17 +12,19 @@ from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.synthesis import waveforms
 
 POINTS_PER_PERIOD = 8
-"""Points of the coarse grid for each period of the highest order: a quarter of its maxima is wider than a step."""
+"""Number of points of the coarse grid over a cycle for each period of the highest order: a quarter of its maxima is
+wider than a step."""
 MOST_WAVEFORM_POINTS = 4_000_000
-"""Points of waveforms that are held in memory at a time; speeds are processed in parts accordingly."""
+"""Largest number of waveform points that are held in memory at a time; speeds are processed in parts accordingly."""
 MOST_MAXIMA = 20_000
-"""Maxima that are refined at a time: their amplitudes take some 10 MB."""
+"""Largest number of waveform maxima that are refined at a time: their amplitudes take some 10 MB."""
 NEWTON_STEPS = 5
-"""Steps from a point of the grid to its maximum; three leave 1e-5 where a maximum is flat, five less than 1e-9."""
+"""Number of Newton steps from a grid point of a waveform to the maximum near it; three leave 1e-5 where a maximum is
+flat, five less than 1e-9."""
 
 
 def cycle_extremes(amplitudes: ComplexArray, periods: Sequence[int]) -> FloatArray:
-    """Largest and smallest value of Re sum_l X_l exp(j c_l phi) over a cycle of phi, shape (2, n_speeds, n_out).
+    """Highest and lowest Re sum_l X_l exp(j c_l phi) over a cycle of phi, in the unit of X, shape (2, n_speeds, n_out).
 
     Between two points h apart a wave exceeds the nearer one by at most h^2/8 sum |X_l| c_l^2, so that few maxima of
     a coarse grid have to be refined.
@@ -50,7 +52,7 @@ def cycle_extremes(amplitudes: ComplexArray, periods: Sequence[int]) -> FloatArr
 
 
 def _of_part(amplitudes: ComplexArray, counts: NDArray[np.int64]) -> FloatArray:
-    """Largest and smallest values (2, n_speeds, n_out) of waves with amplitudes (n_speeds, n_out, n_counts)."""
+    """Maxima and minima (2, n_speeds, n_out) of waves in the unit of their amplitudes (n_speeds, n_out, n_counts)."""
     spectrum = np.zeros((len(amplitudes), int(counts[-1]) + 1, amplitudes.shape[1]), dtype=complex)
     spectrum[:, counts] = amplitudes.transpose(0, 2, 1)
     waves = waveforms(spectrum, max(POINTS_PER_PERIOD * int(counts[-1]), 1))
@@ -74,7 +76,7 @@ def _highest(waves: FloatArray, rise: FloatArray, amplitudes: ComplexArray, coun
 
 
 def _tops(amplitudes: ComplexArray, counts: NDArray[np.int64], start: FloatArray, step: float) -> FloatArray:
-    """Maxima (n,) of waves (n, n_counts) within a step of start angles, by Newton's method or bisection."""
+    """Maxima (n,) of waves with amplitudes (n, n_counts), in their unit, within a step in rad of start angles."""
     series = _Series(amplitudes, counts)
     low, high, angle = start - step, start + step, start
     for _ in range(NEWTON_STEPS):
@@ -86,7 +88,7 @@ def _tops(amplitudes: ComplexArray, counts: NDArray[np.int64], start: FloatArray
 
 
 class _Series:
-    """Sums Re sum_k X_k exp(j c_k phi) of waves (n, n_counts), with their derivatives to phi, by Horner's rule."""
+    """Sums Re sum_k X_k exp(j c_k phi) of waves (n, n_counts), in the unit of X, with their derivatives to phi."""
 
     def __init__(self, amplitudes: ComplexArray, counts: NDArray[np.int64]) -> None:
         # Value, slope and curvature are sums of X, j c X and -c^2 X; they lie side by side for each count.
@@ -95,7 +97,7 @@ class _Series:
         self.gaps = [int(counts[0]), *np.diff(counts).tolist()]
 
     def at(self, angle: FloatArray) -> FloatArray:
-        """Value, slope and curvature of each wave at an angle of its own, shape (3, n)."""
+        """Value, slope per rad, curvature per rad^2 of waves, in their unit, each at its angle in rad, shape (3, n)."""
         turns = {gap: np.exp(1j * gap * angle) for gap in set(self.gaps)}
         total = np.zeros(self.terms.shape[1:], dtype=complex)
         for terms, gap in zip(self.terms[::-1], self.gaps[::-1], strict=True):

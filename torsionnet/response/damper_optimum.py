@@ -16,16 +16,16 @@ from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.table import Column, Table
 
 EQUAL_PEAK_DIFFERENCE = 1e-3
-"""Relative difference up to which peaks count as equally high, so that both determine the optimum."""
+"""Relative difference up to which peaks of vibration are equally high, so that both determine the best damper."""
 AT_BOUND_SHARE = 1e-4
-"""Distance to a bound, as a share of the range, within which a value is at the bound."""
+"""Distance to a bound, as a share of the range, within which a design parameter is at the bound."""
 INDIFFERENT_LEVEL_RATIO = 1.01
-"""Ratio of largest to smallest level over the range of a parameter below which it has hardly any effect."""
+"""Ratio of largest to smallest vibration over the range of a design parameter below which it hardly has any effect."""
 
 
 @dataclass(frozen=True)
 class DesignParameter:
-    """Design parameter of a damper with start value, bounds and optimal value, SI."""
+    """Design parameter of a damper with start value, bounds and optimal value, in SI units."""
 
     name: str
     unit: str
@@ -36,12 +36,12 @@ class DesignParameter:
 
     @property
     def is_damping(self) -> bool:
-        """Whether the parameter is a viscous damping."""
+        """Whether a design parameter of a damper is a viscous damping."""
         return self.unit == expected_unit("damping")
 
     @property
     def bound(self) -> str:
-        """Bound that the optimal value is at: ``lower``, ``upper``, or empty inside the bounds."""
+        """Name of the bound that an optimal design value is at, ``lower`` or ``upper``; empty inside the bounds."""
         near = AT_BOUND_SHARE * (self.upper - self.lower)
         if self.value - self.lower <= min(near, AT_BOUND_SHARE * max(abs(self.value), abs(self.lower))):
             return "lower"
@@ -50,7 +50,7 @@ class DesignParameter:
 
 @dataclass(frozen=True)
 class LevelPeak:
-    """Local maximum of the level over frequency (Hz) or speed (r/min)."""
+    """Local maximum of the vibration level in SI units of the output over frequency (Hz) or speed (r/min)."""
 
     point: Annotated[float, Out(json="at")]
     level: float
@@ -58,7 +58,10 @@ class LevelPeak:
 
 @dataclass(frozen=True)
 class FixedPoint:
-    """Frequency in Hz where the level hardly depends on the damping; ``spread``: largest over smallest minus 1."""
+    """Frequency in Hz where the vibration level (SI) hardly depends on a damping.
+
+    ``spread`` is the largest level over the smallest minus 1.
+    """
 
     point: Annotated[float, Out(json="at")]
     level: float
@@ -67,7 +70,7 @@ class FixedPoint:
 
 @dataclass(frozen=True, eq=False)
 class LevelCurve:
-    """Curve of the level (n,) over frequencies in Hz or speeds in r/min (n,) for one set of values."""
+    """Vibration level in SI (n,) over frequencies in Hz or speeds in r/min (n,) for one set of damper values."""
 
     label: str
     points: FloatArray
@@ -76,7 +79,7 @@ class LevelCurve:
 
 @dataclass(frozen=True, eq=False)
 class DesignParameterRow:
-    """A value sought, and the largest level over its range with all other values at their optimum; SI."""
+    """Design parameter of a damper, and the largest vibration level over its range, others at their optimum, in SI."""
 
     name: str
     unit: str
@@ -108,7 +111,7 @@ class DamperRecord:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DamperOptimum(NotebookResult):
-    """Optimal damper: the values for which the largest level is smallest.
+    """Optimal damper, the values for which the largest vibration level is smallest.
 
     Attributes
     ----------
@@ -144,11 +147,11 @@ class DamperOptimum(NotebookResult):
 
     @property
     def values(self) -> dict[str, float]:
-        """Optimal values by parameter, SI, as :meth:`torsionnet.Drivetrain.configured` takes them."""
+        """Optimal values in SI by design parameter, as :meth:`torsionnet.Drivetrain.configured` takes them."""
         return {one.name: one.value for one in self.parameters}
 
     def record(self, configuration: str = "") -> DamperRecord:
-        """Best damper as plain data, for JSON."""
+        """Best damper of one configuration as plain data for JSON, in SI units."""
         rows = tuple(
             DesignParameterRow(
                 one.name, one.unit, one.start, one.lower, one.upper, one.value, one.bound or None,
@@ -162,7 +165,7 @@ class DamperOptimum(NotebookResult):
         )  # fmt: skip
 
     def words(self) -> tuple[str, ...]:
-        """Sentences on the reliability of the optimum: parameters at bounds or without effect, peaks, fixed points."""
+        """Sentences on the reliability of the best damper: parameters at bounds or idle, peaks, fixed points."""
         found = [*(self._about(one) for one in self.parameters), self._held_by()]
         if self.fixed_points:
             where = " and ".join(f"{one.point:.5g}" for one in self.fixed_points)
@@ -187,7 +190,7 @@ class DamperOptimum(NotebookResult):
         return f"the maximum is at {where} {self.of[1]}" + (", equally high" if len(self.peaks) > 1 else "")
 
     def table(self, conventions: Conventions = SI) -> Table:
-        """Table of the values, then of the largest level before and after with its frequency or speed."""
+        """Table of a damper's values as given and optimal, and of the largest vibration level and where it is."""
         scale, unit = conventions.scale(self.channel.unit), conventions.unit(self.channel.unit)
         rows: list[tuple[object, ...]] = [
             (one.name, one.unit, one.start, one.value, one.lower, one.upper) for one in self.parameters
@@ -200,7 +203,7 @@ class DamperOptimum(NotebookResult):
         return Table(f"{self.title}: best damper", tuple(map(Column, names)), tuple(rows), self.words())
 
     def effect_table(self, conventions: Conventions = SI) -> Table:
-        """Table of the largest level over the values of each parameter."""
+        """Table of the largest vibration level over the values of each design parameter of a damper."""
         scale = conventions.scale(self.channel.unit)
         columns = (
             Column("parameter"),

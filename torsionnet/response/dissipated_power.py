@@ -17,7 +17,7 @@ FORMULA = "P = sum over frequencies of Re(T conj(dgamma/dt))/2, T the whole torq
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DissipatedPower(NotebookResult):
-    """Mean dissipated power by speed and element, W.
+    """Mean power in W that the vibration of running machinery dissipates, by speed and element.
 
     Attributes
     ----------
@@ -40,11 +40,11 @@ class DissipatedPower(NotebookResult):
 
     @property
     def rpm(self) -> FloatArray:
-        """Speeds of the reference shaft, r/min."""
+        """Speeds of the reference shaft in r/min, shape (n_speeds,)."""
         return np.asarray(self.speeds * RPM)
 
     def of(self, element: str) -> FloatArray:
-        """Power of an element over speed in W, shape (n_speeds,).
+        """Mean power that an element dissipates over speed in W, shape (n_speeds,).
 
         Raises
         ------
@@ -57,7 +57,7 @@ class DissipatedPower(NotebookResult):
         return np.asarray(self.values[:, self.elements.index(element)])
 
     def table(self) -> Table:
-        """Table with a row for each speed and a column for each element, W."""
+        """Table of dissipated power in W with a row for each speed in rpm and a column for each element."""
         columns = (Column("speed", "rpm"), *(Column(name, "W") for name in self.elements))
         rows = tuple((rpm, *row) for rpm, row in zip(self.rpm.tolist(), self.values.tolist(), strict=True))
         notes = (f"speeds of {self.reference}; {FORMULA}", "heat of a steady slip is not in it")

@@ -21,17 +21,17 @@ from torsionnet.response.order_line import OrderLine
 from torsionnet.response.worst_angle import Shares, worst_angles
 
 SPEEDS_PER_SEARCH = 50
-"""Speeds that are searched together, which limits the memory."""
+"""Number of speeds that are searched for engine angles together, which limits the memory."""
 EQUAL_ANGLE = 1e-5
-"""Angle difference in rad, and as a share of a period, below which angles are equal: at an extremum the half range
-varies too little to determine the angle any better."""
+"""Angle difference in rad, and as a share of a period, below which angles between engines are equal: at an extremum
+the half range varies too little to determine the angle any better."""
 NEGLIGIBLE_AMPLITUDE = 1e-6
-"""Share of an engine's largest amplitude below which an order is ignored when the period of the angle is determined."""
+"""Share of an engine's largest amplitude below which an order does not count for the period of the engine angle."""
 
 
 @dataclass(frozen=True, eq=False)
 class EngineAngle:
-    """Angle by which an engine fires later than another one, by speed and output.
+    """Crank angle in rad by which an engine fires later than another one, by speed and output.
 
     Attributes
     ----------
@@ -50,29 +50,29 @@ class EngineAngle:
 
     @property
     def degrees(self) -> FloatArray:
-        """Angle in degrees, shape (n_speeds, n_out)."""
+        """Crank angle in degrees by which an engine fires later than another one, shape (n_speeds, n_out)."""
         return np.degrees(self.angle)
 
     def at(self, speed: int, output: int) -> str:
-        """Sentence such as 'port fires 30 deg after starboard', for indices of a speed and an output."""
+        """Sentence on an engine angle for indices of a speed and an output, 'port fires 30 deg after starboard'."""
         period = round(math.degrees(self.period[speed, output]), 1)
         degrees = round(float(self.degrees[speed, output]), 1) % period
         return f"{self.engine} fires {degrees:g} deg after {self.after}"
 
     def part(self, speeds: Sequence[int], outputs: Sequence[int]) -> EngineAngle:
-        """Copy for some speeds and outputs, by their indices."""
+        """Engine angles of some speeds and outputs only, by their indices."""
         angle, period = (of[list(speeds)][:, list(outputs)] for of in (self.angle, self.period))
         return replace(self, angle=angle, period=period)
 
     def joined(self, others: Sequence[EngineAngle], order: NDArray[np.intp]) -> EngineAngle:
-        """Copy joined with the angles at other speeds, sorted by ``order``."""
+        """Engine angles joined with those at other speeds, sorted by the indices ``order``."""
         angles, periods = ([getattr(one, name) for one in (self, *others)] for name in ("angle", "period"))
         return replace(self, angle=np.concatenate(angles)[order], period=np.concatenate(periods)[order])
 
 
 @dataclass(frozen=True, eq=False)
 class AmplitudesAtAngles:
-    """Order amplitudes with all engine angles decided, by speed and output.
+    """Complex order amplitudes in SI units of the outputs with all engine angles decided, by speed and output.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class AmplitudesAtAngles:
 
 
 def at_worst_angles(values: ComplexArray, lines: Sequence[OrderLine], shares: Shares = ()) -> AmplitudesAtAngles:
-    """Order amplitudes with the engine angles, and signs of scattered shares, that give the largest half range."""
+    """Order amplitudes (SI) at the engine angles and signs of scattered shares with the largest half range."""
     signs = [np.ones((len(values), values.shape[2], len(own)), dtype=np.int8) for _, own in shares]
     delays: dict[EngineBlock, FloatArray] = {}
     for blocks in blocks_by_speed(lines):
@@ -120,7 +120,7 @@ def at_engine_angles(
     delays: Mapping[EngineBlock, FloatArray],
     signs: tuple[NDArray[np.int8], ...] = (),
 ) -> AmplitudesAtAngles:
-    """Order amplitudes with engines delayed by angles (n_speeds, n_out) in rad of the reference shaft."""
+    """Order amplitudes (SI) with engines delayed by angles (n_speeds, n_out) in rad of the reference shaft."""
     angles = []
     for blocks in blocks_by_speed(lines):
         for block in blocks[1:]:
@@ -133,7 +133,7 @@ def at_engine_angles(
 
 
 def _period(values: ComplexArray, lines: Sequence[OrderLine], blocks: Sequence[EngineBlock]) -> FloatArray:
-    """Angle of the reference shaft in rad, (n_speeds, n_out), after which the sum of two engines repeats.
+    """Angle of the reference shaft in rad, (n_speeds, n_out), after which the vibration of two engines repeats.
 
     It is the largest angle of which the periods of both are multiples; orders of negligible amplitude are ignored.
     """
@@ -156,7 +156,7 @@ def _ratio(lines: Sequence[OrderLine], block: EngineBlock) -> float:
 def with_engines_delayed(
     values: ComplexArray, lines: Sequence[OrderLine], angles: Sequence[EngineAngle], sense: float = 1.0
 ) -> ComplexArray:
-    """Order amplitudes with some engines delayed by their angles, or advanced with ``sense=-1``."""
+    """Order amplitudes (n_speeds, n_lines, n_out), SI, with engines delayed by angles, advanced with ``sense=-1``."""
     found = values.copy()
     known = {one.engine: one.angle for one in angles}
     for block in engine_blocks(lines):

@@ -10,9 +10,10 @@ from fractions import Fraction
 from torsionnet.response.order_line import OrderLine
 
 GRID_POINTS_PER_PERIOD = 8
-"""Grid points for each period of the highest order in a search of engine angles."""
+"""Number of grid points for each period of the highest order in a search of engine angles."""
 MOST_GRID_POINTS = 2000
-"""Most points of a grid; beyond, lines that do not repeat with the engines are left out of the search."""
+"""Largest number of points of a grid of engine angles; beyond, lines that do not repeat with the engines are left
+out."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ def engine_blocks(lines: Sequence[OrderLine]) -> list[EngineBlock]:
 
 
 def blocks_by_speed(lines: Sequence[OrderLine]) -> list[list[EngineBlock]]:
-    """Blocks grouped by the speed of their engines: within a group an angle changes the sum of the orders."""
+    """Blocks of order lines grouped by the speed of their engines: within a group an angle changes the sum."""
     found: list[tuple[set[Fraction], list[EngineBlock]]] = []
     for block in engine_blocks(lines):
         ratios = {lines[place].ratio for place in block.places if lines[place].engine == block.engine}
@@ -79,7 +80,7 @@ class BlockGrid:
 
     @classmethod
     def of(cls, lines: Sequence[OrderLine], blocks: Sequence[EngineBlock]) -> BlockGrid:
-        """Grid for all lines that follow the speed, or only those that repeat within two revolutions of the engines."""
+        """Angle grid for order lines that follow the speed, or only those that repeat in two engine revolutions."""
         moving = [tuple(at for at in block.places if not lines[at].fixed and lines[at].order) for block in blocks]
         found = cls._through(lines, moving)
         if found.points <= MOST_GRID_POINTS:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 MOST_LISTED_CONFIGURATIONS = 3
-"""Most configurations that a remark names one by one; beyond, it may name those left out ('all but ...')."""
+"""Largest number of configurations that a remark names one by one; beyond, it may name those left out ('all but
+...')."""
 
 
 def grouped_remarks(said: Iterable[tuple[str, str, str]]) -> Iterator[tuple[list[str], list[str], str]]:
@@ -31,7 +32,7 @@ def grouped_remarks(said: Iterable[tuple[str, str, str]]) -> Iterator[tuple[list
 
 
 def configurations_in_words(names: Sequence[str], known: Sequence[str]) -> str:
-    """Configurations in words, by their common alternatives on the axes where these identify them.
+    """Text that names configurations, by their common alternatives on the axes where these identify them.
 
     Examples
     --------
@@ -51,7 +52,7 @@ def configurations_in_words(names: Sequence[str], known: Sequence[str]) -> str:
 
 
 def _by_axes(names: Sequence[str], known: Sequence[str]) -> str:
-    """Alternatives on axes that identify the names; empty where they do not, or where there are no axes."""
+    """Text of the alternatives on axes that identify named configurations; empty where they do not, or without axes."""
     if not all("=" in part for name in known for part in name.split(",")):
         return ""
     every = _alternatives(known)
@@ -61,7 +62,7 @@ def _by_axes(names: Sequence[str], known: Sequence[str]) -> str:
 
 
 def _alternatives(names: Sequence[str]) -> dict[str, dict[str, None]]:
-    """Alternatives of each axis that occur in the names, each once, in their order."""
+    """Alternatives of each axis that occur in names of configurations, each once, in their order."""
     found: dict[str, dict[str, None]] = {}
     for axis, alternative in (pair for name in names for pair in _choice(name).items()):
         found.setdefault(axis, {})[alternative] = None

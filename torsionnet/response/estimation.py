@@ -61,7 +61,7 @@ class Estimation:
     references: tuple[str, ...] = ()
 
     def to_data(self) -> dict[str, Any]:
-        """Fields that are written to files, as plain data."""
+        """Averaging data of an estimated response that are written to files, by name of the field."""
         return {
             one.name: getattr(self, one.name)
             for one in fields(self)
@@ -70,7 +70,10 @@ class Estimation:
 
 
 def read_estimation(data: Mapping[str, Any]) -> Estimation:
-    """Estimation from the data of :meth:`Estimation.to_data`; KeyError, TypeError or ValueError if damaged."""
+    """Averaging data of an estimated response, read from those of :meth:`Estimation.to_data`.
+
+    KeyError, TypeError or ValueError if damaged.
+    """
     return Estimation(
         estimator=str(data["estimator"]),
         window=str(data["window"]),
@@ -86,7 +89,7 @@ def read_estimation(data: Mapping[str, Any]) -> Estimation:
 
 
 def estimation_in(notes: Iterable[str]) -> Estimation | None:
-    """Estimation described in the notes of a response, for files that hold only text; None if no note does.
+    """Averaging data of an estimated response from its notes, for files that hold only text; None if no note has them.
 
     >>> estimation_in(["H1, Welch, hann 8 s, overlap 75%, detrend mean, 21 averages worth 11.8 without"]).seconds
     8.0

@@ -23,11 +23,11 @@ FloatArray: TypeAlias = NDArray[np.float64]
 ComplexArray: TypeAlias = NDArray[np.complex128]
 
 SIGN_NOTE = "motion ~ exp(+j omega t): a lag is a negative phase; torque at a cut is positive when it drives"
-"""Note on sign conventions below tables and in files of responses."""
+"""Text of the note on sign conventions below tables and in files of responses."""
 DERIVATIVE_ORDERS = {"rad": 0, "rad/s": 1, "rad/s^2": 2}
-"""Order of the time derivative of an angle by unit of motion."""
+"""Order of the time derivative of an angle (0, 1, 2) that each SI unit of motion belongs to, by unit."""
 KINDS_BY_UNIT = {"rad": "receptance", "rad/s": "mobility", "rad/s^2": "accelerance"}
-"""Name of a response to torque by unit of its output."""
+"""Name of a frequency response to torque, such as mobility, by SI unit of its output."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Channel:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FrequencyResponse(NotebookResult):
-    """Transfer functions from inputs to outputs over frequency.
+    """Transfer functions from inputs to outputs in SI units over frequency in Hz.
 
     Attributes
     ----------
@@ -124,16 +124,19 @@ class FrequencyResponse(NotebookResult):
 
     @property
     def magnitude(self) -> FloatArray:
-        """``|H|``, shape (n_f, n_out, n_in), SI."""
+        """Magnitude of the transfer functions in SI units of output over input, shape (n_f, n_out, n_in)."""
         return np.abs(self.values)
 
     @property
     def phase(self) -> FloatArray:
-        """Phase in degrees, -180 to 180, shape (n_f, n_out, n_in); negative when the output lags, NaN if unknown."""
+        """Phase of the transfer functions in degrees, -180 to 180, shape (n_f, n_out, n_in).
+
+        Negative when the output lags, NaN if unknown.
+        """
         return np.degrees(np.angle(self.values)) if self.has_phase else np.full(self.values.shape, np.nan)
 
     def decibels(self, conventions: Conventions = SI) -> FloatArray:
-        """Magnitude in dB, 20 log10 of its value in the unit shown over the dB reference, shape (n_f, n_out, n_in)."""
+        """Magnitude of the transfer functions in dB over the reference in the unit shown, shape (n_f, n_out, n_in)."""
         scale = np.array(
             [[self.scale(conventions, o, i) for i in range(len(self.inputs))] for o in range(len(self.outputs))]
         )
@@ -141,12 +144,12 @@ class FrequencyResponse(NotebookResult):
             return np.asarray(20 * np.log10(self.magnitude * scale / conventions.db_reference))
 
     def scale(self, conventions: Conventions, output: int = 0, input: int = 0) -> float:
-        """Factor from SI to the unit shown for one output over one input."""
+        """Factor from SI to the unit in which the transfer function of one output over one input is shown."""
         above, below = self.outputs[output].unit, self.inputs[input].unit
         return conventions.scale(above) / conventions.scale(below)
 
     def unit(self, output: int = 0, input: int = 0, conventions: Conventions = SI) -> str:
-        """Unit of one output over one input, such as ``rad/(N*m)``; ``1`` for a ratio of like signals."""
+        """Unit in which the transfer function of an output over an input is shown; ``1`` for like signals."""
         above, below = conventions.unit(self.outputs[output].unit), conventions.unit(self.inputs[input].unit)
         return quotient_unit(above, below)
 
@@ -162,7 +165,7 @@ class FrequencyResponse(NotebookResult):
     def select(
         self, output: str | Sequence[str] | None = None, input: str | Sequence[str] | None = None
     ) -> FrequencyResponse:
-        """Copy with the named outputs and inputs only."""
+        """Frequency response of the named outputs to the named inputs only."""
         rows, columns = _indices(output, self.outputs, "output"), _indices(input, self.inputs, "input")
         pick = np.ix_(range(len(self.frequencies)), rows, columns)
         return replace(
@@ -174,7 +177,7 @@ class FrequencyResponse(NotebookResult):
         )
 
     def between(self, start: float, stop: float | None = None) -> FrequencyResponse:
-        """Copy with the frequencies from ``start`` to ``stop`` Hz, both included; to the last if ``stop`` is None.
+        """Frequency response at the frequencies from ``start`` to ``stop`` Hz only; to the last if ``stop`` is None.
 
         Examples
         --------
@@ -186,7 +189,7 @@ class FrequencyResponse(NotebookResult):
         return self.at_lines((self.frequencies >= start) & (self.frequencies <= last))
 
     def at_lines(self, kept: NDArray[np.bool_]) -> FrequencyResponse:
-        """Copy with the frequencies that the mask ``kept`` (n_f,) marks."""
+        """Frequency response at the frequencies that the mask ``kept`` (n_f,) marks only."""
         return replace(
             self,
             frequencies=self.frequencies[kept],
@@ -196,15 +199,15 @@ class FrequencyResponse(NotebookResult):
         )
 
     def receptance(self) -> FrequencyResponse:
-        """Receptance (angle per torque), with outputs of velocity or acceleration integrated."""
+        """Receptance (angle per torque, rad/(N m)) over frequency, with velocities and accelerations integrated."""
         return self._of_order("rad")
 
     def mobility(self) -> FrequencyResponse:
-        """Mobility (angular velocity per torque), j omega times the receptance."""
+        """Mobility (angular velocity per torque, rad/s/(N m)) over frequency, j omega times the receptance."""
         return self._of_order("rad/s")
 
     def accelerance(self) -> FrequencyResponse:
-        """Accelerance (angular acceleration per torque), -omega^2 times the receptance."""
+        """Accelerance (angular acceleration per torque, rad/s^2/(N m)) over frequency, -omega^2 times receptance."""
         return self._of_order("rad/s^2")
 
     def _of_order(self, unit: str) -> FrequencyResponse:
@@ -223,7 +226,7 @@ class FrequencyResponse(NotebookResult):
         return replace(self, values=values, outputs=outputs, estimation=estimation)
 
     def dynamic_stiffness(self) -> FrequencyResponse:
-        """Dynamic stiffness (torque per angle), the inverse of the receptance *matrix* at every frequency.
+        """Dynamic stiffness (torque per angle, N m/rad), the inverse of the receptance *matrix* at every frequency.
 
         Raises
         ------
@@ -245,7 +248,7 @@ class FrequencyResponse(NotebookResult):
         return replace(receptance, values=values, outputs=outputs, inputs=inputs, coherence=None, estimation=None)
 
     def response_amplitude(self, input_amplitudes: Any, conventions: Conventions = SI) -> FloatArray:
-        """Amplitude (n_f, n_out) of the response to harmonic inputs of *peak* amplitude (n_in,) or (n_f, n_in).
+        """Amplitude (n_f, n_out) of outputs, in units shown, under inputs of *peak* amplitude (n_in,) or (n_f, n_in).
 
         In the angle unit and the kind of amplitude (peak, RMS, peak-to-peak) of ``conventions``.
         """
@@ -255,7 +258,7 @@ class FrequencyResponse(NotebookResult):
         return np.asarray(response * scales * conventions.amplitude_scale)
 
     def table(self, conventions: Conventions = SI) -> Table:
-        """Table with frequency, magnitude, phase if known and coherence if there is one, for each output and input."""
+        """Table of magnitude, phase in deg and coherence, where known, of each output over each input by frequency."""
         columns = [Column("frequency", conventions.frequency)]
         data: list[FloatArray] = [self.frequencies * conventions.frequency_scale]
         for o, out in enumerate(self.outputs):
@@ -275,15 +278,15 @@ class FrequencyResponse(NotebookResult):
         )
 
     def to_csv(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
-        """Table as CSV text, also written to ``path``."""
+        """Table of the frequency response as CSV text, also written to ``path``."""
         return self.table(conventions).to_csv(path)
 
     def to_json(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
-        """Table as JSON text, also written to ``path``."""
+        """Table of the frequency response as JSON text, also written to ``path``."""
         return self.table(conventions).to_json(path)
 
     def to_control(self) -> control.FrequencyResponseData:
-        """Response as FrequencyResponseData of python-control with named signals, omega in rad/s."""
+        """Frequency response as FrequencyResponseData of python-control, signals named, SI units, omega in rad/s."""
         import control
 
         return control.FrequencyResponseData(
@@ -301,7 +304,7 @@ class FrequencyResponse(NotebookResult):
 
 
 def _shaped(name: str, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Array in the shape wanted; for one output over one input, axes of length one may be missing."""
+    """Array of a frequency response in the shape wanted; for one output and input, axes of length one may miss."""
     if array.shape == shape:
         return array
     if array.shape == shape[:1] and shape[1:] == (1, 1):
@@ -311,7 +314,7 @@ def _shaped(name: str, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[A
 
 
 def usable_limit_text(response: FrequencyResponse) -> str:
-    """Text on the highest usable frequency of a response, for files and tables; empty without a limit.
+    """Text on the highest usable frequency in Hz of a response, for files and tables; empty without a limit.
 
     >>> y, u = Channel("y", "rad"), Channel("u", "N*m")
     >>> usable_limit_text(FrequencyResponse([1.0], [[[1j]]], [y], [u], usable_up_to=16.8))
@@ -332,7 +335,7 @@ def _indices(names: str | Sequence[str] | None, channels: tuple[Channel, ...], w
 
 
 def quotient_unit(above: str, below: str) -> str:
-    """Unit of one quantity over another.
+    """Text of the unit of one quantity over another, from the texts of both units.
 
     >>> quotient_unit("rad", "N*m"), quotient_unit("N*m", "N*m"), quotient_unit("N*m", "rad")
     ('rad/(N*m)', '1', 'N*m/rad')

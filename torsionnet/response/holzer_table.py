@@ -14,15 +14,15 @@ from torsionnet.core.result_rows import Out
 from torsionnet.response.table import Column, Table
 
 AMPLITUDE = Value("amplitude of the first station", "angle", exclusive=True)
-"""Specification of the amplitude of the first station, for options and arguments."""
+"""Specification of the amplitude in rad of the first station of a Holzer table, for options and arguments."""
 FREQUENCY = Value("frequency of a trial", "frequency", exclusive=True)
-"""Specification of a trial frequency, for options and arguments."""
+"""Specification of the trial frequency in Hz of a Holzer table, for options and arguments."""
 TRIAL_OR_MODE: Schema = {"type": ["integer", "null"], "description": "null for a trial frequency"}
-"""JSON Schema of the number of a mode, or none."""
+"""JSON Schema of the number of the mode of a Holzer table, null for a trial frequency."""
 MPA_PER_PA = 1e-6
-"""Factor from Pa to MPa."""
+"""Factor from stresses in Pa to MPa, as Holzer tables show them."""
 NEGLIGIBLE_TORQUE = 1e-9
-"""Torque over the largest one of a table below which 0 is shown: it is what rounding leaves."""
+"""Torque over the largest one of a Holzer table below which the table shows 0: it is what rounding leaves."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class HolzerLink:
 
     @property
     def rigid(self) -> Annotated[bool, Out(json="rigid", after="elements")]:
-        """Whether nothing between the stations twists."""
+        """Whether nothing between two stations of a Holzer table twists."""
         return math.isinf(self.stiffness)
 
 
@@ -100,7 +100,7 @@ class HolzerBranch:
 
     @property
     def title(self) -> str:
-        """Heading of the branch, such as 'pump to gearbox, which it joins'."""
+        """Heading of a branch of a Holzer table, such as 'pump to gearbox, which it joins'."""
         first, last = self.stations[0].node, self.joins or self.stations[-1].node
         return f"{first} to {last}, which it joins" if self.joins else f"{first} to {last}"
 
@@ -155,36 +155,36 @@ class HolzerTable(NotebookResult):
 
     @property
     def remainder(self) -> float:
-        """Torque in N m that is left over at the last station of the first line; 0 at a natural frequency."""
+        """Torque in N m left over at the last station of the first main line; 0 at a natural frequency."""
         return self.branches[0].stations[-1].torque
 
     @property
     def relative_remainder(self) -> float:
-        """Largest remainder of a line over the largest torque in any link; rounding at a natural frequency."""
+        """Largest torque left over on a main line over the largest one in a link; rounding at a natural frequency."""
         lines = [abs(branch.stations[-1].torque) for branch in self.branches if not branch.joins]
         return max(lines) / (self._largest or 1.0)
 
     @property
     def _largest(self) -> float:
-        """Largest torque in any link, N m."""
+        """Largest torque in any link of a Holzer table in N m."""
         return max((abs(one.torque) for one in self._stations() if one.link is not None), default=0.0)
 
     def station(self, node: str) -> HolzerStation:
-        """Station of a node."""
+        """Station of a Holzer table by its node."""
         return next(one for one in self._stations() if one.node == node)
 
     def tables(self, *, referred: bool = False) -> tuple[Table, ...]:
-        """Tables of the branches; with ``referred`` all quantities are referred to one shaft."""
+        """Tables of a Holzer table's stations, one per branch; with ``referred`` all quantities are of one shaft."""
         return tuple(self._table(number, branch, referred=referred) for number, branch in enumerate(self.branches, 1))
 
     def table(self, *, referred: bool = False) -> Table:
-        """Table of all branches, with the number of the branch in the first column."""
+        """Table of the stations of all branches, with the number of the branch in the first column."""
         tables = self.tables(referred=referred)
         rows = tuple((number, *row) for number, table in enumerate(tables, 1) for row in table.rows)
         return Table(self.heading, (Column("branch"), *tables[0].columns), rows, self._notes())
 
     def record(self, configuration: str = "") -> HolzerRecord:
-        """Holzer table as plain data, for JSON."""
+        """Holzer table of one configuration as plain data for JSON, in SI units and Hz."""
         return HolzerRecord(
             self.title, configuration, self.mode, self.frequency, self.referred_to, self.remainder,
             self.relative_remainder, self.notes, self.branches,
@@ -192,7 +192,7 @@ class HolzerTable(NotebookResult):
 
     @property
     def heading(self) -> str:
-        """Heading of the table with model, mode or trial, and frequency."""
+        """Heading of a Holzer table with model, mode or trial, and frequency in Hz and per minute."""
         what = f"mode {self.mode}, " if self.mode else "trial at "
         return f"{self.title}: {what}{self.frequency:.6g} Hz, {self.frequency * 60:.6g} per minute"
 

@@ -16,15 +16,16 @@ from torsionnet.response.synthesis import extremes
 from torsionnet.response.worst_angle import EQUAL_SHARE, highest_maxima
 
 REFINED_MINIMA = {2: 3, 3: 1}
-"""Smallest minima on the grid that are refined, for two engines and for more."""
+"""Number of smallest minima on the grid of engine angles that are refined, for two engines and for more."""
 ENGINE_SWEEPS, START_POSITIONS = 2, 5
-"""Sweeps over more than two engines, and their start positions; more find the smallest minimum more surely."""
+"""Numbers of sweeps over more than two engines and of their start positions; more find the smallest minimum more
+surely."""
 STEP_REFINEMENTS, STEP_DIVISOR = 4, 4
-"""Refinements of the angle step, and the factor by which each divides the step."""
+"""Number of refinements of the engine angle step, and the factor by which each divides the step."""
 
 
 def at_least_range_angles(case: OrderResponse) -> AmplitudesAtAngles:
-    """Order amplitudes of one case at the engine angles with the smallest half range, by speed and output.
+    """Order amplitudes (SI) of one case at the engine angles with the smallest half range, by speed and output.
 
     For two engines it is the global minimum; for more the smallest that the search finds.
     """
@@ -38,11 +39,11 @@ def at_least_range_angles(case: OrderResponse) -> AmplitudesAtAngles:
 
 
 Delays: TypeAlias = dict[EngineBlock, FloatArray]
-"""Delay (n_speeds, n_out) of each block of lines, rad of the reference shaft."""
+"""Delay (n_speeds, n_out) in rad of the reference shaft by engine block."""
 
 
 def _from_several(case: OrderResponse, blocks: Sequence[EngineBlock]) -> Delays:
-    """Best delays that sweeps over the engines reach from several start positions."""
+    """Best engine delays in rad, by block, that sweeps over the engines reach from several start positions."""
     turn = 2 * np.pi * float(BlockGrid.of(case.lines, blocks).cycle)
     found = []
     for number in range(START_POSITIONS):
@@ -58,7 +59,7 @@ def _from_several(case: OrderResponse, blocks: Sequence[EngineBlock]) -> Delays:
 
 
 def _swept(case: OrderResponse, blocks: Sequence[EngineBlock], start: Delays, sweeps: int) -> Delays:
-    """Delays after sweeps in which each engine in turn is moved to the smallest half range."""
+    """Engine delays in rad, by block, after sweeps in which each engine in turn is moved to the smallest half range."""
     delays, grid = {**start}, BlockGrid.of(case.lines, blocks)
     still = np.zeros((len(case.speeds), len(case.outputs)))
     for _ in range(sweeps):
@@ -74,7 +75,7 @@ def _half_range(case: OrderResponse, delays: Mapping[EngineBlock, FloatArray]) -
 def _least(
     case: OrderResponse, delays: Mapping[EngineBlock, FloatArray], block: EngineBlock, grid: BlockGrid, number: int
 ) -> FloatArray:
-    """Delay (n_speeds, n_out) of one block with the smallest half range while the others are fixed."""
+    """Delay (n_speeds, n_out) in rad of one engine block with the smallest half range while the others are fixed."""
     step = 2 * np.pi * float(grid.cycle) / grid.points
     values = _later(case, {**delays, block: np.zeros_like(delays[block])})
     waves = [_wave(case, values, places, np.asarray(step * np.arange(grid.points))) for places in grid.places]
@@ -89,7 +90,7 @@ def _least(
 
 
 def _later(case: OrderResponse, delays: Mapping[EngineBlock, FloatArray]) -> ComplexArray:
-    """Order amplitudes with blocks delayed by angles (n_speeds, n_out) of the reference shaft, rad."""
+    """Order amplitudes (SI) with engine blocks delayed by angles (n_speeds, n_out) in rad of the reference shaft."""
     found = case.values.copy()
     for block, delay in delays.items():
         rates = np.array([float(case.lines[at].relative) for at in block.places])
@@ -98,7 +99,7 @@ def _later(case: OrderResponse, delays: Mapping[EngineBlock, FloatArray]) -> Com
 
 
 def _wave(case: OrderResponse, values: ComplexArray, places: Sequence[int], angles: FloatArray) -> FloatArray:
-    """Sum of some lines (n_speeds, n_out, n) at angles of the reference shaft."""
+    """Sum of some order lines at angles (n,) in rad of the reference shaft, in SI units, shape (n_speeds, n_out, n)."""
     rates = np.array([float(case.lines[at].relative) for at in places])
     return np.asarray(np.einsum("slo,lm->som", values[:, list(places)], np.exp(1j * np.outer(rates, angles))).real)
 
@@ -106,7 +107,7 @@ def _wave(case: OrderResponse, values: ComplexArray, places: Sequence[int], angl
 def _refined(
     case: OrderResponse, delays: Mapping[EngineBlock, FloatArray], block: EngineBlock, start: FloatArray, step: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Best delay near a start value, and the half range there, both (n_speeds, n_out)."""
+    """Best delay in rad of an engine block near a start value, and its half range (SI), both (n_speeds, n_out)."""
     best, size = start, np.full(start.shape, np.inf)
     for _ in range(STEP_REFINEMENTS):
         for place in range(-STEP_DIVISOR, STEP_DIVISOR + 1):

@@ -14,11 +14,11 @@ from torsionnet.core.result_rows import Out
 from torsionnet.response.table import Column, Table
 
 STABLE_NOTE = "the drivetrain is stable"
-"""Note below the margins of a stable drivetrain."""
+"""Text of the note below the table of stability margins of a stable drivetrain."""
 UNSTABLE_NOTE = (
     "the closed loop is unstable, so these are no margins: they say where a pole would reach the imaginary axis"
 )
-"""Note below the margins of an unstable drivetrain."""
+"""Text of the note below the table of stability margins of an unstable drivetrain."""
 _STABLE_ROWS = ("gain may grow by the factor", "gain may fall to the factor", "phase margin", "delay margin")
 _UNSTABLE_ROWS = ("gain grown by the factor", "gain fallen to the factor", "phase lag added", "delay added")
 
@@ -88,14 +88,14 @@ class LoopMargins(NotebookResult):
     title: str = ""
 
     def record(self, configuration: str = "") -> MarginsRecord:
-        """Stability margins as plain data, for JSON."""
+        """Stability margins of one configuration as plain data for JSON, phase in degrees, delay in s."""
         return MarginsRecord(
             self.title, configuration, self.controller, self.stable, self.gain_increase, self.gain_decrease,
             self.phase, self.delay, self.modulus,
         )  # fmt: skip
 
     def table(self) -> Table:
-        """Table of the margins and their frequencies; for an unstable loop, where a pole reaches the axis."""
+        """Table of a loop's stability margins, or of where a pole reaches the axis, and their frequencies in Hz."""
         names, what, note = (
             (_STABLE_ROWS, "margin", STABLE_NOTE)
             if self.stable

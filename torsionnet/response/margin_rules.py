@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from torsionnet.core.errors import UsageError, suggestion_or
 
 CITED_REMARK = "as commonly cited; check your edition"
-"""Remark on the source of rules that are not copied from a standard."""
+"""Text of the remark on the source of margin rules that are not copied from a standard."""
 LARGEST_MARGIN = 1.0
-"""Largest margin as a share of the excitation frequency; a larger number is probably meant in percent."""
+"""Largest separation margin as a share of the excitation frequency; more is probably meant in percent."""
 
 
 @dataclass(frozen=True)
 class MarginClause:
-    """Margin required for orders from ``lowest`` to ``highest``; with ``whole`` only for whole orders."""
+    """Separation margin (a share) required for orders from ``lowest`` to ``highest``; with ``whole`` for whole ones."""
 
     lowest: float
     highest: float
@@ -23,7 +23,7 @@ class MarginClause:
     whole: bool = False
 
     def covers(self, order: float) -> bool:
-        """Whether the clause applies to an order."""
+        """Whether a clause of a margin rule applies to an excitation order."""
         return self.lowest <= order <= self.highest and not (self.whole and order != round(order))
 
 
@@ -54,7 +54,10 @@ class MarginRule:
     fixed: float | None = None
 
     def required(self, order: float) -> float | None:
-        """Margin required for an order (0 is a fixed frequency, below 0 a slip); None if the rule does not cover it."""
+        """Separation margin, as a share of the excitation frequency, that a rule requires for an excitation order.
+
+        Order 0 is a fixed frequency, one below 0 a slip; None if the rule does not cover it.
+        """
         if order <= 0:
             return self.fixed
         return next((clause.margin for clause in self.clauses if clause.covers(order)), None)
@@ -84,7 +87,7 @@ PRESETS: Mapping[str, MarginRule] = {
 
 
 def margin_rule(given: str | float | MarginRule | None) -> MarginRule | None:
-    """Margin rule from the name of a preset, a share such as 0.15 or ``15 %``, or a rule.
+    """Separation margin rule from the name of a preset, a share such as 0.15 or ``15 %``, or a rule.
 
     Raises
     ------
@@ -114,7 +117,7 @@ def _every(share: float) -> tuple[MarginClause, ...]:
 
 
 def _share(given: str | float) -> float | None:
-    """Number from a text such as ``15 %`` or ``0.15``; None if it is not a number."""
+    """Margin as a number from a text such as ``15 %`` or ``0.15``; None if it is not a number."""
     text = str(given).strip()
     try:
         return float(text.removesuffix("%")) / (100 if text.endswith("%") else 1)

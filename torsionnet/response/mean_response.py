@@ -16,7 +16,7 @@ from torsionnet.response.table import Column, Table
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeanResponse(NotebookResult):
-    """Mean values of outputs (torques, twists, stresses) over speed.
+    """Mean values of outputs (torques, twists, stresses) in SI units over speed.
 
     Attributes
     ----------
@@ -42,11 +42,11 @@ class MeanResponse(NotebookResult):
 
     @property
     def rpm(self) -> FloatArray:
-        """Speeds of the reference shaft, r/min."""
+        """Speeds of the reference shaft in r/min, shape (n_speeds,)."""
         return np.asarray(self.speeds * RPM)
 
     def of(self, output: str) -> FloatArray:
-        """Mean values of an output over speed, shape (n_speeds,), SI.
+        """Mean values of an output in SI units over speed, shape (n_speeds,).
 
         Raises
         ------
@@ -61,7 +61,7 @@ class MeanResponse(NotebookResult):
         return np.asarray(self.values[:, names.index(output)])
 
     def table(self, conventions: Conventions = SI) -> Table:
-        """Table with a row for each speed and a column for each output."""
+        """Table of mean values with a row for each speed in rpm and a column for each output."""
         columns = [Column("speed", "rpm")]
         columns += [Column(channel.name, conventions.unit(channel.unit)) for channel in self.outputs]
         scales = np.array([conventions.scale(channel.unit) for channel in self.outputs])

@@ -9,13 +9,13 @@ from torsionnet.core.entries.spec import Schema
 from torsionnet.core.errors import UsageError
 
 MODE_NUMBER: Schema = {"type": ["integer", "null"], "description": "null for rigid bodies and real poles"}
-"""JSON Schema of the number of a mode."""
+"""JSON Schema of the number of a mode, null where the mode does not vibrate."""
 RIGID, REAL, OSCILLATORY = "rigid body", "real pole", "oscillatory"
-"""Kinds of modes."""
+"""Names of the kinds of modes, that of a rigid body, of a real pole and of a vibration."""
 MODE_KIND: Schema = {"enum": [RIGID, REAL, OSCILLATORY]}
 """JSON Schema of the kind of a mode."""
 COUNTING_NOTE = "mode 1 is the lowest vibration; rigid bodies and real poles have no number"
-"""Note below tables of modes on how they are counted."""
+"""Text of the note below tables of modes on how they are counted."""
 
 
 def mode_numbers(kinds: Sequence[str]) -> tuple[int | None, ...]:
@@ -51,13 +51,13 @@ def mode_names(kinds: Sequence[str]) -> tuple[str, ...]:
 
 
 def _letters(number: int) -> str:
-    """Letters for a number from 1, a to z, then aa, ab and so on."""
+    """Letters in the name of a mode for a number from 1, a to z, then aa, ab and so on."""
     whole, rest = divmod(number - 1, 26)
     return (_letters(whole) if whole else "") + chr(ord("a") + rest)
 
 
 def index_of_mode(number: int, kinds: Sequence[str]) -> int:
-    """Index of the mode with a number among all modes.
+    """Index of a mode among all modes by its number.
 
     Raises
     ------

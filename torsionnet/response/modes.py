@@ -34,7 +34,7 @@ __all__ = ["OSCILLATORY", "REAL", "RIGID", "ComplexArray", "FloatArray", "Modes"
 
 @dataclass(frozen=True)
 class EnergyShares:
-    """Shares of an element in the kinetic energy, strain energy and dissipation of a mode."""
+    """Shares of an element, without unit, in the kinetic energy, strain energy and dissipation of a mode."""
 
     kinetic: float
     strain: float
@@ -43,7 +43,10 @@ class EnergyShares:
 
 @dataclass(frozen=True, eq=False)
 class ModeRow:
-    """Mode as plain data in SI units and Hz: shape by node (1 at the node that moves most), energy by element."""
+    """Mode of a drivetrain as plain data, frequencies in Hz and eigenvalue in rad/s.
+
+    Shape by node (1 at the node that moves most), energy shares by element.
+    """
 
     mode: Annotated[int | None, Out("mode", schema=MODE_NUMBER)]
     kind: Annotated[str, Out("kind", schema=MODE_KIND)]
@@ -58,12 +61,12 @@ class ModeRow:
 
     @property
     def real_part(self) -> Annotated[float, Out("Re lambda", "rad/s", None)]:
-        """Real part of the eigenvalue, rad/s."""
+        """Real part of a mode's eigenvalue in rad/s."""
         return self.eigenvalue.real
 
     @property
     def imaginary_part(self) -> Annotated[float, Out("Im lambda", "rad/s", None)]:
-        """Imaginary part of the eigenvalue, rad/s."""
+        """Imaginary part of a mode's eigenvalue in rad/s."""
         return self.eigenvalue.imag
 
 
@@ -148,24 +151,24 @@ class Modes(NotebookResult):
 
     @cached_property
     def natural_frequencies(self) -> FloatArray:
-        """Natural frequencies ``|lambda| / 2 pi`` in Hz; 0 for a rigid-body mode."""
+        """Natural frequencies ``|lambda| / 2 pi`` of the modes in Hz, shape (n_modes,); 0 for a rigid-body mode."""
         return np.asarray(np.abs(self.eigenvalues) / (2 * np.pi))
 
     @cached_property
     def damped_frequencies(self) -> FloatArray:
-        """Damped natural frequencies Im lambda / 2 pi in Hz; 0 for real poles and rigid-body modes."""
+        """Damped frequencies Im lambda / 2 pi of the modes in Hz, shape (n_modes,); 0 where nothing vibrates."""
         return np.asarray(self.eigenvalues.imag / (2 * np.pi))
 
     @cached_property
     def damping_ratios(self) -> FloatArray:
-        """Damping ratios ``-Re lambda / |lambda|``; 1 for a stable real pole, nan for a rigid-body mode."""
+        """Damping ratios ``-Re lambda / |lambda|``, shape (n_modes,); 1 for a stable real pole, nan for a rigid one."""
         size = np.abs(self.eigenvalues)
         ratios = np.full(len(size), np.nan)
         np.divide(-self.eigenvalues.real, size, out=ratios, where=size > 0)
         return ratios + 0.0
 
     def first(self, count: int | None) -> Modes:
-        """Copy with the first ``count`` modes and undamped natural frequencies."""
+        """First ``count`` modes, and as many undamped natural frequencies, as a copy."""
         cut = {
             name: getattr(self, name)[..., :count]
             for name in ("eigenvalues", "shapes", "kinetic", "strain", "dissipated", "converged")
@@ -182,18 +185,18 @@ class Modes(NotebookResult):
         return len(self.eigenvalues)
 
     def shape_at(self, node: str) -> ComplexArray:
-        """Complex angle of a node in every mode, (n_modes,), the row of ``shapes``."""
+        """Complex angle of a node in every mode, without unit, 1 at the node that moves most, shape (n_modes,)."""
         if node not in self.nodes:
             raise UsageError(f'no node is named "{node}"{did_you_mean(node, self.nodes)}')
         return np.asarray(self.shapes[self.nodes.index(node)])
 
     def energy_shares(self, mode: int) -> Mapping[str, tuple[float, float, float]]:
-        """Shares (kinetic, strain, dissipated) of every element in a mode, given by its index in the arrays."""
+        """Shares (kinetic, strain, dissipated) of every element in the energies of a mode, given by its index."""
         shares = np.stack([self.kinetic[:, mode], self.strain[:, mode], self.dissipated[:, mode]], axis=1)
         return {name: (float(k), float(s), float(d)) for name, (k, s, d) in zip(self.elements, shares, strict=True)}
 
     def table(self, conventions: Conventions = SI) -> Table:
-        """Table with a row per mode: natural and damped frequency, damping ratio, eigenvalue, kind, description."""
+        """Table with a row per mode, natural and damped frequency, damping ratio, eigenvalue, kind and description."""
         scale = conventions.frequency_scale
         undamped = ", ".join(f"{value * scale:.6g}" for value in self.undamped_natural_frequencies)
         counting = [COUNTING_NOTE] if None in self.numbers else []
@@ -201,7 +204,7 @@ class Modes(NotebookResult):
         return result_table(self.title, self.rows(), ModeRow, MODE_COLUMNS, conventions, notes)
 
     def rows(self) -> tuple[ModeRow, ...]:
-        """Modes as plain data, one record for each, by rising ``|lambda|``."""
+        """Modes as plain data, a record for each by rising ``|lambda|``, frequencies in Hz, eigenvalues in rad/s."""
         return tuple(
             ModeRow(
                 self.numbers[index],
@@ -219,13 +222,13 @@ class Modes(NotebookResult):
         )
 
     def record(self, configuration: str = "") -> ModesRecord:
-        """Modes as plain data, for JSON."""
+        """Modes of one configuration as plain data for JSON, frequencies in Hz, eigenvalues in rad/s."""
         return ModesRecord(
             self.title, configuration, self.notes, self.undamped_natural_frequencies, self.nodes, self.rows()
         )
 
     def shape_table(self) -> Table:
-        """Table with a row per node, magnitude and phase of every mode shape."""
+        """Table of mode shapes with a row per node, magnitude in rad and phase in deg for each mode."""
         columns = [Column("node")]
         for name in self.names:
             columns += [Column(f"|shape {name}|", "rad"), Column(f"phase {name}", "deg")]
@@ -255,11 +258,11 @@ class Modes(NotebookResult):
         return Table(f"{self.title}: energy shares", tuple(columns), tuple(rows))
 
     def to_csv(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
-        """Table as CSV text, also written to ``path``."""
+        """Table of the modes as CSV text, also written to ``path``."""
         return self.table(conventions).to_csv(path)
 
     def to_json(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
-        """Table as JSON text, also written to ``path``."""
+        """Table of the modes as JSON text, also written to ``path``."""
         return self.table(conventions).to_json(path)
 
     def __repr__(self) -> str:

@@ -22,19 +22,19 @@ from torsionnet.response.table import Column, Table
 from torsionnet.response.worst_response import WorstResponse
 
 SAME_ORDER_DIFFERENCE = 1e-3
-"""Relative difference up to which two orders are the same: a tracked order has few digits."""
+"""Relative difference up to which a measured and a calculated order are the same: a tracked order has few digits."""
 
 
 NUMBERS_BY_NAME: Schema = {"type": "object", "additionalProperties": NUMBERS}
-"""JSON Schema of numbers over speed by name."""
+"""JSON Schema of lists of numbers over speed, by name."""
 LARGEST_ANGLES: Schema = {
     **NUMBERS_BY_NAME,
     "description": "of engines that are not fixed to the first one, where the half range is "
     "largest: by how much of its crank angle each fires later",
 }
-"""JSON Schema of the angles between engines with the largest half range."""
+"""JSON Schema of the angles in degrees between engines with the largest half range, over speed by engine."""
 SMALLEST_RANGE: Schema = {**NUMBERS, "description": "with these engines at the best angles"}
-"""JSON Schema of the smallest half range over speed."""
+"""JSON Schema of the smallest half range over speed in SI units of the output."""
 WORST_CASES: Schema = {
     "type": ["array", "null"],
     "items": {"type": "string"},
@@ -42,12 +42,12 @@ WORST_CASES: Schema = {
 }
 """JSON Schema of the names of the worst cases over speed."""
 COMMON_CYCLE: Schema = {"type": ["integer", "null"], "description": "null where there is none"}
-"""JSON Schema of the common cycle."""
+"""JSON Schema of the common cycle of all orders in revolutions of the reference shaft."""
 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredOrder:
-    """Measured amplitude of one order over speed.
+    """Measured peak amplitudes of one order in SI units over speed in rad/s.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class MeasuredOrder:
 
 @dataclass(frozen=True, eq=False)
 class ComparedOrder:
-    """Measured order with the calculated amplitude at the same speeds.
+    """Measured peak amplitudes of one order beside the calculated ones at the same speeds, in SI units.
 
     Attributes
     ----------
@@ -86,7 +86,9 @@ class ComparedOrder:
 def compared_orders(
     response: OrderResponse, output: str | None, measured: Sequence[MeasuredOrder]
 ) -> tuple[ComparedOrder, ...]:
-    """Measured orders that were also calculated; excitations with the same order are added with their phases.
+    """Measured orders that were also calculated, with both amplitudes (SI) over speed.
+
+    Excitations with the same order are added with their phases.
 
     Raises
     ------
@@ -149,7 +151,7 @@ def order_comparison(
 
 @dataclass(frozen=True, eq=False)
 class OrderRow:
-    """Complex amplitudes of one order of an excitation over speed, SI."""
+    """Complex amplitudes of one order of an excitation over speed, in SI units of the output."""
 
     excitation: str
     order: float
@@ -161,7 +163,7 @@ class OrderRow:
 
 @dataclass(frozen=True, eq=False)
 class OrderSumRow:
-    """Complex amplitudes of lines of one frequency together over speed, SI."""
+    """Complex amplitudes of the sum of order lines of one frequency over speed, in SI units of the output."""
 
     lines: str
     fixed: Annotated[float, Out(json="fixed_Hz")]
@@ -172,7 +174,7 @@ class OrderSumRow:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredOrderRow:
-    """Measured and calculated amplitudes of one order over speed, SI."""
+    """Measured and calculated peak amplitudes of one order in SI units of the output over speed in rpm."""
 
     of_reference: float
     speeds: Annotated[FloatArray, Out(json="speeds_rpm")]
@@ -182,7 +184,7 @@ class MeasuredOrderRow:
 
 @dataclass(frozen=True, eq=False)
 class OrderOutputRow:
-    """Output over speed as plain data: half range and RMS of all orders together, and the orders, SI."""
+    """Half range, RMS and orders of one output over speed as plain data, in SI units of the output."""
 
     output: str
     unit: str
@@ -214,7 +216,7 @@ class OrdersRecord:
 def orders_record(
     run: OrderResponse, configuration: str = "", tests: Mapping[str, Sequence[MeasuredOrder]] = MappingProxyType({})
 ) -> OrdersRecord:
-    """Order responses as plain data, for JSON; ``tests`` are the measured orders by output."""
+    """Order responses of one configuration as plain data for JSON."""
     outputs = tuple(_output_row(run, place, tests.get(channel.name)) for place, channel in enumerate(run.outputs))
     return OrdersRecord(run.title, configuration, run.reference, run.rpm, run.revolutions, outputs)
 

@@ -40,16 +40,19 @@ class OrderLine:
 
     @cached_property
     def exact_order(self) -> Fraction:
-        """Order as a fraction."""
+        """Order of an order line, vibrations per revolution of the shaft of its excitation, as a fraction."""
         return near_fraction(float(self.order))
 
     @cached_property
     def relative(self) -> Fraction:
-        """Order of the reference shaft, vibrations per revolution of it, as a fraction."""
+        """Order of an order line, vibrations per revolution of the reference shaft, as a fraction."""
         return self.exact_order * self.ratio
 
     def frequency(self, speeds: FloatArray) -> FloatArray:
-        """Frequency in Hz at speeds of the reference shaft in rad/s; negative where a slip has changed its sign."""
+        """Frequency of an order line in Hz at speeds in rad/s of the reference shaft.
+
+        Negative where a slip has changed its sign.
+        """
         return np.asarray(float(self.relative) * speeds / (2 * math.pi) + self.fixed)
 
     def __str__(self) -> str:

@@ -25,14 +25,14 @@ from torsionnet.response.synthesis import common_cycle, waveforms
 from torsionnet.response.table import Column, Table
 
 SUMS_NOTE = "sums of lines of one frequency, with their phases, are what a test measures"
-"""Note below tables with sums of lines."""
+"""Text of the note below tables with sums of order lines of one frequency."""
 PHASE_NOTE = "order h acts with cos(h phi + phase), phi the angle of the shaft of its excitation"
-"""Note on the phase of orders below tables."""
+"""Text of the note on the phase of orders below tables."""
 
 
 @runtime_checkable
 class MeanValues(Protocol):
-    """Protocol of mean values (n_speeds, n_out) with their speeds and outputs, such as a mean response."""
+    """Protocol of mean values in SI, shape (n_speeds, n_out), with their speeds and outputs, as of a mean response."""
 
     @property
     def speeds(self) -> FloatArray: ...
@@ -46,7 +46,7 @@ class MeanValues(Protocol):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class OrderResponse(NotebookResult):
-    """Order response of a drivetrain: complex amplitudes by speed, order line and output.
+    """Order response of a drivetrain, complex amplitudes in SI by speed, order line and output.
 
     Attributes
     ----------
@@ -73,40 +73,43 @@ class OrderResponse(NotebookResult):
 
     @property
     def rpm(self) -> FloatArray:
-        """Speeds of the reference shaft, r/min."""
+        """Speeds of the reference shaft in r/min, shape (n_speeds,)."""
         return np.asarray(self.speeds * RPM)
 
     @property
     def frequencies(self) -> FloatArray:
-        """Frequencies in Hz, shape (n_speeds, n_lines); negative for a slip above synchronism."""
+        """Frequencies of the order lines in Hz, shape (n_speeds, n_lines); negative for a slip above synchronism."""
         relative = np.array([float(line.relative) for line in self.lines])
         fixed = np.array([line.fixed for line in self.lines])
         return np.asarray(self.speeds[:, None] * relative / (2 * math.pi) + fixed)
 
     @property
     def sizes(self) -> FloatArray:
-        """Amplitude of each line, shape (n_speeds, n_lines, n_out); the largest one if there are several cases."""
+        """Amplitude of each order line in SI units of the outputs, shape (n_speeds, n_lines, n_out).
+
+        The largest one if there are several cases.
+        """
         return np.abs(self.values)
 
     @property
     def case_responses(self) -> tuple[OrderResponse, ...]:
-        """Responses of single cases (firing conditions), or this response if there is one case only."""
+        """Order responses of single cases (firing conditions), or this response if there is one case only."""
         return (self,)
 
     @property
     def case_values(self) -> tuple[ComplexArray, ...]:
-        """Complex amplitudes of each case (firing condition); empty if there is one case only."""
+        """Complex amplitudes (n_speeds, n_lines, n_out) in SI of each firing condition; empty if there is one only."""
         return ()
 
     @cached_property
     def revolutions(self) -> int | None:
-        """Revolutions of the reference shaft after which the sum of all lines repeats; None without a short cycle."""
+        """Revolutions of the reference shaft after which the sum of all order lines repeats; None without a cycle."""
         if any(line.fixed for line in self.lines) or len(engine_blocks(self.lines)) > 1:
             return None
         return common_cycle([line.relative for line in self.lines])
 
     def output(self, name: str | None = None) -> int:
-        """Index of an output by its name, or of the only output without one.
+        """Index of an output of the order response by its name, or of the only output without one.
 
         Raises
         ------
@@ -122,7 +125,9 @@ class OrderResponse(NotebookResult):
         return names.index(name)
 
     def of_order(self, order: float, output: str | None = None, excitation: str | None = None) -> ComplexArray:
-        """Complex amplitudes of an order over speed, shape (n_speeds,); several excitations of one shaft are added.
+        """Complex amplitudes of an order in SI units of the output over speed, shape (n_speeds,).
+
+        Several excitations of one shaft are added.
 
         Raises
         ------
@@ -142,7 +147,7 @@ class OrderResponse(NotebookResult):
         return np.asarray(self.values[:, found, self.output(output)].sum(axis=1))
 
     def amplitude_of_order(self, order: float, output: str | None = None) -> FloatArray:
-        """Largest possible amplitude of an order over speed, shape (n_speeds,), in the sum of all excitations.
+        """Largest possible amplitude of an order in SI units of the output, shape (n_speeds,), of all excitations.
 
         Excitations are added with their phases, engines without a known angle between them by their magnitudes.
 
@@ -161,7 +166,7 @@ class OrderResponse(NotebookResult):
         return np.asarray(np.abs(each).sum(axis=0))
 
     def of_frequency(self, hertz: float, output: str | None = None, excitation: str | None = None) -> ComplexArray:
-        """Complex amplitudes of a fixed frequency over speed, shape (n_speeds,).
+        """Complex amplitudes of a fixed frequency in SI units of the output over speed, shape (n_speeds,).
 
         Raises
         ------
@@ -178,7 +183,7 @@ class OrderResponse(NotebookResult):
         return np.asarray(self.values[:, found, self.output(output)].sum(axis=1))
 
     def waveform(self, output: str | None = None, points: int | None = None) -> tuple[FloatArray, FloatArray]:
-        """Waveform of an output, sum of all orders over the common cycle, with their phases.
+        """Waveform of an output in SI, the sum of all orders with their phases, over angles in rad of a common cycle.
 
         Returns
         -------
@@ -199,7 +204,7 @@ class OrderResponse(NotebookResult):
 
     @cached_property
     def bounds(self) -> FloatArray:
-        """Largest and smallest value of the sum of all lines over the common cycle, shape (2, n_speeds, n_out).
+        """Largest and smallest sum of all order lines over a cycle, SI units of outputs, shape (2, n_speeds, n_out).
 
         Without a common cycle, shafts and sources of fixed frequencies take every position to each other sooner or
         later: their extremes add up. Lines without a cycle of their own add their magnitudes. Engines of one speed with
@@ -215,7 +220,7 @@ class OrderResponse(NotebookResult):
         return found
 
     def _families(self) -> Iterator[tuple[list[int], list[int] | None]]:
-        """Groups of lines with fixed phases between them, each with their periods in a common cycle, None without one.
+        """Groups of order lines with fixed phases between them, each with their periods in a common cycle, or None.
 
         A group holds all lines of engines at known angles if these have a cycle; otherwise the lines of each shaft,
         those of all fixed frequencies (assumed to come from one electrical line), and each slip alone.
@@ -250,21 +255,21 @@ class OrderResponse(NotebookResult):
 
     @property
     def half_range(self) -> FloatArray:
-        """Half range (max - min)/2 of the sum of all lines, shape (n_speeds, n_out)."""
+        """Half range (max - min)/2 of the sum of all orders in SI units of the outputs, shape (n_speeds, n_out)."""
         return np.asarray((self.bounds[0] - self.bounds[1]) / 2)
 
     @property
     def peak_to_peak(self) -> FloatArray:
-        """Range (max - min) of the sum of all lines, twice the half range, shape (n_speeds, n_out)."""
+        """Range (max - min) of the sum of all orders in SI units of the outputs, shape (n_speeds, n_out)."""
         return 2 * self.half_range
 
     @property
     def peak(self) -> FloatArray:
-        """Largest deviation of the sum of all lines from the mean, shape (n_speeds, n_out)."""
+        """Largest deviation from the mean of the sum of all orders in SI, shape (n_speeds, n_out)."""
         return np.asarray(np.abs(self.bounds).max(axis=0))
 
     def extremes(self, mean: ArrayLike | MeanValues) -> tuple[FloatArray, FloatArray]:
-        """Largest and smallest value of mean plus vibration, each of shape (n_speeds, n_out).
+        """Largest and smallest value of mean plus vibration in SI units of the outputs, each (n_speeds, n_out).
 
         Parameters
         ----------
@@ -291,15 +296,15 @@ class OrderResponse(NotebookResult):
 
     @cached_property
     def rms(self) -> FloatArray:
-        """Root mean square of the sum of all orders, shape (n_speeds, n_out)."""
+        """Root mean square of the sum of all orders in SI units of the outputs, shape (n_speeds, n_out)."""
         return np.asarray(np.sqrt((np.abs(self.by_frequency()) ** 2).sum(axis=1) / 2))
 
     def notebook_tables(self) -> tuple[Table, ...]:
-        """Table of every output."""
+        """Tables of the largest orders of every output, as a notebook shows them."""
         return tuple(self.table(channel.name) for channel in self.outputs)
 
     def table(self, output: str | None = None, conventions: Conventions = SI, most: int = 6) -> Table:
-        """Table of the worst speed of an output, the largest orders there, and the worst speed of each of them."""
+        """Table of the worst speed in rpm of an output, the largest orders there, and the worst speed of each."""
         place = self.output(output)
         channel, total = self.outputs[place], self.half_range[:, place]
         scale, worst = conventions.scale(channel.unit), int(np.argmax(total))
@@ -340,7 +345,7 @@ class OrderResponse(NotebookResult):
         return (sum_name([self.lines[one] for one in places]), self.rpm[at], sizes[at] * scale, shown * scale)
 
     def long_table(self) -> Table:
-        """Table of all complex amplitudes, speed, excitation, order, then real and imaginary part of each output; SI.
+        """Table of real and imaginary parts of all order amplitudes in SI, a row per speed in rpm and order line.
 
         Lines of one frequency, such as of an engine and of the propeller on its shaft, have a row each and, after the
         other lines of that speed, a row for their sum with its order of the reference shaft.
@@ -363,7 +368,7 @@ class OrderResponse(NotebookResult):
 
     @property
     def no_cycle(self) -> str:
-        """Sentence on why there is no common cycle, for responses without one."""
+        """Sentence on why the order lines have no common cycle, for responses without one."""
         engines = [block.engine for block in engine_blocks(self.lines)]
         if len(engines) > 1:
             return f"{' and '.join(engines)} turn at unequal speeds with no phase between them: half ranges are added"
@@ -392,7 +397,7 @@ class OrderResponse(NotebookResult):
         return self.revolutions
 
     def by_frequency(self) -> ComplexArray:
-        """Complex amplitudes with lines of one frequency summed, shape (n_speeds, n_frequencies, n_out)."""
+        """Complex amplitudes in SI with lines of one frequency summed, shape (n_speeds, n_frequencies, n_out)."""
         frequencies = [(line.relative, line.fixed) for line in self.lines]
         places = {one: number for number, one in enumerate(dict.fromkeys(frequencies))}
         found = np.zeros((len(self.speeds), len(places), len(self.outputs)), dtype=complex)
@@ -401,7 +406,7 @@ class OrderResponse(NotebookResult):
         return found
 
     def _spectrum(self, places: Sequence[int], counts: Sequence[int]) -> ComplexArray:
-        """Complex amplitudes of some lines sorted by their periods in a cycle, (n_speeds, highest count + 1, n_out)."""
+        """Amplitudes (SI) of order lines by their periods in a cycle, shape (n_speeds, highest count + 1, n_out)."""
         shape = (len(self.speeds), max(counts, default=0) + 1, len(self.outputs))
         found = np.zeros(shape, dtype=complex)
         for place, count in zip(places, counts, strict=True):

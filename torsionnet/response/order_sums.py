@@ -12,7 +12,7 @@ from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.order_line import OrderLine
 
 SUM_SEPARATOR = " + "
-"""Text between the names of the lines of a sum."""
+"""Text between the names of order lines in the name of their sum."""
 
 
 class LinesWithCases(Protocol):
@@ -32,7 +32,7 @@ class LinesWithCases(Protocol):
 
 
 def lines_of_one_frequency(lines: Sequence[OrderLine]) -> list[list[int]]:
-    """Indices of the lines of each frequency, sorted by the first line of each.
+    """Indices of the order lines of each frequency, sorted by the first line of each.
 
     Examples
     --------
@@ -70,7 +70,7 @@ class LineSum:
 
 
 def sums_of_lines(lines: Sequence[OrderLine]) -> tuple[LineSum, ...]:
-    """Sums of the lines that share a frequency, for each frequency of more than one line.
+    """Sums of the order lines that share a frequency, for each frequency of more than one line.
 
     Examples
     --------
@@ -87,17 +87,20 @@ def sums_of_lines(lines: Sequence[OrderLine]) -> tuple[LineSum, ...]:
 
 
 def sum_name(lines: Sequence[OrderLine]) -> str:
-    """Name of the sum of some lines, such as ``engine 4 + propeller 4``."""
+    """Name of the sum of some order lines, such as ``engine 4 + propeller 4``."""
     return SUM_SEPARATOR.join(map(str, lines))
 
 
 def is_sum_name(name: str) -> bool:
-    """Whether a row of a written table is the sum of others; excitations have names without spaces."""
+    """Whether a name in a written table is that of a sum of order lines; excitations have names without spaces."""
     return SUM_SEPARATOR in name
 
 
 def summed_sizes(run: LinesWithCases) -> FloatArray:
-    """Amplitudes (n_speeds, n_frequencies, n_out) with lines of one frequency added; the largest of several cases."""
+    """Amplitudes in SI with lines of one frequency added, shape (n_speeds, n_frequencies, n_out).
+
+    The largest of several cases.
+    """
     found = []
     for places in lines_of_one_frequency(run.lines):
         if len(places) == 1:

@@ -12,7 +12,7 @@ from torsionnet.response.frequency_response import FloatArray
 HALF_TURN = 180.0
 """Half a turn in degrees."""
 NEGLIGIBLE_IMAGINARY_PART = 1e-12
-"""Share of the real part below which an imaginary part is rounding."""
+"""Share of the real part of a response at 0 Hz below which its imaginary part is rounding."""
 
 
 def phase_at_zero_frequency(value: complex) -> float:
@@ -28,7 +28,9 @@ def phase_at_zero_frequency(value: complex) -> float:
 
 
 def unwrapped_phase(values: NDArray[np.complex128]) -> FloatArray:
-    """Continuous (unwrapped) phase in degrees, -180 rather than +180; nan for zero and infinite values.
+    """Continuous (unwrapped) phase of a response in degrees, shape (n_f,), -180 rather than +180.
+
+    It is nan for zero and infinite values.
 
     >>> unwrapped_phase(np.array([1, -1j, -1, 1j, 1])).tolist()
     [0.0, -90.0, -180.0, -270.0, -360.0]

@@ -16,7 +16,7 @@ from torsionnet.response.table import Column, Table
 FloatArray = NDArray[np.float64]
 
 QUANTITY_UNITS = {"torque": "N*m", "angle": "rad", "velocity": "rad/s", "acceleration": "rad/s^2", "stress": "Pa"}
-"""Quantities of signals and the SI units of their values."""
+"""SI unit of the values of a signal by its quantity, such as torque."""
 
 LOWEST_SAMPLING_RATE, HIGHEST_SAMPLING_RATE = 1e-15, 1e15
 """Sampling rates in Hz beyond which a rate is a mistake."""
@@ -33,7 +33,7 @@ def is_rate(sampling_rate: float) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Signal:
-    """Signal of a recording, name, quantity and values of one channel.
+    """Signal of a recording with the name, quantity and values in SI units of one channel.
 
     Attributes
     ----------
@@ -53,13 +53,13 @@ class Signal:
 
     @property
     def unit(self) -> str:
-        """SI unit of the values; empty where the quantity is not known."""
+        """SI unit of the values of a signal; empty where the quantity is not known."""
         return QUANTITY_UNITS.get(self.quantity, "")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Recording(NotebookResult):
-    """Recording of signals with a common sampling rate.
+    """Recording of signals in SI units with a common sampling rate in Hz.
 
     Attributes
     ----------
@@ -101,11 +101,11 @@ class Recording(NotebookResult):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the signals."""
+        """Names of the signals of a recording."""
         return tuple(signal.name for signal in self.signals)
 
     def __len__(self) -> int:
-        """Number of samples."""
+        """Number of samples of each signal of a recording."""
         return len(self.signals[0].values) if self.signals else 0
 
     def __iter__(self) -> Iterator[Signal]:
@@ -121,26 +121,26 @@ class Recording(NotebookResult):
 
     @property
     def duration(self) -> float:
-        """Length in s, one sampling interval for every sample."""
+        """Length of a recording in s, one sampling interval for every sample."""
         return len(self) / self.sampling_rate
 
     @property
     def time(self) -> FloatArray:
-        """Time of every sample, s."""
+        """Time of every sample of a recording in s, shape (n,)."""
         return self.start + np.arange(len(self)) / self.sampling_rate if self.times is None else self.times
 
     def select(self, names: Iterable[str]) -> Recording:
-        """Copy with the signals named, in that order."""
+        """Recording of the named signals only, in that order."""
         return replace(self, signals=tuple(self[name] for name in names))
 
     def with_signals(self, *signals: Signal) -> Recording:
-        """Copy with signals added, or replaced where one of the same name exists."""
+        """Recording with signals added, or replaced where one of the same name exists."""
         new = {signal.name: signal for signal in signals}
         kept = [new.pop(signal.name, signal) for signal in self.signals]
         return replace(self, signals=(*kept, *new.values()))
 
     def with_notes(self, *notes: str) -> Recording:
-        """Copy with notes added."""
+        """Recording with notes added to those it has."""
         return replace(self, notes=(*self.notes, *notes))
 
     def __repr__(self) -> str:
@@ -148,7 +148,7 @@ class Recording(NotebookResult):
         return f"<Recording {', '.join(self.names)}: {size}>"
 
     def table(self) -> Table:
-        """Table of the signals with unit, mean, standard deviation and range of each.
+        """Table of the signals of a recording with unit, mean, standard deviation and range of each.
 
         >>> Recording((Signal("T_T", "torque", np.array([0.0, 2.0])),), sampling_rate=10).table().rows
         (('T_T', 'torque', 'N*m', 1.0, 1.0, 0.0, 2.0),)

@@ -17,26 +17,28 @@ from numpy.typing import NDArray
 from torsionnet.response.frequency_response import FloatArray
 
 RESOLVED_DROP = 0.004
-"""Largest relative drop from a maximum to its neighbours at which it is resolved: its error is 1/8 of that."""
+"""Largest relative drop from a maximum over speed to its neighbours at which it is resolved: its error is 1/8 of
+that."""
 RESOLVED_INTERVAL = 2e-4
 """Relative distance of two speeds within which a straight line gives the crossing of a level."""
 SAME_SPEED_DISTANCE = 1e-9
 """Relative distance of two speeds below which they are the same."""
 LONG_INTERVAL = 0.01
-"""Relative length of an interval with a crossing above which its middle is calculated as well."""
+"""Relative length of a speed interval with a crossing of a level above which its middle is calculated as well."""
 HIDDEN_RISE_SHARE = 0.5
-"""Share of the drop to its neighbours by which the true maximum may exceed the highest calculated value."""
+"""Share of the drop from the highest calculated value to its neighbours by which the true maximum may exceed it."""
 WIDEST_START_STEP = 0.02
-"""Largest relative step between speeds at the start."""
+"""Largest relative step between speeds at the start of their refinement."""
 MOST_REFINEMENTS = 10
-"""Largest number of refinements; each shortens the intervals around maxima and crossings several times."""
+"""Largest number of refinements of the calculated speeds; each shortens the intervals around maxima and crossings
+several times."""
 
 T = TypeVar("T")
 S = TypeVar("S", bound=Sized)
 
 
 def refine_speeds(first: T, wanted: Callable[[T], S], looked: Callable[[T, S], T]) -> T:
-    """Result refined until ``wanted`` gives no more speeds for it; ``looked`` adds the values at wanted speeds."""
+    """Result over speed refined until ``wanted`` gives no more speeds; ``looked`` adds the values at wanted speeds."""
     found = first
     for _ in range(MOST_REFINEMENTS):
         more = wanted(found)
@@ -47,7 +49,7 @@ def refine_speeds(first: T, wanted: Callable[[T], S], looked: Callable[[T, S], T
 
 
 def fill_speed_gaps(speeds: FloatArray) -> FloatArray:
-    """Rising speeds with more of them in gaps of more than 2 %.
+    """Rising speeds, in the unit given, shape (n,), with more of them in gaps of more than 2 %.
 
     Examples
     --------
@@ -63,7 +65,7 @@ def fill_speed_gaps(speeds: FloatArray) -> FloatArray:
 
 
 def new_speeds(speeds: FloatArray, more: FloatArray) -> FloatArray:
-    """Speeds of ``more``, rising, that lie inside the range of ``speeds`` and differ from all of them."""
+    """Speeds of ``more``, rising, in their unit, inside the range of ``speeds`` and different from all of them."""
     inside = np.unique(more[(more > speeds[0]) & (more < speeds[-1])])
     if not len(inside):
         return inside
@@ -74,7 +76,7 @@ def new_speeds(speeds: FloatArray, more: FloatArray) -> FloatArray:
 
 
 def speeds_to_refine(speeds: FloatArray, curves: FloatArray, level: float | None = None) -> FloatArray:
-    """Speeds, rising, at which curves have to be calculated next; empty once maxima and crossings are known.
+    """Speeds, in the unit given, at which curves have to be calculated next; none once maxima and crossings are known.
 
     Parameters
     ----------
@@ -98,7 +100,7 @@ def speeds_to_refine(speeds: FloatArray, curves: FloatArray, level: float | None
 
 
 def vertex_speed(speeds: FloatArray, values: FloatArray, at: int) -> float:
-    """Speed of the maximum near the highest value, by a parabola through its neighbours."""
+    """Speed, in the unit given, of the maximum near a curve's highest value, by a parabola through its neighbours."""
     if not 0 < at < len(speeds) - 1:
         return float(speeds[at])
     with np.errstate(all="ignore"):
@@ -137,7 +139,7 @@ def _around_maxima(x: FloatArray, u: FloatArray, best: float, level: float | Non
 
 
 def _around_minima(x: FloatArray, u: FloatArray, level: float) -> Iterator[float]:
-    """Speeds to calculate around minima above the level that may fall below it."""
+    """Speeds to calculate around minima of a curve above the level that may fall below it."""
     for at in _maxima(-u):
         if not 0 < at < len(x) - 1 or u[at] <= level:
             continue
@@ -167,7 +169,7 @@ def _around_crossings(x: FloatArray, u: FloatArray, level: float) -> Iterator[fl
 
 
 def _in_bracket(x: FloatArray, at: int, place: float, half_width: float) -> Iterator[float]:
-    """Speeds to calculate between the neighbours of an extremum: around the vertex of the parabola, else halfway."""
+    """Speeds to calculate next to an extremum of a curve: around the vertex of the parabola, else halfway."""
     low, high = float(x[max(at - 1, 0)]), float(x[min(at + 1, len(x) - 1)])
     is_end = at in (0, len(x) - 1)
     if half_width and low < place < high:
@@ -179,7 +181,7 @@ def _in_bracket(x: FloatArray, at: int, place: float, half_width: float) -> Iter
 
 
 def _maxima(u: FloatArray) -> NDArray[np.intp]:
-    """Indices of local maxima, ends included; the first of equal values."""
+    """Indices of local maxima of a curve, ends included; the first of equal values."""
     rim = np.array([-np.inf])
     before, after = np.concatenate([rim, u[:-1]]), np.concatenate([u[1:], rim])
     return np.flatnonzero((u > before) & (u >= after))

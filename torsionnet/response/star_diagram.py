@@ -34,11 +34,11 @@ class StarDiagram:
 
     @property
     def sum(self) -> complex:
-        """Vector sum, as a number of cylinders that act together at the largest amplitude."""
+        """Complex vector sum of a star diagram, as a number of cylinders that act together at the largest amplitude."""
         return complex(self.vectors.sum())
 
     def table(self) -> Table:
-        """Table with a row per cylinder, length and phase of its vector, and the sum."""
+        """Table of a star diagram with a row per cylinder, length and phase in deg of its vector, and the sum."""
         columns = (Column("cylinder"), Column("node"), Column("length", "1"), Column("phase", "deg"))
         rows = [
             (label, node, float(abs(vector)), float(np.degrees(np.angle(vector))) if vector else None)

@@ -15,7 +15,7 @@ from torsionnet.response.table import Table, result_table
 
 @dataclass(frozen=True, kw_only=True)
 class ElementLoad:
-    """Mean load of an element at one of its ports: speed, torque, twist, stress.
+    """Mean load of an element at one of its ports in SI units: speed, torque, twist, stress.
 
     Attributes
     ----------
@@ -40,13 +40,13 @@ class ElementLoad:
 
     @property
     def power(self) -> Annotated[float | None, Out("power", "kW", factor=1e-3, after="stress")]:
-        """Power in W, torque times speed: into the element at its first port, out of it at the others."""
+        """Mean power in W at a port of an element, into it at its first port, out of it at the others."""
         return None if self.torque is None or self.speed is None else self.torque * self.speed
 
 
 @dataclass(frozen=True)
 class ExternalTorque:
-    """Mean torque from outside on a node, N m."""
+    """Mean torque in N m that acts on a node from outside."""
 
     node: str
     torque: float
@@ -67,7 +67,7 @@ class StaticRecord:
 
 @dataclass(frozen=True, repr=False)
 class StaticState(NotebookResult):
-    """Static state of a drivetrain: mean torque, twist, stress and power of every element at one speed.
+    """Static state of a drivetrain, mean torque, twist, stress and power (SI) of every element at one speed.
 
     Attributes
     ----------
@@ -90,11 +90,11 @@ class StaticState(NotebookResult):
     notes: tuple[str, ...] = ()
 
     def of(self, element: str) -> ElementLoad:
-        """Mean load of an element at its first port."""
+        """Mean load of an element at its first port in SI units."""
         return next(one for one in self.loads if one.element == element)
 
     def table(self, conventions: Conventions = SI) -> Table:
-        """Table with a row for each element and port."""
+        """Table of mean speed, torque, twist, stress and power with a row for each element and port."""
         acting = ", ".join(f"{node} {torque:.6g} N*m" for node, torque in self.external.items())
         notes = (
             f"{self.reference} at {self.speed * RPM:.6g} rpm; from outside: {acting}",
@@ -106,7 +106,7 @@ class StaticState(NotebookResult):
         )
 
     def record(self, configuration: str = "") -> StaticRecord:
-        """Mean torques as plain data, for JSON."""
+        """Mean torques of a drivetrain at one speed as plain data for JSON, in SI units, speed in rpm."""
         external = tuple(ExternalTorque(node, torque) for node, torque in self.external.items())
         return StaticRecord(
             configuration, self.title, self.reference, self.speed * RPM, external, self.loads, self.notes

@@ -14,22 +14,23 @@ from torsionnet.core.errors import UsageError
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 
 POINTS_PER_PERIOD = 64
-"""Points of a waveform for each period of its highest order."""
+"""Number of points of a waveform for each period of its highest order."""
 MOST_PERIODS_BY_PRODUCT = 40
-"""Periods in a cycle up to which a product with cosines is faster than the Fourier transform."""
+"""Number of periods in a cycle up to which a product with cosines is faster than the Fourier transform."""
 MOST_REVOLUTIONS, MOST_PERIODS = 1000, 5000
-"""Most revolutions of a common cycle and most periods in it; a longer one is too long to occur or to calculate."""
+"""Largest numbers of revolutions of a common cycle and of periods in it; a longer one is too long to occur or to
+calculate."""
 
 
 def common_cycle(relatives: Sequence[Fraction]) -> int | None:
-    """Revolutions with a whole number of periods of each order; None if there are too many."""
+    """Revolutions of the reference shaft with a whole number of periods of each order; None if there are too many."""
     cycle = math.lcm(*(relative.denominator for relative in relatives))
     highest = max(relatives, default=Fraction(0))
     return cycle if cycle <= MOST_REVOLUTIONS and cycle * highest <= MOST_PERIODS else None
 
 
 def waveforms(spectrum: ComplexArray, points: int | None = None) -> FloatArray:
-    """Waveforms Re sum_k X_k exp(j k phi) at even steps of phi, shape (n_speeds, n_out, n)."""
+    """Waveforms Re sum_k X_k exp(j k phi) at even steps of phi, in the unit of X, shape (n_speeds, n_out, n)."""
     highest = spectrum.shape[1] - 1
     n = points or _even_steps(POINTS_PER_PERIOD * max(highest, 1))
     if n <= 2 * highest:
@@ -45,18 +46,18 @@ def waveforms(spectrum: ComplexArray, points: int | None = None) -> FloatArray:
 
 @lru_cache(maxsize=8)
 def _cosines(highest: int, n: int) -> FloatArray:
-    """Matrix of cosines and sines that maps real and imaginary parts of amplitudes to waveforms."""
+    """Matrix (2 highest + 2, n) of cosines and sines that maps real and imaginary parts of amplitudes to waveforms."""
     angle = 2 * np.pi * np.outer(np.arange(highest + 1), np.arange(n)) / n
     return np.concatenate([np.cos(angle), -np.sin(angle)])
 
 
 def _even_steps(least: int) -> int:
-    """Number of at least ``least`` points for which the Fourier transform is fast."""
+    """Number of points of a waveform, at least ``least``, for which the Fourier transform is fast."""
     return min(factor << max(0, math.ceil(math.log2(least / factor))) for factor in (1, 3, 5))
 
 
 def extremes(waves: FloatArray) -> FloatArray:
-    """Largest and smallest values (2, ...) of waveforms over a cycle, by parabolas through the extreme points."""
+    """Largest and smallest values (2, ...) of waveforms, in their unit, by parabolas through the extreme points."""
     return np.array([_outermost(waves, np.argmax(waves, axis=-1)), _outermost(waves, np.argmin(waves, axis=-1))])
 
 

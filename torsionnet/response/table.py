@@ -19,7 +19,7 @@ from torsionnet.response.conventions import SI, Conventions
 
 @dataclass(frozen=True)
 class Column:
-    """Column of a table, name, unit, and significant digits and most decimals of its numbers as text."""
+    """Column of a table with name, unit, and significant digits and most decimals of its numbers as text."""
 
     name: str
     unit: str = ""
@@ -28,18 +28,18 @@ class Column:
 
     @property
     def heading(self) -> str:
-        """Name with the unit in brackets."""
+        """Heading of a table's column, its name with the unit in brackets."""
         return f"{self.name} {unit_in_brackets(self.unit)}".rstrip()
 
     def text(self, value: Any) -> str:
-        """Value of this column as text."""
+        """Value in a table's column as text, rounded to the digits of the column."""
         rounded = isinstance(value, float) and self.decimals is not None
         return screen_text(round(value, self.decimals) if rounded else value, self.digits)
 
 
 @dataclass(frozen=True)
 class Table:
-    """Table of results: title, columns, rows of plain values, and notes that are part of every output format."""
+    """Table of results with title, columns, rows of plain values, and notes that are part of every output format."""
 
     title: str
     columns: tuple[Column, ...]
@@ -47,20 +47,20 @@ class Table:
     notes: tuple[str, ...] = ()
 
     def with_digits(self, digits: int) -> Table:
-        """Copy with a number of significant digits in every column."""
+        """Table with a number of significant digits in every column."""
         return replace(self, columns=tuple(replace(one, digits=digits, decimals=None) for one in self.columns))
 
     def chosen(self, indices: Sequence[int]) -> Table:
-        """Copy with some of the columns, by their indices."""
+        """Table with some of the columns only, by their indices."""
         rows = tuple(tuple(row[index] for index in indices) for row in self.rows)
         return replace(self, columns=tuple(self.columns[index] for index in indices), rows=rows)
 
     def is_numeric(self, index: int) -> bool:
-        """Whether a column holds only numbers or empty cells, so that it is aligned to the right."""
+        """Whether a table's column holds only numbers or empty cells, so that it is aligned to the right."""
         return all(row[index] is None or isinstance(row[index], (int, float)) for row in self.rows)
 
     def cells(self) -> list[list[str]]:
-        """Cells of every row as text, with the digits of their columns."""
+        """Cells of every row of a table as text, with the digits of their columns."""
         return [[column.text(value) for value, column in zip(row, self.columns, strict=True)] for row in self.rows]
 
     def to_text(self) -> str:
@@ -97,7 +97,7 @@ class Table:
         return _written(json.dumps(data, indent=1, ensure_ascii=False) + "\n", path)
 
     def to_html(self) -> str:
-        """Table as HTML."""
+        """Table as HTML text with title and notes in its caption."""
 
         def line(cells: Sequence[str], tag: str) -> str:
             return "<tr>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in cells) + "</tr>"

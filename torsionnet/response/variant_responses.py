@@ -12,7 +12,7 @@ from torsionnet.response.frequency_response import Channel, ComplexArray, FloatA
 
 @dataclass(frozen=True, eq=False)
 class FrequencyResponses:
-    """Frequency responses of variants of a model, a sequence of :class:`FrequencyResponse`.
+    """Frequency responses of variants of a model in SI units, a sequence of :class:`FrequencyResponse`.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class FrequencyResponses:
 
     @property
     def magnitude(self) -> FloatArray:
-        """``|H|``, shape (n_variants, n_f, n_out, n_in), SI."""
+        """Magnitude of the transfer functions in SI of each variant, shape (n_variants, n_f, n_out, n_in)."""
         return np.abs(self.values)
 
     def __repr__(self) -> str:

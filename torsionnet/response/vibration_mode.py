@@ -15,7 +15,7 @@ SHIFTED_SHARE = 0.01
 
 @dataclass(frozen=True, eq=False)
 class VibrationMode:
-    """Undamped mode paired with the damped mode of the most similar strain; either may be missing.
+    """Undamped mode paired with the damped mode of the most similar strain, frequencies in Hz; either may be missing.
 
     Attributes
     ----------
@@ -43,19 +43,19 @@ class VibrationMode:
 
     @property
     def amplification(self) -> Annotated[float, Out("amplification", digits=4, after="damping_ratio")]:
-        """Amplification at resonance, ``1/(2 zeta)``; nan without a damped mode, infinite without damping."""
+        """Amplification of a mode at resonance, ``1/(2 zeta)``; nan without a damped mode, infinite without damping."""
         if math.isnan(self.damping_ratio):
             return math.nan
         return 1 / (2 * self.damping_ratio) if self.damping_ratio > 0 else math.inf
 
     @property
     def is_shifted(self) -> bool:
-        """Whether damping shifts the natural frequency by more than 1 %."""
+        """Whether damping shifts the natural frequency of a mode by more than 1 %."""
         return abs(self.natural_frequency - self.undamped_frequency) > SHIFTED_SHARE * self.undamped_frequency
 
     @property
     def remark(self) -> Annotated[str, Out("remark", json=None, after="shape")]:
-        """Remark on why a frequency is missing (overdamped, or only with damping); empty if none is."""
+        """Remark on why a frequency of a mode is missing (overdamped, or only with damping); empty if none is."""
         if math.isnan(self.natural_frequency):
             return "overdamped: none with damping"
         return "exists with damping only" if math.isnan(self.undamped_frequency) else ""

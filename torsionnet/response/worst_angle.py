@@ -19,20 +19,20 @@ from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.order_line import OrderLine
 
 REFINED_MAXIMA = 4
-"""Highest maxima over tau that are refined by Newton's method."""
+"""Number of highest maxima of the rise over the angle tau between two instants that Newton's method refines."""
 NEWTON_STEPS = 5
-"""Steps of Newton's method, enough from within a sixteenth of a period."""
+"""Number of steps of Newton's method to a maximum, enough from within a sixteenth of a period."""
 EQUAL_SHARE = 1e-9
-"""Relative difference up to which maxima are equal, so that the first is taken on every machine."""
+"""Relative difference up to which maxima of vibration are equal, so that the first is taken on every machine."""
 
 Shares: TypeAlias = Sequence[tuple[slice, ComplexArray]]
-"""Contributions with free factors from -1 to 1: lines, and values (n_shares, n_speeds, n_lines, n_out)."""
+"""Order lines, and their contributions (n_shares, n_speeds, n_lines, n_out) in SI with free factors from -1 to 1."""
 IntArray: TypeAlias = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
 class WorstAngles:
-    """Delays of blocks of order lines, and signs of shares, with the largest half range of their sum.
+    """Delays in rad of blocks of order lines, and signs of shares, with the largest half range of their sum.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class WorstAngles:
 
 
 def worst_angles(values: ComplexArray, lines: Sequence[OrderLine], grid: BlockGrid, shares: Shares = ()) -> WorstAngles:
-    """Delays and signs with the largest half range, for amplitudes (n_speeds, n_lines, n_out) and free shares."""
+    """Engine delays in rad and signs of shares with the largest half range of amplitudes (n_speeds, n_lines, n_out)."""
     motions = [_Motion.of(values, lines, grid, number, shares) for number in range(len(grid.places))]
     rises = sum(np.tile(one.rises, grid.points // one.rises.shape[2]) for one in motions)
     best: _Found | None = None
@@ -67,7 +67,7 @@ def worst_angles(values: ComplexArray, lines: Sequence[OrderLine], grid: BlockGr
 
 @dataclass(frozen=True, eq=False)
 class _Motion:
-    """Sum of the order lines of one block along its cycle.
+    """Sum of the order lines of one engine block along its cycle, in SI units of the outputs.
 
     ``amplitudes`` (n_speeds, n_own, n_out) and ``rates``, vibrations per revolution of the reference shaft; ``free``
     has contributions (n_free, n_speeds, n_own, n_out) of either sign. ``wave`` (n_speeds, n_out, period) and ``waves``
@@ -107,7 +107,7 @@ class _Motion:
         return cls(amplitudes, free, rates, wave, waves, _rises(wave, waves), of_shares)
 
     def at(self, lag: IntArray) -> tuple[IntArray, NDArray[np.int8]]:
-        """Start step (n_speeds, n_out) of the largest rise within ``lag`` steps, and the signs of the free shares."""
+        """Grid step (n_speeds, n_out) where the largest rise over ``lag`` steps begins, and signs of free shares."""
         period = self.wave.shape[2]
         later = (np.arange(period) + lag[..., None]) % period
         changes = [np.take_along_axis(one, later, axis=2) - one for one in self.waves]
@@ -123,7 +123,7 @@ class _Motion:
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    """Range (n_speeds, n_out), its start in each block in rad of the reference shaft, and the signs of shares."""
+    """Largest range (n_speeds, n_out) in SI, its start in each engine block in rad, and the signs of shares."""
 
     size: FloatArray
     starts: tuple[FloatArray, ...]
@@ -139,7 +139,7 @@ class _Found:
 
 
 def _rises(wave: FloatArray, waves: FloatArray) -> FloatArray:
-    """Largest rise (n_speeds, n_out, period) of a periodic wave for each number of steps."""
+    """Largest rise (n_speeds, n_out, period), in the unit of a periodic wave, for each number of grid steps."""
     period = wave.shape[2]
     found = np.empty_like(wave)
     twice = np.concatenate([wave, wave], axis=2)
@@ -153,7 +153,7 @@ def _rises(wave: FloatArray, waves: FloatArray) -> FloatArray:
 
 
 def highest_maxima(rises: FloatArray) -> list[IntArray]:
-    """Steps (n_speeds, n_out) of the highest local maxima along the last axis, the highest first."""
+    """Grid steps (n_speeds, n_out) of the highest local maxima of rises along the last axis, the highest first."""
     top = rises.max(axis=2, keepdims=True)
     level = np.round(rises / np.where(top > 0, top, 1) / EQUAL_SHARE) * EQUAL_SHARE
     is_crest = (level >= np.roll(level, 1, axis=2)) & (level >= np.roll(level, -1, axis=2))
@@ -168,7 +168,7 @@ def _first_of_largest(values: FloatArray) -> IntArray:
 
 
 def _followed(motions: Sequence[_Motion], lag: IntArray, step: float) -> _Found:
-    """Maximum refined from the grid by Newton's method in tau and the start angles of all blocks."""
+    """Largest range refined from the grid by Newton's method in tau and the start angles of all engine blocks."""
     found = [one.at(lag) for one in motions]
     amplitudes = [one.with_signs(signs) for one, (_, signs) in zip(motions, found, strict=True)]
     starts: list[FloatArray] = [np.asarray(step * start) for start, _ in found]
@@ -200,7 +200,7 @@ def _newton(
     tau: FloatArray,
     step: float,
 ) -> tuple[list[FloatArray], FloatArray]:
-    """Start angles and tau after one Newton step; the Hessian couples the start angles only through tau."""
+    """Start angles and tau in rad after one Newton step; the Hessian couples the start angles only through tau."""
     slope, curvature = np.zeros_like(tau), np.zeros_like(tau)
     each = []
     for one, own, start in zip(motions, amplitudes, starts, strict=True):
@@ -222,6 +222,6 @@ def _newton(
 
 
 def _derivative(rates: FloatArray, amplitudes: ComplexArray, angle: FloatArray, order: int) -> FloatArray:
-    """Derivative of Re sum X exp(j r angle) by the angle, of a given order, (n_speeds, n_out)."""
+    """Derivative (n_speeds, n_out) of given order of Re sum X exp(j r angle) by the angle in rad, in the unit of X."""
     terms = amplitudes * (1j * rates[:, None]) ** order * np.exp(1j * rates[:, None] * angle[:, None, :])
     return np.asarray(terms.real.sum(axis=1))

@@ -17,16 +17,16 @@ from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.table import Column, Table
 
 ALL_CASES_EQUAL = "all cases alike"
-"""Name of the case where all cases have the same half range."""
+"""Text in place of the worst case's name where all cases have the same half range."""
 EQUAL_HALF_RANGE = 1e-9
-"""Relative difference up to which half ranges are equal."""
+"""Relative difference up to which half ranges of cases are equal."""
 EQUAL_SEARCHED_HALF_RANGE = 1e-5
-"""Relative difference up to which half ranges are equal if angles between engines were searched."""
+"""Relative difference up to which half ranges of cases are equal if angles between engines were searched."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class WorstResponse(OrderResponse):
-    """Order response of several cases, for each output and speed the amplitudes of the case of largest half range.
+    """Order response (SI) of several cases, for each output and speed the amplitudes of the case of largest half range.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class WorstResponse(OrderResponse):
 
     @cached_property
     def least(self) -> WorstResponse:
-        """Response of the same cases with engines at the angles of smallest half range, by output and speed.
+        """Order response of the same cases with engines at the angles of smallest half range, by output and speed.
 
         This response itself if all angles between engines are known, or there is one engine.
         """
@@ -85,7 +85,7 @@ class WorstResponse(OrderResponse):
         return replace(self, values=found.values, angles=found.angles)
 
     def least_at(self, speed: int, output: str | None = None) -> WorstResponse:
-        """Response at the angles of smallest half range (``least``) for one speed, by its index, and one output."""
+        """Order response at the engine angles of smallest half range, for the index of a speed and one output."""
         at, out = [speed], [self.output(output)]
         single = replace(
             self,
@@ -132,7 +132,7 @@ class WorstResponse(OrderResponse):
         return "; ".join(parts)
 
     def _alike(self, at: int, place: int) -> str:
-        """Names of the cases that are worst within rounding, or ALL_CASES_EQUAL if all are."""
+        """Names of the cases with the largest half range within rounding as a text, ALL_CASES_EQUAL if all have it."""
         chosen = self.labels[int(self.chosen[at, place])]
         if self.scattered:
             return chosen
@@ -142,7 +142,7 @@ class WorstResponse(OrderResponse):
         return ALL_CASES_EQUAL if 1 < len(same) == len(self.labels) else " or ".join(same)
 
     def table(self, output: str | None = None, conventions: Conventions = SI, most: int = 6) -> Table:
-        """Table as of an order response, with the worst case at the worst speed."""
+        """Table of the worst speed in rpm of an output, the largest orders there, and the worst case at that speed."""
         found = super().table(output, conventions, most)
         worst = int(np.argmax(self.half_range[:, self.output(output)]))
         count = f" of {len(self.labels)} cases" if self.labels else ""
@@ -151,7 +151,7 @@ class WorstResponse(OrderResponse):
         return replace(found, notes=(*found.notes, note, *self.engine_notes, *angles))
 
     def long_table(self) -> Table:
-        """Table of all amplitudes as of an order response, with the worst case of each output."""
+        """Table of all order amplitudes in SI, a row per speed in rpm and order line, with each output's worst case."""
         found = super().long_table()
         names = [channel.name for channel in self.outputs]
         by_output = [self.cases(name) for name in names]
@@ -164,7 +164,7 @@ class WorstResponse(OrderResponse):
 def join_responses(
     parts: Sequence[tuple[OrderResponse, NDArray[np.intp]]], speeds: FloatArray, title: str
 ) -> OrderResponse:
-    """Response at all speeds, joined from responses at parts of the speeds with the indices of these."""
+    """Order response at all speeds, joined from responses at parts of the speeds with the indices of these."""
     order = np.argsort(np.concatenate([places for _, places in parts]))
     found = [part for part, _ in parts]
     whole = replace(found[0], speeds=speeds, values=np.concatenate([part.values for part in found])[order], title=title)
@@ -197,7 +197,7 @@ def join_responses(
 
 
 def _bounded(whole: OrderResponse, parts: Sequence[OrderResponse], order: NDArray[np.intp]) -> OrderResponse:
-    """Response with its cached bounds joined from the parts, if all parts have them."""
+    """Order response with its cached bounds joined from those of the parts, if all parts have them."""
     known = [vars(part)["bounds"] for part in parts if "bounds" in vars(part)]
     if len(known) == len(parts):
         vars(whole)["bounds"] = np.concatenate(known, axis=1)[:, order]

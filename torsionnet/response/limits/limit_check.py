@@ -23,19 +23,19 @@ from torsionnet.response.table import Column, Table, result_table
 PASS, BARRED, REDUCED, INCOMPLETE, OPEN, FAIL = (
     "pass", "barred range", "reduced speed", "incomplete", "not judged", "fail",
 )  # fmt: skip
-"""Verdicts from best to gravest, the limit holds at every speed; outside of barred speeds; with a cylinder out up to a
-lower speed than rated; at all that was examined; data are missing; it does not hold."""
+"""Names of the verdicts on a limit, from best to gravest: it holds at every speed; outside of barred speeds; with a
+cylinder out up to a lower speed than rated; at all that was examined; data are missing; it does not hold."""
 GRAVITY = (PASS, BARRED, REDUCED, INCOMPLETE, OPEN, FAIL)
-"""All verdicts, from best to gravest."""
+"""All verdicts on limits, from best to gravest."""
 
 VERDICT: Schema = {"enum": [*GRAVITY]}
-"""JSON Schema of a verdict."""
+"""JSON Schema of a verdict on a limit."""
 MOST_NAMES = 6
-"""Most configurations that a sentence names; of more, the first are named."""
+"""Largest number of configurations that a sentence names; of more, the first are named."""
 
 
 def gravest(verdicts: Iterable[str]) -> str:
-    """Gravest of some verdicts, "pass" if there are none.
+    """Gravest of some verdicts on limits, "pass" if there are none.
 
     Examples
     --------
@@ -63,12 +63,12 @@ def unexamined_sentence(missing: Sequence[str], known: Sequence[str], examined: 
 
 
 def listed_names(names: Sequence[str]) -> str:
-    """Names joined for a sentence; of more than MOST_NAMES the first."""
+    """Names of configurations or limits joined for a sentence; of more than MOST_NAMES the first."""
     return comma_list(names, MOST_NAMES)
 
 
 def utilisation_of(values: FloatArray, allowed: FloatArray) -> FloatArray:
-    """Utilisation, value over value allowed; NaN where a rule gives no allowed value."""
+    """Utilisation of a limit, value over value allowed, shape as of both; NaN where a rule gives no allowed value."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(np.where(np.isfinite(allowed), values / allowed, np.nan))
 
@@ -84,7 +84,7 @@ class RuleText:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LimitVerdict:
-    """Verdict on one criterion of one limit, with values and allowed values over speed.
+    """Verdict on one criterion of one limit, with values and allowed values in SI over speed.
 
     Attributes
     ----------
@@ -136,29 +136,29 @@ class LimitVerdict:
 
     @property
     def passed(self) -> tuple[SpeedSpan, ...]:
-        """Barred speeds below the highest speed permitted, which are passed without stopping."""
+        """Speed ranges in rad/s that a limit bars below the highest speed permitted, passed without stopping."""
         return tuple(span for span in self.barred if self.highest is None or span.low < self.highest)
 
     @property
     def restrictions(self) -> str:
-        """Speeds that are not permitted, in words; empty if there are none."""
+        """Speeds in rpm that a limit does not permit, in words; empty if there are none."""
         return restriction_words(self.passed, self.highest)
 
     @property
     def utilisation(self) -> FloatArray:
-        """Utilisation, value over value allowed, (n_speeds,); NaN where the rule gives no allowed value."""
+        """Utilisation of a limit, value over value allowed, shape (n_speeds,); NaN where no value is allowed."""
         return utilisation_of(self.values, self.allowed)
 
     @property
     def worst(self) -> int | None:
-        """Index of the speed with the largest utilisation; None if there is none."""
+        """Index of the speed with the largest utilisation of a limit; None if there is none."""
         found = self.utilisation
         return None if not np.isfinite(found).any() else int(np.nanargmax(found))
 
 
 @dataclass(frozen=True, eq=False)
 class LimitRow:
-    """Verdict on one criterion of a limit over speed and at its worst speed; SI, speeds in rpm."""
+    """Verdict on one criterion of a limit over speed and at its worst speed, values in SI, speeds in rpm."""
 
     limit: Annotated[str, Out("limit")]
     of: Annotated[str, Out("of")]
@@ -182,7 +182,7 @@ class LimitRow:
 
 @dataclass(frozen=True, eq=False)
 class LimitPoint:
-    """Value and value allowed of one criterion of a limit at one speed, SI."""
+    """Value and value allowed in SI of one criterion of a limit at one speed in rpm."""
 
     limit: Annotated[str, Out("limit")]
     of: Annotated[str, Out("of")]
@@ -235,12 +235,12 @@ class LimitCheck(NotebookResult):
 
     @property
     def rpm(self) -> FloatArray:
-        """Speeds of the reference shaft, r/min."""
+        """Speeds of the reference shaft in r/min, shape (n_speeds,)."""
         return np.asarray(self.speeds * RPM)
 
     @property
     def verdict(self) -> str:
-        """Gravest of all verdicts on this configuration.
+        """Gravest of all verdicts on the limits in one configuration.
 
         "incomplete" instead of one that permits operation if no configuration was chosen although there are some.
         """
@@ -249,7 +249,7 @@ class LimitCheck(NotebookResult):
 
     @property
     def barred(self) -> tuple[SpeedSpan, ...]:
-        """Speeds to be barred by any limit, joined where they overlap."""
+        """Speed ranges in rad/s to be barred by any limit in one configuration, joined where they overlap."""
         return joined_spans([span for one in self.verdicts for span in one.barred])
 
     @property
@@ -259,18 +259,18 @@ class LimitCheck(NotebookResult):
 
     @property
     def passed(self) -> tuple[SpeedSpan, ...]:
-        """Barred speeds below the highest speed permitted, which are passed without stopping."""
+        """Speed ranges in rad/s barred by any limit below the highest speed permitted, passed without stopping."""
         return tuple(span for span in self.barred if self.highest is None or span.low < self.highest)
 
     @property
     def conclusion(self) -> str:
-        """Conclusion from all verdicts in a sentence, with what was not examined."""
+        """Conclusion from all verdicts on limits in a sentence, with what was not examined."""
         missing = [*unexamined_sentence(self.others, self.configurations, [self.configuration]), *self.left_out]
         where = f" in {self.configuration or 'the model as written'}" if self.others else ""
         return "; ".join([*missing, self.finding(where)])
 
     def finding(self, where: str = "") -> str:
-        """Conclusion from all verdicts on this configuration in a sentence, with ``where`` as its name in the text."""
+        """Conclusion on the limits in one configuration in a sentence, with ``where`` as its name in the text."""
         failed = list(dict.fromkeys(one.limit for one in self.verdicts if one.verdict == FAIL))
         unjudged = list(dict.fromkeys(one.limit for one in self.verdicts if one.verdict == OPEN))
         parts = [f"{', '.join(failed)} {'do' if len(failed) > 1 else 'does'} not hold{where}"] if failed else []
@@ -290,7 +290,7 @@ class LimitCheck(NotebookResult):
         return "the limits examined" if self.left_out else "all limits"
 
     def of(self, limit: str, criterion: str | None = None) -> LimitVerdict:
-        """Verdict on a limit, or on one of its criteria if it has several.
+        """Verdict on a limit by its name, or on one of its criteria if it has several.
 
         Raises
         ------
@@ -306,7 +306,7 @@ class LimitCheck(NotebookResult):
         raise UsageError(f"{what}; there are {', '.join(known)}")
 
     def table(self, conventions: Conventions = SI) -> Table:
-        """Table with a row for each criterion at its worst speed, and the rules as notes."""
+        """Table of limits with a row for each criterion at its worst speed in rpm, and the rules as notes."""
         columns = (
             Column("limit"),
             Column("of"),
@@ -346,7 +346,7 @@ class LimitCheck(NotebookResult):
         return (one.limit, one.of, one.criterion, *numbers, one.verdict, barred)
 
     def long_table(self) -> Table:
-        """Table with value, allowed value and utilisation of each criterion at every speed, SI."""
+        """Table of value, allowed value (SI) and utilisation of each criterion of the limits at every speed in rpm."""
         rows = [
             LimitPoint(one.limit, one.of, one.criterion, rpm, value, allowed, one.unit, share)
             for one in self.verdicts
@@ -357,7 +357,7 @@ class LimitCheck(NotebookResult):
         return result_table(f"{self.title}: limits over speed", rows, LimitPoint, notes=notes)
 
     def row(self, one: LimitVerdict) -> LimitRow:
-        """Verdict as plain data, for JSON."""
+        """Verdict on one criterion of a limit as plain data for JSON, values in SI, speeds in rpm."""
         at, spans = one.worst, rpm_spans(one.barred)
         text = (one.text.source, one.text.formula, one.text.not_covered, one.remarks)
         about = (one.limit, one.of, one.criterion, one.quantity, one.unit, one.verdict)

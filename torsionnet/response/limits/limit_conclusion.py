@@ -37,7 +37,7 @@ from torsionnet.response.table import Column, Table
 
 @dataclass(frozen=True, eq=False)
 class ConclusionRecord:
-    """Verdict on a model from all configurations examined."""
+    """Verdict on the limits of a model from all configurations examined."""
 
     verdict: Annotated[str, Out(schema=VERDICT)]
     conclusion: str
@@ -49,7 +49,7 @@ class ConclusionRecord:
 
 @dataclass(frozen=True, eq=False)
 class LimitsRecord:
-    """Limits of one configuration, as ``torsionnet limits --json`` prints them."""
+    """Verdicts on the limits of one configuration, as ``torsionnet limits --json`` prints them."""
 
     title: str
     configuration: str
@@ -88,7 +88,7 @@ class LimitConclusion:
             raise UsageError("a conclusion on limits needs at least one check of limits; there is none")
 
     def records(self) -> list[LimitsRecord]:
-        """Limits of every configuration as plain data, for JSON."""
+        """Verdicts on the limits of every configuration as plain data for JSON."""
         overall = ConclusionRecord(
             self.verdict,
             self.sentence,
@@ -107,32 +107,35 @@ class LimitConclusion:
 
     @property
     def configurations(self) -> tuple[str, ...]:
-        """All configurations of the model, examined or not."""
+        """Names of all configurations of the model, examined or not."""
         return self.checks[0].configurations
 
     @property
     def not_examined(self) -> tuple[str, ...]:
-        """Configurations of the model that no check is about."""
+        """Names of the configurations of the model that no check of limits is about."""
         return tuple(name for name in self.configurations if all(name in one.others for one in self.checks))
 
     @property
     def left_out(self) -> tuple[str, ...]:
-        """Limits and excitations that were left out, in words."""
+        """Limits and excitations that the checks of limits left out, in words."""
         return tuple(dict.fromkeys(words for one in self.checks for words in one.left_out))
 
     @property
     def verdict(self) -> str:
-        """Gravest of all verdicts; "incomplete" instead of one that permits operation if not all was examined."""
+        """Gravest of all verdicts on the limits of a model in the configurations examined.
+
+        "incomplete" instead of one that permits operation if not all was examined.
+        """
         found = [one.verdict for _, one in self._verdicts()]
         return gravest([*found, *([INCOMPLETE] if self.not_examined or self.left_out else [])])
 
     @property
     def barred(self) -> tuple[SpeedSpan, ...]:
-        """Speeds to be barred in any configuration, joined where they overlap."""
+        """Speed ranges in rad/s to be barred in any configuration, joined where they overlap."""
         return joined_spans([span for one in self.checks for span in one.barred])
 
     def worst_table(self, conventions: Conventions = SI) -> Table:
-        """Table with a row for each criterion, in the configuration and at the speed where it is used most."""
+        """Table of limits with a row per criterion, in the configuration and at the speed of largest utilisation."""
         worst: dict[tuple[str, str], tuple[LimitCheck, LimitVerdict]] = {}
         for check, one in self._verdicts():
             known = worst.get((one.limit, one.criterion))
@@ -146,7 +149,7 @@ class LimitConclusion:
 
     @property
     def sentence(self) -> str:
-        """Conclusion from all checks in a sentence, with what was not examined."""
+        """Conclusion from all checks of limits in a sentence, with what was not examined."""
         if len(self.checks) == 1:
             return self.checks[0].conclusion
         examined = [one.configuration for one in self.checks]
@@ -155,7 +158,7 @@ class LimitConclusion:
         )
 
     def _verdicts(self) -> Iterator[tuple[LimitCheck, LimitVerdict]]:
-        """Verdicts with their checks, without those on elements that are switched off here and judged elsewhere."""
+        """Verdicts on limits with their checks, without those on elements switched off here and judged elsewhere."""
         judged = {one.limit for check in self.checks for one in check.verdicts if one.verdict != OPEN}
         for check in self.checks:
             yield from ((check, one) for one in check.verdicts if not (one.absent and one.limit in judged))
@@ -180,7 +183,7 @@ class LimitConclusion:
         return self.checks[0].reference
 
     def _of(self, verdict: str) -> dict[str, str]:
-        """Limits with a verdict, and the text on the configurations in which they have it."""
+        """Text on the configurations in which limits have a verdict, by name of the limit."""
         found: dict[str, list[str]] = {}
         for check, one in self._verdicts():
             if one.verdict == verdict:
@@ -188,7 +191,7 @@ class LimitConclusion:
         return {name: self._where(list(dict.fromkeys(names))) for name, names in found.items()}
 
     def _restrictions(self) -> str:
-        """Speeds that are barred, and the highest speed where a cylinder is out, in words; empty if there are none."""
+        """Barred speeds, and the highest speed where a cylinder is out, in rpm, in words; empty if there are none."""
         barred = [one for one in self.checks if one.passed]
         reduced = [one for one in self.checks if one.highest is not None]
         failed = any(one.verdict == FAIL for _, one in self._verdicts())

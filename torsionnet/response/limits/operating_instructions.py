@@ -60,7 +60,7 @@ class Instruction:
 
 @dataclass(frozen=True, eq=False)
 class _Place:
-    """Limit in a condition, at the speed of a range at which it is used most."""
+    """Limit in one configuration, at the speed of a speed range at which its utilisation is largest."""
 
     check: LimitCheck
     verdict: LimitVerdict
@@ -73,7 +73,7 @@ class _Place:
 
 
 def operating_instructions(checks: Sequence[LimitCheck]) -> tuple[Instruction, ...]:
-    """Instructions that follow from checks of one model; ranges that overlap in several conditions are one.
+    """Instructions to the crew from checks of limits of one model; ranges that overlap in several conditions are one.
 
     Conditions with a cylinder out and with normal firing are kept apart. Speeds to be barred are rounded outward to
     1 rpm, the highest speed permitted is rounded down.
@@ -96,7 +96,7 @@ def operating_instructions(checks: Sequence[LimitCheck]) -> tuple[Instruction, .
 
 
 def instruction_table(checks: Sequence[LimitCheck], conventions: Conventions = SI, title: str = "") -> Table:
-    """Table of operating instructions from checks of one model, with what else restricts operation below it."""
+    """Table of operating instructions from checks of limits of one model, with what else restricts operation."""
     rows = operating_instructions(checks)
     failed = dict.fromkeys(one.limit for check in checks for one in check.verdicts if one.verdict == FAIL)
     shown = [_in_units(one, conventions) for one in rows]

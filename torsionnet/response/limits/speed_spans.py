@@ -28,19 +28,19 @@ class SpeedSpan:
     high: float
 
     def holds(self, speed: float) -> bool:
-        """Whether a speed in rad/s lies in the range."""
+        """Whether a speed in rad/s lies in the speed range."""
         return self.low <= speed <= self.high
 
     def holds_any(self, speeds: Iterable[float | None]) -> bool:
-        """Whether one of some speeds in rad/s lies in the range."""
+        """Whether one of some speeds in rad/s lies in the speed range."""
         return any(speed is not None and self.holds(speed) for speed in speeds)
 
     def widened(self, tolerance: float) -> SpeedSpan:
-        """Range widened on both sides by a share of the speeds."""
+        """Speed range in rad/s widened on both sides by a share of the speeds."""
         return SpeedSpan(self.low * (1 - tolerance), self.high * (1 + tolerance))
 
     def within(self, other: SpeedSpan) -> SpeedSpan:
-        """Part of the range that lies in another one."""
+        """Part of the speed range in rad/s that lies in another one."""
         return SpeedSpan(max(self.low, other.low), min(self.high, other.high))
 
     def __str__(self) -> str:
@@ -48,7 +48,7 @@ class SpeedSpan:
 
 
 def joined_spans(spans: Sequence[SpeedSpan]) -> tuple[SpeedSpan, ...]:
-    """Speed ranges in rising order, with overlapping ones joined.
+    """Speed ranges in rad/s in rising order, with overlapping ones joined.
 
     Examples
     --------
@@ -65,7 +65,7 @@ def joined_spans(spans: Sequence[SpeedSpan]) -> tuple[SpeedSpan, ...]:
 
 
 def spans_above(speeds: FloatArray, values: FloatArray, allowed: FloatArray) -> tuple[SpeedSpan, ...]:
-    """Speed ranges in which values exceed the allowed ones, linear between the speeds; NaN exceeds nothing.
+    """Speed ranges in rad/s in which values exceed the allowed ones, linear between the speeds; NaN exceeds nothing.
 
     Examples
     --------
@@ -105,7 +105,7 @@ def _runs(places: NDArray[np.integer[Any]]) -> list[tuple[int, int]]:
 
 
 def _crossing(speeds: FloatArray, over: FloatArray, inside: int, outside: int) -> float:
-    """Speed at which the excess falls to 0 on the straight line to a speed outside the range."""
+    """Speed in rad/s at which a value falls to the allowed one on the straight line to a speed outside the range."""
     if not np.isfinite(over[outside]):
         return float(speeds[inside])
     share = over[inside] / (over[inside] - over[outside])
@@ -113,17 +113,17 @@ def _crossing(speeds: FloatArray, over: FloatArray, inside: int, outside: int) -
 
 
 def rpm_spans(spans: Iterable[SpeedSpan]) -> tuple[tuple[float, float], ...]:
-    """Lowest and highest speed of every span, rpm."""
+    """Lowest and highest speed of every speed range in rpm."""
     return tuple((span.low * RPM, span.high * RPM) for span in spans)
 
 
 def span_words(spans: Iterable[SpeedSpan]) -> str:
-    """Text of speed ranges, joined by commas."""
+    """Text of speed ranges in rpm, joined by commas."""
     return ", ".join(map(str, spans))
 
 
 def restriction_words(passed: Sequence[SpeedSpan], highest: float | None, shaft: str = "") -> str:
-    """Text of speeds to be passed and of the highest speed permitted, rounded down to 1 rpm; empty for neither.
+    """Text in rpm of speeds to be passed and of the highest speed permitted, rounded down to 1; empty for neither.
 
     Examples
     --------

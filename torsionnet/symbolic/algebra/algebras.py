@@ -18,7 +18,7 @@ HALF = sympy.Rational(1, 2)
 
 @dataclass(frozen=True)
 class Expressions:
-    """Algebra of sympy expressions, nested as the program is, with ``change`` applied to every leaf."""
+    """Algebra of sympy expressions, nested as the program is, with ``change`` applied to every input of the program."""
 
     change: Callable[[Any], Any] = lambda expression: expression
 
@@ -115,7 +115,7 @@ def terms_of(expression: Any) -> int:
 
 
 class Length:
-    """Length of a nested expression, the number of its leaves, repeated ones counted again."""
+    """Length of a nested expression, the number of symbols and numbers (leaves) in it, repeated ones counted again."""
 
     __slots__ = ("leaves",)
 
@@ -129,7 +129,7 @@ class Length:
 
 
 class Lengths:
-    """Algebra that counts the leaves of nested expressions; see :class:`Length`."""
+    """Algebra that counts the symbols and numbers (leaves) of nested expressions; see :class:`Length`."""
 
     def leaf(self, payload: Any) -> Length:
         del payload
@@ -137,7 +137,7 @@ class Lengths:
 
 
 class DualNode:
-    """Result of a program step with its derivative, with + and * by the rules of differentiation."""
+    """Result of a program step with its derivative to one symbol, with + and * by the rules of differentiation."""
 
     __slots__ = ("slope", "value")
 
@@ -172,7 +172,7 @@ class Derivatives:
 
 @dataclass(frozen=True)
 class SubstitutedLeaves:
-    """Algebra that copies a program and substitutes expressions for symbols in its leaves."""
+    """Algebra that copies a program and substitutes expressions for symbols in its inputs (leaves)."""
 
     program: Program
     change: Callable[[Any], Any]
@@ -186,7 +186,7 @@ class SubstitutedLeaves:
 
 
 def stiffness_or_zero(*parts: Any) -> Any:
-    """Dynamic stiffness as a program's leaf from its coefficients of 1, s and s^2, or 0 if all are zero."""
+    """Dynamic stiffness k + c s + J s^2 of a law from its coefficients, as input of a program, or 0 if all are zero."""
     return Stiffness(*parts) if any(part != 0 for part in parts) else 0
 
 

@@ -20,7 +20,7 @@ from torsionnet.symbolic.algebra.network import L, Network, NetworkMember, Symbo
 
 @dataclass(frozen=True, eq=False)
 class GraphBlock(Generic[L]):
-    """Block of a network, with its laws over the coordinate ``top`` (nearest to the root) and those ``below``."""
+    """Block of a symbolic network, the laws over its coordinate ``top`` (nearest to the root) and those ``below``."""
 
     top: str
     below: tuple[str, ...]
@@ -28,17 +28,17 @@ class GraphBlock(Generic[L]):
 
     @property
     def is_bundle(self) -> bool:
-        """Whether all laws of the block act between the same two coordinates."""
+        """Whether all laws of a network's block act between the same two coordinates."""
         return len(self.below) == 1
 
     def covers(self, row: SymbolRow) -> bool:
-        """Whether all coordinates of a row belong to this block."""
+        """Whether all coordinates of a row of the network belong to one block."""
         return all(name == self.top or name in self.below for name in row)
 
 
 @dataclass(frozen=True, eq=False)
 class Orientation(Generic[L]):
-    """Tree of blocks seen from a root coordinate, with the coordinates outwards and the blocks above and below each."""
+    """Tree of a network's blocks seen from a root coordinate, with the blocks above and below every coordinate."""
 
     root: str
     order: tuple[str, ...]
@@ -46,7 +46,7 @@ class Orientation(Generic[L]):
     below: Mapping[str, tuple[GraphBlock[L], ...]]
 
     def path(self, end: str) -> list[tuple[GraphBlock[L], str]]:
-        """Blocks on the path from the root to a coordinate, each with the coordinate at which the path leaves it."""
+        """Blocks of a network from the root to a coordinate, each with the coordinate at which the path leaves it."""
         found = []
         while end != self.root:
             found.append((self.above[end], end))
@@ -93,7 +93,7 @@ def _blocks(network: Network[L]) -> dict[str, dict[int, tuple[tuple[str, ...], t
 
 
 def roots_of(network: Network[L], first: str = "") -> list[str]:
-    """Root coordinate of every connected part of a network; ``first`` is the root of its own part."""
+    """Root coordinate of every connected part of a symbolic network; ``first`` is the root of its own part."""
     parts = Groups(network.coordinates)
     for member in network.members:
         parts.join(*member.row)

@@ -37,7 +37,7 @@ def quotient(law: Stiffness, program: Program) -> Quotient:
 
 
 def sum_of_quotients(laws: Sequence[tuple[Quotient, Any]], program: Program) -> Quotient:
-    """Sum of law * ratio^2 over laws with their ratios, as one quotient of program nodes."""
+    """Sum of dynamic stiffness * ratio^2 over laws with their ratios of motion, as one quotient of program nodes."""
     total = Quotient(program.leaf(0), program.leaf(1))
     for law, ratio in laws:
         above = program.leaf(ratio**2) * law.above
@@ -47,7 +47,7 @@ def sum_of_quotients(laws: Sequence[tuple[Quotient, Any]], program: Program) -> 
 
 @dataclass(frozen=True, eq=False)
 class Bundle:
-    """Block of all laws between two coordinates, with the quotient that stands for the parts beyond the lower one."""
+    """Block of all laws between two coordinates, with the stiffness (quotient) of all parts beyond the lower one."""
 
     block: GraphBlock[Quotient]
     hanging: Quotient
@@ -55,23 +55,23 @@ class Bundle:
 
     @cached_property
     def held(self) -> ProgramNode:
-        """Determinant of the block and the parts beyond it with the upper coordinate held, a program node."""
+        """Dynamic stiffness determinant of block and parts beyond, upper coordinate held, as a program node."""
         far = self._sum([row[self._child] ** 2 for row in self._rows])
         return self.hanging.above * self._below() + far * self.hanging.below
 
     @cached_property
     def free(self) -> ProgramNode:
-        """Determinant of the block and the parts beyond it with the upper coordinate free, a program node."""
+        """Dynamic stiffness determinant of block and parts beyond, upper coordinate free, as a program node."""
         total = self._sum([row[self.block.top] ** 2 for row in self._rows]) * self.hanging.above
         both = self._pairs()
         return total if both.is_zero else total + both * self.hanging.below
 
     def carried(self, end: str) -> ProgramNode:
-        """Numerator of the lower coordinate's motion under a unit torque on the upper one, without the parts beyond."""
+        """Numerator (program node) of the lower coordinate's angle under unit torque on the upper, without the rest."""
         return self._sum([-row[self.block.top] * row[end] for row in self._rows])
 
     def reading(self, row: SymbolRow) -> ProgramNode:
-        """Numerator of a reading (row theta) in the block under a unit torque on the upper end, a program node."""
+        """Numerator (program node) of a sensor's reading in the block under a unit torque on the upper coordinate."""
         near, far = row.get(self.block.top, 0), row.get(self._child, 0)
         twists = [own[self._child] * (near * own[self._child] - far * own[self.block.top]) for own in self._rows]
         total = self.program.leaf(near) * self.hanging.above * self._below()
@@ -86,7 +86,7 @@ class Bundle:
         return [member.row for member in self.block.members]
 
     def _below(self, *without: int) -> ProgramNode:
-        """Product of the denominators of all laws of the block but those of some numbers."""
+        """Product of the stiffness denominators of all laws of the block but those of the numbers given."""
         result = self.program.leaf(1)
         for number, member in enumerate(self.block.members):
             if number not in without:
@@ -94,14 +94,14 @@ class Bundle:
         return result
 
     def _sum(self, factors: Sequence[Any]) -> ProgramNode:
-        """Sum of factor * law over the block's laws, times the denominators of all of them."""
+        """Sum of factor * dynamic stiffness over the block's laws, times the denominators of all of them."""
         total = self.program.leaf(0)
         for number, (factor, member) in enumerate(zip(factors, self.block.members, strict=True)):
             total = total + self.program.leaf(factor) * member.law.above * self._below(number)
         return total
 
     def _pairs(self) -> ProgramNode:
-        """Sum over pairs of laws with different ratios between the two motions, times all denominators."""
+        """Sum of the products of two laws' stiffnesses that differ in ratio of motion, times all denominators."""
         total, top, child = self.program.leaf(0), self.block.top, self._child
         for (i, one), (j, other) in combinations(enumerate(self.block.members), 2):
             across = one.row[top] * other.row[child] - other.row[top] * one.row[child]

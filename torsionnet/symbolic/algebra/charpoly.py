@@ -49,20 +49,20 @@ class ExpandedBlock:
 
     @property
     def free(self) -> ProgramNode:
-        """Determinant of the block and the parts beyond it with the top coordinate free, a program node."""
+        """Dynamic stiffness determinant of block and parts beyond, coordinate nearest the root free, a program node."""
         return self._determinant(0)
 
     @property
     def held(self) -> ProgramNode:
-        """Determinant of the block and the parts beyond it with the top coordinate held, a program node."""
+        """Dynamic stiffness determinant of block and parts beyond, coordinate nearest the root held, a program node."""
         return self._determinant(1)
 
     def carried(self, end: str) -> ProgramNode:
-        """Numerator of a coordinate's motion under a unit torque on the top, without the parts beyond it."""
+        """Numerator of a coordinate's angle, parts beyond it removed, under a unit torque nearest the root."""
         return self._motion(end, without=end)
 
     def reading(self, row: SymbolRow) -> ProgramNode:
-        """Numerator of a reading (row theta) in the block under a unit torque on the top, a program node."""
+        """Numerator (program node) of a sensor's reading in the block under a unit torque nearest the root."""
         total = self.program.leaf(0)
         for name, value in row.items():
             total = total + self.program.leaf(value) * self._motion(name)
@@ -79,7 +79,7 @@ class ExpandedBlock:
 
     @cached_property
     def _solved(self) -> tuple[Any, Any]:
-        """Numerators of the motions under a unit torque on the top, and the determinant, as polynomials in a ring."""
+        """Numerators of the block's angles under unit torque nearest the root, and determinant, as ring polynomials."""
         count = len(self._members) + len(self._ratios) + 1
         ring, unknowns = sympy.polys.rings.xring([f"x_{i}" for i in range(count)], sympy.QQ)
         index = {name: number for number, name in enumerate(self.names)}

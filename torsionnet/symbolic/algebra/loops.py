@@ -29,7 +29,7 @@ result."""
 
 
 def solve_block(block: GraphBlock[Quotient], hanging: Mapping[str, Quotient], program: Program) -> SolvedBlock:
-    """Determinants of a block of more than two coordinates, with all parts of the network beyond it."""
+    """Determinants of a network's block of more than two coordinates, with all parts of the network beyond it."""
     loops = loops_of(block)
     if loops > MOST_LOOPS or comb(len(block.members), loops) > MOST_FORESTS:
         return ExpandedBlock(block, hanging, program)
@@ -54,13 +54,13 @@ class SplitBlock:
 
     @cached_property
     def network(self) -> Network[Quotient]:
-        """Network of the block, in which the parts beyond it are laws to ground."""
+        """Network of one block, in which the parts beyond it are laws to ground."""
         grounds = (NetworkMember({name: ONE}, law) for name, law in self.hanging.items())
         return Network((self.block.top, *self.block.below), (*self.block.members, *grounds))
 
     @cached_property
     def member(self) -> NetworkMember[Quotient]:
-        """Law that is split off, that over most coordinates, else one of the fewest between two coordinates."""
+        """Law that is split off a block, the one over most coordinates, else of the fewest between two coordinates."""
         among = Counter(frozenset(member.row) for member in self.block.members)
         return max(self.block.members, key=lambda member: (len(member.row), -among[frozenset(member.row)]))
 
@@ -90,20 +90,20 @@ class SplitBlock:
 
     @cached_property
     def held(self) -> ProgramNode:
-        """Determinant of the block and the parts beyond it with the top coordinate held, a program node."""
+        """Dynamic stiffness determinant of block and parts beyond, coordinate nearest the root held, a program node."""
         return self._joined(self.deleted.held, self.contracted.held)
 
     @cached_property
     def free(self) -> ProgramNode:
-        """Determinant of the block and the parts beyond it with the top coordinate free, a program node."""
+        """Dynamic stiffness determinant of block and parts beyond, coordinate nearest the root free, a program node."""
         return self._joined(self.deleted.determinant, self.contracted.determinant)
 
     def reading(self, row: SymbolRow) -> ProgramNode:
-        """Numerator of a reading (row theta) in the block under a unit torque on the top, a program node."""
+        """Numerator (program node) of a sensor's reading in the block under a unit torque nearest the root."""
         return self._joined(self.deleted.reading(row), self.contracted.reading(self.contraction.row(row)))
 
     def carried(self, end: str) -> ProgramNode:
-        """Numerator of a coordinate's motion under a unit torque on the top, without the parts beyond it."""
+        """Numerator of a coordinate's angle, parts beyond it removed, under a unit torque nearest the root."""
         if end not in self.others:
             bare = {name: law for name, law in self.hanging.items() if name != end}
             self.others[end] = replace(self, hanging=bare, others={})

@@ -13,7 +13,7 @@ import sympy
 from torsionnet.assembly.symbolic import collect_by_ratio
 
 SymbolRow: TypeAlias = Mapping[str, Any]
-"""Row of sympy coefficients by coordinate, none of them zero."""
+"""Row by which a law or a sensor acts on coordinates, sympy coefficients by coordinate, none of them zero."""
 
 ONE = sympy.Integer(1)
 """Exact number one of sympy, shared so that rows and laws compare quickly."""
@@ -55,7 +55,7 @@ class Network(Generic[L]):
 
     @cached_property
     def grounds(self) -> Mapping[str, list[L]]:
-        """Laws that act on one coordinate alone (to ground), by coordinate."""
+        """Laws of a symbolic network that act on one coordinate alone (to ground), by coordinate."""
         found: dict[str, list[L]] = {}
         for member in self.members:
             if len(member.row) == 1:
@@ -63,7 +63,7 @@ class Network(Generic[L]):
         return found
 
     def contracted(self, row: SymbolRow, keep: str = "") -> Contraction[L]:
-        """Network for motions with row = 0, in which the others express one coordinate, not ``keep``.
+        """Network for motions in which a row is zero, with one coordinate, not ``keep``, expressed by the others.
 
         The coefficient of kappa in det(D + kappa a a^T) is a_v^2 times the determinant of what is left, v being the
         coordinate expressed, and so for every bilinear form of the adjugate.
@@ -79,7 +79,7 @@ class Network(Generic[L]):
         return Contraction(left, pivot, solution, row[pivot] ** 2, idle)
 
     def _pivot(self, row: SymbolRow, keep: str) -> str:
-        """Coordinate of a row that the others express, where rows stay short one on which few laws act."""
+        """Coordinate of a row that a contraction expresses by the others, of long rows one on which few laws act."""
         names = [name for name in row if name != keep]
         uses: Counter[str] = Counter()
         if len(row) > 2:
@@ -130,7 +130,7 @@ def _direction(row: SymbolRow, known: Collection[Any]) -> tuple[tuple[tuple[str,
 
 
 def reflected_sum(laws: Sequence[tuple[Stiffness, Any]]) -> Stiffness:
-    """Sum of law * ratio^2 over laws with their ratios, each term collected by its squared ratio."""
+    """Sum of dynamic stiffness * ratio^2 over laws with their ratios of motion, terms collected by squared ratio."""
     total = _Collected()
     for law, ratio in laws:
         total.add(law, ratio)
@@ -138,7 +138,7 @@ def reflected_sum(laws: Sequence[tuple[Stiffness, Any]]) -> Stiffness:
 
 
 class _Collected:
-    """Sum of laws times squared ratios so far, its terms collected by squared ratio."""
+    """Sum so far of dynamic stiffnesses times squared ratios of motion, its terms collected by squared ratio."""
 
     def __init__(self) -> None:
         self.parts: tuple[dict[Any, Any], ...] = ({}, {}, {})

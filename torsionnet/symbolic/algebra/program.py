@@ -20,10 +20,10 @@ ARITHMETIC = ("+", "*", "/")
 
 
 class ProgramAlgebra(Protocol):
-    """Protocol of an algebra that evaluates programs, whose elements for the leaves have +, * and /."""
+    """Protocol of an algebra that evaluates programs, whose elements for their inputs (leaves) have +, * and /."""
 
     def leaf(self, payload: Any) -> Any:
-        """Element of the algebra for a leaf of a program, from the leaf's payload or a Fraction."""
+        """Element of an algebra for an input (leaf) of a program, from the input's payload or a Fraction."""
         ...
 
 
@@ -45,7 +45,7 @@ class Program:
     memo: Memo = field(default_factory=Memo)
 
     def leaf(self, payload: Hashable) -> ProgramNode:
-        """Node of a leaf with a payload that an algebra turns into a value, or of a rational constant."""
+        """Node of a program's input (leaf), a payload that an algebra turns into a value, or a rational constant."""
         return self._node(("leaf", _constant(payload)))
 
     def node(self, value: Any) -> ProgramNode:
@@ -60,7 +60,7 @@ class Program:
         return found
 
     def constant(self, node: ProgramNode) -> Fraction | None:
-        """Rational value of a node that is a constant, None for any other node."""
+        """Rational value of a program node that is a constant, None for any other node."""
         step = self.steps[node.index]
         return step[1] if step[0] == "leaf" and isinstance(step[1], Fraction) else None
 
@@ -97,7 +97,7 @@ class Program:
         return sorted(wanted)
 
     def payloads(self, outputs: Iterable[ProgramNode]) -> list[Any]:
-        """Payloads (expressions, stiffnesses, constants) of the leaves on which output nodes depend."""
+        """Payloads (expressions, stiffnesses, constants) of the program's inputs on which output nodes depend."""
         return [self.steps[index][1] for index in self.needed(outputs) if self.steps[index][0] == "leaf"]
 
     def run(self, algebra: ProgramAlgebra, outputs: Sequence[ProgramNode]) -> list[Any]:
@@ -113,7 +113,7 @@ class Program:
         return [results[node.index] for node in outputs]
 
     def factors(self, node: ProgramNode) -> Counter[int]:
-        """Factors of a node that is a product, as the multiplicity of each factor by the index of its step."""
+        """Factors of a program node that is a product, as the multiplicity of each factor by the index of its step."""
         found: Counter[int] = Counter()
         waiting = [node.index]
         while waiting:
@@ -135,7 +135,7 @@ class Program:
         return self.known[self.steps[index]]
 
     def reduced(self, numerator: ProgramNode, denominator: ProgramNode) -> tuple[ProgramNode, ProgramNode]:
-        """Nodes of numerator and denominator of a fraction without their common factors."""
+        """Program nodes of numerator and denominator of a fraction without their common factors."""
         above, below = self.factors(numerator), self.factors(denominator)
         common = above & below
         if not common or self.constant(numerator) == 0:

@@ -32,30 +32,31 @@ class SolvedBlock(Protocol):
 
     @property
     def held(self) -> ProgramNode:
-        """Determinant of the block and the parts beyond it with the top coordinate held, a program node."""
+        """Dynamic stiffness determinant of block and parts beyond, coordinate nearest the root held, a program node."""
         ...
 
     @property
     def free(self) -> ProgramNode:
-        """Determinant of the block and the parts beyond it with the top coordinate free, a program node."""
+        """Dynamic stiffness determinant of block and parts beyond, coordinate nearest the root free, a program node."""
         ...
 
     def carried(self, end: str) -> ProgramNode:
-        """Numerator of a coordinate's motion under a unit torque on the top, without the parts beyond it."""
+        """Numerator of a coordinate's angle, parts beyond it removed, under a unit torque nearest the root."""
         ...
 
     def reading(self, row: SymbolRow) -> ProgramNode:
-        """Numerator of a reading (row theta) in the block under a unit torque on the top, a program node."""
+        """Numerator (program node) of a sensor's reading in the block under a unit torque nearest the root."""
         ...
 
 
 BlockSolver: TypeAlias = Callable[[GraphBlock[Quotient], Mapping[str, Quotient], Program], SolvedBlock]
-"""Function that returns the determinants of a block of more than two coordinates, with all parts beyond it."""
+"""Function that returns the determinants of a network's block of more than two coordinates, with all parts beyond
+it."""
 
 
 @dataclass
 class Recursion:
-    """Determinants of the parts beyond every coordinate, seen from a root, with it free (A) and held (Q)."""
+    """Determinants of a network's parts beyond every coordinate, seen from a root, with it free (A) and held (Q)."""
 
     network: Network[Quotient]
     program: Program
@@ -128,11 +129,11 @@ class Recursion:
         return [a * b for a, b in zip(ahead, reversed(behind), strict=True)] if blocks else []
 
     def _aside(self, name: str, block: GraphBlock[Quotient]) -> ProgramNode:
-        """Product of the determinants (held) of all blocks below a coordinate except one block."""
+        """Product of the determinants of all blocks below a held coordinate of the network except one block."""
         return self._ground(name).below * self._hanging(name, block)
 
     def _carried(self, end: str) -> ProgramNode:
-        """Product of the motions carried from the root to ``end``, times the determinants off that path."""
+        """Product of the blocks' angle numerators from the root to ``end``, times the determinants off that path."""
         result = self.beside
         for block, far in self.tree.path(end):
             result = result * self.solved[block].carried(far) * self._aside(block.top, block)
@@ -143,7 +144,7 @@ class Recursion:
         return self._carried(end) * self.Q[end]
 
     def reading(self, row: SymbolRow) -> ProgramNode:
-        """Numerator of a reading (row theta) under a unit torque at the root, det D times the reading."""
+        """Numerator of a sensor's reading under a unit torque at the root, det D times the reading, a program node."""
         row = {name: value for name, value in row.items() if name in self.Q}
         block = self._common(row)
         if block is not None:
@@ -154,6 +155,6 @@ class Recursion:
         return total
 
     def _common(self, row: SymbolRow) -> GraphBlock[Quotient] | None:
-        """Block that contains all coordinates of a row, or None if no block does."""
+        """Block of the network that contains all coordinates of a row, or None if no block does."""
         found = [self.tree.above[name] for name in row if name in self.tree.above] if len(row) > 1 else []
         return next((block for block in found if block.covers(row)), None)

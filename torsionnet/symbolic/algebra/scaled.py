@@ -89,10 +89,10 @@ class Scaled:
         return result
 
     def array(self) -> ComplexArray:
-        """Plain complex array of the values, same shape, which may overflow."""
+        """Plain complex array of the scaled values, same shape, which may overflow."""
         return np.asarray(self.mantissa * np.exp2(np.clip(self.exponent, -2000, 2000).astype(float)))
 
     def relative_error(self) -> FloatArray:
-        """Bound of the relative rounding error of each value, infinite or nan where no digit is sure."""
+        """Bound of the relative rounding error of each scaled value, infinite or nan where no digit is sure."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(self.error == 0, 0.0, self.error / np.abs(self.mantissa))

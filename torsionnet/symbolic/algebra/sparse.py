@@ -45,7 +45,7 @@ class Sparse:
         return Sparse(total, depth, self.scale)
 
     def at_depth(self, depth: int) -> dict[int, int]:
-        """Integer coefficients by monomial, for the common denominator scale^depth."""
+        """Integer coefficients of a sparse polynomial by packed monomial, for the common denominator scale^depth."""
         if depth == self.depth:
             return self.terms
         factor = self.scale ** (depth - self.depth)
@@ -78,7 +78,7 @@ class Monomials:
         return {generator: EXPONENT_BITS * position for position, generator in enumerate(self.generators)}
 
     def leaf(self, payload: Any) -> Sparse:
-        """Sparse polynomial of a program's leaf (a constant, an expression or a dynamic stiffness)."""
+        """Sparse polynomial of a program's input (a constant, an expression or a dynamic stiffness)."""
         depth = 0 if _is_whole(payload) else 1
         found: dict[int, int] = {}
         for power, part in enumerate(_parts(payload)):
@@ -123,7 +123,7 @@ class Monomials:
 
 
 def monomials_for(payloads: Iterable[Any]) -> Monomials:
-    """Algebra of sparse polynomials in which the payloads of all leaves of a program can be written."""
+    """Algebra of sparse polynomials in which the payloads of all inputs of a program can be written."""
     names: dict[Any, None] = {}
     scale = 1
     for payload in payloads:
