@@ -110,7 +110,7 @@ class TestFriction:
         ({"stiffness": 1, "stages": STAGES, "torque": 1}, "not both"),
         ({"stages": STAGES}, "stages need torque"),
         ({"stages": STAGES[:2], "torque": 300}, r"ends at 250 N\*m; leave out its end"),
-        ({"stages": [{"stiffness": 300}, {"stiffness": 400}], "torque": 1}, "add to"),
+        ({"stages": [{"stiffness": 300}, {"stiffness": 400}], "torque": 1}, "give it as to:"),
         ({"stages": [{"stiffness": 300, "to": 20}], "torque": 1}, "with its unit"),
         ({"stages": [*STAGES[:2], {"stiffness": 9, "to": "240 N*m"}], "torque": 1}, "rising torques"),
         ({"stages": [{"stifness": 300}], "torque": 1}, 'did you mean "stiffness"'),
