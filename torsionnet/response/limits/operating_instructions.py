@@ -44,18 +44,33 @@ class Instruction:
 
     conditions: tuple[str, ...]
     condition: Annotated[str, Out("condition", json=None)]
-    shaft: Annotated[str, Out("shaft")]
-    tolerance: Annotated[float, Out("tachometer", "%", "tachometer_tolerance", factor=100, digits=3)]
+    shaft: str
+    tolerance: Annotated[float, Out(json="tachometer_tolerance")]
     from_rpm: Annotated[int | None, Out("from", "rpm")]
     to_rpm: Annotated[int | None, Out("to", "rpm")]
-    limit: Annotated[str, Out("limit")]
-    criterion: Annotated[str, Out("criterion")]
+    limit: str
+    criterion: str
     value: Annotated[float, Out("value", digits=4)]
     allowed: Annotated[float, Out("allowed", digits=4)]
     allowed_in_passing: Annotated[float, Out("in passing", digits=4)]
     unit: Annotated[str, Out("unit")]
-    action: Annotated[str, Out("action")]
-    marking: Annotated[str, Out("marking")]
+    action: str
+    marking: str
+
+    @property
+    def tachometer(self) -> Annotated[str, Out("tachometer", json=None, after="condition")]:
+        """Node whose speed the tachometer shows, with its relative error in per cent."""
+        return f"{self.shaft} ± {100 * self.tolerance:g} %" if self.tolerance else self.shaft
+
+    @property
+    def limited_by(self) -> Annotated[str, Out("limit", json=None, after="to_rpm")]:
+        """Name and criterion of the limit that is used most in the range."""
+        return f"{self.limit}, {self.criterion}"
+
+    @property
+    def instruction(self) -> Annotated[str, Out("action and marking", json=None, after="unit")]:
+        """Text of the action and of the marking of the range."""
+        return f"{self.action}; {self.marking}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +100,7 @@ def operating_instructions(checks: Sequence[LimitCheck]) -> tuple[Instruction, .
         for span in joined_spans([place.span for place in passed]):
             inside = [place for place in passed if span.low <= place.span.low <= span.high]
             low, high = _whole(span.low, math.floor), _whole(span.high, math.ceil)
-            action, marking = "pass without stopping", "tachometer red; notice at each control station"
+            action, marking = "pass without stopping", "tachometer red, notice at each control station"
             found.append(_instruction(inside, low, high, action, marking))
         reduced = [place for one in those for place in _reduced(one)]
         if reduced:
