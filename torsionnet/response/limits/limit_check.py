@@ -17,7 +17,14 @@ from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.equal_remarks import grouped_remarks
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.limits.speed_spans import SpeedSpan, joined_spans, restriction_words, rpm_spans, span_words
+from torsionnet.response.limits.speed_spans import (
+    SpeedSpan,
+    joined_spans,
+    restriction_words,
+    rpm_spans,
+    span_words,
+    spans_below,
+)
 from torsionnet.response.table import Column, Table, result_table
 
 PASS, BARRED, REDUCED, INCOMPLETE, OPEN, FAIL = (
@@ -137,7 +144,7 @@ class LimitVerdict:
     @property
     def passed(self) -> tuple[SpeedSpan, ...]:
         """Speed ranges in rad/s that a limit bars below the highest speed permitted, passed without stopping."""
-        return tuple(span for span in self.barred if self.highest is None or span.low < self.highest)
+        return spans_below(self.barred, self.highest)
 
     @property
     def restrictions(self) -> str:
@@ -260,7 +267,7 @@ class LimitCheck(NotebookResult):
     @property
     def passed(self) -> tuple[SpeedSpan, ...]:
         """Speed ranges in rad/s barred by any limit below the highest speed permitted, passed without stopping."""
-        return tuple(span for span in self.barred if self.highest is None or span.low < self.highest)
+        return spans_below(self.barred, self.highest)
 
     @property
     def conclusion(self) -> str:

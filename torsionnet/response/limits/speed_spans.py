@@ -117,6 +117,11 @@ def rpm_spans(spans: Iterable[SpeedSpan]) -> tuple[tuple[float, float], ...]:
     return tuple((span.low * RPM, span.high * RPM) for span in spans)
 
 
+def spans_below(spans: Iterable[SpeedSpan], highest: float | None) -> tuple[SpeedSpan, ...]:
+    """Speed ranges that begin below the highest speed permitted in rad/s; all of them where it is None."""
+    return tuple(span for span in spans if highest is None or span.low < highest)
+
+
 def span_words(spans: Iterable[SpeedSpan]) -> str:
     """Text of speed ranges in rpm, joined by commas."""
     return ", ".join(map(str, spans))
