@@ -455,7 +455,10 @@ def _entries_table(title: str, cls: type[Declared]) -> str:
 
 def report_page() -> str:
     """Table of the sections of a report with their contents."""
-    return table(["section", "what it holds"], [[code(name), prose(text)] for name, text in SECTIONS.items()])
+    return table(
+        ["section", "kind", "what it holds"],
+        [[code(name), " and ".join(content.kinds), prose(content.description)] for name, content in SECTIONS.items()],
+    )
 
 
 def report_texts_page() -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
 from torsionnet.core.errors import TorsionnetWarning
@@ -13,18 +13,29 @@ from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_text import first_names, sentence
 from torsionnet.report.sections.checks import checks_section
 from torsionnet.report.sections.comparison import comparison_section
+from torsionnet.report.sections.components import components_section
+from torsionnet.report.sections.conclusion import conclusion_section
+from torsionnet.report.sections.conditions import conditions_section
 from torsionnet.report.sections.critical_speeds import critical_speeds_section
 from torsionnet.report.sections.elements import elements_section
 from torsionnet.report.sections.equations import equations_section
 from torsionnet.report.sections.excitations import excitations_section
 from torsionnet.report.sections.fits import fit_section
+from torsionnet.report.sections.forced_response import forced_response_section
 from torsionnet.report.sections.formulas import formulas_section
+from torsionnet.report.sections.harmonics import harmonics_section
+from torsionnet.report.sections.installation import installation_section
 from torsionnet.report.sections.kinematics import kinematics_section
 from torsionnet.report.sections.limits import limits_section
+from torsionnet.report.sections.mass_elastic import mass_elastic_section
 from torsionnet.report.sections.mean_torques import mean_torques_section
+from torsionnet.report.sections.measurement_plan import measurement_plan_section
 from torsionnet.report.sections.modes import modes_section
+from torsionnet.report.sections.natural_frequencies import natural_frequencies_section
 from torsionnet.report.sections.orders import orders_section
 from torsionnet.report.sections.parameters import parameters_section
+from torsionnet.report.sections.passage import passage_section
+from torsionnet.report.sections.resonances import resonances_section
 from torsionnet.report.sections.responses import responses_section
 from torsionnet.report.sections.schematic import schematic_section
 from torsionnet.report.sections.simplified import simplified_section
@@ -33,21 +44,32 @@ from torsionnet.report.sections.summary import summary_section
 from torsionnet.report.sections.validity import validity_section
 
 BUILDERS: dict[str, Callable[[ReportData], Section | None]] = {
+    "conclusion": conclusion_section,
     "summary": summary_section,
+    "conditions": conditions_section,
+    "installation": installation_section,
     "schematic": schematic_section,
     "elements": elements_section,
     "parameters": parameters_section,
     "kinematics": kinematics_section,
     "equations": equations_section,
+    "mass_elastic": mass_elastic_section,
     "modes": modes_section,
+    "natural_frequencies": natural_frequencies_section,
     "formulas": formulas_section,
     "simplified": simplified_section,
     "responses": responses_section,
     "excitations": excitations_section,
+    "harmonics": harmonics_section,
     "mean_torques": mean_torques_section,
     "critical_speeds": critical_speeds_section,
+    "resonances": resonances_section,
     "orders": orders_section,
+    "forced_response": forced_response_section,
     "limits": limits_section,
+    "components": components_section,
+    "passage": passage_section,
+    "measurement_plan": measurement_plan_section,
     "test": comparison_section,
     "fit": fit_section,
     "study": studies_section,
@@ -58,6 +80,8 @@ BUILDERS: dict[str, Callable[[ReportData], Section | None]] = {
 model."""
 
 
+SUBTITLES = {"rig": "Torsional vibration report", "approval": "Torsional vibration calculation"}
+"""Line under the title of a report, by the kind of document."""
 DRIVETRAIN_SECTIONS = (
     "schematic",
     "elements",
@@ -67,6 +91,8 @@ DRIVETRAIN_SECTIONS = (
     "formulas",
     "simplified",
     "responses",
+    "mass_elastic",
+    "natural_frequencies",
 )
 """Names of report sections without excitations, in which configurations with equal drivetrains are one case."""
 
@@ -78,16 +104,27 @@ def build(subject: ReportData, version: str) -> Report:
         warnings.simplefilter("always", TorsionnetWarning)
         subject = replace(subject, warning_messages=warned)
         wanted = [name for name in SECTIONS if subject.request.wants(name)]
-        made = [BUILDERS[name](subject.by_drivetrain if name in DRIVETRAIN_SECTIONS else subject) for name in wanted]
+        made = {
+            name: BUILDERS[name](subject.by_drivetrain if name in DRIVETRAIN_SECTIONS else subject) for name in wanted
+        }
     return Report(
         title=plan.title or subject.model.name,
-        subtitle="Torsional vibration report",
+        subtitle=SUBTITLES[plan.kind or "rig"],
         facts=Facts(tuple(_facts(subject, version))),
         notes=sentence(plan.notes.strip(), subject.model),
-        sections=tuple(section for section in made if section is not None),
+        sections=_with_appendix(subject, {name: section for name, section in made.items() if section is not None}),
         author=plan.author,
         date=subject.request.date.isoformat() if subject.request.date else "",
     )
+
+
+def _with_appendix(subject: ReportData, made: Mapping[str, Section]) -> tuple[Section, ...]:
+    """Sections of a report in their order, those of the other kind of document inside an appendix at the end."""
+    if subject.request.plan.sections:
+        return tuple(made.values())
+    own = tuple(section for name, section in made.items() if subject.request.is_of_kind(name))
+    others = tuple(section for name, section in made.items() if not subject.request.is_of_kind(name))
+    return (*own, Section("appendix", ("Appendix",), others)) if others else own
 
 
 def _facts(subject: ReportData, version: str) -> Iterator[tuple[str, Text]]:

@@ -17,7 +17,7 @@ from torsionnet.model.files.reader import find_model
 from torsionnet.model.report import Pair, ReportPlan, parse_band
 from torsionnet.model.report.report_plan import section_fault
 from torsionnet.report.document_tree import Report
-from torsionnet.report.report_data import ReportData, cases_of, digest_of, require_answers
+from torsionnet.report.report_data import ReportData, cases_of, digest_of, document_kind, require_answers
 from torsionnet.report.report_request import Measured, ReportRequest, read_date
 from torsionnet.report.study_model_checks import check_study_models
 
@@ -93,6 +93,7 @@ def writer_for(path: str | os.PathLike[str]) -> Callable[[Report, Path], tuple[P
 def make_report(
     model: Model,
     *,
+    kind: str | None = None,
     configurations: Iterable[str] = (),
     sections: Iterable[str] = (),
     transfer_functions: Iterable[str | Pair] = (),
@@ -108,6 +109,7 @@ def make_report(
     fits: Iterable[Fit] = (),
     studies: Iterable[StudyResult] = (),
     template: str | os.PathLike[str] | None = None,
+    appendix: bool | None = None,
 ) -> Report:
     """Report on a model as a tree of sections, texts, tables and figures.
 
@@ -116,10 +118,12 @@ def make_report(
     Parameters
     ----------
     model : str, path or Drivetrain
+    kind : {"rig", "approval"}, optional
+        Kind of document; default: approval for a model with speeds, excitations and limits.
     configurations : iterable of str
         Default: all.
     sections : iterable of str
-        Out of :data:`torsionnet.model.report.SECTIONS`; default: all that apply.
+        Out of :data:`torsionnet.model.report.SECTIONS`; default: those of its kind that apply.
     transfer_functions : iterable of str
         ``"theta_1/T_T"``; default: the first sensors over the first input.
     band : (float, float) or str
@@ -139,6 +143,8 @@ def make_report(
         Of this model, with the answers that their files ask for.
     template : str or path
         Folder with a letterhead, style and wording; default: that of the file, a path from there.
+    appendix : bool
+        Whether the sections of the other kind follow in an appendix.
 
     Raises
     ------
@@ -159,7 +165,8 @@ def make_report(
     check_study_models(drivetrain, [result.study for result in shown])
     plan = drivetrain.definition.report or ReportPlan()
     read = _template(template or (plan.template and file.parent / plan.template))
-    texts = {"title": title, "author": author, "notes": notes, "angle": angle, "simplify": simplify}
+    texts: dict[str, Any] = {"title": title, "author": author, "notes": notes, "angle": angle, "simplify": simplify}
+    texts |= {"kind": kind, "appendix": appendix}
     given: dict[str, Any] = {key: text for key, text in texts.items() if text is not None}
     lists = {
         "configurations": tuple(configurations),
@@ -171,6 +178,7 @@ def make_report(
     given |= {key: values for key, values in lists.items() if values}
     given |= {"band": _band(band)} if band else {}
     plan = replace(plan, **given)
+    plan = replace(plan, kind=plan.kind or document_kind(drivetrain))
     today = dt.datetime.now().astimezone().date() if date == "today" else read_date(date)
     request = ReportRequest(
         plan,

@@ -316,6 +316,15 @@ def _derived(rig: Drivetrain) -> dict[str, str]:
     return {name: str(entry.value) for name, entry in rig.parameter_definitions.items() if entry.value.names}
 
 
+def document_kind(model: Drivetrain) -> str:
+    """Kind of document that a model has unless another is asked for.
+
+    The calculation for approval where speeds, excitations and limits are given, else the report on a rig.
+    """
+    definition = model.definition
+    return "approval" if definition.speeds is not None and definition.excitations and definition.limits else "rig"
+
+
 def cases_of(model: Drivetrain, names: tuple[str, ...]) -> tuple[Case, ...]:
     """Configurations of a model that a report shows, each with its drivetrain.
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from torsionnet.core.errors import UsageError
-from torsionnet.model.report import Pair, ReportPlan
+from torsionnet.model.report import SECTIONS, Pair, ReportPlan
 
 if TYPE_CHECKING:
     from torsionnet.identification import Fit
@@ -56,7 +56,11 @@ class ReportRequest:
             "study": bool(self.studies),
             "simplified": self.plan.simplify is not None or "simplified" in chosen,
         }
-        return if_given.get(section, not chosen or section in chosen)
+        return if_given.get(section, section in chosen if chosen else self.is_of_kind(section) or self.plan.appendix)
+
+    def is_of_kind(self, section: str) -> bool:
+        """Whether a section belongs to the kind of document that the report is."""
+        return (self.plan.kind or "rig") in SECTIONS[section].kinds
 
     @property
     def pairs(self) -> tuple[Pair, ...]:

@@ -28,11 +28,12 @@ ENDINGS = (".html", ".pdf", ".tex", ".md", ".htm")
 
 
 class ReportCommand(ModelCommand):
-    """Write a report on a model: schematic, values, equations, modes, transfer functions, checks, validity.
+    """Write a report on a model: of a rig with equations and transfer functions, of a plant that runs for approval.
 
-    What is in it says the report: section of the model file; options say it for this time. Sections: summary,
-    schematic, elements, parameters, kinematics, equations, modes, formulas, simplified, responses, excitations,
-    mean_torques, critical_speeds, orders, limits, test, fit, study, checks,
+    What is in it says the report: section of the model file; options say it for this time. Sections: conclusion,
+    summary, conditions, installation, schematic, elements, parameters, kinematics, equations, mass_elastic, modes,
+    natural_frequencies, formulas, simplified, responses, excitations, harmonics, mean_torques, critical_speeds,
+    resonances, orders, forced_response, limits, components, passage, measurement_plan, test, fit, study, checks,
     validity.
 
     \b
@@ -43,7 +44,15 @@ class ReportCommand(ModelCommand):
     """
 
     output_file: str | None = file_option("Ends in .html, .pdf, .tex or .md.  [default: MODEL.html]", ENDINGS)
-    sections: tuple[str, ...] = option("--section", metavar="NAME", help="Repeatable.  [default: all that apply]")
+    kind: str | None = option(
+        "--kind",
+        type=click.Choice(["rig", "approval"]),
+        help="Kind of document.  [default: approval with speeds, excitations and limits, else rig]",
+    )
+    sections: tuple[str, ...] = option("--section", metavar="NAME", help="Repeatable.  [default: those of its kind]")
+    appendix: bool | None = option(
+        "--appendix", is_flag=True, default=None, help="The other kind's sections follow in an appendix."
+    )
     pairs: tuple[str, ...] = option(
         "--tf", metavar="OUTPUT/INPUT", help='Transfer function, "theta_1/T_T". Repeatable.'
     )
@@ -110,6 +119,8 @@ class ReportCommand(ModelCommand):
         tests = [_measured(name, rig, self.sensor, self.into, averaging, compared) for name in self.records]
         report = make_report(
             rig if piped else self.model,
+            kind=self.kind,
+            appendix=self.appendix,
             configurations=named or (rig.configurations if self.configurations else ()),
             sections=self.sections,
             transfer_functions=self.pairs,

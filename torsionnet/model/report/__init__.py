@@ -2,6 +2,6 @@
 
 from torsionnet.core.entries.band import parse_band
 from torsionnet.model.report.report_plan import Pair, ReportPlan
-from torsionnet.model.report.sections import SECTIONS
+from torsionnet.model.report.sections import KINDS, SECTIONS
 
-__all__ = ["SECTIONS", "Pair", "ReportPlan", "parse_band"]
+__all__ = ["KINDS", "SECTIONS", "Pair", "ReportPlan", "parse_band"]

@@ -11,9 +11,9 @@ from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, reference
-from torsionnet.core.entries.words import OneOf, Text
+from torsionnet.core.entries.words import Flag, OneOf, Text
 from torsionnet.core.errors import UsageError, suggestion_or
-from torsionnet.model.report.sections import SECTIONS
+from torsionnet.model.report.sections import KINDS, SECTIONS
 
 ANGLES = ("rad", "deg")
 """Names of the units of angle that a report may use."""
@@ -119,7 +119,7 @@ class SectionName(Spec[str]):
         return name
 
     def schema(self) -> Schema:
-        return {"oneOf": [{"const": name, "description": text} for name, text in SECTIONS.items()]}
+        return {"oneOf": [{"const": name, "description": content.description} for name, content in SECTIONS.items()]}
 
 
 class ConfigurationName(Spec[str]):
@@ -138,7 +138,10 @@ SIMPLIFY = Value("how far leaving elements out may move the modes in the band, a
 """Specification of the report's entry for the largest change of modes in simplified transfer functions."""
 PAIR = PairEntry("OUTPUT/INPUT, as theta_1/T_T")
 """Specification of an entry with a transfer function of the report."""
-_SECTIONS = Listed("sections of the report; default: all that apply", SectionName(""), form="a list of names")
+_KIND = OneOf("; ".join(f"{name}: {text}" for name, text in KINDS.items()) + "; default: by the model", tuple(KINDS))
+_SECTIONS = Listed(
+    "sections of the report; default: those of its kind that apply", SectionName(""), form="a list of names"
+)
 _PAIRS = Listed("OUTPUT/INPUT, in this order", PAIR, form="a list such as [theta_1/T_T]")
 _ORDERS = Listed(
     "sensors or nodes shown over speed; default: the sensors of torque",
@@ -154,6 +157,8 @@ class ReportPlan(Declared):
 
     Attributes
     ----------
+    kind : {"rig", "approval"}, optional
+        Kind of document; default: approval for a model with speeds, excitations and limits.
     title, author, notes : str
     sections : tuple of str
         Names out of :data:`torsionnet.model.report.SECTIONS`.
@@ -168,14 +173,16 @@ class ReportPlan(Declared):
         Largest relative change of the modes in the band by which transfer functions may be simplified.
     template : str
         Folder, as seen from the file.
+    appendix : bool
+        Whether the sections of the other kind follow in an appendix.
     """
 
-    kind: ClassVar[str] = "report"
     article: ClassVar[str] = "a report"
     form: ClassVar[str] = (
-        "the entries title, author, sections, transfer_functions, orders, configurations, band, angle, simplify, "
-        "notes, template"
+        "the entries kind, title, author, sections, transfer_functions, orders, configurations, band, angle, simplify, "
+        "notes, template, appendix"
     )
+    kind: str | None = entry(_KIND, None)  # type: ignore[assignment]  # here an entry, elsewhere the name of a class
 
     title: str = entry(Text("title of the report; default: name of the model"), "")
     author: str = entry(Text("who signs it"), "")
@@ -188,3 +195,4 @@ class ReportPlan(Declared):
     simplify: float | None = entry(SIMPLIFY, None)
     notes: str = entry(Text("remarks of the author, printed under the title"), "")
     template: str = entry(Text("folder with letterhead, style and wording, as seen from this file"), "")
+    appendix: bool = entry(Flag("true: the sections of the other kind of document follow in an appendix"), False)

@@ -45,12 +45,13 @@ class Columns:
     def spec(self, block: TableBlock) -> str:
         """Text of the columns' specification for a ``longtable``.
 
-        Each width as given, or as measured before in its length.
+        Each width as measured before in its length, or as a share of the room that those leave.
         """
+        broken = sum(width for width in self.widths if width is not None)
         parts = []
         for place, (index, width) in enumerate(zip(self.indices, self.widths, strict=True)):
             side = "left" if block.columns[index].numeric else "right"
-            wide = length_name(place) if width is None else rf"{width / PAGE_LETTERS:.3f}\linewidth"
+            wide = length_name(place) if width is None else rf"{width / broken:.3f}\textroom"
             parts.append(rf">{{\ragged{side}\arraybackslash}}p{{{wide}}}")
         return "@{}" + "".join(parts) + "@{}"
 

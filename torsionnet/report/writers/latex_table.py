@@ -44,8 +44,12 @@ def _piece(block: TableBlock, columns: Columns, caption: str, decimals: Sequence
 
 
 def _measured(block: TableBlock, columns: Columns, decimals: Sequence[int]) -> list[str]:
-    """LaTeX lines that measure the columns that do not break, so that one run of pdfTeX is enough."""
+    """LaTeX lines that measure the columns that do not break, so that one run of pdfTeX is enough.
+
+    What they leave of the line is the room of the columns whose texts break: letters counted are not quite their width.
+    """
     lines = []
+    left = [r"\linewidth", rf"{2 * (1 - len(columns.indices))}\tabcolsep"]
     for place, (index, width, heading) in enumerate(
         zip(columns.indices, columns.widths, columns.headings, strict=True)
     ):
@@ -53,6 +57,11 @@ def _measured(block: TableBlock, columns: Columns, decimals: Sequence[int]) -> l
             cells = (_cell(cell, decimals[index], None) for cell in block.column(index))
             texts = dict.fromkeys([_heading(heading, numeric=block.columns[index].numeric), *filter(None, cells)])
             lines.append(rf"\measured{{{length_name(place)}}}" + "".join(rf"\widen{{{text}}}" for text in texts))
+            left.append(f"-{length_name(place)}")
+    if broken := sum(width for width in columns.widths if width is not None):
+        most = rf"{broken / PAGE_LETTERS:.3f}\linewidth"
+        room = "".join(rf"\addtolength{{\textroom}}{{{length}}}" for length in left)
+        lines.append(rf"\setlength{{\textroom}}{{0pt}}{room}\ifdim\textroom>{most}\setlength{{\textroom}}{{{most}}}\fi")
     return lines
 
 

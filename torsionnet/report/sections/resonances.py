@@ -1,0 +1,12 @@
+"""Section of a report on resonances."""
+
+from __future__ import annotations
+
+from torsionnet.report.document_tree import Section
+from torsionnet.report.report_data import ReportData
+
+
+def resonances_section(subject: ReportData) -> Section | None:
+    """Section of a report on resonances; None for a model without excitations."""
+    del subject
+    return None
