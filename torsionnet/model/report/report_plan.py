@@ -182,7 +182,7 @@ class ReportPlan(Declared):
         "the entries kind, title, author, sections, transfer_functions, orders, configurations, band, angle, simplify, "
         "notes, template, appendix"
     )
-    kind: str | None = entry(_KIND, None)  # type: ignore[assignment]  # here an entry, elsewhere the name of a class
+    kind: str | None = entry(_KIND, None)  # type: ignore[assignment, misc]  # here an entry, elsewhere the name of a class
 
     title: str = entry(Text("title of the report; default: name of the model"), "")
     author: str = entry(Text("who signs it"), "")
