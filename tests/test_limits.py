@@ -581,9 +581,9 @@ class TestShip:
         assert run("check", folder / "page.yaml").exit_code == 0
         found = run("limits", folder / "page.yaml", "-c", "all", "--csv", folder / "all.csv")
         assert found.exit_code == 0, found.output
-        assert "normal: limits hold with 46.2 to 56.4 rpm of fly barred" in found.output
+        assert "normal: limits hold with 46 to 57 rpm of fly barred" in found.output
         assert found.stdout.splitlines()[-1].startswith(
-            "direct-drive ship, six-cylinder two-stroke engine: barred range: limits hold with 46.2 to 56"
+            "direct-drive ship, six-cylinder two-stroke engine: barred range: limits hold with 46 to 57 rpm"
         )
         assert "IACS UR M68" in found.output
         lines = (folder / "all.csv").read_text(encoding="utf-8").splitlines()

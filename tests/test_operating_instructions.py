@@ -47,9 +47,9 @@ class TestMisfire:
     def test_a_range_below_stays_to_be_passed(self):
         both = lambda rpm: max(hump(70, 100)(rpm), hump(90, 50)(rpm))  # noqa: E731
         found = stressed(lambda rpm: [both(one) for one in rpm], m68(), misfire=True)["tau_C"]
-        assert found.restrictions == "at most 94 rpm, 45.7 to 54.7 rpm barred"
+        assert found.restrictions == "at most 94 rpm, 45 to 55 rpm barred"
         said = check({"tau_C": found}, "misfire", misfiring=True).finding(" in misfire")
-        assert said == "with a cylinder out in misfire: at most 94 rpm of crank, 45.7 to 54.7 rpm barred"
+        assert said == "with a cylinder out in misfire: at most 94 rpm of crank, 45 to 55 rpm barred"
 
     def test_a_speed_for_safe_navigation_above_it_fails(self):
         found = stressed(hump(70, 97, width=0.5), m68(safe_speed="104 rpm"), misfire=True)["tau_C"]
@@ -90,7 +90,7 @@ class TestInstructions:
         assert found[1].action == "not above 94 rpm, reduce power"
         whole = LimitConclusion((check(normal, "normal"), check(out, "misfire", misfiring=True)))
         assert whole.verdict == "incomplete"
-        assert "limits hold with 45.7 to 54.7 rpm of crank barred for normal" in whole.sentence
+        assert "limits hold with 45 to 55 rpm of crank barred for normal" in whole.sentence
         assert whole.sentence.endswith("with a cylinder out in misfire: at most 94 rpm of crank")
 
     def test_whole_numbers_stay(self):

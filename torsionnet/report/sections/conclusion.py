@@ -1,12 +1,109 @@
-"""Section of a report on conclusion."""
+"""Section of a report with the verdict on every component, the operating instructions, and what is not covered."""
 
 from __future__ import annotations
 
-from torsionnet.report.document_tree import Section
+from collections.abc import Iterator
+
+from torsionnet.core.number_text import aligned_numbers
+from torsionnet.report.document_tree import (
+    Block,
+    Cell,
+    Heading,
+    Listing,
+    NumberText,
+    Paragraph,
+    Section,
+    Strong,
+    TableBlock,
+    Text,
+)
 from torsionnet.report.report_data import ReportData
+from torsionnet.report.report_tables import readable_torque, results_table, table
+from torsionnet.report.report_text import as_words, capital, unit
+from torsionnet.report.sections.limits import verdict
+from torsionnet.response.limits.limit_check import listed_names
+from torsionnet.response.limits.limit_conclusion import LimitConclusion, WorstLimit
+from torsionnet.response.limits.operating_instructions import instruction_table
+
+NO_LIMITS = (
+    "No limits are given, so nothing is judged: what the components bear stands in the entry limits: of the model file."
+)
+"""Sentence of a calculation without limits in place of a verdict."""
 
 
-def conclusion_section(subject: ReportData) -> Section | None:
-    """Section of a report on conclusion; None for a model without excitations."""
-    del subject
-    return None
+def conclusion_section(subject: ReportData) -> Section:
+    """Section of a report with verdict, worst condition of every limit, operating instructions and what is open."""
+    found = subject.limit_conclusion
+    blocks: list[Block] = [Paragraph((NO_LIMITS,))] if found is None else [*_judged(subject, found)]
+    return Section("conclusion", ("Conclusion and operating instructions",), tuple(blocks))
+
+
+def _judged(subject: ReportData, found: LimitConclusion) -> Iterator[Block]:
+    yield verdict(found)
+    yield _components(subject, found)
+    instructions = instruction_table(found.checks, subject.conventions)
+    if instructions.rows:
+        yield results_table(instructions, "Operating instructions")
+    else:
+        yield Paragraph((Strong("Operating instructions."), f" {' '.join(instructions.notes)}"))
+    yield Paragraph(("Not covered:",))
+    yield Listing(tuple(_not_covered(found)))
+
+
+def _components(subject: ReportData, found: LimitConclusion) -> TableBlock:
+    """Table with a row for each criterion of each limit: its verdict, and the condition and speed where it is worst."""
+    worst = found.worst()
+    sizes = [_sizes(subject, one) for one in worst]
+    columns = (
+        Heading("Component"),
+        Heading("Limit"),
+        Heading("Verdict"),
+        Heading("Worst condition"),
+        Heading("Speed", "rpm", numeric=True),
+        Heading("Value", numeric=True),
+        Heading("Allowed", numeric=True),
+        Heading("Unit"),
+        Heading("Utilisation", "%", numeric=True),
+    )
+    cells: list[list[Cell]] = [
+        [_component(one) for one in worst],
+        [as_words(one.verdict.criterion) for one in worst],
+        [one.gravest for one in worst],
+        [one.check.configuration for one in worst],
+        list(aligned_numbers([one.rpm for one in worst], 3)),
+        list(aligned_numbers([value for value, _, _ in sizes], 3)),
+        list(aligned_numbers([allowed for _, allowed, _ in sizes], 3)),
+        [unit(shown) if shown else "" for _, _, shown in sizes],
+        ["" if one.utilisation is None else NumberText(100 * one.utilisation, 3) for one in worst],
+    ]
+    caption = "Verdict on every component, at its worst condition and speed"
+    return table(caption, columns, list(zip(*cells, strict=True)))
+
+
+def _component(worst: WorstLimit) -> str:
+    name, of = as_words(worst.verdict.limit), as_words(worst.verdict.of)
+    return name if of in name else f"{name} ({of})"
+
+
+def _sizes(subject: ReportData, worst: WorstLimit) -> tuple[float | None, float | None, str]:
+    """Value, value allowed and their unit at the worst speed of a limit; None each where it was not judged."""
+    one, at = worst.verdict, worst.verdict.worst
+    if at is None:
+        return None, None, ""
+    scale = subject.conventions.scale(one.unit)
+    shown, factor = readable_torque(subject.conventions.unit(one.unit), float(one.allowed[at]) * scale)
+    return float(one.values[at]) * scale / factor, float(one.allowed[at]) * scale / factor, shown
+
+
+def _not_covered(found: LimitConclusion) -> Iterator[Text]:
+    """Points that the verdict does not cover: conditions, excitations, and what each rule leaves out."""
+    if found.not_examined:
+        yield (f"Conditions not examined: {listed_names(found.not_examined)}.",)
+    for words in found.left_out:
+        yield (f"{capital(as_words(words))}.",)
+    of_rules: dict[str, dict[str, None]] = {}
+    for check in found.checks:
+        for text, names in check.texts().items():
+            of_rules.setdefault(text.not_covered, {}).update(dict.fromkeys(names))
+    for uncovered, limits in of_rules.items():
+        yield (Strong(", ".join(map(as_words, limits))), f": {uncovered}.")

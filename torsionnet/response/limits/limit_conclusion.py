@@ -64,6 +64,25 @@ class LimitsRecord:
 
 
 @dataclass(frozen=True, eq=False)
+class WorstLimit:
+    """Criterion of a limit where it is used most of all configurations, and its gravest verdict in any of them."""
+
+    check: LimitCheck
+    verdict: LimitVerdict
+    gravest: str
+
+    @property
+    def rpm(self) -> float | None:
+        """Speed of largest utilisation in r/min; None where the limit could not be judged."""
+        return None if self.verdict.worst is None else float(self.check.rpm[self.verdict.worst])
+
+    @property
+    def utilisation(self) -> float | None:
+        """Largest utilisation over all configurations and speeds; None where the limit could not be judged."""
+        return None if self.verdict.worst is None else float(self.verdict.utilisation[self.verdict.worst])
+
+
+@dataclass(frozen=True, eq=False)
 class LimitConclusion:
     """Conclusion on the limits of a model from checks in its configurations.
 
@@ -134,17 +153,31 @@ class LimitConclusion:
         """Speed ranges in rad/s to be barred in any configuration, joined where they overlap."""
         return joined_spans([span for one in self.checks for span in one.barred])
 
+    def worst(self) -> tuple[WorstLimit, ...]:
+        """Criteria of all limits, each in the configuration and at the speed of largest utilisation, most used first.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> ship = tn.load("two_stroke_ship")
+        >>> (worst,) = LimitConclusion((ship.configured("misfire").check_limits("intermediate"),)).worst()[:1]
+        >>> worst.verdict.criterion, worst.gravest, round(worst.rpm), round(worst.utilisation, 2)
+        ('tau_C', 'reduced speed', 104, 1.1)
+        """
+        found: dict[tuple[str, str], list[tuple[LimitCheck, LimitVerdict]]] = {}
+        for check, one in self._verdicts():
+            found.setdefault((one.limit, one.criterion), []).append((check, one))
+        worst = [
+            WorstLimit(*max(those, key=lambda pair: _use(pair[1])), gravest(one.verdict for _, one in those))
+            for those in found.values()
+        ]
+        return tuple(sorted(worst, key=lambda one: -(math.inf if one.utilisation is None else one.utilisation)))
+
     def worst_table(self, conventions: Conventions = SI) -> Table:
         """Table of limits with a row per criterion, in the configuration and at the speed of largest utilisation."""
-        worst: dict[tuple[str, str], tuple[LimitCheck, LimitVerdict]] = {}
-        for check, one in self._verdicts():
-            known = worst.get((one.limit, one.criterion))
-            if known is None or _use(one) > _use(known[1]):
-                worst[one.limit, one.criterion] = (check, one)
-        tables = [replace(check, verdicts=(one,)).table(conventions) for check, one in worst.values()]
-        names = [check.configuration for check, _ in worst.values()]
-        rows = [(name, *table.rows[0]) for name, table in zip(names, tables, strict=True)]
-        rows.sort(key=lambda row: -(row[8] if row[8] is not None else math.inf))
+        worst = self.worst()
+        tables = [replace(one.check, verdicts=(one.verdict,)).table(conventions) for one in worst]
+        rows = [(one.check.configuration, *table.rows[0]) for one, table in zip(worst, tables, strict=True)]
         return Table("worst of all configurations", (Column("configuration"), *tables[0].columns), tuple(rows))
 
     @property

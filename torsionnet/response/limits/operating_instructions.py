@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
 
 from torsionnet.core.result_rows import Out
-from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.limits.limit_check import FAIL, LimitCheck, LimitVerdict, listed_names
-from torsionnet.response.limits.speed_spans import SpeedSpan, joined_spans
+from torsionnet.response.limits.speed_spans import SpeedSpan, joined_spans, whole_rpm
 from torsionnet.response.table import Table, result_table
-
-WHOLE_RPM = 1e-9
-"""Share of a speed by which rounding may miss a whole number of rpm that is meant."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,12 +95,11 @@ def operating_instructions(checks: Sequence[LimitCheck]) -> tuple[Instruction, .
         passed = [place for one in those for place in _passed(one)]
         for span in joined_spans([place.span for place in passed]):
             inside = [place for place in passed if span.low <= place.span.low <= span.high]
-            low, high = _whole(span.low, math.floor), _whole(span.high, math.ceil)
             action, marking = "pass without stopping", "tachometer red, notice at each control station"
-            found.append(_instruction(inside, low, high, action, marking))
+            found.append(_instruction(inside, *span.rpm_outward, action, marking))
         reduced = [place for one in those for place in _reduced(one)]
         if reduced:
-            highest = _whole(min(place.span.low for place in reduced), math.floor)
+            highest = whole_rpm(min(place.span.low for place in reduced), math.floor)
             action, marking = f"not above {highest} rpm, reduce power", "notice at each control station"
             found.append(_instruction(reduced, highest, None, action, marking))
     return tuple(found)
@@ -160,10 +155,3 @@ def _in_units(one: Instruction, conventions: Conventions) -> Instruction:
         allowed_in_passing=one.allowed_in_passing * scale,
         unit=conventions.unit(one.unit),
     )
-
-
-def _whole(speed: float, rounded: Callable[[float], int]) -> int:
-    """Speed in rad/s as whole rpm, rounded up or down where it is not one."""
-    rpm = speed * RPM
-    nearest = round(rpm)
-    return nearest if abs(rpm - nearest) <= WHOLE_RPM * rpm else rounded(rpm)

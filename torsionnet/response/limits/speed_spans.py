@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,15 +13,31 @@ from numpy.typing import NDArray
 from torsionnet.core.units import RPM
 from torsionnet.response.frequency_response import FloatArray
 
+WHOLE_RPM_RELATIVE = 1e-9
+"""Share of a speed by which rounding may miss a whole number of rpm that is meant."""
+
+
+def whole_rpm(speed: float, rounded: Callable[[float], int]) -> int:
+    """Speed in rad/s as whole rpm, rounded up or down (``math.ceil``, ``math.floor``) where it is not one.
+
+    Examples
+    --------
+    >>> whole_rpm(4.9, math.floor), whole_rpm(4.9, math.ceil), whole_rpm(4.0 * math.pi, math.floor)
+    (46, 47, 120)
+    """
+    rpm = speed * RPM
+    nearest = round(rpm)
+    return nearest if abs(rpm - nearest) <= WHOLE_RPM_RELATIVE * rpm else rounded(rpm)
+
 
 @dataclass(frozen=True)
 class SpeedSpan:
-    """Range of speeds of the reference shaft from ``low`` to ``high``, rad/s.
+    """Range of speeds of the reference shaft from ``low`` to ``high``, rad/s; its text is rounded outward to 1 rpm.
 
     Examples
     --------
     >>> print(SpeedSpan(43.0, 47.0))
-    410.6 to 448.8 rpm
+    410 to 449 rpm
     """
 
     low: float
@@ -44,7 +60,13 @@ class SpeedSpan:
         return SpeedSpan(max(self.low, other.low), min(self.high, other.high))
 
     def __str__(self) -> str:
-        return f"{self.low * RPM:.1f} to {self.high * RPM:.1f} rpm"
+        low, high = self.rpm_outward
+        return f"{low} to {high} rpm"
+
+    @property
+    def rpm_outward(self) -> tuple[int, int]:
+        """Ends of the speed range in rpm, rounded outward to 1 rpm, as a tachometer is marked."""
+        return whole_rpm(self.low, math.floor), whole_rpm(self.high, math.ceil)
 
 
 def joined_spans(spans: Sequence[SpeedSpan]) -> tuple[SpeedSpan, ...]:
@@ -133,11 +155,11 @@ def restriction_words(passed: Sequence[SpeedSpan], highest: float | None, shaft:
     Examples
     --------
     >>> restriction_words([SpeedSpan(4.0, 4.5)], 10.25, " of crank")
-    'at most 97 rpm of crank, 38.2 to 43.0 rpm barred'
+    'at most 97 rpm of crank, 38 to 43 rpm barred'
     >>> restriction_words([SpeedSpan(4.0, 4.5)], None)
-    '38.2 to 43.0 rpm'
+    '38 to 43 rpm'
     """
     words = span_words(passed)
     if highest is None:
         return words + (shaft if words else "")
-    return f"at most {math.floor(highest * RPM * (1 + 1e-12))} rpm{shaft}" + (f", {words} barred" if words else "")
+    return f"at most {whole_rpm(highest, math.floor)} rpm{shaft}" + (f", {words} barred" if words else "")
