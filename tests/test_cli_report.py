@@ -244,7 +244,7 @@ class TestSection:
         assert text.count("m.yaml:10:") == 3
 
     def test_not_a_mapping(self):
-        assert "expected the entries title, author" in self.faults("report: 3\n")
+        assert "expected the entries kind, title, author" in self.faults("report: 3\n")
 
     @pytest.mark.parametrize(
         ("raw", "band"),

@@ -40,6 +40,7 @@ SAME_THING = {
         "library",
         "limit_check",
         "limits",
+        "mass_elastic",
         "mean_response",
         "modes",
         "order_response",

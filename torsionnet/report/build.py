@@ -23,7 +23,6 @@ from torsionnet.report.sections.excitations import excitations_section
 from torsionnet.report.sections.fits import fit_section
 from torsionnet.report.sections.forced_response import forced_response_section
 from torsionnet.report.sections.formulas import formulas_section
-from torsionnet.report.sections.harmonics import harmonics_section
 from torsionnet.report.sections.installation import installation_section
 from torsionnet.report.sections.kinematics import kinematics_section
 from torsionnet.report.sections.limits import limits_section
@@ -41,6 +40,7 @@ from torsionnet.report.sections.schematic import schematic_section
 from torsionnet.report.sections.simplified import simplified_section
 from torsionnet.report.sections.studies import studies_section
 from torsionnet.report.sections.summary import summary_section
+from torsionnet.report.sections.torque_harmonics import harmonics_section
 from torsionnet.report.sections.validity import validity_section
 
 BUILDERS: dict[str, Callable[[ReportData], Section | None]] = {

@@ -10,11 +10,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from torsionnet.core.errors import UsageError
+from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.version import __version__
 from torsionnet.loading import load
 from torsionnet.model.files.reader import find_model
-from torsionnet.model.report import Pair, ReportPlan, parse_band
+from torsionnet.model.report import KINDS, Pair, ReportPlan, parse_band
 from torsionnet.model.report.report_plan import section_fault
 from torsionnet.report.document_tree import Report
 from torsionnet.report.report_data import ReportData, cases_of, digest_of, document_kind, require_answers
@@ -177,6 +177,10 @@ def make_report(
     }
     given |= {key: values for key, values in lists.items() if values}
     given |= {"band": _band(band)} if band else {}
+    if kind is not None and kind not in KINDS:
+        raise UsageError(
+            f'expected {" or ".join(KINDS)} as the kind of a report, got "{kind}"{did_you_mean(kind, KINDS)}'
+        )
     plan = replace(plan, **given)
     plan = replace(plan, kind=plan.kind or document_kind(drivetrain))
     today = dt.datetime.now().astimezone().date() if date == "today" else read_date(date)

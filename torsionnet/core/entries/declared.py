@@ -29,7 +29,7 @@ class Declared:
     def __post_init__(self) -> None:
         faults = self.coerced() or self.contradictions()
         if faults:
-            raise ModelError(faults, self.kind)
+            raise ModelError(faults, type(self).kind or self.article)
 
     def coerced(self) -> list[Fault]:
         """Faults of the fields that cannot be stored, while all others are brought to their stored form."""
