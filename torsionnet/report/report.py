@@ -103,6 +103,7 @@ def make_report(
     author: str | None = None,
     notes: str | None = None,
     angle: str | None = None,
+    language: str | None = None,
     simplify: float | str | None = None,
     date: str | dt.date | None = "today",
     tests: Iterable[Any] | Mapping[str, Any] = (),
@@ -132,6 +133,8 @@ def make_report(
         Parameter -> value.
     title, author, notes : str
     angle : {"rad", "deg"}
+    language : {"en", "de"}
+        Language of the report's own texts.
     simplify : float or str
         0.01 or ``"1 %"``: also transfer functions without the elements that move no mode in the band by more.
     date : str, dt.date or None
@@ -166,7 +169,7 @@ def make_report(
     plan = drivetrain.definition.report or ReportPlan()
     read = _template(template or (plan.template and file.parent / plan.template))
     texts: dict[str, Any] = {"title": title, "author": author, "notes": notes, "angle": angle, "simplify": simplify}
-    texts |= {"kind": kind, "appendix": appendix}
+    texts |= {"kind": kind, "language": language, "appendix": appendix}
     given: dict[str, Any] = {key: text for key, text in texts.items() if text is not None}
     lists = {
         "configurations": tuple(configurations),
@@ -196,10 +199,12 @@ def make_report(
     subject = ReportData(drivetrain, cases, request, file.name, digest_of(data))
     require_answers(subject)
     from torsionnet.report.build import build
+    from torsionnet.report.languages import in_language
     from torsionnet.report.report_text import as_words
     from torsionnet.report.rewording import Rewording
 
     report = build(subject, __version__)
+    read = in_language(plan.language, read)
     if read is None:
         return report
     names = {case.configuration for case in cases} | {as_words(name) for name in drivetrain.definition.elements}

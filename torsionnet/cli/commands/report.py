@@ -63,6 +63,9 @@ class ReportCommand(ModelCommand):
     angle: str | None = option(
         "--angle", type=click.Choice(["rad", "deg"]), help="Unit of angles.  [default: that of the model]"
     )
+    language: str | None = option(
+        "--language", type=click.Choice(["en", "de"]), help="Language of the report's own texts.  [default: en]"
+    )
     title: str | None = option("--title", help="Title of the report.")
     author: str | None = option("--author", help="Who signs it.")
     date: str = option("--date", default="today", show_default=True, help='As 2025-03-31; "none" leaves it out.')
@@ -130,6 +133,7 @@ class ReportCommand(ModelCommand):
             fits=fits,
             studies=studies,
             angle=self.angle,
+            language=self.language,
             simplify=self.simplify,
             title=self.title,
             author=self.author,

@@ -1,7 +1,7 @@
 """Entries of the ``report:`` section of a model file, which plan the report."""
 
 from torsionnet.core.entries.band import parse_band
-from torsionnet.model.report.report_plan import Pair, ReportPlan
+from torsionnet.model.report.report_plan import LANGUAGES, Pair, ReportPlan
 from torsionnet.model.report.sections import KINDS, SECTIONS
 
-__all__ = ["KINDS", "SECTIONS", "Pair", "ReportPlan", "parse_band"]
+__all__ = ["KINDS", "LANGUAGES", "SECTIONS", "Pair", "ReportPlan", "parse_band"]

@@ -17,6 +17,8 @@ from torsionnet.model.report.sections import KINDS, SECTIONS
 
 ANGLES = ("rad", "deg")
 """Names of the units of angle that a report may use."""
+LANGUAGES = ("en", "de")
+"""Codes of the languages in which a report can be written: English and German."""
 
 
 @dataclass(frozen=True)
@@ -169,6 +171,8 @@ class ReportPlan(Declared):
     band : (float, float), optional
         Hz; frequencies of the Bode plots.
     angle : {"rad", "deg"}
+    language : {"en", "de"}
+        Language of the report's own texts; names and texts of the model stay as they are.
     simplify : float, optional
         Largest relative change of the modes in the band by which transfer functions may be simplified.
     template : str
@@ -179,8 +183,8 @@ class ReportPlan(Declared):
 
     article: ClassVar[str] = "a report"
     form: ClassVar[str] = (
-        "the entries kind, title, author, sections, transfer_functions, orders, configurations, band, angle, simplify, "
-        "notes, template, appendix"
+        "the entries kind, title, author, sections, transfer_functions, orders, configurations, band, angle, "
+        "language, simplify, notes, template, appendix"
     )
     kind: str | None = entry(_KIND, None)  # type: ignore[assignment, misc]  # here an entry, elsewhere the name of a class
 
@@ -192,6 +196,7 @@ class ReportPlan(Declared):
     configurations: tuple[str, ...] = entry(_NAMES, ())
     band: tuple[float, float] | None = entry(Band("frequencies of the plots"), None)
     angle: str = entry(OneOf("unit of angles", ANGLES), "rad")
+    language: str = entry(OneOf("language of the report's own texts", LANGUAGES), "en")
     simplify: float | None = entry(SIMPLIFY, None)
     notes: str = entry(Text("remarks of the author, printed under the title"), "")
     template: str = entry(Text("folder with letterhead, style and wording, as seen from this file"), "")
