@@ -179,7 +179,8 @@ class TestWords:
     def test_every_text_stands_in_the_code(self):
         """What is fixed in each text, between what is inserted, is a part of a string of the program."""
         package = ROOT / "torsionnet"
-        files = [*(package / "report").rglob("*.py"), package / "solve" / "modes" / "mode_descriptions.py"]
+        files = [*(package / "report").rglob("*.py"), *(package / "response" / "limits").glob("*.py")]
+        files += [package / "solve" / "modes" / "mode_descriptions.py"]
         strings = {text.lower() for file in files for text in _strings(file)}
         shown = "".join(
             file.read_text(encoding="utf-8") for file in (package / "report" / "writers" / "templates").iterdir()
@@ -320,7 +321,7 @@ NOT_REPLACED = {
     ("schematic", " elements between the nodes "), ("schematic", "Schematic of "),
     # joined to what the author or another part of the program wrote
     ("elements", " frequencies, "), ("elements", " rows, "), ("elements", " rows of "), ("elements", "; … and "), ("elements", "table of "),
-    ("formulas", " in "), ("kinematics", "input "), ("modes", "spread over many, at most "), ("modes", "\xa0% in "),
+    ("kinematics", "input "), ("modes", "spread over many, at most "), ("modes", "\xa0% in "),
     ("parameters", "; changed for this report"),
     ("critical_speeds", " modes, "), ("critical_speeds", " crossings"), ("limits", " over speed with its limits"),
     ("orders", "Orders of "), ("orders", "Half range of "), ("excitations", "Hz"),

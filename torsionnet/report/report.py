@@ -14,7 +14,7 @@ from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.version import __version__
 from torsionnet.loading import load
 from torsionnet.model.files.reader import find_model
-from torsionnet.model.report import KINDS, Pair, ReportPlan, parse_band
+from torsionnet.model.report import KINDS, LANGUAGES, Pair, ReportPlan, parse_band
 from torsionnet.model.report.report_plan import section_fault
 from torsionnet.report.document_tree import Report
 from torsionnet.report.report_data import ReportData, cases_of, digest_of, document_kind, require_answers
@@ -161,6 +161,11 @@ def make_report(
     >>> make_report("dmf_rig", sections=["schematic"], date=None).title
     'Torsional model of the DMF test rig'
     """
+    for what, chosen, known in (("kind", kind, tuple(KINDS)), ("language", language, LANGUAGES)):
+        if chosen is not None and chosen not in known:
+            raise UsageError(
+                f'expected {" or ".join(known)} as the {what} of a report, got "{chosen}"{did_you_mean(chosen, known)}'
+            )
     drivetrain, file, data = _read(model)
     if settings:
         drivetrain = drivetrain.configured(**settings)
@@ -180,10 +185,6 @@ def make_report(
     }
     given |= {key: values for key, values in lists.items() if values}
     given |= {"band": _band(band)} if band else {}
-    if kind is not None and kind not in KINDS:
-        raise UsageError(
-            f'expected {" or ".join(KINDS)} as the kind of a report, got "{kind}"{did_you_mean(kind, KINDS)}'
-        )
     plan = replace(plan, **given)
     plan = replace(plan, kind=plan.kind or document_kind(drivetrain))
     today = dt.datetime.now().astimezone().date() if date == "today" else read_date(date)

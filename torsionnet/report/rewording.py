@@ -36,7 +36,19 @@ TEXT_FIELDS: dict[type, tuple[str, ...]] = {
 }
 """Names of fields that hold the report's own texts, by class of the report's tree; formulas, numbers and code have
 none."""
-REWORDED_COLUMNS = {"At", "Comparison", "Kind", "Leading term", "Limit", "Of", "Property", "Quantity", "Type"}
+REWORDED_COLUMNS = {
+    "Action and marking",
+    "At",
+    "Comparison",
+    "Kind",
+    "Leading term",
+    "Limit",
+    "Of",
+    "Property",
+    "Quantity",
+    "Type",
+    "Verdict",
+}
 """Headings of columns whose cells hold words of the report, not of the model."""
 
 

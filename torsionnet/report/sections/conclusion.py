@@ -20,7 +20,6 @@ from torsionnet.report.document_tree import (
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import readable_torque, results_table, table
 from torsionnet.report.report_text import as_words, capital, unit
-from torsionnet.report.sections.limits import verdict
 from torsionnet.response.limits.limit_check import listed_names
 from torsionnet.response.limits.limit_conclusion import LimitConclusion, WorstLimit
 from torsionnet.response.limits.operating_instructions import instruction_table
@@ -39,13 +38,14 @@ def conclusion_section(subject: ReportData) -> Section:
 
 
 def _judged(subject: ReportData, found: LimitConclusion) -> Iterator[Block]:
-    yield verdict(found)
+    yield Paragraph((Strong("Verdict:"), " ", Strong(found.verdict)))
+    yield Listing(tuple((capital(as_words(finding)),) for finding in found.findings))
     yield _components(subject, found)
     instructions = instruction_table(found.checks, subject.conventions)
     if instructions.rows:
         yield results_table(instructions, "Operating instructions")
     else:
-        yield Paragraph((Strong("Operating instructions."), f" {' '.join(instructions.notes)}"))
+        yield Paragraph((Strong("Operating instructions:"), " ", *instructions.notes))
     yield Paragraph(("Not covered:",))
     yield Listing(tuple(_not_covered(found)))
 

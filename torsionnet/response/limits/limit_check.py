@@ -62,11 +62,11 @@ def unexamined_sentence(missing: Sequence[str], known: Sequence[str], examined: 
     """
     if not missing:
         return []
-    lead = f"{len(missing)} of {len(known)} configurations not examined"
+    lead = f"{len(missing)} of {len(known)} configurations not examined: "
     kept = [name for name in known if name not in missing]
     if not kept:
-        return [f"{lead}, but {listed_names([name or 'the model as written' for name in examined])}"]
-    return [f"{lead}: " + (f"all but {listed_names(kept)}" if len(kept) < len(missing) else listed_names(missing))]
+        return [f"{lead}all but {listed_names([name or 'the model as written' for name in examined])}"]
+    return [lead + (f"all but {listed_names(kept)}" if len(kept) < len(missing) else listed_names(missing))]
 
 
 def listed_names(names: Sequence[str]) -> str:

@@ -28,9 +28,9 @@ from torsionnet.response.limits.operating_instructions import Instruction, opera
 from torsionnet.response.limits.speed_spans import (
     SpeedSpan,
     joined_spans,
-    restriction_words,
     rpm_spans,
     span_words,
+    whole_rpm,
 )
 from torsionnet.response.table import Column, Table
 
@@ -183,12 +183,16 @@ class LimitConclusion:
     @property
     def sentence(self) -> str:
         """Conclusion from all checks of limits in a sentence, with what was not examined."""
+        return "; ".join(self.findings)
+
+    @property
+    def findings(self) -> tuple[str, ...]:
+        """Conclusion from all checks of limits, a text for what was not examined and for each finding."""
         if len(self.checks) == 1:
-            return self.checks[0].conclusion
+            return (self.checks[0].conclusion,)
         examined = [one.configuration for one in self.checks]
-        return "; ".join(
-            [*unexamined_sentence(self.not_examined, self.configurations, examined), *self.left_out, *self._found()]
-        )
+        missing = unexamined_sentence(self.not_examined, self.configurations, examined)
+        return (*missing, *self.left_out, *self._found())
 
     def _verdicts(self) -> Iterator[tuple[LimitCheck, LimitVerdict]]:
         """Verdicts on limits with their checks, without those on elements switched off here and judged elsewhere."""
@@ -200,16 +204,17 @@ class LimitConclusion:
         failed, unjudged, restricted = self._of(FAIL), self._of(OPEN), self._restrictions()
         parts = [f"{name} does not hold{where}" for name, where in failed.items()]
         if restricted:
-            parts.append(f"beside that, {restricted}" if failed else restricted)
+            first, *rest = restricted
+            parts += [f"beside that, {first}" if failed else first, *rest]
         elif not failed and not unjudged:
             parts.append(self._all_hold())
         return [*parts, *(f"{name} not judged{where}" for name, where in unjudged.items())]
 
     def _all_hold(self) -> str:
         low, high = min(one.rpm[0] for one in self.checks), max(one.rpm[-1] for one in self.checks)
-        those = "the limits examined" if self.left_out else "all limits"
+        those = "the limits examined hold" if self.left_out else "all limits hold"
         where = self._where([one.configuration for one in self.checks])
-        return f"{those} hold{where} at the speeds examined, {low:g} to {high:g} rpm of {self._shaft}"
+        return f"{those}{where} at the speeds examined, {low:g} to {high:g} rpm of {self._shaft}"
 
     @property
     def _shaft(self) -> str:
@@ -223,12 +228,12 @@ class LimitConclusion:
                 found.setdefault(one.limit, []).append(check.configuration)
         return {name: self._where(list(dict.fromkeys(names))) for name, names in found.items()}
 
-    def _restrictions(self) -> str:
-        """Barred speeds, and the highest speed where a cylinder is out, in rpm, in words; empty if there are none."""
+    def _restrictions(self) -> list[str]:
+        """Barred speeds, and the highest speed where a cylinder is out, in rpm, in words."""
         barred = [one for one in self.checks if one.passed]
         reduced = [one for one in self.checks if one.highest is not None]
         failed = any(one.verdict == FAIL for _, one in self._verdicts())
-        parts = []
+        parts: list[str] = []
         if barred:
             spans = span_words(joined_spans([span for one in barred for span in one.passed]))
             where = self._where([one.configuration for one in barred])
@@ -239,8 +244,8 @@ class LimitConclusion:
             parts += [f"limits hold{self._where(calm)}"] if calm and not barred and not failed else []
             highest = min(one.highest for one in reduced if one.highest is not None)
             where = self._where([one.configuration for one in reduced])
-            parts.append(f"with a cylinder out{where}: {restriction_words((), highest, f' of {self._shaft}')}")
-        return "; ".join(parts)
+            parts.append(f"with a cylinder out{where}: at most {whole_rpm(highest, math.floor)} rpm of {self._shaft}")
+        return parts
 
     def _where(self, names: Sequence[str]) -> str:
         named = [name for name in names if name]
