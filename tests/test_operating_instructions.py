@@ -90,7 +90,7 @@ class TestInstructions:
         assert found[1].action == "not above 94 rpm, reduce power"
         whole = LimitConclusion((check(normal, "normal"), check(out, "misfire", misfiring=True)))
         assert whole.verdict == "incomplete"
-        assert "limits hold with 45 to 55 rpm of crank barred for normal" in whole.sentence
+        assert "limits hold with 45 to 55 rpm of crank barred in normal" in whole.sentence
         assert whole.sentence.endswith("with a cylinder out in misfire: at most 94 rpm of crank")
 
     def test_whole_numbers_stay(self):

@@ -238,7 +238,7 @@ class LimitConclusion:
             spans = span_words(joined_spans([span for one in barred for span in one.passed]))
             where = self._where([one.configuration for one in barred])
             lead = "" if failed else "limits hold with "
-            parts.append(f"{lead}{spans} of {self._shaft} barred{where.replace(' in ', ' for ', 1)}")
+            parts.append(f"{lead}{spans} of {self._shaft} barred{where}")
         if reduced:
             calm = [one.configuration for one in self.checks if one.verdict == PASS]
             parts += [f"limits hold{self._where(calm)}"] if calm and not barred and not failed else []
