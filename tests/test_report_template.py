@@ -192,7 +192,7 @@ class TestWords:
         nested = (Viscoelastic, FilmGap, *RUBBER_SHAPES.values())
         words |= {as_words(name).lower() for cls in nested for name, _ in cls.specs()}
         for text in TEXTS:
-            for piece in PLACEHOLDER.split(text.removeprefix("; "))[::2]:
+            for piece in re.split(r"\{\w+\}|; (?=[a-z])", text.removeprefix("; ")):
                 if (
                     "of vibration" in piece
                 ):  # put together of many parts; descriptions of modes have a test of their own
