@@ -81,7 +81,8 @@ def _notes(subject: ReportData) -> Iterator[Cell]:
     yield from _about(subject, GEARS, Gear, Planetary, Differential)
     yield from _about(subject, CLAMPS, Lock)
     yield from _about(subject, COUPLINGS, RigidCoupling)
-    yield from _readings(subject)
+    if subject.request.is_of_kind("responses"):
+        yield from _readings(subject)
 
 
 def _about(subject: ReportData, text: str, *kinds: type[Element]) -> Iterator[str]:
