@@ -116,6 +116,13 @@ class TestReading:
         rig = from_tors(file_of(("box", disk("a"), *wheels)))
         assert rig.ratio_between("a", "w") == pytest.approx(-1.6)
 
+    def test_keys_of_other_programs_are_passed_over(self):
+        data = copy.deepcopy(THRUSTER)
+        for place in (data, *data["components"], *data["components"][0]["elements"]):
+            place |= {"position": [1, 2], "comment": None}
+        data["components"][0]["elements"][1] |= {"node": 3, "stiffness": None}
+        assert from_tors({**data, "date": 5}) == from_tors(THRUSTER)
+
     @pytest.mark.slow
     def test_long_chain(self):
         elements = [part for i in range(2000) for part in (disk(f"d{i}"), shaft(f"s{i}"))]
@@ -158,14 +165,20 @@ FAULTS = {
     "nothing": ({"components": [], "structure": []}, "the file holds no components"),
     "no list": ({"components": 3}, "this is no TORS file"),
     "type": (changed(["components", 0, "elements", 2, "type"], "ShaftDiscret"), 'did you mean "ShaftDiscrete"?'),
-    "missing": (changed(["components", 0, "elements", 2], {"name": "c", "type": "ShaftDiscrete"}), "needs a number as"),
+    "list as type": (changed(["components", 0, "elements", 2, "type"], []), 'no element type is named "[]"'),
+    "no name": (changed(["components", 3, "elements", 1], {"type": "Disk", "inertia": 1}), "Disk needs name:"),
+    "number as parent": (changed(["components", 1, "elements", 1, "parent"], 3), "parent: error: expected text, got 3"),
+    "missing": (changed(["components", 0, "elements", 2], {"name": "c", "type": "ShaftDiscrete"}), "needs stiffness:"),
     "negative": (
         changed(["components", 0, "elements", 2, "stiffness"], -5),
-        "stiffness must be not less than 0, got -5",
+        "stiffness in N m/rad must not be less than 0, got -5",
     ),
-    "text": (changed(["components", 0, "elements", 0, "inertia"], "1"), "needs a number as inertia, got '1'"),
-    "truth": (changed(["components", 0, "elements", 0, "inertia"], True), "needs a number as inertia, got True"),
-    "infinite": (changed(["components", 0, "elements", 0, "inertia"], float("inf")), "needs a number as inertia"),
+    "text": (
+        changed(["components", 0, "elements", 0, "inertia"], "1"),
+        "expected a number as inertia in kg m^2, got '1'",
+    ),
+    "truth": (changed(["components", 0, "elements", 0, "inertia"], True), "a number as inertia in kg m^2, got True"),
+    "infinite": (changed(["components", 0, "elements", 0, "inertia"], float("inf")), "a number as inertia in kg m^2"),
     "parent": (changed(["components", 1, "elements", 1, "parent"], "pinoin"), 'did you mean "pinion"?'),
     "teeth": (
         changed(["components", 1, "elements", 0], {"name": "pinion", "type": "GearElement", "inertia": 1}),
@@ -178,7 +191,7 @@ FAULTS = {
     "apart": (changed(["structure"], THRUSTER["structure"][:2]), "one connected tree"),
     "pair": (changed(["structure", 0], ["motor.hub"]), "expected [component.element, component.element]"),
     "twice": (changed(["components", 0, "elements", 1, "name"], "rotor"), 'two elements of motor are named "rotor"'),
-    "empty": (changed(["components", 0, "elements"], []), "a name and a list of elements"),
+    "empty": (changed(["components", 0, "elements"], []), "a component needs at least one element"),
 }
 
 
@@ -208,6 +221,14 @@ class TestFaults:
         lines = text.splitlines()
         expected = [lines.index(next(line for line in lines if part in line)) + 1 for part in ("-5", '"Disc"')]
         assert [fault.position.line for fault in caught.value.faults] == expected
+
+    def test_a_wrong_entry_has_no_other_faults_for_its_consequences(self):
+        data = changed(["components", 0, "elements", 3, "inertia"], None)
+        data["components"][2]["elements"][0]["innerDiameter"] = 70.0
+        with pytest.raises(ModelError) as caught:
+            from_tors(data, "f.tors")
+        paths = [fault.path for fault in caught.value.faults]
+        assert paths == [("components", 0, "elements", 3, "inertia"), ("components", 2, "elements", 0)]
 
     def test_no_json(self, tmp_path):
         (tmp_path / "f.tors").write_text('{"components": [\n}', encoding="utf-8")
@@ -311,6 +332,13 @@ class TestWriting:
         clutch = tn.RigidCoupling("clutch", nodes=("a", "b"), enabled=False)
         with pytest.raises(UsageError, match="nothing connects a and b in this configuration"):
             to_tors(tn.Drivetrain("x", [*masses, clutch]))
+
+    def test_negative_damping_is_written_for_opentorsion_and_not_read(self):
+        load = tn.ConstantPowerLoad("load", node="a", power=200, speed=10)
+        data = to_tors(tn.Drivetrain("x", [tn.Inertia("a", node="a", inertia=1), load]))
+        assert data["components"][0]["elements"][1]["damping"] == -2
+        with pytest.raises(ModelError, match=r"damping to ground in N m s/rad must not be less than 0, got -2\.0"):
+            from_tors(data)
 
     def test_a_damper_alone_is_a_shaft_without_stiffness(self):
         masses = [tn.Inertia(node, node=node, inertia=1) for node in "ab"]

@@ -1,4 +1,4 @@
-"""Checked content of TORS files, the JSON format of openTorsion and its editor.
+"""Declared content of TORS files, the JSON format of openTorsion and its editor.
 
 A file has ``components``, each a chain of ``elements``, and ``structure``, pairs ``[component.element,
 component.element]`` that let a component begin where an element of another one ends. Lengths are in mm. A disk, a gear
@@ -9,187 +9,151 @@ does a gear with a parent, on the shaft it drives. Meaning as in ``opentorsion.P
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import Field, dataclass
+from math import inf
+from typing import Any, ClassVar
 
-from torsionnet.core.errors import Fault, Path, did_you_mean
-from torsionnet.core.groups import Groups
+from torsionnet.core.entries.composite import Typed
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.plain_numbers import PlainNumber
+from torsionnet.core.entries.spec import EntryError, Json, Spec, entry
+from torsionnet.core.entries.words import Text
+from torsionnet.core.errors import Fault
 
 SHEAR_MODULUS, DENSITY = 80e9, 8000.0
 """Shear modulus in Pa, which a TORS file has no entry for, and density in kg/m^3 that openTorsion takes by default."""
 
-NUMBERS: dict[str, dict[str, str]] = {
-    "Disk": {"inertia": "", "damping": "?", "stiffness": "?"},
-    "ShaftDiscrete": {"stiffness": "", "damping": "?"},
-    "ShaftContinuous": {"length": "+", "outerDiameter": "+", "innerDiameter": "?", "damping": "?", "density": "+?"},
-    "GearElement": {"inertia": "", "diameter": "+?", "teeth": "+?"},
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Size(PlainNumber):
+    """Entry of a finite number, kept as it is written, which in a file is not below 0, or above 0 if ``exclusive``.
+
+    Negative damping, as that of a load of constant power, is written for openTorsion all the same.
+    """
+
+    exclusive: bool = False
+
+    def coerce(self, raw: object) -> float:
+        if isinstance(raw, bool) or not isinstance(raw, int | float) or not -inf < raw < inf:
+            raise EntryError(f"expected a number as {self.description}, got {raw!r}")
+        return raw
+
+    def read(self, raw: object) -> tuple[float | None, list[Fault]]:
+        value, faults = super().read(raw)
+        if value is None or value > 0 or (value == 0 and not self.exclusive):
+            return value, faults
+        bound = "be greater than" if self.exclusive else "not be less than"
+        return None, [Fault(f"{self.description} must {bound} 0, got {raw!r}")]
+
+
+class AsWritten(Spec[object]):
+    """Entry of anything, kept as it is written."""
+
+    def coerce(self, raw: object) -> object:
+        return raw
+
+
+class TorsPart(Declared):
+    """Base of the parts of a TORS file, whose fields have the names of its keys.
+
+    Other programs have keys of their own and leave entries without a value; both are passed over.
+    """
+
+    @classmethod
+    def key_faults(cls, raw: Mapping[Any, Any], name: str = "") -> list[Fault]:
+        return [cls.missing(key, name) for key in cls.required() if key not in raw]
+
+    def written_entries(self) -> dict[str, Json]:
+        """Plain value of every entry that has one, by name, because defaults of other programs may be others."""
+        return {name: spec.plain(value) for name, spec in self.specs() if (value := getattr(self, name)) is not None}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TorsElement(TorsPart):
+    """Element of a component of a TORS file, of one of the types in :data:`ELEMENT_TYPES`."""
+
+    is_shaft: ClassVar[bool] = False
+
+    name: str = entry(Text("text that no other element of the component has"))
+    node: object = entry(AsWritten("name of the node at its end, by torsionnet"), None)
+    excitation: object = entry(AsWritten("torque on it"), None)
+
+    @classmethod
+    def _is_common(cls, declared: Field[Any]) -> bool:
+        return declared.name in ("node", "excitation")
+
+    def to_data(self) -> Json:
+        return {"name": self.name, "type": self.kind, **self.written_entries()}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Disk(TorsElement):
+    """Disk of a TORS file, with a damper and spring to ground."""
+
+    kind = "Disk"
+
+    inertia: float = entry(Size("inertia in kg m^2"))
+    damping: float = entry(Size("damping to ground in N m s/rad"), 0.0)
+    stiffness: float | None = entry(Size("stiffness to ground in N m/rad"), None)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ShaftDiscrete(TorsElement):
+    """Shaft without inertia of a TORS file."""
+
+    kind = "ShaftDiscrete"
+    is_shaft = True
+
+    stiffness: float = entry(Size("stiffness in N m/rad"))
+    damping: float = entry(Size("damping in N m s/rad"), 0.0)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ShaftContinuous(TorsElement):
+    """Round shaft with inertia of a TORS file."""
+
+    kind = "ShaftContinuous"
+    is_shaft = True
+
+    length: float = entry(Size("length in mm", exclusive=True))
+    outerDiameter: float = entry(Size("outer diameter in mm", exclusive=True))
+    innerDiameter: float = entry(Size("inner diameter in mm"), 0.0)
+    density: float = entry(Size("density in kg/m^3", exclusive=True), DENSITY)
+    damping: float | None = entry(Size("damping in N m s/rad"), None)
+
+    def contradictions(self) -> list[Fault]:
+        has_wall = self.innerDiameter < self.outerDiameter
+        return [] if has_wall else [Fault("the inner diameter must be smaller than the outer one")]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class GearElement(TorsElement):
+    """Wheel of a TORS file, with a parent the wheel that it meshes with."""
+
+    kind = "GearElement"
+
+    inertia: float = entry(Size("inertia in kg m^2"))
+    diameter: float | None = entry(Size("diameter in mm", exclusive=True), None)
+    teeth: float | None = entry(Size("number of teeth", exclusive=True), None)
+    parent: str | None = entry(Text("name of the wheel before it that it meshes with"), None)
+
+    def contradictions(self) -> list[Fault]:
+        return [] if self.teeth or self.diameter else [Fault("a gear needs teeth or a diameter")]
+
+    def sizes_against(self, parent: GearElement) -> tuple[float, float] | None:
+        """Sizes of parent and wheel by which they mesh, in teeth or diameters, or None where they have none alike."""
+        pairs = ((parent.teeth, self.teeth), (parent.diameter, self.diameter))
+        return next(((first, second) for first, second in pairs if first and second), None)
+
+
+ELEMENT_TYPES: Mapping[str, type[TorsElement]] = {
+    cls.kind: cls for cls in (Disk, ShaftDiscrete, ShaftContinuous, GearElement)
 }
-"""Numbers of each element type of TORS, by entry, with ? where one may be missing and + where it is above 0."""
+"""Classes of elements of TORS files by their ``type``."""
 
 
-@dataclass(frozen=True)
-class Entry:
-    """Element of a component of a TORS file, whose ``values`` are its numbers as written, by name."""
+class TypedTorsElement(Typed[TorsElement]):
+    """Entry of an element of a TORS file, which is written with its name before its type."""
 
-    component: str
-    name: str
-    kind: str
-    values: Mapping[str, float]
-    parent: str = ""
-    node: str = ""
-    excited: bool = False
-    path: Path = ()
-
-    @property
-    def label(self) -> str:
-        return f"{self.component}.{self.name}"
-
-
-@dataclass(frozen=True)
-class TorsDocument:
-    """Components of a TORS file in their order, and the component that begins where an element ends."""
-
-    name: str
-    components: Mapping[str, tuple[Entry, ...]]
-    onward: Mapping[tuple[str, str], tuple[str, ...]]
-    start: str
-
-
-def read_document(data: Any) -> tuple[TorsDocument | None, list[Fault]]:
-    """Content of a TORS file, or None for a file without components, and all its faults."""
-    if not isinstance(data, Mapping) or not isinstance(data.get("components"), list):
-        text = 'this is no TORS file: it has no list of "components" (elements) and "structure" (connections)'
-        return None, [Fault(text)]
-    if not data["components"]:
-        return None, [Fault("the file holds no components", ("components",))]
-    components: dict[str, tuple[Entry, ...]] = {}
-    faults: list[Fault] = []
-    for index, raw in enumerate(data["components"]):
-        path: Path = ("components", index)
-        name = raw.get("name") if isinstance(raw, Mapping) else None
-        if not isinstance(name, str) or not isinstance(raw.get("elements"), list) or not raw["elements"]:
-            faults.append(Fault("a component has a name and a list of elements", path))
-        elif name in components:
-            faults.append(Fault(f'two components are named "{name}"', path))
-        else:
-            components[name], found = _entries(name, raw["elements"], (*path, "elements"))
-            faults += found
-    onward, found = _connections(data.get("structure", []), components)
-    faults += found
-    start, found = _start(components, onward)
-    faults += found
-    title = data.get("name")
-    return TorsDocument(title if isinstance(title, str) and title else "TORS model", components, onward, start), faults
-
-
-def _entries(component: str, raw: list[Any], path: Path) -> tuple[tuple[Entry, ...], list[Fault]]:
-    entries: list[Entry] = []
-    faults: list[Fault] = []
-    for index, item in enumerate(raw):
-        place = (*path, index)
-        if not isinstance(item, Mapping) or not isinstance(item.get("name"), str):
-            faults.append(Fault("an element needs a name and a type; one of them is missing", place))
-            continue
-        if item["name"] in {entry.name for entry in entries}:
-            faults.append(Fault(f'two elements of {component} are named "{item["name"]}"', place))
-            continue
-        kind = item.get("type")
-        if kind not in NUMBERS:
-            hint = did_you_mean(str(kind), NUMBERS) or f"; there are {', '.join(NUMBERS)}"
-            faults.append(Fault(f'no type of element is named "{kind}"{hint}', (*place, "type")))
-            continue
-        values, found = _values(item, place)
-        faults += found
-        parent = item.get("parent") or ""
-        gears = [entry.name for entry in entries if entry.kind == "GearElement"]
-        if parent and parent not in gears:
-            text = f'no gear before it in {component} is named "{parent}"{did_you_mean(str(parent), gears)}'
-            faults.append(Fault(text, (*place, "parent")))
-        node = item.get("node", "")
-        entries.append(
-            Entry(
-                component, item["name"], kind, values, str(parent), node if isinstance(node, str) else "",
-                excited="excitation" in item, path=place,
-            )
-        )  # fmt: skip
-    return tuple(entries), faults
-
-
-def _values(item: Mapping[str, Any], path: Path) -> tuple[dict[str, float], list[Fault]]:
-    values: dict[str, float] = {}
-    faults: list[Fault] = []
-    for key, mark in NUMBERS[item["type"]].items():
-        raw, positive = item.get(key), "+" in mark
-        if raw is None and "?" in mark:
-            continue
-        if isinstance(raw, bool) or not isinstance(raw, int | float) or raw != raw or abs(raw) == float("inf"):
-            faults.append(Fault(f"{item['type']} needs a number as {key}, got {raw!r}", (*path, key)))
-        elif raw < 0 or (raw == 0 and positive):
-            word = "greater than 0" if positive else "not less than 0"
-            faults.append(Fault(f"{key} must be {word}, got {raw}", (*path, key)))
-        else:
-            values[key] = raw
-    if item["type"] == "GearElement" and not faults and not {"teeth", "diameter"} & values.keys():
-        faults.append(Fault("a gear needs teeth or a diameter", path))
-    return values, faults
-
-
-def _connections(
-    raw: object, components: Mapping[str, tuple[Entry, ...]]
-) -> tuple[dict[tuple[str, str], tuple[str, ...]], list[Fault]]:
-    onward: dict[tuple[str, str], tuple[str, ...]] = {}
-    faults: list[Fault] = []
-    if not isinstance(raw, list):
-        return onward, [Fault(f"expected pairs of component.element, got {raw!r}", ("structure",))]
-    entered: set[str] = set()
-    for index, pair in enumerate(raw):
-        path: Path = ("structure", index)
-        if not isinstance(pair, list) or len(pair) != 2 or not all(isinstance(end, str) for end in pair):
-            faults.append(Fault(f"expected [component.element, component.element], got {pair!r}", path))
-            continue
-        ends = [_end(text, components, (*path, side)) for side, text in enumerate(pair)]
-        faults += [end for end in ends if isinstance(end, Fault)]
-        source, target = ends
-        if isinstance(source, Fault) or isinstance(target, Fault):
-            continue
-        if target[1] != components[target[0]][0].name:
-            first = f"{target[0]}.{components[target[0]][0].name}"
-            text = f"a component begins with its first element: connect {pair[0]} to {first}, not to {pair[1]}"
-            faults.append(Fault(text, (*path, 1)))
-        elif target[0] in entered:
-            faults.append(
-                Fault(
-                    f'component "{target[0]}" begins at two places; connect it at one, as TORS holds no loops',
-                    (*path, 1),
-                )
-            )
-        else:
-            entered.add(target[0])
-            onward[source] = (*onward.get(source, ()), target[0])
-    return onward, faults
-
-
-def _end(text: str, components: Mapping[str, tuple[Entry, ...]], path: Path) -> tuple[str, str] | Fault:
-    known = [(name, entry.name) for name, entries in components.items() for entry in entries]
-    for name, element in known:
-        if text == f"{name}.{element}":
-            return name, element
-    hint = did_you_mean(text, [f"{name}.{element}" for name, element in known])
-    return Fault(f'there is no element "{text}"{hint}', path)
-
-
-def _start(
-    components: Mapping[str, tuple[Entry, ...]], onward: Mapping[tuple[str, str], tuple[str, ...]]
-) -> tuple[str, list[Fault]]:
-    """Component of a TORS file that no connection leads to, from which all others are reached, and faults."""
-    entered = {name for names in onward.values() for name in names}
-    free = [name for name in components if name not in entered]
-    if len(free) != 1:
-        listed = ", ".join(free) or "none"
-        text = f"the components must form one connected tree; without a connection into them: {listed}"
-        return "", [Fault(text, ("structure",))] if components else []
-    joined = Groups(components)
-    for (source, _), targets in onward.items():
-        joined.join(source, *targets)
-    lost = [name for name in components if name not in joined.of(free[0])]
-    return free[0], [Fault(f"{', '.join(lost)} are not connected to {free[0]}", ("structure",))] if lost else []
+    def plain(self, value: Any) -> Json:
+        return TorsElement.to_data(value)

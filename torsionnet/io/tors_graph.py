@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import zip_longest
-from typing import Any, TypeAlias, TypeGuard
+from typing import TypeAlias, TypeGuard
 
 from torsionnet.core.errors import UsageError
 from torsionnet.core.groups import Groups
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.part_descriptions import describe_element_part
-from torsionnet.io.tors_elements import SHEAR_MODULUS
+from torsionnet.io.tors_elements import SHEAR_MODULUS, Disk, ShaftContinuous, ShaftDiscrete, TorsElement
 from torsionnet.model.elements import GROUND, Action, Constraint, Element, Gear, Law, Part, Row, Shaft, Values
 
-Disks: TypeAlias = dict[str, list[dict[str, Any]]]
+Disks: TypeAlias = dict[str, list[Disk]]
 
 
 @dataclass
@@ -25,7 +25,7 @@ class Edge:
     first: str
     second: str
     names: list[str]
-    items: list[dict[str, Any]] = field(default_factory=list)
+    items: list[TorsElement] = field(default_factory=list)
     ratio: float = 1.0
     teeth: tuple[int, int] | None = None
 
@@ -104,22 +104,23 @@ class _GraphWriter:
         if law.loss_factor != 0 or law.table is not None:
             return False
         if len(nodes) == 1 and not stiffness:
-            self.disks[nodes[0]].append(_disk(element.name, inertia=inertia, damping=damping))
+            self.disks[nodes[0]].append(Disk(name=element.name, inertia=inertia, damping=damping))
             return True
         if not _is_difference(law.row) or inertia:
             return False
-        self._spring(element.name, nodes, {"stiffness": stiffness, "damping": damping})
+        self._spring(ShaftDiscrete(name=element.name, stiffness=stiffness, damping=damping), *nodes)
         return True
 
-    def _spring(self, name: str, ends: list[str], numbers: dict[str, float]) -> None:
-        """Write a spring (N m/rad) or damper (N m s/rad), added to another one that is on the same nodes."""
+    def _spring(self, new: ShaftDiscrete, first: str, second: str) -> None:
+        """Write a spring or damper, added to another one that is on the same nodes."""
         for edge in self.edges:
-            if {edge.first, edge.second} == set(ends) and [item["type"] for item in edge.items] == ["ShaftDiscrete"]:
-                for key, number in numbers.items():
-                    edge.items[0][key] += number
-                edge.names.append(name)
-                return
-        self.edges.append(Edge(*_two(ends), [name], [{"name": name, "type": "ShaftDiscrete", **numbers}]))
+            match edge.items:
+                case [ShaftDiscrete() as old] if {edge.first, edge.second} == {first, second}:
+                    stiffness, damping = old.stiffness + new.stiffness, old.damping + new.damping
+                    edge.items[0] = replace(old, stiffness=stiffness, damping=damping)
+                    edge.names.append(new.name)
+                    return
+        self.edges.append(Edge(first, second, [new.name], [new]))
 
     def _constraint(self, element: Element, row: Row) -> bool:
         """Write a rigid connection or a gear into the graph and return whether the constraint is one of these."""
@@ -163,10 +164,6 @@ def _refuse_all_but_a_tree(disks: Disks, edges: list[Edge]) -> None:
         )
 
 
-def _two(ends: list[str]) -> tuple[str, str]:
-    return ends[0], ends[1]
-
-
 def _merged(elements: Iterable[Element], value: Values, nodes: Sequence[str]) -> dict[str, str]:
     """Node that stands for each node, by name, as rigid connections make one of two."""
     joined = Groups(nodes)
@@ -177,40 +174,35 @@ def _merged(elements: Iterable[Element], value: Values, nodes: Sequence[str]) ->
     return {node: joined.of(node)[0] for node in nodes}
 
 
-def _disk(name: str, inertia: float = 0.0, damping: float = 0.0) -> dict[str, Any]:
-    return {"name": name, "type": "Disk", "inertia": inertia, "damping": damping}
-
-
-def _segments(shaft: Shaft, value: Values, disks: Disks, ends: list[str]) -> list[dict[str, Any]]:
+def _segments(shaft: Shaft, value: Values, disks: Disks, ends: list[str]) -> list[TorsElement]:
     """Items of a shaft in a TORS file, its segments, and the disks between them where the inertia is lumped."""
     n, laws = int(shaft.segments), [part for part in shaft.parts(value) if isinstance(part, Law)]
     names = [shaft.name if n == 1 else f"{shaft.name} {index}" for index in range(1, n + 1)]
     elastic = next(law for law in laws if law.is_elastic)
+    damping = float(elastic.damping)
     if shaft.inertia == "consistent":
-        item = _continuous(shaft, value, n)
-        item |= {"damping": float(elastic.damping)} if elastic.damping else {}
-        return [{"name": name, **item} for name in names]
-    numbers = {"stiffness": float(elastic.stiffness), "damping": float(elastic.damping)}
-    shafts = [{"name": name, "type": "ShaftDiscrete", **numbers} for name in names]
+        segment = _continuous(shaft, value, n)
+        return [replace(segment, name=name, damping=damping or None) for name in names]
+    shafts = [ShaftDiscrete(name=name, stiffness=float(elastic.stiffness), damping=damping) for name in names]
     lump = max(float(law.inertia) for law in laws)
     if not lump:
-        return shafts
+        return [*shafts]
     for end in ends:
-        disks[end].append(_disk(f"{shaft.name} at {end}", inertia=lump))
-    between = [_disk(f"{shaft.name} lump {index}", inertia=2 * lump) for index in range(1, n)]
+        disks[end].append(Disk(name=f"{shaft.name} at {end}", inertia=lump))
+    between = [Disk(name=f"{shaft.name} lump {index}", inertia=2 * lump) for index in range(1, n)]
     return [item for pair in zip_longest(shafts, between) for item in pair if item]
 
 
-def _continuous(shaft: Shaft, value: Values, n: int) -> dict[str, Any]:
-    """Item of a TORS shaft segment of equal stiffness and inertia, with openTorsion's shear modulus."""
+def _continuous(shaft: Shaft, value: Values, n: int) -> ShaftContinuous:
+    """Segment of a shaft in a TORS file, of equal stiffness and inertia with openTorsion's shear modulus."""
     outer, inner, length = (
         1e3 * float(value(size)) for size in (shaft.outer_diameter, shaft.inner_diameter, shaft.length)
     )
     stretch = SHEAR_MODULUS / float(value(shaft.shear_modulus))
-    return {
-        "type": "ShaftContinuous",
-        "length": length / n * stretch,
-        "outerDiameter": outer,
-        "innerDiameter": inner,
-        "density": float(value(shaft.density)) / stretch,
-    }
+    return ShaftContinuous(
+        name=shaft.name,
+        length=length / n * stretch,
+        outerDiameter=outer,
+        innerDiameter=inner,
+        density=float(value(shaft.density)) / stretch,
+    )

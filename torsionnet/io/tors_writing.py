@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import json
 import os
+from dataclasses import replace
 from datetime import UTC, datetime
-from typing import Any
+from itertools import count
+from typing import Any, TypeAlias, TypeVar
 
 from torsionnet.core.atomic import write_text
 from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.io.tors_elements import Disk, GearElement, TorsElement
+from torsionnet.io.tors_file import TorsComponent, TorsFile
 from torsionnet.io.tors_graph import Edge, Graph, tors_graph
 
 WHEEL = 100.0
@@ -18,7 +22,9 @@ WHEEL = 100.0
 MOST_STARTS = 50
 """Ends of the drivetrain from which a layout is tried, as more would take longer where none is possible."""
 
-Item = dict[str, Any]
+E = TypeVar("E", bound=TorsElement)
+Chain: TypeAlias = dict[str, TorsElement]
+"""Elements of a component of a TORS file in their order, by name."""
 
 
 def to_tors(drivetrain: Drivetrain) -> dict[str, Any]:
@@ -44,10 +50,12 @@ def to_tors(drivetrain: Drivetrain) -> dict[str, Any]:
     ['engine_inertia', 'engine_shaft', 'wheel', 'pump_shaft', 'pump_inertia']
     """
     layout = _laid_out(tors_graph(drivetrain))
-    components = [{"name": name, "elements": chain.items} for name, chain in layout.chains.items()]
-    # The editor of openTorsion opens no file without a date.
+    components = tuple(
+        TorsComponent(name=name, elements=tuple(chain.values())) for name, chain in layout.chains.items()
+    )
     today = datetime.now(tz=UTC).date().isoformat()
-    return {"name": drivetrain.title, "date": today, "components": components, "structure": layout.structure}
+    structure = tuple(layout.structure)
+    return TorsFile(name=drivetrain.title, date=today, components=components, structure=structure).written_entries()
 
 
 def write_tors(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None:
@@ -72,21 +80,12 @@ def _laid_out(graph: Graph) -> _Layout:
     raise refusals[0]
 
 
-class _Chain:
-    """Chain of elements of one component of a TORS file, with unique names."""
-
-    def __init__(self) -> None:
-        self.items: list[Item] = []
-        self.names: set[str] = set()
-
-    def add(self, item: Item, node: str = "") -> Item:
-        name, number = item["name"], 1
-        while item["name"] in self.names:
-            number += 1
-            item = {**item, "name": f"{name} {number}"}
-        self.names.add(item["name"])
-        self.items.append({**item, "node": node} if node else item)
-        return self.items[-1]
+def _add(chain: Chain, item: E, node: str | None = None) -> E:
+    """Element as it is put at the end of a chain, with a name that no other one in it has, and the node at its end."""
+    names = (f"{item.name} {number}" if number > 1 else item.name for number in count(1))
+    added = replace(item, name=next(name for name in names if name not in chain), node=node)
+    chain[added.name] = added
+    return added
 
 
 class _Layout:
@@ -94,19 +93,19 @@ class _Layout:
 
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
-        self.chains: dict[str, _Chain] = {}
-        self.structure: list[list[str]] = []
+        self.chains: dict[str, Chain] = {}
+        self.structure: list[tuple[str, str]] = []
         self.used: set[int] = set()
 
     def run(self, start: str) -> None:
         name, chain = self._new_chain()
         if not self.graph.disks[start]:
-            chain.add({"name": start, "type": "Disk", "inertia": 0.0, "damping": 0.0}, start)
+            _add(chain, Disk(name=start, inertia=0.0), start)
         self._walk(name, start)
 
-    def _new_chain(self) -> tuple[str, _Chain]:
+    def _new_chain(self) -> tuple[str, Chain]:
         name = f"part {len(self.chains) + 1}"
-        self.chains[name] = _Chain()
+        self.chains[name] = {}
         return name, self.chains[name]
 
     def _walk(self, component: str, node: str) -> None:
@@ -114,16 +113,16 @@ class _Layout:
         chain = self.chains[component]
         while True:
             for disk in self.graph.disks[node]:
-                chain.add(disk, node)
+                _add(chain, disk, node)
             shafts, gears = self._onward(node)
-            wheels = [chain.add(_wheel(edge, node), node) for edge in gears]
+            wheels = [_add(chain, _wheel(edge, node), node) for edge in gears]
             if gears:
                 break
             if not shafts:
                 return
             node = self._shaft(chain, shafts[0], node)
         if shafts:
-            self._branch(f"{component}.{wheels[-1]['name']}", shafts[0], node)
+            self._branch(f"{component}.{wheels[-1].name}", shafts[0], node)
         for edge, wheel in zip(gears, wheels, strict=True):
             self._mesh(chain, edge, wheel, node)
             self._walk(component, edge.other(node))
@@ -140,31 +139,29 @@ class _Layout:
             )
         return shafts, [edge for edge in onward if edge.is_gear]
 
-    def _shaft(self, chain: _Chain, edge: Edge, node: str) -> str:
+    def _shaft(self, chain: Chain, edge: Edge, node: str) -> str:
         for item in edge.items[:-1]:  # equal segments: the same from either side
-            chain.add(item)
-        chain.add(edge.items[-1], edge.other(node))
+            _add(chain, item)
+        _add(chain, edge.items[-1], edge.other(node))
         return edge.other(node)
 
     def _branch(self, origin: str, edge: Edge, node: str) -> None:
         name, chain = self._new_chain()
         end = self._shaft(chain, edge, node)
-        self.structure.append([origin, f"{name}.{chain.items[0]['name']}"])
+        self.structure.append((origin, f"{name}.{next(iter(chain))}"))
         self._walk(name, end)
 
-    def _mesh(self, chain: _Chain, edge: Edge, wheel: Item, node: str) -> None:
+    def _mesh(self, chain: Chain, edge: Edge, wheel: GearElement, node: str) -> None:
         """Add the second wheel of a gear, for a positive ratio after an idler that turns the sense round."""
-        parent = wheel["name"]
+        parent = wheel.name
         if edge.ratio > 0:
-            idler = {**wheel, "name": f"{edge.names[0]} idler", "parent": parent}
-            del idler["node"]
-            parent = chain.add(idler)["name"]
+            parent = _add(chain, replace(wheel, name=f"{edge.names[0]} idler", parent=parent)).name
         end = edge.other(node)
-        chain.add({**_wheel(edge, end), "parent": parent}, end)
+        _add(chain, replace(_wheel(edge, end), parent=parent), end)
 
 
-def _wheel(edge: Edge, node: str) -> Item:
+def _wheel(edge: Edge, node: str) -> GearElement:
     side = 0 if node == edge.first else 1
-    size = float(abs(edge.teeth[side])) if edge.teeth else WHEEL * (abs(edge.ratio) if side else 1.0)
-    wheel = {"name": f"{edge.names[0]} {node}", "type": "GearElement", "inertia": 0.0, "diameter": size}
-    return {**wheel, "teeth": abs(int(edge.teeth[side]))} if edge.teeth else wheel
+    teeth = abs(int(edge.teeth[side])) if edge.teeth else None
+    size = float(teeth or WHEEL * (abs(edge.ratio) if side else 1.0))
+    return GearElement(name=f"{edge.names[0]} {node}", inertia=0.0, diameter=size, teeth=teeth)

@@ -252,10 +252,11 @@ class PairOf(Composite[tuple[Stored_co, Stored_co]]):
     """Entry that holds two values ``[a, b]`` of one kind."""
 
     of: Spec[Stored_co]
+    form: str = "two values [a, b]"
 
     def read(self, raw: object) -> tuple[tuple[Stored_co, Stored_co] | None, list[Fault]]:
         if not isinstance(raw, list | tuple) or len(raw) != 2:
-            return None, [Fault(f"expected two values [a, b], got {raw!r}")]
+            return None, [Fault(f"expected {self.form}, got {raw!r}")]
         values, faults = Listed(self.description, self.of).read(raw)
         return (None if faults else (values[0], values[1])), faults
 
