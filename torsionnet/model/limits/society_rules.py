@@ -167,7 +167,7 @@ NOT_AT_HAND = {
     "dnv": "the text of DNV's rules (DNV-RU-SHIP Pt.4 Ch.2, DNV-CG-0038) on torsional vibration was not at hand",
     "abs": "the text of ABS's rules (4-3-2/7) on torsional vibration was not at hand",
 }
-"""Why a society's numbers are missing here, by its short name."""
+"""Reasons that the numbers of a society are missing here, by its short name."""
 SHAFT_SOCIETIES = tuple(name for name, row in SOCIETIES.items() if row.shafts)
 """Short names of the societies by which stresses of propulsion shafts are judged."""
 SET_SOCIETIES = tuple(name for name, row in SOCIETIES.items() if row.sets)

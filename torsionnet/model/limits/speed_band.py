@@ -27,7 +27,7 @@ _EDGE = Value("a speed over the rated speed", "1")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SpeedBand(Spec[tuple[float, float]]):
+class RatedSpeedBand(Spec[tuple[float, float]]):
     """Entry of a band of speed ratios: two shares of the rated speed, the lower one first."""
 
     def coerce(self, raw: object) -> tuple[float, float]:
@@ -65,7 +65,7 @@ class InSpeedBand(Limit):
     """
 
     speed_band: tuple[float, float] | None = entry(
-        SpeedBand("speeds over the rated speed at which the machine runs; default: all that are examined"), None
+        RatedSpeedBand("speeds over the rated speed at which the machine runs; default: all that are examined"), None
     )
 
     def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
