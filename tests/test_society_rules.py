@@ -283,7 +283,7 @@ class TestSeparationMargins:
         assert len(rows) == len(found.crossings)
         assert [row[5].value for row in rows] == pytest.approx([100 * one.margin for one in found.crossings])
         # 14.5 Hz of the coupling is met by 1 x motor (10 to 25 Hz) and 2 x compressor (6.8 to 16.9 Hz).
-        assert [row[2] for row in rows if row[0] == "1" and row[-1] == "no"] == ["1 x motor", "2 x wheel"]
+        assert [row[2] for row in rows[:6] if row[-1] == "no"] == ["1 x motor", "2 x wheel"]
         assert "API RP 684" in block.notes[1][0]
 
     def test_ships_have_none(self):

@@ -41,14 +41,16 @@ def _margins(rule: str, cases: tuple[Case, ...], *, several: bool) -> TableBlock
         Heading("Mode"),
         Heading("Natural frequency", "Hz", numeric=True),
         Heading("Compared with"),
-        Heading("from", "Hz", numeric=True),
-        Heading("to", "Hz", numeric=True),
+        Heading("From", "Hz", numeric=True),
+        Heading("To", "Hz", numeric=True),
         Heading("Margin", "%", numeric=True),
         Heading("Required", "%", numeric=True),
         Heading("Margin kept"),
     )
     pairs = zip(found.crossings, found.lines * len(found.modes), strict=True)
     rows = [_row(found, one, line) for one, line in pairs]
+    first = range(0, len(rows), len(found.lines))
+    rows = [row if place in first else ("", "", *row[2:]) for place, row in enumerate(rows)]
     notes = ["Margin: distance of the nearer of undamped and damped natural frequency from the frequencies compared, "
              "as a share of them; 0 where one of the speeds meets it.", f"Margins by {found.rule}."]  # fmt: skip
     if any(one.passes is False for one in found.crossings):
@@ -65,6 +67,6 @@ def _row(found: CriticalSpeeds, one: CriticalSpeed, line: OrderLine) -> tuple[Ce
     kept = "" if one.passes is None else "yes" if one.passes else "no"
     return (
         str(one.mode.number), NumberText(one.mode.undamped_frequency, 4),
-        compared, NumberText(low, 4), NumberText(high, 4),
+        compared, NumberText(low, 3), NumberText(high, 3),
         NumberText(100 * one.margin, 3), required, kept,
     )  # fmt: skip
