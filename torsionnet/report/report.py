@@ -14,6 +14,7 @@ from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.version import __version__
 from torsionnet.loading import load
 from torsionnet.model.files.reader import find_model
+from torsionnet.model.limits.society_rules import SOCIETIES
 from torsionnet.model.report import KINDS, LANGUAGES, Pair, ReportPlan, parse_band
 from torsionnet.model.report.report_plan import section_fault
 from torsionnet.report.document_tree import Report
@@ -203,14 +204,16 @@ def make_report(
     from torsionnet.report.languages import in_language
     from torsionnet.report.report_text import as_words
     from torsionnet.report.rewording import Rewording
+    from torsionnet.report.society_words import in_society_words
 
     report = build(subject, __version__)
     read = in_language(plan.language, read)
-    if read is None:
-        return report
-    names = {case.configuration for case in cases} | {as_words(name) for name in drivetrain.definition.elements}
-    reworded: Report = Rewording(read.wording, names).reworded(report)
-    return replace(reworded, template=read)
+    if read is not None:
+        names = {case.configuration for case in cases} | {as_words(name) for name in drivetrain.definition.elements}
+        reworded: Report = Rewording(read.wording, names).reworded(report)
+        report = replace(reworded, template=read)
+    society = SOCIETIES.get(plan.rules or "")
+    return replace(report, sections=in_society_words(report.sections, society)) if society else report
 
 
 def _read(model: Model) -> tuple[Drivetrain, Path, bytes]:

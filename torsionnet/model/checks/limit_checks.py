@@ -13,6 +13,11 @@ from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.model.limits.unit_slips import unit_slips
 from torsionnet.model.parameters import resolve
 
+GENERATORS = frozenset({"synchronous_machine", "grid_generator"})
+"""Types of elements that are generators."""
+GENERATOR_LIMITS = frozenset({"machine_angle", "generating_set_shaft"})
+"""Rules of limits that only generators have."""
+
 
 def unfit_limits(definition: Definition) -> list[Fault]:
     """Faults of limits on elements or nodes that do not exist, or that lack data for the rule."""
@@ -53,4 +58,13 @@ def limit_subject(definition: Definition, values: Mapping[str, Any]) -> LimitSub
         rated=None if speeds is None else speeds.rated,
         misfiring=any(bool(engine.misfire) or bool(engine.gas_off) for engine in engines),
         values=values,
+        is_generating_set=is_generating_set(definition),
     )
+
+
+def is_generating_set(definition: Definition) -> bool:
+    """Whether a model is one of a piston engine that drives a generator and no propeller."""
+    excited = {one.kind for one in definition.excitations.values()}
+    elements = {one.kind for one in definition.elements.values()}
+    generates = elements & GENERATORS or {one.kind for one in definition.limits.values()} & GENERATOR_LIMITS
+    return "reciprocating_engine" in excited and bool(generates) and "propeller" not in excited | elements

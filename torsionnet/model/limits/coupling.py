@@ -15,6 +15,7 @@ from torsionnet.model.channels import Sensor
 from torsionnet.model.limits.element_limit import ElementLimit, constant_over_speed
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import LimitLine, register_rule
+from torsionnet.model.limits.speed_band import InSpeedBand
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.limits.limit_check import RuleText
 
@@ -30,12 +31,13 @@ FORMULA = (
 
 @register_rule
 @dataclass(frozen=True, kw_only=True)
-class CouplingLimit(ElementLimit):
+class CouplingLimit(InSpeedBand, ElementLimit):
     """A flexible coupling: T_KN, T_Kmax, T_KW, P_KV and twist.
 
     Vibratory torque and heat hold in continuous operation, T_Kmax and twist also while a speed is passed. With
     ``frequency_factor: din_740_2`` every order is multiplied with sqrt(f/10 Hz) above 10 Hz before the orders are
-    added up: for couplings whose T_KW is stated by that standard, and for no others.
+    added up: for couplings whose T_KW is stated by that standard, and for no others. In a generating set
+    ``speed_band`` says at which speeds it runs.
 
     Examples
     --------

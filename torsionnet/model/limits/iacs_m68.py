@@ -14,8 +14,9 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.errors import Fault
 from torsionnet.core.units import RPM
+from torsionnet.model.limits.class_rule_shaft import ClassRuleShaft
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import NOT_EXAMINED, TOLERANCE, LimitLine, line_without_data, register_rule
+from torsionnet.model.limits.limit import LimitLine, line_without_data, register_rule
 from torsionnet.model.limits.m68_stress import (
     CAPS,
     CONSTANT_ABOVE,
@@ -24,35 +25,28 @@ from torsionnet.model.limits.m68_stress import (
     HOLE,
     NO_BARRED_ABOVE,
     NOT_COVERED,
+    NOT_FOR_SETS,
     PROPELLER_CAP,
     SCF_OF_UNIT,
     SLOT_BORE,
     SLOT_LENGTH,
     SLOT_WIDTH,
-    SOURCE,
     STRENGTH_FOR_PASSING,
     STRENGTHS,
     permissible,
     size_factor,
-    usual_range,
 )
-from torsionnet.model.limits.shaft_limit import RoundSection, ShaftLimit
+from torsionnet.model.limits.shaft_limit import RoundSection
+from torsionnet.model.limits.society_rules import SHAFT_SOCIETIES, SOCIETIES, Society, SocietyName
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.limits.limit_check import FAIL, PASS, LimitVerdict, RuleText
-from torsionnet.response.limits.speed_spans import (
-    SpeedSpan,
-    joined_spans,
-    range_end_remarks,
-    restriction_words,
-    spans_above,
-)
-from torsionnet.response.speed_refinement import vertex_speed
+from torsionnet.response.limits.limit_check import FAIL, LimitVerdict, RuleText
+from torsionnet.response.limits.speed_spans import SpeedSpan, restriction_words
 
 
 @register_rule
 @dataclass(frozen=True, kw_only=True)
-class IacsM68(ShaftLimit):
+class IacsM68(ClassRuleShaft):
     """Intermediate, thrust and propeller shafts of ships: tau_C in continuous operation, tau_T in passing.
 
     With the speed ratio lambda = n/n_rated, tau_C = (sigma_B + 160)/18 C_K C_D (3 - 2 lambda^2) below 0.9 and
@@ -82,10 +76,7 @@ class IacsM68(ShaftLimit):
     stress_concentration: float | None = entry(
         Value("of a slot, largest principal stress over sqrt(3) tau_nominal: C_K = 1.45/scf", "1", exclusive=True), None
     )
-    rated: float | None = entry(
-        Value("rated speed of the reference shaft; default: that of speeds:", "speed", exclusive=True), None
-    )
-    tachometer_tolerance: float = entry(TOLERANCE, 0)
+    rules: str = entry(SocietyName("society whose text counts, with its symbols", SHAFT_SOCIETIES), "m68")
     safe_speed: float | None = entry(
         Value("speed of the reference shaft that must stay free with a cylinder misfiring", "speed", exclusive=True),
         None,
@@ -124,10 +115,10 @@ class IacsM68(ShaftLimit):
         reason = "" if wrong else self._inapplicable(self.section(subject))
         if reason:
             yield Fault(reason, ("feature",))
-        if self.rated is None and subject.rated is None:
-            text = "lambda = n/n_rated needs the rated speed: speeds: {rated: 750 rpm}, or rated: of this limit"
-            yield Fault(text, on_key=True, about="speeds")
+        yield from self.no_rated_speed(subject)
         yield from self._unexamined(subject)
+        if subject.is_generating_set:
+            yield Fault(NOT_FOR_SETS, ("rule",), "warning", on_key=True)
 
     def _unexamined(self, subject: LimitSubject) -> Iterator[Fault]:
         """Fault that the speed for safe navigation is not among the speeds examined."""
@@ -184,102 +175,74 @@ class IacsM68(ShaftLimit):
             f"1.38; tau_T = 1.7 tau_C/sqrt(C_K) up to lambda = 0.8; C_K = {self.feature_factor:g} ({self.feature}), "
             f"C_D = {size:.5f}, sigma_B = {self.strength / 1e6:g} N/mm^2 (given {self.tensile_strength / 1e6:g})"
         )
-        return RuleText(SOURCE, formula, NOT_COVERED)
+        missing = f"{NOT_COVERED}; {self.society.remark}" if self.society.remark else NOT_COVERED
+        return RuleText(self.society.shafts, self.society.in_words(formula), missing)
 
     @property
-    def tolerance(self) -> float:
-        return float(self.tachometer_tolerance)
+    def society(self) -> Society:
+        """Row of the society whose text counts."""
+        return SOCIETIES[self.rules]
+
+    @property
+    def no_barred_above(self) -> float:
+        return NO_BARRED_ABOVE
+
+    @property
+    def highest_ratio(self) -> float:
+        return HIGHEST_RATIO
 
     def breaks(self, subject: LimitSubject) -> list[float]:
-        rated = self._rated(subject)
+        rated = self.rated_speed(subject)
         return [NO_BARRED_ABOVE * rated, CONSTANT_ABOVE * rated, HIGHEST_RATIO * rated]
 
-    def _rated(self, subject: LimitSubject) -> float:
-        return float(self.rated or subject.rated or math.nan)
-
     def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
-        why = self._inapplicable(self.section(evidence.subject))
+        continuous, in_passing = (self.society.in_words(symbol) for symbol in ("tau_C", "tau_T"))
+        why = NOT_FOR_SETS if evidence.subject.is_generating_set else self._inapplicable(self.section(evidence.subject))
         if why:
-            yield line_without_data("tau_C", why)
+            yield line_without_data(continuous, why)
             return
-        ratio = evidence.speeds / self._rated(evidence.subject)
+        ratio = evidence.speeds / self.rated_speed(evidence.subject)
         values, orders = self.stress(evidence)
         factors = self.feature_factor * size_factor(self.section(evidence.subject).outer)
         allowed = permissible(self.strength, factors, ratio)
         quantity = "nominal shear stress, half range"
         cases = self.stress_by_case(evidence)
-        yield LimitLine("tau_C", quantity, "Pa", values, allowed, (), orders, cases=cases)
+        yield LimitLine(continuous, quantity, "Pa", values, allowed, (), orders, cases=cases)
         below = ratio <= NO_BARRED_ABOVE * (1 + 1e-12)
         passing = np.where(below, 1.7 * allowed / math.sqrt(self.feature_factor), np.nan)
-        yield LimitLine("tau_T", quantity, "Pa", values, passing, (), orders, in_passing=True)
-
-    def judged(self, line: LimitLine, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
-        if not line.in_passing or np.isfinite(line.allowed).any():
-            yield from super().judged(line, name, evidence)
+        yield LimitLine(in_passing, quantity, "Pa", values, passing, (), orders, in_passing=True)
 
     def remarks(self, line: LimitLine, evidence: Evidence) -> tuple[str, ...]:
-        ratio = evidence.speeds / self._rated(evidence.subject)
+        ratio = evidence.speeds / self.rated_speed(evidence.subject)
         return () if line.in_passing else (*self._assumed(), *_beyond(evidence, ratio))
 
-    def continuous(self, line: LimitLine, name: str, evidence: Evidence) -> LimitVerdict:
-        rated = self._rated(evidence.subject)
-        wanted = [
-            self._barred(span, evidence, values, rated)
-            for values in line.each.T
-            for span in spans_above(evidence.speeds, values, line.allowed)
-        ]
-        return self._in_operation(line, name, evidence, wanted, rated)
-
-    def _barred(self, above: SpeedSpan, evidence: Evidence, values: FloatArray, rated: float) -> SpeedSpan:
-        """Range of speeds in rad/s to be barred around the peak of the stress.
-
-        Speeds above tau_C and the usual range around the peak, with the tachometer's tolerance.
-
-        The rule of thumb must cover what exceeds tau_C; beyond that it may stop where ranges must.
-        """
-        inside = np.array([above.holds(speed) for speed in evidence.speeds.tolist()])
-        at = int(np.argmax(np.where(inside, values, -np.inf)))
-        usual = usual_range(min(max(vertex_speed(evidence.speeds, values, at), above.low), above.high), rated)
-        span = SpeedSpan(min(above.low, usual.low), max(above.high, usual.high)).widened(self.tolerance)
-        limit = NO_BARRED_ABOVE * rated
-        if not evidence.subject.misfiring and above.high * (1 + self.tolerance) <= limit:
-            return SpeedSpan(span.low, min(span.high, limit))
-        return span
-
-    def _in_operation(
-        self, line: LimitLine, name: str, evidence: Evidence, wanted: list[SpeedSpan], rated: float
+    def with_barred(
+        self,
+        line: LimitLine,
+        name: str,
+        evidence: Evidence,
+        barred: tuple[SpeedSpan, ...],
+        kept: list[float],
+        remarks: list[str],
     ) -> LimitVerdict:
-        if not wanted:
-            return self._verdict(line, name, evidence, PASS, (), ())
-        top = min(HIGHEST_RATIO * rated, evidence.examined.high)
-        covered = SpeedSpan(evidence.examined.low, top)
-        above = "the rule says nothing above lambda = 1.05" if top < evidence.examined.high else NOT_EXAMINED[1]
-        barred = joined_spans([span.within(covered) for span in wanted])
-        remarks = list(self._on_barred())
-        remarks += [remark for span in barred for remark in range_end_remarks(span, covered, NOT_EXAMINED[0], above)]
-        limit = NO_BARRED_ABOVE * rated
-        beyond = [span for span in barred if span.high > limit * (1 + 1e-12)]
-        if beyond and not evidence.subject.misfiring:
-            remarks.insert(0, f"tau_C is exceeded above lambda = 0.8, where no range may be barred: {beyond[0]}")
-            below = tuple(span for span in barred if span not in beyond)
-            return self._verdict(line, name, evidence, FAIL, below, tuple(remarks))
         if evidence.subject.misfiring and self.safe_speed is None:
             remarks.append("a cylinder misfires: ranges must leave safe navigation possible; give safe_speed")
         lost = [span for span in barred if span.holds_any([self.safe_speed])]
         if evidence.subject.misfiring and lost:
             remarks.insert(0, f"safe_speed lies in a range to be barred: {lost[0]}")
             return self._verdict(line, name, evidence, FAIL, barred, tuple(remarks))
-        found = self._restricted(line, name, evidence, barred, [rated, top], tuple(remarks))
+        found = super().with_barred(line, name, evidence, barred, kept, remarks)
         if self.safe_speed is None or found.highest is None or self.safe_speed <= found.highest:
             return found
         above = f"safe_speed is above the highest speed permitted: {restriction_words((), found.highest)}"
         return replace(found, verdict=FAIL, remarks=(above, *found.remarks))
 
-    def _on_barred(self) -> Iterator[str]:
+    def on_barred(self) -> Iterator[str]:
         if self.feature.endswith("keyway"):
             yield "keyways are in general not for plants with a barred speed range"
         if self.tensile_strength < STRENGTH_FOR_PASSING:
-            yield "shafts stressed nearly up to tau_T want a tensile strength of 500 N/mm^2 or more"
+            passing = self.society.in_words("tau_T")
+            yield f"shafts stressed nearly up to {passing} want a tensile strength of 500 N/mm^2 or more"
 
 
 def _beyond(evidence: Evidence, ratio: FloatArray) -> tuple[str, ...]:

@@ -47,6 +47,12 @@ NOT_COVERED = (
 )
 """Text with what IACS M68 does not cover, as reports print it."""
 
+NOT_FOR_SETS = (
+    "UR M68 is not for generator shafts (M68.1), and this model is an engine with a generator and no propeller: "
+    "give rule: generating_set_shaft, or, if there is a propeller, make it an element of type: propeller"
+)
+"""Message that IACS M68 does not judge the shafts of a generating set."""
+
 
 def size_factor(diameter: float) -> float:
     """Dimensionless size factor C_D of IACS M68 for an outer diameter in m.

@@ -14,14 +14,15 @@ from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.nodes import NodeName
 from torsionnet.model.limits.element_limit import constant_over_speed
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import Limit, LimitLine, register_rule
+from torsionnet.model.limits.limit import LimitLine, register_rule
+from torsionnet.model.limits.speed_band import InSpeedBand
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.limits.limit_check import RuleText
 
 
 @register_rule
 @dataclass(frozen=True, kw_only=True)
-class MachineAngleLimit(Limit):
+class MachineAngleLimit(InSpeedBand):
     """Vibratory angle of the rotor of an electric machine in electrical degrees: pole pairs times the mechanical angle.
 
     Examples

@@ -30,6 +30,8 @@ class LimitSubject:
         Whether a cylinder does not fire.
     values : mapping
         Exact value of every parameter.
+    is_generating_set : bool
+        Whether a piston engine drives a generator and no propeller.
     """
 
     elements: Mapping[str, Element]
@@ -41,3 +43,4 @@ class LimitSubject:
     rated: float | None
     misfiring: bool
     values: Mapping[str, Any]
+    is_generating_set: bool = False

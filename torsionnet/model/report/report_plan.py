@@ -13,6 +13,7 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, reference
 from torsionnet.core.entries.words import Flag, OneOf, Text
 from torsionnet.core.errors import UsageError, suggestion_or
+from torsionnet.model.limits.society_rules import SOCIETIES
 from torsionnet.model.report.sections import KINDS, SECTIONS
 
 ANGLES = ("rad", "deg")
@@ -150,6 +151,10 @@ _ORDERS = Listed(
     Text("sensor or node"),
     form="a list such as [T_C]",
 )
+_RULES = OneOf(
+    "society whose words and list of particulars the document has, or standard of the separation margins of a train",
+    (*SOCIETIES, "api610", "api617", "api618", "api684"),
+)
 _NAMES = Listed("configurations to report; default: all", ConfigurationName(""), form="a list of names")
 
 
@@ -177,6 +182,8 @@ class ReportPlan(Declared):
         Largest relative change of the modes in the band by which transfer functions may be simplified.
     template : str
         Folder, as seen from the file.
+    rules : str, optional
+        Short name of a classification society out of ``SOCIETIES``, or of a rule of separation margins.
     appendix : bool
         Whether the sections of the other kind follow in an appendix.
     """
@@ -184,7 +191,7 @@ class ReportPlan(Declared):
     article: ClassVar[str] = "a report"
     form: ClassVar[str] = (
         "the entries kind, title, author, sections, transfer_functions, orders, configurations, band, angle, "
-        "language, simplify, notes, template, appendix"
+        "language, simplify, notes, template, rules, appendix"
     )
     kind: str | None = entry(_KIND, None)  # type: ignore[assignment, misc]  # here an entry, elsewhere the name of a class
 
@@ -200,4 +207,5 @@ class ReportPlan(Declared):
     simplify: float | None = entry(SIMPLIFY, None)
     notes: str = entry(Text("remarks of the author, printed under the title"), "")
     template: str = entry(Text("folder with letterhead, style and wording, as seen from this file"), "")
+    rules: str | None = entry(_RULES, None)
     appendix: bool = entry(Flag("true: the sections of the other kind of document follow in an appendix"), False)

@@ -60,7 +60,7 @@ def critical_speeds(
     # The vibrations are those with imposed motions held, as in the order response.
     held = with_motions_held(changed, {name: changed.definition.excitations[name] for name in lines})
     title = drivetrain.title + ("" if dampers == AS_MODELLED else f", damper ring {dampers}")
-    search = _CrossingSearch(held, title, reference, speed_range, rule, reach, lowest)
+    search = CrossingSearch(held, title, reference, speed_range, rule, reach, lowest)
     search.known = {name: search.known_speeds(name, float(group[0].ratio)) for name, group in lines.items()}
     if line_frequency:
         lines[LINE_FREQUENCY] = [
@@ -95,7 +95,7 @@ def order_margins(
     """Crossings of every order line with every mode, however far away, with margins but no forces or peaks."""
     lines, reference, speed_range = excited_lines(drivetrain, speeds, None, excitations)
     held = with_motions_held(drivetrain, {name: drivetrain.definition.excitations[name] for name in lines})
-    search = _CrossingSearch(held, drivetrain.title, reference, speed_range, None, 0.0, None)
+    search = CrossingSearch(held, drivetrain.title, reference, speed_range, None, 0.0, None)
     return tuple(search.met(mode, line) for group in lines.values() for line in group for mode in search.modes)
 
 
@@ -128,7 +128,7 @@ def _with_dampers(drivetrain: AssembledModel, state: str, names: Iterable[str] |
     return drivetrain if definition is drivetrain.definition else drivetrain.with_definition(definition)
 
 
-class _CrossingSearch:
+class CrossingSearch:
     """Search for critical speeds of a drivetrain's modes, with operating range in rad/s, margin and reach."""
 
     def __init__(
