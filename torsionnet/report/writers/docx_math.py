@@ -53,7 +53,9 @@ def _row(parent: ET.Element) -> str:
 
 
 def _bracketed(begin: ET.Element, inside: str, end: ET.Element) -> str:
-    signs = "".join(f'<m:{key} m:val="{escaped(one.text or "")}"/>' for key, one in (("begChr", begin), ("endChr", end)))
+    signs = "".join(
+        f'<m:{key} m:val="{escaped(one.text or "")}"/>' for key, one in (("begChr", begin), ("endChr", end))
+    )
     return f"<m:d><m:dPr>{signs}</m:dPr><m:e>{inside}</m:e></m:d>"
 
 

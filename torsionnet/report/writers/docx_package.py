@@ -108,7 +108,13 @@ def _set_styles(document: Any, language: str) -> None:
         style = styles.add_style(name, WD_STYLE_TYPE.PARAGRAPH)
         style.base_style, style.font.size = styles[base], Pt(size)
         style.paragraph_format.space_before, style.paragraph_format.space_after = Pt(gap if size != 8.5 else 1), Pt(gap)
-    for name, before, after in (("Normal", 0, 5), ("Caption", 8, 3), ("Title", 0, 6), ("Subtitle", 0, 2), *HEADING_GAPS):
+    for name, before, after in (
+        ("Normal", 0, 5),
+        ("Caption", 8, 3),
+        ("Title", 0, 6),
+        ("Subtitle", 0, 2),
+        *HEADING_GAPS,
+    ):
         form = styles[name].paragraph_format
         form.space_before, form.space_after, form.line_spacing = Pt(before), Pt(after), 1.0
     styles["Contents Heading"].font.bold = True

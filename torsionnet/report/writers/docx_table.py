@@ -106,17 +106,17 @@ def title_block_xml(block: TitleTable) -> str:
     fields = _shares(17, 33, 17, 33)
     rows = []
     for row in block.rows:
-        cells = [
-            _line(one)
-            for label, text in row
-            for one in (run(label, properties=_SOFT), inline(text, breaks=True))
-        ]
+        cells = [_line(one) for label, text in row for one in (run(label, properties=_SOFT), inline(text, breaks=True))]
         whole = len(row) == 1
         rows.append(_row(cells, [fields[0], sum(fields[1:])] if whole else fields, spans=[1, 3] if whole else ()))
     revisions, lines = _shares(10, 12, 33, 15, 15, 15), _shares(17, 33, 17, 33)
     tables = [
         _table(rows, fields, GRID),
-        _table([_heads(block.revision_heads, revisions), *(_texts(row, revisions) for row in block.revisions)], revisions, GRID),
+        _table(
+            [_heads(block.revision_heads, revisions), *(_texts(row, revisions) for row in block.revisions)],
+            revisions,
+            GRID,
+        ),
         _table(
             [
                 _heads(block.signature_heads, lines),

@@ -57,7 +57,9 @@ def _part(part: Inline, *, bold: bool, breaks: bool) -> str:
 
 
 def _breakable(text: str) -> str:
-    words = (re.sub(r"(?<=[=,/_+])(?=.)", "\u200b", word) if len(word) > LONGEST_WORD else word for word in text.split(" "))
+    words = (
+        re.sub(r"(?<=[=,/_+])(?=.)", "\u200b", word) if len(word) > LONGEST_WORD else word for word in text.split(" ")
+    )
     return " ".join(words)
 
 
@@ -81,5 +83,5 @@ def paragraph(content: str, style: str = "", *, properties: str = "") -> str:
 
 def counted(word: str, number_: str, name: str) -> str:
     """Label such as ``Table 3`` in bold, whose number is a field that Word counts on if tables are added."""
-    field = f"<w:fldSimple w:instr=\" SEQ {name} \\* ARABIC \">{run(number_, properties='<w:b/>')}</w:fldSimple>"
+    field = f'<w:fldSimple w:instr=" SEQ {name} \\* ARABIC ">{run(number_, properties="<w:b/>")}</w:fldSimple>'
     return run(f"{word} ", properties="<w:b/>") + field + run("  ")
