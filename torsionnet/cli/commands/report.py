@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -172,9 +173,13 @@ def _studies(names: tuple[str, ...], rig: Drivetrain, show: ShowProgress) -> lis
     studies = [load_study(file) for file, _, _ in pairs]
     check_study_models(rig, studies)
     return [
-        run_study(study, folder or None, progress=lambda done, total, file=file: show(f"study {file}", done, total))
+        run_study(study, folder or None, progress=_shown(show, f"study {file}"))
         for study, (file, _, folder) in zip(studies, pairs, strict=True)
     ]
+
+
+def _shown(show: ShowProgress, stage: str) -> Callable[[int, int], None]:
+    return lambda done, total: show(stage, done, total)
 
 
 def _band(option: str, band: tuple[float, float] | None) -> tuple[float, float] | None:

@@ -25,9 +25,10 @@ from torsionnet.report.document_tree import (
 from torsionnet.report.template_folder import TemplateFolder
 from torsionnet.report.wording import Wording
 from torsionnet.report.writers.docx_math import omml
-from torsionnet.report.writers.docx_package import HEADING_SIZES, empty_document, packed, with_names
+from torsionnet.report.writers.docx_package import empty_document, packed
+from torsionnet.report.writers.docx_styles import HEADINGS, with_names
 from torsionnet.report.writers.docx_table import TEXT_WIDTH, facts_xml, table_xml, title_block_xml
-from torsionnet.report.writers.docx_text import counted, inline, paragraph, run
+from torsionnet.report.writers.docx_text import counted, held_by_xml, inline, paragraph, run
 from torsionnet.report.writers.numbering import NumberedBlock, number_blocks
 
 FIGURE_DPI = 200
@@ -131,13 +132,18 @@ class _Body:
     def heading(self, one: NumberedBlock, title: str) -> str:
         self.marks += 1
         begin = f'<w:bookmarkStart w:id="{self.marks}" w:name="{_mark(one.number)}"/>'
-        level = min(one.level + 1, len(HEADING_SIZES))
+        level = min(one.level + 1, len(HEADINGS))
         return paragraph(f'{begin}{title}<w:bookmarkEnd w:id="{self.marks}"/>', f"Heading{level}")
 
     def formula(self, latex: str, number: str) -> str:
-        stops = f'<w:tabs><w:tab w:val="center" w:pos="{TEXT_WIDTH // 2}"/><w:tab w:val="right" w:pos="{TEXT_WIDTH}"/></w:tabs>'
+        stops = "".join(
+            f'<w:tab w:val="{side}" w:pos="{place}"/>'
+            for side, place in (("center", TEXT_WIDTH // 2), ("right", TEXT_WIDTH))
+        )
         tab = "<w:r><w:tab/></w:r>"
-        return paragraph(f"{tab}{omml(latex)}{tab}{run(f'({number})')}", "Equation", properties=stops)
+        return paragraph(
+            f"{tab}{omml(latex)}{tab}{run(f'({number})')}", "Equation", properties=f"<w:tabs>{stops}</w:tabs>"
+        )
 
 
 def _drawing(document: Any, picture: Picture, number: int) -> str:
@@ -151,6 +157,6 @@ def _drawing(document: Any, picture: Picture, number: int) -> str:
     scale = min(1.0, *(most / one for most, one in zip(LARGEST_FIGURE, size, strict=True)))
     shown = document.part.new_pic_inline(io.BytesIO(data), *(Inches(float(one) * scale) for one in size))
     shown.docPr.set("id", str(number))
-    shown.docPr.set("name", picture.name)
-    shown.docPr.set("descr", picture.alt)
+    shown.docPr.set("name", held_by_xml(picture.name))
+    shown.docPr.set("descr", held_by_xml(picture.alt))
     return f"<w:r><w:drawing>{shown.xml}</w:drawing></w:r>"

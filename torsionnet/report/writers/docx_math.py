@@ -69,7 +69,8 @@ def _part(node: ET.Element) -> str:
             sign = f'<m:accPr><m:chr m:val="{_ACCENTS[node[1].text or ""]}"/></m:accPr>'
             return f"<m:acc>{sign}{_held('e', node[0])}</m:acc>"
         case "munderover":
-            return f"<m:limUpp><m:e><m:limLow>{_named(node[:2], ('e', 'lim'))}</m:limLow></m:e>{_held('lim', node[2])}</m:limUpp>"  # fmt: skip
+            under = f"<m:limLow>{_named(node[:2], ('e', 'lim'))}</m:limLow>"
+            return f"<m:limUpp><m:e>{under}</m:e>{_held('lim', node[2])}</m:limUpp>"
         case "msqrt":
             return f'<m:rad><m:radPr><m:degHide m:val="1"/></m:radPr><m:deg/><m:e>{_row(node)}</m:e></m:rad>'
         case "mtable":

@@ -23,6 +23,11 @@ def escaped(text: str) -> str:
     return html_text.escaped(text.translate(_NO_XML))
 
 
+def held_by_xml(text: str) -> str:
+    """Text with the characters replaced that XML cannot hold, for what is escaped elsewhere."""
+    return html_text.without_controls(text.translate(_NO_XML))
+
+
 def run(text: str, *, properties: str = "") -> str:
     """Run of text with the same look, which ``properties`` (XML) gives.
 
