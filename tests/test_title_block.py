@@ -1,8 +1,10 @@
 """The title block of a report: its entries in a model file, and its fields on the document in every format."""
 
+import contextlib
 import re
 
 import pytest
+from test_cli import run
 
 import torsionnet as tn
 from torsionnet.model.report import Revision, TitleBlock
@@ -167,3 +169,25 @@ def test_progress_names_each_section_once():
     told = []
     make_report("dmf_rig", sections=["modes", "validity"], progress=lambda *one: told.append(one), date=None)
     assert told == [("modes", 0, 2), ("validity", 1, 2)]
+
+
+def test_command_shows_section_after_section(monkeypatch, tmp_path):
+    """A bar on a terminal; none of it elsewhere."""
+    told = []
+
+    @contextlib.contextmanager
+    def stages():
+        yield lambda stage, done, total, words="": told.append((stage, done, total, words))
+
+    monkeypatch.chdir(tmp_path)
+    words = ("report", "dmf_rig", "--section", "modes", "--section", "validity", "-o", "r.md")
+    quiet = run(*words)
+    assert quiet.stderr == "wrote: r.md\n"
+    monkeypatch.setattr("torsionnet.cli.progress.stages", stages)
+    run(*words)
+    assert told == [
+        ("reading", 0, None, "reading the model"),
+        ("sections", 0, 2, "section modes"),
+        ("sections", 1, 2, "section validity"),
+        ("writing", 0, None, "writing r.md"),
+    ]
