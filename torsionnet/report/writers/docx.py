@@ -28,7 +28,8 @@ from torsionnet.report.writers.docx_math import omml
 from torsionnet.report.writers.docx_package import empty_document, packed
 from torsionnet.report.writers.docx_styles import HEADINGS, with_names
 from torsionnet.report.writers.docx_table import TEXT_WIDTH, facts_xml, table_xml, title_block_xml
-from torsionnet.report.writers.docx_text import counted, held_by_xml, inline, paragraph, run
+from torsionnet.report.writers.docx_text import counted, inline, paragraph, run
+from torsionnet.report.writers.html_text import without_controls
 from torsionnet.report.writers.numbering import NumberedBlock, number_blocks
 
 FIGURE_DPI = 200
@@ -157,6 +158,6 @@ def _drawing(document: Any, picture: Picture, number: int) -> str:
     scale = min(1.0, *(most / one for most, one in zip(LARGEST_FIGURE, size, strict=True)))
     shown = document.part.new_pic_inline(io.BytesIO(data), *(Inches(float(one) * scale) for one in size))
     shown.docPr.set("id", str(number))
-    shown.docPr.set("name", held_by_xml(picture.name))
-    shown.docPr.set("descr", held_by_xml(picture.alt))
+    shown.docPr.set("name", without_controls(picture.name))
+    shown.docPr.set("descr", without_controls(picture.alt))
     return f"<w:r><w:drawing>{shown.xml}</w:drawing></w:r>"

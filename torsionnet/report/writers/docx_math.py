@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 from xml.etree import ElementTree as ET
 
-from torsionnet.report.writers.docx_text import escaped
+from torsionnet.report.writers.html_text import escaped
 from torsionnet.report.writers.mathml import mathml
 
 _SCRIPTS = {

@@ -12,7 +12,8 @@ from torsionnet.report.document_tree import Report
 from torsionnet.report.template_folder import TemplateFolder
 from torsionnet.report.writers.docx_styles import number_headings, set_styles, with_names
 from torsionnet.report.writers.docx_table import TEXT_WIDTH
-from torsionnet.report.writers.docx_text import held_by_xml, paragraph, run
+from torsionnet.report.writers.docx_text import paragraph, run
+from torsionnet.report.writers.html_text import without_controls
 
 if TYPE_CHECKING:
     from docx.document import Document
@@ -77,9 +78,9 @@ def _set_page(document: Any, report: Report, template: TemplateFolder) -> None:
 def _set_properties(document: Any, report: Report) -> None:
     made = dt.datetime.fromisoformat(report.date) if report.date else UNDATED
     about = document.core_properties
-    author = held_by_xml(report.author)[:LONGEST_PROPERTY]
-    about.title = held_by_xml(report.title)[:LONGEST_PROPERTY]
-    about.subject = held_by_xml(report.subtitle)[:LONGEST_PROPERTY]
+    author = without_controls(report.author)[:LONGEST_PROPERTY]
+    about.title = without_controls(report.title)[:LONGEST_PROPERTY]
+    about.subject = without_controls(report.subtitle)[:LONGEST_PROPERTY]
     about.author, about.last_modified_by, about.comments, about.keywords = author, author, "", ""
     about.created = about.modified = made
     about.revision = 1

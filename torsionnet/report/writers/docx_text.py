@@ -1,6 +1,6 @@
 """XML of paragraphs, texts and numbers in a Word document.
 
-Every text passes :func:`escaped`; nothing else reaches the document.
+Every text passes :func:`~torsionnet.report.writers.html_text.escaped`; nothing else reaches the document.
 """
 
 from __future__ import annotations
@@ -8,24 +8,13 @@ from __future__ import annotations
 import re
 
 from torsionnet.report.document_tree import BreakableMath, Cell, Code, Inline, Math, NumberText, Strong, inlines
-from torsionnet.report.writers import html_text
+from torsionnet.report.writers.docx_math import omml
+from torsionnet.report.writers.html_text import escaped
 
 FIGURE_SPACE, POINT_SPACE = "\u2007", "\u2008"
 """Blanks as wide as a digit and as a decimal point, which put the points of a column below each other."""
 LONGEST_WORD = 20
 """Largest number of letters of a word that stays in one piece; a longer one may break after its signs."""
-_NO_XML = {0xFFFE: "\N{REPLACEMENT CHARACTER}", 0xFFFF: "\N{REPLACEMENT CHARACTER}"}
-"""Replacement of characters that XML cannot hold, beside the control characters that no page can."""
-
-
-def escaped(text: str) -> str:
-    """Text with the characters of XML markup escaped, and those replaced that XML cannot hold."""
-    return html_text.escaped(text.translate(_NO_XML))
-
-
-def held_by_xml(text: str) -> str:
-    """Text with the characters replaced that XML cannot hold, for what is escaped elsewhere."""
-    return html_text.without_controls(text.translate(_NO_XML))
 
 
 def run(text: str, *, properties: str = "") -> str:
@@ -44,8 +33,6 @@ def inline(cell: Cell, *, bold: bool = False, breaks: bool = False) -> str:
 
 
 def _part(part: Inline, *, bold: bool, breaks: bool) -> str:
-    from torsionnet.report.writers.docx_math import omml
-
     look = "<w:b/>" if bold else ""
     match part:
         case Math(latex):
