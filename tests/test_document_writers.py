@@ -157,7 +157,7 @@ class TestHtml:
 
     def test_unknown_ending(self, tmp_path):
         with pytest.raises(tn.UsageError, match=r"\.html"):
-            tn.write_report("dmf_rig", tmp_path / "r.docx")
+            tn.write_report("dmf_rig", tmp_path / "r.odt")
 
 
 @needs_browser

@@ -42,6 +42,7 @@ from torsionnet.report.sections.studies import studies_section
 from torsionnet.report.sections.summary import summary_section
 from torsionnet.report.sections.torque_harmonics import harmonics_section
 from torsionnet.report.sections.validity import validity_section
+from torsionnet.report.title_table import TITLE_FACTS, title_table
 
 BUILDERS: dict[str, Callable[[ReportData], Section | None]] = {
     "conclusion": conclusion_section,
@@ -97,24 +98,32 @@ DRIVETRAIN_SECTIONS = (
 """Names of report sections without excitations, in which configurations with equal drivetrains are one case."""
 
 
-def build(subject: ReportData, version: str) -> Report:
-    """Report on a model as a tree of sections, texts, tables and figures; ``version`` is that of the program."""
+def build(subject: ReportData, version: str, progress: Callable[[str, int, int], None] = lambda *_: None) -> Report:
+    """Report on a model as a tree of sections, texts, tables and figures.
+
+    ``version`` is that of the program. ``progress`` is called before each section with its name, the number of
+    sections done and that of all.
+    """
     plan = subject.request.plan
     with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always", TorsionnetWarning)
         subject = replace(subject, warning_messages=warned)
         wanted = [name for name in SECTIONS if subject.request.wants(name)]
-        made = {
-            name: BUILDERS[name](subject.by_drivetrain if name in DRIVETRAIN_SECTIONS else subject) for name in wanted
-        }
+        made = {}
+        for done, name in enumerate(wanted):
+            progress(name, done, len(wanted))
+            made[name] = BUILDERS[name](subject.by_drivetrain if name in DRIVETRAIN_SECTIONS else subject)
+    title_block = title_table(subject, version)
+    facts = _facts(subject, version)
     return Report(
         title=plan.title or subject.model.name,
         subtitle=SUBTITLES[plan.kind or "rig"],
-        facts=Facts(tuple(_facts(subject, version))),
+        facts=Facts(tuple(fact for fact in facts if title_block is None or fact[0] not in TITLE_FACTS)),
         notes=sentence(plan.notes.strip(), subject.model),
         sections=_with_appendix(subject, {name: section for name, section in made.items() if section is not None}),
         author=plan.author,
         date=subject.request.date.isoformat() if subject.request.date else "",
+        title_block=title_block,
     )
 
 

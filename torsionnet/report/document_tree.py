@@ -75,6 +75,27 @@ class Facts:
 
 
 @dataclass(frozen=True)
+class TitleTable:
+    """Title block of a report: rows of one or two labelled fields, revisions, and lines to sign.
+
+    Attributes
+    ----------
+    rows : tuple of tuple of (str, str)
+        Label and text of each field; an empty text is left blank to be filled in.
+    revision_heads, revisions : tuple
+        Headings of the table of revisions, and its rows.
+    signature_heads, signatures : tuple
+        Headings of the table to sign, and for each line what is done by whom.
+    """
+
+    rows: tuple[tuple[tuple[str, str], ...], ...]
+    revision_heads: tuple[str, ...]
+    revisions: tuple[tuple[str, ...], ...]
+    signature_heads: tuple[str, ...]
+    signatures: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
 class Remark:
     """Remark in a report that the reader must not miss: ``kind`` is error, warning or note."""
 
@@ -199,6 +220,7 @@ class Report:
     author: str = ""
     date: str = ""
     template: TemplateFolder | None = None
+    title_block: TitleTable | None = None
 
     @property
     def pictures(self) -> Iterator[Picture]:

@@ -10,12 +10,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.errors import ModelError, UsageError, did_you_mean
 from torsionnet.core.version import __version__
 from torsionnet.loading import load
 from torsionnet.model.files.reader import find_model
 from torsionnet.model.limits.society_rules import SOCIETIES
-from torsionnet.model.report import KINDS, LANGUAGES, Pair, ReportPlan, parse_band
+from torsionnet.model.report import KINDS, LANGUAGES, Pair, ReportPlan, TitleBlock, parse_band
 from torsionnet.model.report.report_plan import section_fault
 from torsionnet.report.document_tree import Report
 from torsionnet.report.report_data import ReportData, cases_of, digest_of, document_kind, require_answers
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from torsionnet.study.study_result import StudyResult
 
 Model: TypeAlias = "str | os.PathLike[str] | Drivetrain"
-WRITERS = {".html": "html", ".htm": "html", ".pdf": "pdf", ".tex": "latex", ".md": "markdown"}
+WRITERS = {".html": "html", ".htm": "html", ".pdf": "pdf", ".docx": "docx", ".tex": "latex", ".md": "markdown"}
 """Name of the module that writes a report, by the ending of the file: a module with a function ``write(report,
 path)``."""
 
@@ -37,18 +37,18 @@ path)``."""
 def write_report(model: Model, path: str | os.PathLike[str], **options: Any) -> tuple[Path, ...]:
     """Write the report on a model into a file and return the paths of all files written.
 
-    HTML, PDF, LaTeX or Markdown, by the ending of the file.
+    HTML, PDF, Word, LaTeX or Markdown, by the ending of the file.
 
     Parameters
     ----------
     model : str, path or Drivetrain
         A model file, a library model by name, or a drivetrain.
     path : str or path
-        Ends in .html, .pdf, .tex or .md. LaTeX and Markdown have their figures in the folder ``NAME_figures`` beside
-        it. PDF needs an installed Chromium, Chrome or Edge.
+        Ends in .html, .pdf, .docx, .tex or .md. LaTeX and Markdown have their figures in the folder ``NAME_figures``
+        beside it. PDF needs an installed Chromium, Chrome or Edge, Word the package python-docx.
     **options
         As for :func:`torsionnet.report.make_report`: configurations, sections, transfer_functions, band, settings,
-        title, author, notes, angle, simplify, date, tests, fits, studies, template.
+        title, author, notes, angle, simplify, date, tests, fits, studies, template, title_block.
 
     Returns
     -------
@@ -112,6 +112,8 @@ def make_report(
     studies: Iterable[StudyResult] = (),
     template: str | os.PathLike[str] | None = None,
     appendix: bool | None = None,
+    title_block: Mapping[str, Any] | TitleBlock | None = None,
+    progress: Callable[[str, int, int], None] = lambda *_: None,
 ) -> Report:
     """Report on a model as a tree of sections, texts, tables and figures.
 
@@ -149,13 +151,17 @@ def make_report(
         Folder with a letterhead, style and wording; default: that of the file, a path from there.
     appendix : bool
         Whether the sections of the other kind follow in an appendix.
+    title_block : mapping or TitleBlock
+        The entries of a mapping replace those of the file one by one, a TitleBlock replaces all.
+    progress : function
+        Called before each section with its name, the number of sections done and that of all.
 
     Raises
     ------
     UsageError
         An unknown section, configuration or transfer function, or a study of another model.
     ModelError
-        The template folder is wrong; every fault with its place.
+        The template folder or the title block is wrong; every fault with its place.
 
     Examples
     --------
@@ -186,6 +192,7 @@ def make_report(
     }
     given |= {key: values for key, values in lists.items() if values}
     given |= {"band": _band(band)} if band else {}
+    given |= {} if title_block is None else {"title_block": _title_block(title_block, plan.title_block)}
     plan = replace(plan, **given)
     plan = replace(plan, kind=plan.kind or document_kind(drivetrain))
     today = dt.datetime.now().astimezone().date() if date == "today" else read_date(date)
@@ -206,7 +213,7 @@ def make_report(
     from torsionnet.report.rewording import Rewording
     from torsionnet.report.society_words import in_society_words
 
-    report = build(subject, __version__)
+    report = build(subject, __version__, progress)
     read = in_language(plan.language, read)
     if read is not None:
         names = {case.configuration for case in cases} | {as_words(name) for name in drivetrain.definition.elements}
@@ -230,6 +237,14 @@ def _template(folder: str | os.PathLike[str] | None) -> TemplateFolder | None:
     from torsionnet.report.template_reading import read_template
 
     return read_template(folder)
+
+
+def _title_block(given: Mapping[str, Any] | TitleBlock, of_file: TitleBlock | None) -> TitleBlock:
+    entries = {key: getattr(of_file, key) for key in TitleBlock.defaults()} if of_file else {}
+    block, faults = TitleBlock.read(given if isinstance(given, TitleBlock) else {**entries, **given})
+    if block is None:
+        raise ModelError(faults, "the title block")
+    return block
 
 
 def _sections(names: Iterable[str]) -> tuple[str, ...]:

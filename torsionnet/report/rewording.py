@@ -19,11 +19,12 @@ from torsionnet.report.document_tree import (
     Strong,
     TableBlock,
     TableGroup,
+    TitleTable,
 )
 from torsionnet.report.wording import Wording
 
 TEXT_FIELDS: dict[type, tuple[str, ...]] = {
-    Report: ("subtitle", "facts", "sections"),
+    Report: ("subtitle", "facts", "sections", "title_block"),
     Section: ("title", "blocks"),
     Details: ("title", "blocks", "instead"),
     Paragraph: ("text",),
@@ -71,11 +72,24 @@ class Rewording:
                 return tuple(map(self.reworded, part))
             case Facts(rows):
                 return Facts(tuple((self.wording(word), text) for word, text in rows))
+            case None:
+                return None
+            case TitleTable():
+                return self.title_table(part)
             case TableBlock():
                 return self.table(part)
             case Heading(text) if text in self.names:
                 return part
         return replace(part, **{name: self.reworded(getattr(part, name)) for name in TEXT_FIELDS.get(type(part), ())})
+
+    def title_table(self, table: TitleTable) -> TitleTable:
+        return replace(
+            table,
+            rows=tuple(tuple((self.wording(label), text) for label, text in row) for row in table.rows),
+            revision_heads=self.reworded(table.revision_heads),
+            signature_heads=self.reworded(table.signature_heads),
+            signatures=tuple((self.wording(done), name) for done, name in table.signatures),
+        )
 
     def table(self, table: TableBlock) -> TableBlock:
         heads = [column.text for column in table.columns]

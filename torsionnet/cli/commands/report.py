@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,7 @@ from torsionnet.cli.record_options import Averaging, Estimator, RecordReading
 from torsionnet.cli.terminal import print_file_written
 
 if TYPE_CHECKING:
+    from torsionnet.cli.progress import ShowProgress
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.identification import Fit
     from torsionnet.report.report_request import Measured
@@ -24,7 +26,7 @@ if TYPE_CHECKING:
 
     Band = tuple[float, float] | None
 
-ENDINGS = (".html", ".pdf", ".tex", ".md", ".htm")
+ENDINGS = (".html", ".pdf", ".docx", ".tex", ".md", ".htm")
 
 
 class ReportCommand(ModelCommand):
@@ -43,7 +45,7 @@ class ReportCommand(ModelCommand):
     cat model.yaml | torsionnet report - -o model.pdf
     """
 
-    output_file: str | None = file_option("Ends in .html, .pdf, .tex or .md.  [default: MODEL.html]", ENDINGS)
+    output_file: str | None = file_option("Ends in .html, .pdf, .docx, .tex or .md.  [default: MODEL.html]", ENDINGS)
     kind: str | None = option(
         "--kind",
         type=click.Choice(["rig", "approval"]),
@@ -100,12 +102,21 @@ class ReportCommand(ModelCommand):
     )
 
     def answer(self) -> Answer:
+        from torsionnet.cli.progress import stages
+
+        with stages() as show:
+            written = self._write(show)
+        print_file_written(str(written))
+        return Answer()
+
+    def _write(self, show: ShowProgress) -> Path:
         from torsionnet.model.configurations import ALL_CONFIGURATIONS
         from torsionnet.report.report import make_report, writer_for
 
         piped = self.model == STANDARD_INPUT
         target = Path(self.output_file or f"{'model' if piped else Path(self.model).stem}.html")
         write = writer_for(target)
+        show("reading", 0, None, "reading the model")
         rig = load_model(self.model)
         plan = rig.definition.report
         compared = (
@@ -118,7 +129,7 @@ class ReportCommand(ModelCommand):
             else self.configurations
         )
         fits = [_fit(name) for name in self.fits]
-        studies = _studies(self.studies, rig.configured(**dict(self.settings)) if self.settings else rig)
+        studies = _studies(self.studies, rig.configured(**dict(self.settings)) if self.settings else rig, show)
         tests = [_measured(name, rig, self.sensor, self.into, averaging, compared) for name in self.records]
         report = make_report(
             rig if piped else self.model,
@@ -139,10 +150,10 @@ class ReportCommand(ModelCommand):
             author=self.author,
             date=self.date,
             template=self.template,
+            progress=lambda name, done, total: show("sections", done, total, f"section {name.replace('_', ' ')}"),
         )
-        for path in write(report, target)[:1]:
-            print_file_written(str(path))
-        return Answer()
+        show("writing", 0, None, f"writing {target.name}")
+        return write(report, target)[0]
 
 
 def _fit(name: str) -> Fit:
@@ -151,7 +162,7 @@ def _fit(name: str) -> Fit:
     return load_fit(name)
 
 
-def _studies(names: tuple[str, ...], rig: Drivetrain) -> list[StudyResult]:
+def _studies(names: tuple[str, ...], rig: Drivetrain, show: ShowProgress) -> list[StudyResult]:
     """Results of the studies named, in their order, calculated as far as their folders do not have them."""
     if not names:
         return []
@@ -161,7 +172,14 @@ def _studies(names: tuple[str, ...], rig: Drivetrain) -> list[StudyResult]:
     pairs = [name.partition("=") for name in names]
     studies = [load_study(file) for file, _, _ in pairs]
     check_study_models(rig, studies)
-    return [run_study(study, folder or None) for study, (_, _, folder) in zip(studies, pairs, strict=True)]
+    return [
+        run_study(study, folder or None, progress=_shown(show, f"study {file}"))
+        for study, (file, _, folder) in zip(studies, pairs, strict=True)
+    ]
+
+
+def _shown(show: ShowProgress, stage: str) -> Callable[[int, int], None]:
+    return lambda done, total: show(stage, done, total)
 
 
 def _band(option: str, band: tuple[float, float] | None) -> tuple[float, float] | None:

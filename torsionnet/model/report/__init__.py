@@ -3,5 +3,6 @@
 from torsionnet.core.entries.band import parse_band
 from torsionnet.model.report.report_plan import LANGUAGES, Pair, ReportPlan
 from torsionnet.model.report.sections import KINDS, SECTIONS
+from torsionnet.model.report.title_block import Revision, TitleBlock
 
-__all__ = ["KINDS", "LANGUAGES", "SECTIONS", "Pair", "ReportPlan", "parse_band"]
+__all__ = ["KINDS", "LANGUAGES", "SECTIONS", "Pair", "ReportPlan", "Revision", "TitleBlock", "parse_band"]

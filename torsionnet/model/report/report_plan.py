@@ -15,6 +15,7 @@ from torsionnet.core.entries.words import Flag, OneOf, Text
 from torsionnet.core.errors import UsageError, suggestion_or
 from torsionnet.model.limits.society_rules import SOCIETIES
 from torsionnet.model.report.sections import KINDS, SECTIONS
+from torsionnet.model.report.title_block import TITLE_BLOCK, TitleBlock
 
 ANGLES = ("rad", "deg")
 """Names of the units of angle that a report may use."""
@@ -186,12 +187,14 @@ class ReportPlan(Declared):
         Short name of a classification society out of ``SOCIETIES``, or of a rule of separation margins.
     appendix : bool
         Whether the sections of the other kind follow in an appendix.
+    title_block : TitleBlock, optional
+        A document for approval has one in any case, with blank fields.
     """
 
     article: ClassVar[str] = "a report"
     form: ClassVar[str] = (
         "the entries kind, title, author, sections, transfer_functions, orders, configurations, band, angle, "
-        "language, simplify, notes, template, rules, appendix"
+        "language, simplify, notes, template, rules, appendix, title_block"
     )
     kind: str | None = entry(_KIND, None)  # type: ignore[assignment, misc]  # here an entry, elsewhere the name of a class
 
@@ -209,3 +212,4 @@ class ReportPlan(Declared):
     template: str = entry(Text("folder with letterhead, style and wording, as seen from this file"), "")
     rules: str | None = entry(_RULES, None)
     appendix: bool = entry(Flag("true: the sections of the other kind of document follow in an appendix"), False)
+    title_block: TitleBlock | None = entry(TITLE_BLOCK, None)

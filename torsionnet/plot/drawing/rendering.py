@@ -17,11 +17,11 @@ _USED = re.compile(r'(?:xlink:href="#|url\(#)([^")]+)')
 _STYLE = re.compile(r"<defs>\s*<style[^>]*>\*\{stroke-linejoin: round; stroke-linecap: butt\}</style>\s*</defs>\s*")
 
 
-def figure_bytes(figure: Figure, form: str) -> bytes:
-    """Bytes of a figure as ``svg``, ``png`` or ``pdf``; equal figures give equal bytes."""
+def figure_bytes(figure: Figure, form: str, dpi: int = DPI) -> bytes:
+    """Bytes of a figure as ``svg``, ``png`` (with ``dpi`` dots per inch) or ``pdf``; equal figures give equal bytes."""
     buffer = io.BytesIO()
     with mpl.rc_context(SETTINGS):
-        figure.savefig(buffer, format=form, dpi=DPI, metadata=METADATA[form])
+        figure.savefig(buffer, format=form, dpi=dpi, metadata=METADATA[form])
     return buffer.getvalue()
 
 

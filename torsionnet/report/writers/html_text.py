@@ -18,11 +18,16 @@ def escaped(text: str) -> str:
     >>> escaped('<b>A & "B"</b>')
     '&lt;b&gt;A &amp; &quot;B&quot;&lt;/b&gt;'
     """
-    return html.escape("".join("\N{REPLACEMENT CHARACTER}" if _is_control(char) else char for char in text))
+    return html.escape(without_controls(text))
+
+
+def without_controls(text: str) -> str:
+    """Text with its control characters replaced, which neither a page nor XML can hold."""
+    return "".join("\N{REPLACEMENT CHARACTER}" if _is_control(char) else char for char in text)
 
 
 def _is_control(char: str) -> bool:
-    return unicodedata.category(char) in ("Cc", "Cs") and char not in "\n\t"
+    return (unicodedata.category(char) in ("Cc", "Cs") and char not in "\n\t") or char in "\ufffe\uffff"
 
 
 def inline(cell: Cell) -> str:

@@ -1,4 +1,4 @@
-r"""Layout of tables in LaTeX: which columns stand side by side, and how wide each is, within the margin.
+r"""Layout of tables in LaTeX and Word: which columns stand side by side, and how wide each is, within the margin.
 
 Widths are counted in letters of the size of tables. A table that is too wide first breaks its headings and its texts;
 if that is not enough it goes on below, its first column repeated.

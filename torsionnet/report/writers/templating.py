@@ -43,6 +43,7 @@ ALLOWED_FILTERS = (
 PAGE_NAMES = (
     "title",
     "subtitle",
+    "title_block",
     "facts",
     "notes",
     "contents",
@@ -122,6 +123,7 @@ def render(report: Report, target: TextFormat, figures: Illustrations, *, folds:
         "author": report.author,
         "date": report.date,
         "notes": target.shown(report.notes) if any(report.notes) else "",
+        "title_block": blocks.title_block(report.title_block) if report.title_block else "",
         "facts": blocks.facts(report.facts.rows),
         "contents": [{"name": section.name, "title": target.shown(section.title)} for section in report.sections],
         "sections": blocks.all(number_blocks(report.sections, folds=folds)),

@@ -1,0 +1,163 @@
+"""Writing of a report as a Word document, with headings that Word counts, formulas, and figures inside it."""
+
+from __future__ import annotations
+
+import io
+import itertools
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from torsionnet.core.atomic import write_bytes
+from torsionnet.report.document_tree import (
+    Details,
+    Equations,
+    Facts,
+    Formula,
+    Listing,
+    Paragraph,
+    Picture,
+    Remark,
+    Report,
+    Section,
+    TableBlock,
+)
+from torsionnet.report.template_folder import TemplateFolder
+from torsionnet.report.wording import Wording
+from torsionnet.report.writers.docx_math import omml
+from torsionnet.report.writers.docx_package import empty_document, packed
+from torsionnet.report.writers.docx_styles import HEADINGS, with_names
+from torsionnet.report.writers.docx_table import TEXT_WIDTH, facts_xml, table_xml, title_block_xml
+from torsionnet.report.writers.docx_text import counted, inline, paragraph, run
+from torsionnet.report.writers.html_text import without_controls
+from torsionnet.report.writers.numbering import NumberedBlock, number_blocks
+
+FIGURE_DPI = 200
+"""Dots per inch of the figures, which are pictures of dots in a Word document: enough for print."""
+LARGEST_FIGURE = (6.85, 9.0)
+"""Largest width and height of a figure in inches: the text of a page, less its caption."""
+
+
+def write(report: Report, path: Path) -> tuple[Path, ...]:
+    """Write a report as a Word document and return its path."""
+    write_bytes(path, docx_bytes(report))
+    return (path,)
+
+
+def docx_bytes(report: Report) -> bytes:
+    """Bytes of the Word document of a report; equal reports with equal dates give equal bytes.
+
+    Raises
+    ------
+    MissingExtraError
+        python-docx is not installed.
+    """
+    from docx.oxml.parser import parse_xml
+
+    document = empty_document(report)
+    numbers = itertools.count(1)
+    content = "".join(_content(report, lambda picture: _drawing(document, picture, next(numbers))))
+    page = document.element.body[-1]
+    for element in list(parse_xml(with_names(f"<w:body>{content}</w:body>"))):
+        page.addprevious(element)
+    return packed(document)
+
+
+def _content(report: Report, drawing: Callable[[Picture], str]) -> Iterator[str]:
+    word = (report.template or TemplateFolder()).wording
+    yield paragraph(run(report.subtitle), "Subtitle")
+    yield paragraph(run(report.title), "Title")
+    if report.title_block:
+        yield title_block_xml(report.title_block)
+    yield facts_xml(report.facts)
+    if any(report.notes):
+        yield paragraph(inline(report.notes))
+    yield from _contents(report.sections, word)
+    yield from _Body(word, drawing).blocks(number_blocks(report.sections))
+
+
+def _contents(sections: Sequence[Section], word: Wording) -> Iterator[str]:
+    r"""Table of contents: a field that Word can make anew, and its present result, links without pages (\n)."""
+    yield paragraph(run(word("Contents")), "ContentsHeading")
+    begin = '<w:r><w:fldChar w:fldCharType="begin"/></w:r>'
+    begin += r'<w:r><w:instrText xml:space="preserve"> TOC \o "1-1" \n \h \z \u </w:instrText></w:r>'
+    begin += '<w:r><w:fldChar w:fldCharType="separate"/></w:r>'
+    for place, section in enumerate(sections, 1):
+        link = f'<w:hyperlink w:anchor="{_mark(str(place))}">{run(f"{place}  ")}{inline(section.title)}</w:hyperlink>'
+        yield paragraph((begin if place == 1 else "") + link, "TableText")
+    if sections:
+        yield paragraph('<w:r><w:fldChar w:fldCharType="end"/></w:r>', "TableNote")
+
+
+def _mark(number: str) -> str:
+    """Name of the bookmark at the heading of a section."""
+    return f"_Toc_{number.replace('.', '_')}"
+
+
+class _Body:
+    """Writer of the sections of a report, one block after the other."""
+
+    def __init__(self, word: Wording, drawing: Callable[[Picture], str]) -> None:
+        self.word, self.drawing, self.marks = word, drawing, 0
+
+    def blocks(self, placed: Sequence[NumberedBlock]) -> Iterator[str]:
+        for one in placed:
+            yield from self.block(one)
+
+    def block(self, one: NumberedBlock) -> Iterator[str]:
+        match one.block:
+            case Section(title=title):
+                yield self.heading(one, inline(title))
+                yield from self.blocks(one.inner)
+            case Paragraph(text):
+                yield paragraph(inline(text))
+            case Listing(items):
+                yield from (paragraph(inline(item), "ListBullet") for item in items)
+            case Facts():
+                yield facts_xml(one.block)
+            case Remark(kind, text):
+                yield paragraph(inline((f"{self.word(kind.capitalize())}: ",), bold=True) + inline(text), "Remark")
+            case Formula(latex):
+                yield self.formula(latex, one.number)
+            case Equations(rows):
+                yield from (paragraph(inline(row), "Equation") for row in rows)
+            case TableBlock(caption=caption):
+                label = counted(self.word("Table"), one.number, "Table")
+                yield table_xml(one.block, label + inline(caption), self.word("(continued)"))
+            case Picture(caption=caption):
+                yield paragraph(self.drawing(one.block), properties="<w:keepNext/>")
+                yield paragraph(counted(self.word("Figure"), one.number, "Figure") + inline(caption), "Caption")
+            case Details(instead=instead):
+                yield paragraph(inline(instead))
+
+    def heading(self, one: NumberedBlock, title: str) -> str:
+        self.marks += 1
+        begin = f'<w:bookmarkStart w:id="{self.marks}" w:name="{_mark(one.number)}"/>'
+        level = min(one.level + 1, len(HEADINGS))
+        return paragraph(f'{begin}{title}<w:bookmarkEnd w:id="{self.marks}"/>', f"Heading{level}")
+
+    def formula(self, latex: str, number: str) -> str:
+        stops = "".join(
+            f'<w:tab w:val="{side}" w:pos="{place}"/>'
+            for side, place in (("center", TEXT_WIDTH // 2), ("right", TEXT_WIDTH))
+        )
+        tab = "<w:r><w:tab/></w:r>"
+        return paragraph(
+            f"{tab}{omml(latex)}{tab}{run(f'({number})')}", "Equation", properties=f"<w:tabs>{stops}</w:tabs>"
+        )
+
+
+def _drawing(document: Any, picture: Picture, number: int) -> str:
+    """XML of a figure, which becomes part of the document; one larger than the page is made smaller."""
+    from docx.shared import Inches
+
+    from torsionnet.plot.drawing.rendering import figure_bytes
+
+    data = figure_bytes(picture.figure, "png", FIGURE_DPI)
+    size = picture.figure.get_size_inches()
+    scale = min(1.0, *(most / one for most, one in zip(LARGEST_FIGURE, size, strict=True)))
+    shown = document.part.new_pic_inline(io.BytesIO(data), *(Inches(float(one) * scale) for one in size))
+    shown.docPr.set("id", str(number))
+    shown.docPr.set("name", without_controls(picture.name))
+    shown.docPr.set("descr", without_controls(picture.alt))
+    return f"<w:r><w:drawing>{shown.xml}</w:drawing></w:r>"

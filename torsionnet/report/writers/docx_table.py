@@ -1,0 +1,169 @@
+"""Tables of a Word document: those of sections, lists of facts, and the title block."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from torsionnet.report.document_tree import Cell, Facts, NumberText, TableBlock, TableGroup, TitleTable
+from torsionnet.report.writers.docx_text import inline, number, paragraph, run
+from torsionnet.report.writers.latex_columns import GAP_LETTERS, PAGE_LETTERS, Columns, natural_width, table_pieces
+
+TEXT_WIDTH = 9864
+"""Width of the text on a page in twentieths of a point: 174 mm of A4."""
+MOST_UNBROKEN_ROWS = 14
+"""Number of rows of a table up to which it is not split between two pages."""
+SIGNATURE_HEIGHT = 400
+"""Height of a line to sign in twentieths of a point: 7 mm, enough for a signature."""
+RULES = (
+    '<w:top w:val="single" w:sz="10" w:color="1D2126"/><w:bottom w:val="single" w:sz="10" w:color="1D2126"/>'
+    '<w:insideH w:val="single" w:sz="4" w:color="C9CED6"/>'
+)
+"""Lines of a section's table: over it, under it, and between its rows."""
+_SIDES = ("top", "left", "bottom", "right", "insideH", "insideV")
+GRID = "".join(f'<w:{side} w:val="single" w:sz="4" w:color="5B6470"/>' for side in _SIDES)
+"""Lines of the title block: around each cell."""
+_KEEP = "<w:keepNext/>"
+
+
+def table_xml(block: TableBlock, caption: str, continued: str) -> str:
+    """Table with caption above, head repeated on each page and notes below.
+
+    One that is too wide for the page goes on below, where ``continued`` stands instead of the caption.
+    """
+    pieces = []
+    for place, columns in enumerate(table_pieces(block)):
+        above = paragraph(run(continued) if place else caption, "Caption", properties=_KEEP)
+        pieces.append(above + _piece(block, columns))
+        if place < len(table_pieces(block)) - 1:
+            pieces.append(paragraph("", "TableNote"))
+    notes = [paragraph(inline(note), "TableNote") for note in block.foot_notes]
+    return "".join([*pieces, *(notes or [paragraph("", "TableNote")])])
+
+
+def _piece(block: TableBlock, columns: Columns) -> str:
+    letters = [
+        (natural_width(block, index) if width is None else width) + GAP_LETTERS
+        for index, width in zip(columns.indices, columns.widths, strict=True)
+    ]
+    widths = [round(TEXT_WIDTH * one / max(sum(letters), PAGE_LETTERS)) for one in letters]
+    numeric = [block.columns[index].numeric for index in columns.indices]
+    head = [
+        "".join(_line(inline(line, bold=True), right=right, keep=True) for line in lines)
+        for lines, right in zip(columns.headings, numeric, strict=True)
+    ]
+    decimals = [block.decimals(index) for index in columns.indices]
+    keep = sum(len(group.rows) for group in block.groups) <= MOST_UNBROKEN_ROWS
+    rows = [_row(head, widths, head=True)]
+    for group in block.groups:
+        last = group is block.groups[-1]
+        rows += _group(group, columns.indices, decimals, widths, numeric, keep=(keep, last))
+    return _table(rows, widths, RULES)
+
+
+def _group(
+    group: TableGroup,
+    indices: Sequence[int],
+    decimals: Sequence[int],
+    widths: Sequence[int],
+    numeric: Sequence[bool],
+    *,
+    keep: tuple[bool, bool],
+) -> list[str]:
+    """Rows of a group, its title first; ``keep``: whether the table stays on one page, and whether no group follows."""
+    whole, last = keep
+    rows = []
+    if group.title:
+        title = _line(inline(group.title, bold=True), keep=True)
+        rows.append(_row([title], [sum(widths)], spans=[len(widths)]))
+    for place, row in enumerate(group.rows):
+        stays = whole and not (last and place == len(group.rows) - 1)
+        cells = [
+            _line(_cell(row[index], places), right=right, keep=stays)
+            for index, places, right in zip(indices, decimals, numeric, strict=True)
+        ]
+        rows.append(_row(cells, widths))
+    return rows
+
+
+def _cell(cell: Cell, decimals: int) -> str:
+    return number(cell, decimals) if isinstance(cell, NumberText) else inline(cell, breaks=True)
+
+
+def facts_xml(facts: Facts) -> str:
+    """List of terms with what is said on each, as a table without lines."""
+    if not facts.rows:
+        return ""
+    widths = [TEXT_WIDTH // 5, TEXT_WIDTH - TEXT_WIDTH // 5]
+    rows = [_row([_line(run(word, properties=_SOFT)), _line(inline(text))], widths) for word, text in facts.rows]
+    return _table(rows, widths, "") + paragraph("", "TableNote")
+
+
+_SOFT = '<w:color w:val="5B6470"/>'
+
+
+def title_block_xml(block: TitleTable) -> str:
+    """Title block with its fields, its revisions and the lines to sign; blank cells are left to be filled in."""
+    fields = _shares(17, 33, 17, 33)
+    rows = []
+    for row in block.rows:
+        cells = [_line(one) for label, text in row for one in (run(label, properties=_SOFT), inline(text, breaks=True))]
+        whole = len(row) == 1
+        rows.append(_row(cells, [fields[0], sum(fields[1:])] if whole else fields, spans=[1, 3] if whole else ()))
+    revisions, lines = _shares(10, 12, 33, 15, 15, 15), _shares(17, 33, 17, 33)
+    tables = [
+        _table(rows, fields, GRID),
+        _table(
+            [_heads(block.revision_heads, revisions), *(_texts(row, revisions) for row in block.revisions)],
+            revisions,
+            GRID,
+        ),
+        _table(
+            [
+                _heads(block.signature_heads, lines),
+                *(_texts((done, name, "", ""), lines, height=SIGNATURE_HEIGHT) for done, name in block.signatures),
+            ],
+            lines,
+            GRID,
+        ),
+    ]
+    gap = paragraph("", "TableNote")
+    return gap.join(tables) + gap
+
+
+def _shares(*percent: int) -> list[int]:
+    return [TEXT_WIDTH * share // 100 for share in percent]
+
+
+def _heads(texts: Sequence[str], widths: Sequence[int]) -> str:
+    return _row([_line(run(text, properties=_SOFT), keep=True) for text in texts], widths, head=True)
+
+
+def _texts(texts: Sequence[str], widths: Sequence[int], *, height: int = 0) -> str:
+    return _row([_line(inline(text, breaks=True)) for text in texts], widths, height=height)
+
+
+def _line(content: str, *, right: bool = False, keep: bool = False) -> str:
+    look = (_KEEP if keep else "") + ('<w:jc w:val="right"/>' if right else "")
+    return paragraph(content, "TableText", properties=look)
+
+
+def _row(
+    cells: Sequence[str], widths: Sequence[int], *, head: bool = False, spans: Sequence[int] = (), height: int = 0
+) -> str:
+    look = "<w:cantSplit/>" + (f'<w:trHeight w:val="{height}" w:hRule="atLeast"/>' if height else "")
+    parts = []
+    for place, (cell, width) in enumerate(zip(cells, widths, strict=True)):
+        span = f'<w:gridSpan w:val="{spans[place]}"/>' if spans and spans[place] > 1 else ""
+        side = '<w:vAlign w:val="bottom"/>' if head else ""
+        parts.append(f'<w:tc><w:tcPr><w:tcW w:w="{width}" w:type="dxa"/>{span}{side}</w:tcPr>{cell}</w:tc>')
+    return f"<w:tr><w:trPr>{look}{'<w:tblHeader/>' if head else ''}</w:trPr>{''.join(parts)}</w:tr>"
+
+
+def _table(rows: Sequence[str], widths: Sequence[int], borders: str) -> str:
+    grid = "".join(f'<w:gridCol w:w="{width}"/>' for width in widths)
+    margins = '<w:left w:w="60" w:type="dxa"/><w:right w:w="60" w:type="dxa"/>'
+    look = (
+        f'<w:tblW w:w="{sum(widths)}" w:type="dxa"/><w:tblBorders>{borders}</w:tblBorders>'
+        f'<w:tblLayout w:type="fixed"/><w:tblCellMar>{margins}</w:tblCellMar>'
+    )
+    return f"<w:tbl><w:tblPr>{look}</w:tblPr><w:tblGrid>{grid}</w:tblGrid>{''.join(rows)}</w:tbl>"
