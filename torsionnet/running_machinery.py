@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from torsionnet.response.dissipated_power import DissipatedPower
     from torsionnet.response.holzer_table import HolzerTable
     from torsionnet.response.limits.limit_check import LimitCheck
+    from torsionnet.response.mass_elastic_table import MassElasticTable
     from torsionnet.response.margin_rules import MarginRule
     from torsionnet.response.mean_response import MeanResponse
     from torsionnet.response.order_response import OrderResponse
@@ -282,6 +283,31 @@ class RunningMachinery(AssembledModel):
         from torsionnet.solve.modes.holzer import holzer_table
 
         return holzer_table(self, mode, at=at, first=first, amplitude=amplitude, referred_to=referred_to)
+
+    def mass_elastic_table(self, referred_to: str | None = None) -> MassElasticTable:
+        """Mass-elastic table: inertias, shafts and damping station by station, as they are and referred to one shaft.
+
+        Parameters
+        ----------
+        referred_to : str, optional
+            Node of the shaft that referred values belong to; default: that of the model's ``speeds:``, else the first
+            station.
+
+        Raises
+        ------
+        UsageError
+            No such node, or a controller acts on the drivetrain.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> found = tn.load("reciprocating_compressor_train").mass_elastic_table()
+        >>> round(found.rows[3].referred_inertia, 3), round(found.total_inertia, 2)  # flywheel: 140.45 / 2.96^2
+        (16.03, 43.09)
+        """
+        from torsionnet.solve.modes.mass_elastic_lines import mass_elastic_table
+
+        return mass_elastic_table(self, referred_to)
 
     def static_state(self, speed: float | None = None) -> StaticState:
         """Mean torque, twist, nominal shear stress and power of every element at one speed.
