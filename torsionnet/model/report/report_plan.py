@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from torsionnet.core.entries.band import Band
-from torsionnet.core.entries.composite import Listed
+from torsionnet.core.entries.composite import Listed, Named
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, reference
@@ -148,6 +148,16 @@ _ORDERS = Listed(
     Text("sensor or node"),
     form="a list such as [T_C]",
 )
+_NOT_EXAMINED = Named(
+    "conditions that no configuration stands for -> why they were not examined",
+    Text("the reason", "the reason in words"),
+    form='conditions with the reason in words, {"PTO engaged": no generator is fitted}',
+)
+_IDLING = Listed(
+    "speeds of longer idling, of the shaft of speeds:",
+    Value("a speed", "speed", exclusive=True),
+    form="a list such as [300 rpm]",
+)
 _NAMES = Listed("configurations to report; default: all", ConfigurationName(""), form="a list of names")
 
 
@@ -175,12 +185,16 @@ class ReportPlan(Declared):
         Folder, as seen from the file.
     appendix : bool
         Whether the sections of the other kind follow in an appendix.
+    not_examined : mapping of str to str
+        Conditions that the calculation leaves out, with the reasons.
+    idling : tuple of float
+        Speeds of longer idling in rad/s, of the shaft of the model's speeds.
     """
 
     article: ClassVar[str] = "a report"
     form: ClassVar[str] = (
         "the entries kind, title, author, sections, transfer_functions, orders, configurations, band, angle, simplify, "
-        "notes, template, appendix"
+        "notes, template, appendix, not_examined, idling"
     )
     kind: str | None = entry(_KIND, None)  # type: ignore[assignment, misc]  # here an entry, elsewhere the name of a class
 
@@ -196,3 +210,5 @@ class ReportPlan(Declared):
     notes: str = entry(Text("remarks of the author, printed under the title"), "")
     template: str = entry(Text("folder with letterhead, style and wording, as seen from this file"), "")
     appendix: bool = entry(Flag("true: the sections of the other kind of document follow in an appendix"), False)
+    not_examined: Mapping[str, str] = entry(_NOT_EXAMINED, None)
+    idling: tuple[float, ...] = entry(_IDLING, ())
