@@ -18,10 +18,11 @@ if TYPE_CHECKING:
     from torsionnet.response.dissipated_power import DissipatedPower
     from torsionnet.response.holzer_table import HolzerTable
     from torsionnet.response.limits.limit_check import LimitCheck
-    from torsionnet.response.mass_elastic_table import MassElasticTable
     from torsionnet.response.margin_rules import MarginRule
+    from torsionnet.response.mass_elastic_table import MassElasticTable
     from torsionnet.response.mean_response import MeanResponse
     from torsionnet.response.order_response import OrderResponse
+    from torsionnet.response.power_balance import PowerBalance
     from torsionnet.response.static_state import StaticState
 
     Channels: TypeAlias = str | Sensor | Sequence[str | Sensor]
@@ -336,6 +337,30 @@ class RunningMachinery(AssembledModel):
         from torsionnet.solve.running.static_state import static_state
 
         return static_state(self, speed)
+
+    def power_balance(self, speed: float | None = None) -> PowerBalance:
+        """Powers that drivers give and absorbers take at one speed, with the mean torques between them.
+
+        Parameters
+        ----------
+        speed : float, optional
+            rad/s, of the node of the model's ``speeds:``; default: as for :meth:`static_state`.
+
+        Raises
+        ------
+        UsageError
+            As for :meth:`mean_response`.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> found = tn.load("bulk_carrier").power_balance()
+        >>> round(found.given / 1e3, 6), round(found.taken / 1e3, 6), round(found.torque / 1e3, 2)  # kW, kN*m
+        (7000.0, 7000.0, 636.62)
+        """
+        from torsionnet.solve.running.power_balance import power_balance
+
+        return power_balance(self, speed)
 
     def dissipated_power(
         self,

@@ -38,9 +38,9 @@ def alternative_words(model: Drivetrain, overlay: Overlay) -> str:
     point = overlay.operating_point
     changes = [
         *(_parameter(model, name, value) for name, value in overlay.parameters.items()),
-        *(f"{_element(model, name)} {word}" for word in ("on", "off") for name in getattr(overlay, word)),
+        *(f"{_element(model, name)} switched {word}" for word in ("on", "off") for name in getattr(overlay, word)),
         *(_entry(model, key, value) for key, value in overlay.entries.items()),
-        *(f"operating point: {_listed(point.to_data())}" for _ in range(point is not None)),
+        *([] if point is None else [f"operating point: {_listed(point.to_data())}"]),
     ]
     return capital("; ".join(changes)) or capital(UNCHANGED)
 

@@ -183,7 +183,8 @@ class MassElasticTable(NotebookResult):
         return Table(f"{self.title}: mass-elastic table", columns, tuple(map(_cells, self.rows)), tuple(self._notes()))
 
     def _notes(self) -> Iterator[str]:
-        yield f"referred to {self.referred_to}: J n^2, k n^2, n the speed ratio; sum of J {self.total_inertia:.5g} kg*m^2"
+        total = f"sum of J {self.total_inertia:.5g} kg*m^2"
+        yield f"referred to {self.referred_to}: J n^2, k n^2, n the speed ratio; {total}"
         for line in self.lines:
             if line.flexibility:
                 where = f", {line.title}" if len(self.lines) > 1 else ""
@@ -193,8 +194,8 @@ class MassElasticTable(NotebookResult):
 
 def _cells(row: MassElasticRow) -> tuple[object, ...]:
     known = not math.isnan(row.ratio)
-    own = (row.number, row.node, row.inertia, row.damping or None, row.ratio if known else None)
-    own += (row.referred_inertia if known else None,)
+    referred = (row.ratio, row.referred_inertia) if known else (None, None)
+    own = (row.number, row.node, row.inertia, row.damping or None, *referred)
     shaft = row.shaft
     if shaft is None:
         return (*own, "", *[None] * 7, "")

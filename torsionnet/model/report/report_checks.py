@@ -67,10 +67,11 @@ def _declared(definition: Definition, what: str) -> str:
 def _idling(plan: ReportPlan, definition: Definition) -> Iterator[Fault]:
     """Faults of speeds of idling without a shaft they belong to, and of those that are not calculated."""
     speeds = definition.speeds
-    if plan.idling and speeds is None:
+    if speeds is None:
         text = "speeds of idling are those of the shaft of the entry speeds:, which the model lacks"
-        yield Fault(text, ("idling",), on_key=True)
-    for index, speed in enumerate(plan.idling if speeds is not None else ()):
+        yield from [Fault(text, ("idling",), on_key=True)] if plan.idling else []
+        return
+    for index, speed in enumerate(plan.idling):
         low, high = speeds.values[0], speeds.values[-1]
         if not low * (1 - SPEED_ROUNDING) <= speed <= high * (1 + SPEED_ROUNDING):
             text = f"{speeds.of} idles at {speed * RPM:.6g} rpm, but speeds: go from {low * RPM:.6g} to"

@@ -90,8 +90,13 @@ def _conditions(subject: ReportData) -> TableBlock:
             own = [as_words(case.configuration), alternative_words(subject.model, overlay) if overlay else ""]
         check = checks.get(case.configuration)
         rows.append((*own, *(("", "") if check is None else _verdict(check))))
-    what = "Conditions examined" if checks else "Conditions calculated; limits are not given"
-    return table(f"{what}, {len(names)} of {len(subject.model.configurations)}", heads, rows, most=MOST_ROWS)
+    return table(
+        f"Conditions examined, {len(names)} of {len(subject.model.configurations)}",
+        heads,
+        rows,
+        [] if checks else ["The model gives no limits: nothing is judged."],
+        most=MOST_ROWS,
+    )
 
 
 def _choice(case: Case, axes: tuple[str, ...]) -> dict[str, str]:
@@ -114,7 +119,7 @@ def _examined(subject: ReportData) -> str:
         return "The model has one condition, and it was examined."
     if len(judged) == len(every):
         combined = ", every combination of the choices above" if len(subject.model.axes) > 1 else ""
-        return f"All {len(every)} conditions of the model were examined{combined}."
+        return f"All conditions of the model ({len(every)}) were examined{combined}."
     return f"{len(judged)} of {len(every)} conditions of the model were examined."
 
 
@@ -129,16 +134,16 @@ def _not_examined(subject: ReportData) -> Iterator[Text]:
         reason = "this document is on chosen conditions" if len(judged) < MOST_JUDGED_CASES else ""
         reason = reason or f"the first {MOST_JUDGED_CASES} are judged unless others are named"
         yield (f"{capital(choices_of_some(missing[:MOST_ROWS], every))}: {reason}.",)
-        alone = list(unexamined(subject.model, judged))
-        if alone and len(subject.model.axes) > 1:
-            yield (f"In no condition examined: {', '.join(alone)}.",)
+        unused = list(unexamined(subject.model, judged))
+        if unused and len(subject.model.axes) > 1:
+            yield (f"In no condition examined: {', '.join(unused)}.",)
     found = subject.limit_conclusion
     for text in found.left_out if found else ():
         yield (f"{capital(text)}.",)
     conditions = [(case.configuration, case.drivetrain.definition.excitations) for case in subject.judged_cases]
-    for engine, names in conditions_running_alone(conditions).items():
+    for alone, names in conditions_running_alone(conditions).items():
         if not names:
-            yield (f"Running on {as_words(engine)} alone: no condition of the model has it.",)
+            yield (f"Running on {as_words(alone)} alone: no condition of the model has it.",)
     for name, engine in subject.model.definition.excitations.items():
         fired = engine.kind == ENGINE and not engine.absorbs
         if fired and not any(getattr(now[name], entry, ()) for _, now in conditions for entry in FIRING):

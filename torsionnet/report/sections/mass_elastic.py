@@ -10,7 +10,7 @@ from torsionnet.core.errors import TorsionnetError
 from torsionnet.core.number_text import unit_in_brackets
 from torsionnet.report.document_tree import Cell, Math, NumberText, Section, TableBlock, TableGroup, Text
 from torsionnet.report.report_data import ReportData
-from torsionnet.report.report_tables import results_table
+from torsionnet.report.report_tables import HEADING_SYMBOLS, results_table
 from torsionnet.report.report_text import as_words, capital, choices_of_some
 from torsionnet.response.mass_elastic_table import MassElasticTable
 from torsionnet.response.table import Table
@@ -18,9 +18,7 @@ from torsionnet.response.table import Table
 SHORT_HEADINGS: dict[str, Cell] = {
     "absolute damping": Math(r"c_{\mathrm{abs}}"),
     "speed ratio": Math("n"),
-    "J referred": Math("J n^{2}"),
     "shaft to the next": "Shaft to the next",
-    "k referred": Math("k n^{2}"),
     "outer diameter": Math("D"),
     "inner diameter": Math("d"),
     "section modulus": Math("W_{p}"),
@@ -90,9 +88,8 @@ def _plain(cell: Cell) -> Cell:
 
 def _sum_row(found: MassElasticTable, block: TableBlock) -> tuple[Cell, ...]:
     """Row with the sum of the inertias below the column that is referred to one shaft."""
-    wanted = Math("J") if found.has_one_speed else SHORT_HEADINGS["J referred"]
-    place = next((at for at, one in enumerate(block.columns) if one.text in (wanted, Math("J"), "J")), 2)
-    place = next((at for at, one in enumerate(block.columns) if one.text == wanted), place)
+    wanted = HEADING_SYMBOLS["J" if found.has_one_speed else "J referred"]
+    place = next(at for at, one in enumerate(block.columns) if one.text == wanted)
     cells: list[Cell] = [""] * len(block.columns)
     cells[1], cells[place] = "Sum", NumberText(found.total_inertia, 5)
     return tuple(cells)
