@@ -46,6 +46,8 @@ MACHINES = {
     "pendulum_absorber": "Pendulum absorber",
 }
 """Words for the types of elements that are machines of an installation, in the order of the list."""
+ROTORS = ("propeller", "electric_machine", "induction_machine", "synchronous_machine", "grid_generator")
+"""Types of elements and excitations that are a whole machine at a node that drives or absorbs."""
 COUPLING_RULE = "coupling"
 """Type of the limit that makes a coupling of any spring."""
 FOLLOWING = ("torque", "speed")
@@ -109,14 +111,16 @@ def machines(model: Drivetrain) -> Iterator[MachineRow]:
         head = _titled(MACHINES.get(element.kind, "Coupling"), element.name)
         head += "" if element.enabled else " (switched off unless a condition switches it on)"
         yield MachineRow(head, _joined(_of_element(model, element)), _source(model, element))
-    yield from _loads(model, {node for one in elements for node in one.ports.values()})
+    yield from _loads(model)
 
 
-def _loads(model: Drivetrain, covered: set[str]) -> Iterator[MachineRow]:
+def _loads(model: Drivetrain) -> Iterator[MachineRow]:
     """Yield rotors that the load drives or brakes where no machine of the list is, as that of a generator."""
     load = model.definition.load
     places = {*load.by_place, *load.driven_by} if load else set()
-    covered = covered.union(*(one.nodes for one in model.definition.excitations.values()))
+    covered = {node for one in model.definition.elements.values() if one.kind in ROTORS for node in one.ports.values()}
+    machines_there = [one for one in model.definition.excitations.values() if one.kind in (ENGINE, *ROTORS)]
+    covered = covered.union(*(one.nodes for one in machines_there))
     for element in model.definition.elements.values():
         node = getattr(element, "node", None)
         if element.kind == "inertia" and node in places - covered:

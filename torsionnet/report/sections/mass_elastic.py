@@ -7,11 +7,11 @@ from dataclasses import replace
 from itertools import accumulate
 
 from torsionnet.core.errors import TorsionnetError
-from torsionnet.core.number_text import unit_in_brackets
 from torsionnet.report.document_tree import Cell, Math, NumberText, Section, TableBlock, TableGroup, Text
 from torsionnet.report.report_data import ReportData
+from torsionnet.report.report_machines import quantity_text
 from torsionnet.report.report_tables import HEADING_SYMBOLS, results_table
-from torsionnet.report.report_text import as_words, capital, choices_of_some
+from torsionnet.report.report_text import as_words, capital, choices_of_some, unit
 from torsionnet.response.mass_elastic_table import MassElasticTable
 from torsionnet.response.table import Table
 
@@ -30,6 +30,8 @@ REFERRED = ("speed ratio", "J referred", "k referred")
 """Names of the columns that say nothing where all masses turn at one speed."""
 OF_MASSES = ("J", "absolute damping", "speed ratio")
 """Names of the columns with values of masses; the others have those of shafts."""
+DIMENSIONS = {"k": "stiffness", "absolute damping": "damping", "relative damping": "damping"}
+"""Dimension of the columns whose values have a prefix that suits their size."""
 MOST_CHANGES = 10
 """Largest number of notes on values of other conditions, about as many as fit below a table of twenty masses."""
 
@@ -119,19 +121,33 @@ def _notes(found: MassElasticTable, materials: dict[str, str]) -> Iterator[Text]
 
 def _changes(tables: Sequence[MassElasticTable], names: Sequence[str]) -> Iterator[Text]:
     """Sentences on the values that other conditions have, each with the conditions that share it."""
-    first = tables[0].table()
+    written = _values(tables[0])
     found: dict[str, list[str]] = {}
-    for one, name in zip(tables[1:], names[1:], strict=True):
-        other = one.table()
-        if [(row[1], row[6]) for row in other.rows] != [(row[1], row[6]) for row in first.rows]:
-            found.setdefault("Other masses or shafts", []).append(name)
-            continue
-        for row, written in zip(other.rows, first.rows, strict=True):
-            for column, value, before in zip(first.columns, row, written, strict=True):
-                if value != before and column.name not in REFERRED[1:]:
-                    about = row[1] if column.name in OF_MASSES else row[6]
-                    shown = "none" if value is None else f"{column.text(value)} {unit_in_brackets(column.unit)[1:-1]}"
-                    text = f"{capital(column.name)} of {as_words(str(about))}: {shown}".strip()
-                    found.setdefault(text, []).append(name)
+    for other, name in zip(tables[1:], names[1:], strict=True):
+        now = _values(other)
+        absent = dict.fromkeys(about for _, about in written if (_, about) not in now)
+        added = dict.fromkeys(about for _, about in now if (_, about) not in written)
+        texts = [f"Without {as_words(one)}" for one in absent] + [f"With {as_words(one)}" for one in added]
+        texts += [
+            f"{quantity if len(quantity) == 1 else capital(quantity)} of {as_words(about)}: {text}"
+            for (quantity, about), text in now.items()
+            if written.get((quantity, about), text) != text
+        ]
+        for text in texts:
+            found.setdefault(text, []).append(name)
     for text, where in found.items():
         yield (f"{text} in {choices_of_some(where, names)}.",)
+
+
+def _values(found: MassElasticTable) -> dict[tuple[str, str], str]:
+    """Text of every value of a mass-elastic table, by its column and the mass or shaft it is of."""
+    texts: dict[tuple[str, str], str] = {}
+    whole = found.table()
+    for row in whole.rows:
+        for column, value in zip(whole.columns[2:], row[2:], strict=True):
+            about = str(row[1] if column.name in OF_MASSES else row[6])
+            if about and column.name not in (*REFERRED[1:], "shaft to the next", "material"):
+                dimension = DIMENSIONS.get(column.name)
+                number = "none" if value is None else f"{value:.4g} {unit(column.unit) if column.unit else ''}".strip()
+                texts[column.name, about] = quantity_text(value, dimension) if dimension and value else number
+    return texts
