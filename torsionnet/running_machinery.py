@@ -286,7 +286,7 @@ class RunningMachinery(AssembledModel):
         return holzer_table(self, mode, at=at, first=first, amplitude=amplitude, referred_to=referred_to)
 
     def mass_elastic_table(self, referred_to: str | None = None) -> MassElasticTable:
-        """Mass-elastic table: inertias, shafts and damping station by station, as they are and referred to one shaft.
+        """Mass-elastic table of the drivetrain with inertias, shafts and damping, as they are and referred to one shaft.
 
         Parameters
         ----------
