@@ -286,7 +286,7 @@ class RunningMachinery(AssembledModel):
         return holzer_table(self, mode, at=at, first=first, amplitude=amplitude, referred_to=referred_to)
 
     def mass_elastic_table(self, referred_to: str | None = None) -> MassElasticTable:
-        """Mass-elastic table of the drivetrain with inertias, shafts and damping, as they are and referred to one shaft.
+        """Mass-elastic table of the drivetrain, inertias, shafts and damping, as they are and referred to one shaft.
 
         Parameters
         ----------
@@ -304,7 +304,7 @@ class RunningMachinery(AssembledModel):
         >>> import torsionnet as tn
         >>> found = tn.load("reciprocating_compressor_train").mass_elastic_table()
         >>> round(found.rows[3].referred_inertia, 3), round(found.total_inertia, 2)  # flywheel: 140.45 / 2.96^2
-        (16.03, 43.09)
+        (16.03, 43.1)
         """
         from torsionnet.solve.modes.mass_elastic_lines import mass_elastic_table
 
