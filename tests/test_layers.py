@@ -46,6 +46,7 @@ SAME_THING = {
         "order_response",
         "orders",
         "parameters",
+        "power_balance",
         "report",
         "schematic",
         "simplified",

@@ -19,8 +19,10 @@ if TYPE_CHECKING:
     from torsionnet.response.holzer_table import HolzerTable
     from torsionnet.response.limits.limit_check import LimitCheck
     from torsionnet.response.margin_rules import MarginRule
+    from torsionnet.response.mass_elastic_table import MassElasticTable
     from torsionnet.response.mean_response import MeanResponse
     from torsionnet.response.order_response import OrderResponse
+    from torsionnet.response.power_balance import PowerBalance
     from torsionnet.response.static_state import StaticState
 
     Channels: TypeAlias = str | Sensor | Sequence[str | Sensor]
@@ -283,6 +285,31 @@ class RunningMachinery(AssembledModel):
 
         return holzer_table(self, mode, at=at, first=first, amplitude=amplitude, referred_to=referred_to)
 
+    def mass_elastic_table(self, referred_to: str | None = None) -> MassElasticTable:
+        """Mass-elastic table of the drivetrain, inertias, shafts and damping, as they are and referred to one shaft.
+
+        Parameters
+        ----------
+        referred_to : str, optional
+            Node of the shaft that referred values belong to; default: that of the model's ``speeds:``, else the first
+            station.
+
+        Raises
+        ------
+        UsageError
+            No such node, or a controller acts on the drivetrain.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> found = tn.load("reciprocating_compressor_train").mass_elastic_table()
+        >>> round(found.rows[3].referred_inertia, 3), round(found.total_inertia, 2)  # flywheel: 140.45 / 2.96^2
+        (16.03, 43.1)
+        """
+        from torsionnet.solve.modes.mass_elastic_lines import mass_elastic_table
+
+        return mass_elastic_table(self, referred_to)
+
     def static_state(self, speed: float | None = None) -> StaticState:
         """Mean torque, twist, nominal shear stress and power of every element at one speed.
 
@@ -310,6 +337,30 @@ class RunningMachinery(AssembledModel):
         from torsionnet.solve.running.static_state import static_state
 
         return static_state(self, speed)
+
+    def power_balance(self, speed: float | None = None) -> PowerBalance:
+        """Powers that drivers give and absorbers take at one speed, with the mean torques between them.
+
+        Parameters
+        ----------
+        speed : float, optional
+            rad/s, of the node of the model's ``speeds:``; default: as for :meth:`static_state`.
+
+        Raises
+        ------
+        UsageError
+            As for :meth:`mean_response`.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> found = tn.load("bulk_carrier").power_balance()
+        >>> round(found.given / 1e3, 6), round(found.taken / 1e3, 6), round(found.torque / 1e3, 2)  # kW, kN*m
+        (7000.0, 7000.0, 636.62)
+        """
+        from torsionnet.solve.running.power_balance import power_balance
+
+        return power_balance(self, speed)
 
     def dissipated_power(
         self,

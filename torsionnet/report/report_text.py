@@ -133,3 +133,18 @@ def distinct_choices(name: str, names: Sequence[str]) -> str:
     """
     shared = shared_choices(names).split(",")
     return ",".join(part for part in name.split(",") if part not in shared) or name
+
+
+def choices_of_some(some: Sequence[str], names: Sequence[str]) -> str:
+    """Text that names some of several configurations: by the choices that only these share, else one by one.
+
+    Examples
+    --------
+    >>> every = ["water=wet,firing=normal", "water=dry,firing=normal", "water=wet,firing=misfire"]
+    >>> choices_of_some(every[::2], every), choices_of_some(every[:2], every), choices_of_some(every[1:], every)
+    ('water=wet', 'firing=normal', 'water=dry,firing=normal; water=wet,firing=misfire')
+    """
+    shared = [part for part in some[0].split(",") if all(part in name.split(",") for name in some)] if some else []
+    if shared and [name for name in names if set(shared) <= set(name.split(","))] == list(some):
+        return ",".join(shared)
+    return first_names(some) if not any("," in name for name in some) else "; ".join(some)

@@ -7,9 +7,13 @@ from typing import TYPE_CHECKING
 
 from torsionnet.core.errors import Fault, Path, UsageError, suggestion_or
 from torsionnet.core.listing import comma_list
+from torsionnet.core.units import RPM
 from torsionnet.model.channels import parse_pair, parse_sensor
 from torsionnet.model.configurations import parse_choice
 from torsionnet.model.report.report_plan import Pair, ReportPlan
+
+SPEED_ROUNDING = 1e-9
+"""Share of a speed by which rounding of its unit may carry it out of a range."""
 
 if TYPE_CHECKING:
     from torsionnet.model.definition import Definition
@@ -24,6 +28,7 @@ def check_report(plan: ReportPlan, definition: Definition, path: Path = ("report
     ]
     faults += _orders(plan, definition)
     faults += _configurations(plan, definition)
+    faults += _idling(plan, definition)
     return [fault.under(*path) for fault in faults]
 
 
@@ -57,6 +62,20 @@ def _orders(plan: ReportPlan, definition: Definition) -> Iterator[Fault]:
 def _declared(definition: Definition, what: str) -> str:
     tables = {table: getattr(definition, f"{table}s") for table in ("input", "sensor") if table in what}
     return "; ".join(f"{table}s: {comma_list(names, none='none')}" for table, names in tables.items())
+
+
+def _idling(plan: ReportPlan, definition: Definition) -> Iterator[Fault]:
+    """Faults of speeds of idling without a shaft they belong to, and of those that are not calculated."""
+    speeds = definition.speeds
+    if speeds is None:
+        text = "speeds of idling are those of the shaft of the entry speeds:, which the model lacks"
+        yield from [Fault(text, ("idling",), on_key=True)] if plan.idling else []
+        return
+    for index, speed in enumerate(plan.idling):
+        low, high = speeds.values[0], speeds.values[-1]
+        if not low * (1 - SPEED_ROUNDING) <= speed <= high * (1 + SPEED_ROUNDING):
+            text = f"{speeds.of} idles at {speed * RPM:.6g} rpm, but speeds: go from {low * RPM:.6g} to"
+            yield Fault(f"{text} {high * RPM:.6g} rpm; let them begin at the speed of idling", ("idling", index))
 
 
 def _configurations(plan: ReportPlan, definition: Definition) -> Iterator[Fault]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from torsionnet.core.entries.band import Band
-from torsionnet.core.entries.composite import Listed
+from torsionnet.core.entries.composite import Listed, Named
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, reference
@@ -156,6 +156,16 @@ _RULES = OneOf(
     "society whose words and list of particulars the document has, or standard of the separation margins of a train",
     (*SOCIETIES, "api610", "api617", "api618", "api684"),
 )
+_NOT_EXAMINED = Named(
+    "conditions that no configuration stands for -> why they were not examined",
+    Text("the reason", "the reason in words"),
+    form='conditions with the reason in words, {"PTO engaged": no generator is fitted}',
+)
+_IDLING = Listed(
+    "speeds of longer idling, of the shaft of speeds:",
+    Value("a speed", "speed", exclusive=True),
+    form="a list such as [300 rpm]",
+)
 _NAMES = Listed("configurations to report; default: all", ConfigurationName(""), form="a list of names")
 
 
@@ -189,13 +199,13 @@ class ReportPlan(Declared):
         Whether the sections of the other kind follow in an appendix.
     title_block : TitleBlock, optional
         A document for approval has one in any case, with blank fields.
+    not_examined : mapping of str to str
+        Conditions that the calculation leaves out, with the reasons.
+    idling : tuple of float
+        Speeds of longer idling in rad/s, of the shaft of the model's speeds.
     """
 
     article: ClassVar[str] = "a report"
-    form: ClassVar[str] = (
-        "the entries kind, title, author, sections, transfer_functions, orders, configurations, band, angle, "
-        "language, simplify, notes, template, rules, appendix, title_block"
-    )
     kind: str | None = entry(_KIND, None)  # type: ignore[assignment, misc]  # here an entry, elsewhere the name of a class
 
     title: str = entry(Text("title of the report; default: name of the model"), "")
@@ -213,3 +223,8 @@ class ReportPlan(Declared):
     rules: str | None = entry(_RULES, None)
     appendix: bool = entry(Flag("true: the sections of the other kind of document follow in an appendix"), False)
     title_block: TitleBlock | None = entry(TITLE_BLOCK, None)
+    not_examined: Mapping[str, str] = entry(_NOT_EXAMINED, None)
+    idling: tuple[float, ...] = entry(_IDLING, ())
+
+
+ReportPlan.form = f"the entries {', '.join(name for name, _ in ReportPlan.specs())}"

@@ -1,12 +1,150 @@
-"""Section of a report on conditions."""
+"""Section of a report on the conditions of operation: which were examined, which not and why."""
 
 from __future__ import annotations
 
-from torsionnet.report.document_tree import Section
-from torsionnet.report.report_data import ReportData
+from collections.abc import Iterator, Mapping
+
+from torsionnet.core.units import RPM
+from torsionnet.model.excitations.engine_phases import conditions_running_alone
+from torsionnet.model.load.load_places import ENGINE
+from torsionnet.report.document_tree import Block, Cell, Heading, Listing, Paragraph, Section, Strong, TableBlock, Text
+from torsionnet.report.report_conditions import FIRING, alternative_words, load_words, speed_words, unexamined
+from torsionnet.report.report_data import MOST_JUDGED_CASES, Case, ReportData
+from torsionnet.report.report_tables import table
+from torsionnet.report.report_text import as_words, capital, choices_of_some, first_names
+from torsionnet.response.limits.limit_check import FAIL, OPEN, LimitCheck
+from torsionnet.response.limits.speed_spans import restriction_words
+
+MOST_AXES = 5
+"""Largest number of axes of configurations that have a column each, as more would not fit beside the verdict."""
+MOST_ROWS = 40
+"""Largest number of conditions in the table, as many as fit a page."""
 
 
 def conditions_section(subject: ReportData) -> Section | None:
     """Section of a report on conditions; None for a model without excitations."""
-    del subject
-    return None
+    if not subject.has_excitations:
+        return None
+    model = subject.model
+    lead = " ".join(filter(None, [speed_words(model), load_words(model), _idling(subject)]))
+    blocks: list[Block] = [Paragraph((lead,))]
+    axes = model.definition.configurations
+    if len(axes) > 1:
+        blocks.append(_alternatives(subject))
+    if axes:
+        blocks.append(_conditions(subject))
+    blocks.append(Paragraph((_examined(subject),)))
+    missing = tuple(_not_examined(subject))
+    if missing:
+        blocks += [Paragraph((Strong("Not examined"),)), Listing(missing)]
+    return Section("conditions", ("Conditions of operation",), tuple(blocks))
+
+
+def _checks(subject: ReportData) -> Mapping[str, LimitCheck]:
+    """Checks of limits by the name of the configuration; empty where no limits are judged."""
+    found = subject.limit_conclusion
+    return {} if found is None else {one.configuration: one for one in found.checks}
+
+
+def _idling(subject: ReportData) -> str:
+    """Sentence on the speeds of longer idling, and whether a limit bars them in any condition."""
+    speeds = subject.request.plan.idling
+    if not speeds:
+        return ""
+    words = []
+    for speed in speeds:
+        barred = [name for name, one in _checks(subject).items() if any(span.holds(speed) for span in one.barred)]
+        where = f" (within speeds that are barred in {first_names(barred, 3)})" if any(barred) else ""
+        words.append(f"{speed * RPM:.6g} rpm{where or (' (barred)' if barred else '')}")
+    return f"Longer idling at {', '.join(words)}."
+
+
+def _alternatives(subject: ReportData) -> TableBlock:
+    """Table of all alternatives on the axes of the configurations, with what each sets."""
+    columns = (Heading("Of"), Heading("Condition"), Heading("What it sets", wide=True))
+    rows: list[tuple[Cell, ...]] = [
+        (capital(as_words(axis)) if not number else "", as_words(name), alternative_words(subject.model, overlay))
+        for axis, alternatives in subject.model.definition.configurations.items()
+        for number, (name, overlay) in enumerate(alternatives.items())
+    ]
+    return table("What the conditions are composed of", columns, rows)
+
+
+def _conditions(subject: ReportData) -> TableBlock:
+    """Table with a row for every examined condition: its choices, or what it sets, and the verdict on the limits."""
+    axes, checks = subject.model.definition.configurations, _checks(subject)
+    names = [case.configuration for case in subject.judged_cases]
+    is_single = len(axes) == 1
+    order = list(axes)[::-1]  # neighbours differ in the last axis, by whose column equal rows are put together
+    if len(axes) > MOST_AXES:
+        order = []
+    heads = [Heading(capital(as_words(axis))) for axis in order] if order and not is_single else [Heading("Condition")]
+    heads += [Heading("What it sets", wide=True)] if is_single else []
+    heads += [Heading("Verdict"), Heading("Speeds not permitted")]
+    rows: list[tuple[Cell, ...]] = []
+    for case in subject.judged_cases:
+        chosen = _choice(case, tuple(axes))
+        own: list[Cell] = [as_words(chosen.get(axis, "")) for axis in order] if order else [case.configuration]
+        if is_single:
+            overlay = next(iter(axes.values())).get(case.configuration)
+            own = [as_words(case.configuration), alternative_words(subject.model, overlay) if overlay else ""]
+        check = checks.get(case.configuration)
+        rows.append((*own, *(("", "") if check is None else _verdict(check))))
+    return table(
+        f"Conditions examined, {len(names)} of {len(subject.model.configurations)}",
+        heads,
+        rows,
+        [] if checks else ["The model gives no limits: nothing is judged."],
+        most=MOST_ROWS,
+    )
+
+
+def _choice(case: Case, axes: tuple[str, ...]) -> dict[str, str]:
+    """Alternative on each axis, by axis, of a configuration."""
+    if len(axes) == 1:
+        return {axes[0]: case.configuration}
+    return dict(part.split("=", 1) for part in case.configuration.split(",") if "=" in part)
+
+
+def _verdict(check: LimitCheck) -> tuple[Cell, Cell]:
+    """Verdict on the limits in a condition, with the limits that do not hold, and the speeds that are not permitted."""
+    grave = dict.fromkeys(as_words(one.limit) for one in check.verdicts if one.verdict == check.verdict)
+    named = f": {', '.join(grave)}" if check.verdict in (FAIL, OPEN) else ""
+    return f"{check.verdict}{named}", restriction_words(check.passed, check.highest)
+
+
+def _examined(subject: ReportData) -> str:
+    every, judged = subject.model.configurations, [case.configuration for case in subject.judged_cases]
+    if not every:
+        return "The model has one condition, and it was examined."
+    if len(judged) == len(every):
+        combined = ", every combination of the choices above" if len(subject.model.axes) > 1 else ""
+        return f"All conditions of the model ({len(every)}) were examined{combined}."
+    return f"{len(judged)} of {len(every)} conditions of the model were examined."
+
+
+def _not_examined(subject: ReportData) -> Iterator[Text]:
+    """Yield what was not examined and why: what the author says, then what the model shows."""
+    for what, why in subject.request.plan.not_examined.items():
+        yield (Strong(what), f": {why.rstrip('.')}.")
+    judged = [case.configuration for case in subject.judged_cases]
+    every = subject.model.configurations
+    missing = [name for name in every if name not in judged] if len(judged) < len(every) else []
+    if missing:
+        reason = "this document is on chosen conditions" if len(judged) < MOST_JUDGED_CASES else ""
+        reason = reason or f"the first {MOST_JUDGED_CASES} are judged unless others are named"
+        yield (f"{capital(choices_of_some(missing[:MOST_ROWS], every))}: {reason}.",)
+        unused = list(unexamined(subject.model, judged))
+        if unused and len(subject.model.axes) > 1:
+            yield (f"In no condition examined: {', '.join(unused)}.",)
+    found = subject.limit_conclusion
+    for text in found.left_out if found else ():
+        yield (f"{capital(text)}.",)
+    conditions = [(case.configuration, case.drivetrain.definition.excitations) for case in subject.judged_cases]
+    for alone, names in conditions_running_alone(conditions).items():
+        if not names:
+            yield (f"Running on {as_words(alone)} alone: no condition of the model has it.",)
+    for name, engine in subject.model.definition.excitations.items():
+        fired = engine.kind == ENGINE and not engine.absorbs
+        if fired and not any(getattr(now[name], entry, ()) for _, now in conditions for entry in FIRING):
+            yield (f"Misfire of {as_words(name)}: no condition of the model has it.",)

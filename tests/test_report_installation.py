@@ -1,0 +1,252 @@
+"""Sections of the document for approval on conditions, installation and mass-elastic data, against the model files."""
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+from test_document import blocks, of, rows
+
+import torsionnet as tn
+from torsionnet.report import make_report
+from torsionnet.report.document_tree import Listing, Paragraph, TableBlock
+
+PLANT = """
+torsionnet: 1
+name: Boat
+source: sheet of the yard
+parameters:
+  k_c: {value: 20 kN*m/rad, description: rubber of the coupling}
+elements:
+  crank: {type: inertia, node: c, inertia: 12 kg*m^2, description: all throws}
+  rubber: {type: hysteretic_spring, nodes: [c, pin], stiffness: k_c, loss_factor: 0.2}
+  mesh: {type: gear, nodes: [pin, w], teeth: [20, -50]}
+  line: {type: shaft, nodes: [w, p], outer_diameter: 100 mm, inner_diameter: 40 mm, length: 3 m, inertia: none,
+    shear_modulus: 80 GPa, damping: 30 N*m*s/rad}
+  screw: {type: propeller, node: p, inertia: 50 kg*m^2, damping: 700 N*m*s/rad}
+  ring: {type: viscous_damper, node: c, ring_inertia: 3 kg*m^2, damping: 90 N*m*s/rad}
+  pump: {type: spring, nodes: [w, pto], stiffness: 5 kN*m/rad}
+  rotor: {type: inertia, node: pto, inertia: 2 kg*m^2}
+speeds: {of: c, range: 500..1500 rpm, step: 10 rpm, rated: 1500 rpm}
+load: {absorbed_at: p, power: 300 kW, torque_exponent: 2, driven_by: {c: 1}}
+excitations:
+  motor: {type: harmonic, node: c, orders: {3: {amplitude: 40 N*m}}}
+limits:
+  rubber: {rule: coupling, element: rubber, T_KN: 4 kN*m, T_KW: 900 N*m, source: data sheet 7}
+configurations:
+  rubber:
+    cold: {k_c: 26 kN*m/rad}
+    warm: {}
+  pump:
+    clutched: {}
+    "off": {off: [pump]}
+report:
+  not_examined: {Astern: the propeller brakes less than ahead}
+  idling: [600 rpm]
+"""
+
+
+def section(model, name, **options):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return make_report(model, kind="approval", sections=[name], **options)
+
+
+def words(report, name):
+    return " ".join(str(one.text) for one in of(Paragraph, blocks(report, name)))
+
+
+@pytest.fixture(scope="module")
+def found():
+    return tn.loads(PLANT).configured("rubber=cold,pump=clutched").mass_elastic_table()
+
+
+@pytest.fixture(scope="module")
+def installation():
+    return section(tn.loads(PLANT), "installation")
+
+
+@pytest.fixture(scope="module")
+def conditions():
+    return section(tn.loads(PLANT), "conditions")
+
+
+class TestMassElastic:
+    def test_values_are_those_of_the_file(self, found):
+        by_node = {row.node: row for row in found.rows}
+        assert [row.number for row in found.rows] == [1, 2, 3, 4, 5, 6]
+        inertias = {"c": 12, "pin": 0, "w": 0, "p": 50, "ring.ring": 3, "pto": 2}
+        assert {node: row.inertia for node, row in by_node.items()} == inertias
+        assert by_node["p"].damping == 700
+
+    def test_shafts_by_hand(self, found):
+        by_name = {row.shaft.elements: (row.node, row.shaft) for row in found.rows if row.shaft}
+        node, line = by_name["line",]
+        polar = math.pi * (0.1**4 - 0.04**4) / 32
+        assert line.stiffness == pytest.approx(80e9 * polar / 3, rel=1e-12)
+        assert (line.section.outer, line.section.inner) == (0.1, 0.04)
+        assert line.section.modulus == pytest.approx(polar / 0.05, rel=1e-12)
+        assert line.damping == 30
+        rubber = by_name["rubber",][1]
+        assert (rubber.stiffness, rubber.loss_factor) == (26e3, pytest.approx(0.2))
+        assert {node, line.to} == {"w", "p"}
+
+    def test_referred_to_the_engine_by_the_square_of_the_ratio(self, found):
+        """Wheel and screw turn 20/50 as fast: J and k count 0.16 times."""
+        by_node = {row.node: row for row in found.rows}
+        assert by_node["p"].ratio == pytest.approx(-0.4)
+        assert by_node["p"].referred_inertia == pytest.approx(50 * 0.16)
+        assert found.total_inertia == pytest.approx(12 + 3 + (50 + 2) * 0.16, rel=1e-12)
+        polar = math.pi * (0.1**4 - 0.04**4) / 32
+        flexibility = {line.title.partition(",")[0]: line.flexibility for line in found.lines}
+        assert flexibility["c to pto"] == pytest.approx(1 / 26e3 + 1 / (5e3 * 0.16), rel=1e-12)
+        assert flexibility["p to w"] == pytest.approx(1 / (80e9 * polar / 3 * 0.16), rel=1e-12)
+
+    def test_a_film_and_a_branch_have_lines_of_their_own(self, found):
+        assert {line.rows[0].node: line.joins for line in found.lines} == {"c": None, "p": "w", "ring.ring": "c"}
+        ring = next(row for row in found.rows if row.node == "ring.ring")
+        assert (ring.shaft.stiffness, ring.shaft.damping) == (0, 90)
+
+    def test_modes_are_those_of_the_rows(self):
+        """Masses and springs of the table, put together again by hand, vibrate as the plant does."""
+        ship = tn.load("two_stroke_ship")
+        found = ship.mass_elastic_table().rows
+        mass = np.diag([row.inertia for row in found])
+        stiff = np.zeros_like(mass)
+        places = {row.node: place for place, row in enumerate(found)}
+        for row in found:
+            if row.shaft:
+                one, other = places[row.node], places[row.shaft.to]
+                stiff[np.ix_([one, other], [one, other])] += row.shaft.stiffness * np.array([[1, -1], [-1, 1]])
+        squares = np.sort(np.linalg.eigvals(np.linalg.solve(mass, stiff)).real)
+        assert np.sqrt(squares[1]) / 2 / np.pi == pytest.approx(ship.holzer_table(1).frequency, rel=1e-9)
+
+    def test_numbers_of_the_report_are_those_of_the_table(self, found):
+        shown = of(TableBlock, blocks(section(tn.loads(PLANT), "mass_elastic"), "mass_elastic"))[0]
+        lines = rows(shown)
+        assert len(lines) == len(found.rows) + 1
+        assert [row[1] for row in lines[:-1]] == [row.node.replace("_", " ") for row in found.rows]
+        assert f"{found.total_inertia:.5g}" in lines[-1]
+        notes = " ".join(str(note) for note in shown.notes)
+        assert "k of rubber: 20 kN·m/rad in rubber=warm." in notes
+        assert "Without pump in pump=off" in notes
+
+    def test_columns_of_speed_only_where_speeds_differ(self):
+        shown = of(TableBlock, blocks(section("two_stroke_ship", "mass_elastic"), "mass_elastic"))[0]
+        assert "J referred" not in str(shown.columns)
+        assert "referred" not in str(shown.columns)
+        assert rows(shown)[-1][1:3] == ("Sum", "103600")  # six throws of 9600, 6200, 800 and 39000 kg*m^2
+
+    def test_unknown_node(self):
+        with pytest.raises(tn.UsageError, match='no node is named "crnk"'):
+            tn.loads(PLANT).mass_elastic_table(referred_to="crnk")
+
+
+class TestPowers:
+    def test_power_is_torque_times_speed_and_balances(self):
+        found = tn.loads(PLANT).configured("pump=off").power_balance(1500 * math.pi / 30)
+        assert found.given == pytest.approx(300e3)
+        assert found.taken == pytest.approx(300e3)
+        assert found.torque == pytest.approx(300e3 / (1500 * math.pi / 30))
+        for load in found.state.loads:
+            if load.torque:
+                assert abs(load.power) == pytest.approx(300e3), load.element
+        assert found.largest_loss == pytest.approx(0, abs=1e-6)
+        assert abs(found.state.of("line").torque) == pytest.approx(300e3 / (600 * math.pi / 30))
+
+    def test_a_loss_in_a_gear_is_seen(self):
+        from dataclasses import replace
+
+        found = tn.loads(PLANT).configured("pump=off").power_balance(1500 * math.pi / 30)
+        loads = [replace(one, torque=0.9 * one.torque) if one.port == "w" else one for one in found.state.loads]
+        lossy = replace(found, state=replace(found.state, loads=tuple(loads)))
+        assert lossy.largest_loss == pytest.approx(30e3)
+
+    @pytest.mark.parametrize(
+        ("name", "torque", "power"), [("two_stroke_ship", "1280 kN·m", "14074 kW"), ("bulk_carrier", "636.62 kN·m", "7000 kW")]
+    )  # fmt: skip
+    def test_rated_torque_is_said(self, name, torque, power):
+        report = section(tn.load(name), "installation")
+        text = words(report, "installation")
+        assert f"torque there {torque}" in text
+        assert f"{power} at 105 rpm" in text
+        assert "in balance" in text
+
+
+class TestInstallation:
+    def test_machines_with_values_and_sources(self, installation):
+        machines = {row[0]: row[1:] for row in rows(of(TableBlock, blocks(installation, "installation"))[0])}
+        assert set(machines) == {"Propeller screw", "Gear mesh", "Coupling rubber", "Viscous damper ring", "Crank"}
+        data, source = machines["Coupling rubber"]
+        assert "Stiffness 20 kN·m/rad" in data
+        assert "4 kN·m" in data
+        assert "900 N·m" in data
+        assert source == "rubber of the coupling; data sheet 7"
+        assert machines["Crank"] == ("Inertia 12 kg·m²", "all throws")
+        assert "Teeth 20 : −50" in machines["Gear mesh"][0]
+
+    def test_line_has_the_torques_of_the_static_state(self, installation):
+        line = rows(of(TableBlock, blocks(installation, "installation"))[1])
+        assert [row[0] for row in line] == ["rubber", "mesh", "mesh", "line"]
+        assert line[0][2:4] == ("1500.0", "1910")  # 300 kW / (1500 pi/30 rad/s)
+        assert line[3][2:4] == ("-600.0", "-4775")
+
+
+class TestConditions:
+    def test_speeds_and_idling(self, conditions):
+        text = words(conditions, "conditions")
+        assert "500 to 1500 rpm of c; rated speed 1500 rpm" in text
+        assert "Longer idling at 600 rpm" in text
+        assert "All conditions of the model (4) were examined" in text
+
+    def test_what_each_alternative_sets(self, conditions):
+        found = rows(of(TableBlock, blocks(conditions, "conditions"))[0])
+        assert [row[1:] for row in found] == [
+            ("cold", "Rubber of the coupling 26 kN·m/rad (+30 %)"),
+            ("warm", "As the model is written"),
+            ("clutched", "As the model is written"),
+            ("off", "Pump switched off"),
+        ]
+
+    def test_verdicts_are_those_of_the_limits(self, conditions):
+        found = rows(of(TableBlock, blocks(conditions, "conditions"))[1])
+        plant = tn.loads(PLANT)
+        for name in plant.configurations:
+            verdict = plant.configured(name).check_limits().verdict
+            rubber, pump = (part.partition("=")[2] for part in name.split(","))
+            row = next(one for one in found if pump in one[0].split(", ") and one[1] == rubber)
+            assert row[2].startswith(verdict)
+
+    def test_reasons_of_the_author_and_of_the_choice(self):
+        report = section(tn.loads(PLANT), "conditions", configurations=["rubber=cold,pump=off"])
+        missing = " ".join(str(item) for one in of(Listing, blocks(report, "conditions")) for item in one.items)
+        assert "Astern" in missing
+        assert "the propeller brakes less than ahead" in missing
+        assert "this document is on chosen conditions" in missing
+        assert "In no condition examined: rubber=warm, pump=clutched" in missing
+
+    @pytest.mark.parametrize(
+        ("entry", "told"),
+        [
+            ("idling: [400 rpm]", "c idles at 400 rpm, but speeds: go from 500 to 1500 rpm"),
+            ("idling: 600 rpm", "expected a list such as"),
+            ("not_examined: [Astern]", "expected conditions with the reason in words"),
+            ("not_examined: {Astern: 3}", "expected the reason in words"),
+        ],
+    )
+    def test_wrong_entries_are_told(self, entry, told):
+        text = PLANT[: PLANT.index("report:")] + f"report: {{{entry}}}\n"
+        with pytest.raises(tn.ModelError, match=told):
+            tn.loads(text)
+
+
+@pytest.mark.parametrize("name", ["conditions", "installation", "mass_elastic"])
+def test_rigs_have_none_of_these_sections(name):
+    assert section("amt_rig", name).sections == ()
+
+
+@pytest.mark.slow
+def test_every_condition_of_the_marine_plant_has_its_verdict():
+    report = section("marine_medium_speed", "conditions")
+    found = of(TableBlock, blocks(report, "conditions"))[1]
+    assert sum(len(row[0].split(", ")) for row in rows(found)) == 18

@@ -1,0 +1,124 @@
+"""Words of a report on conditions of operation: what the alternatives of configurations change of the model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from torsionnet.core.expressions import Expression, Number
+from torsionnet.core.number_text import typeset_unit
+from torsionnet.core.units import RPM
+from torsionnet.model.checks.parameter_units import parameter_units
+from torsionnet.model.definition import EXCITATIONS, LOAD, section_of
+from torsionnet.report.report_text import as_words, capital, unit
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.model.configurations import Overlay
+
+UNCHANGED = "as the model is written"
+"""Words for an alternative that changes nothing."""
+FIRING = {"misfire": "without ignition", "gas_off": "without gas torque"}
+"""Words for the state of the cylinders that an entry of an engine names, by the entry."""
+
+
+def alternative_words(model: Drivetrain, overlay: Overlay) -> str:
+    """Text of what an alternative of the configurations changes of the model, in words of its file.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> model = tn.load("marine_medium_speed")
+    >>> axes = model.definition.configurations
+    >>> print(alternative_words(model, axes["firing"]["misfire"]))
+    Engine: each cylinder in turn without ignition
+    >>> print(alternative_words(model, axes["coupling"]["stiff"]))
+    Rubber coupling, dynamic 0.40 MN·m/rad (+33 %)
+    """
+    point = overlay.operating_point
+    changes = [
+        *(_parameter(model, name, value) for name, value in overlay.parameters.items()),
+        *(f"{_element(model, name)} switched {word}" for word in ("on", "off") for name in getattr(overlay, word)),
+        *(_entry(model, key, value) for key, value in overlay.entries.items()),
+        *([] if point is None else [f"operating point: {_listed(point.to_data())}"]),
+    ]
+    return capital("; ".join(changes)) or capital(UNCHANGED)
+
+
+def _parameter(model: Drivetrain, name: str, value: Expression) -> str:
+    """Text with description and new value of a parameter, and by how much the value differs from the written one."""
+    written = model.parameters[name]
+    number = float(value.evaluate(model.exact_values))
+    if isinstance(value, Number):
+        text = typeset_unit(str(value))
+    else:
+        own = unit(parameter_units(model.definition)[name])
+        text = f"{number:.6g} {own}"
+    share = f" ({100 * (number / written - 1):+.0f} %)" if written and number and number != written else ""
+    return f"{model.parameter_definitions[name].description or as_words(name)} {text}{share}"
+
+
+def _element(model: Drivetrain, name: str) -> str:
+    element = model.definition.elements[name]
+    return element.description or as_words(name)
+
+
+def _entry(model: Drivetrain, key: str, value: Any) -> str:
+    """Text of a changed entry of an excitation, an element or the load."""
+    owner, _, name = key.rpartition(".")
+    found = section_of(model.definition, key)
+    if found is not None and found[0] == EXCITATIONS:
+        excitation = model.definition.excitations[owner]
+        if name in FIRING:
+            state = "unloaded" if excitation.absorbs else FIRING[name]
+            return f"{as_words(owner)}: {_cylinders(value)} {state}"
+        if name == "enabled":
+            return f"{as_words(owner)} {'running' if value else 'not running'}"
+    what = "load" if owner == LOAD else as_words(owner)
+    return f"{what}: {as_words(name)} {_listed(value)}"
+
+
+def _cylinders(value: Any) -> str:
+    if value == "each":
+        return "each cylinder in turn"
+    numbers = list(value) if isinstance(value, Sequence) and not isinstance(value, str) else [value]
+    return f"cylinder{'s' if len(numbers) > 1 else ''} {', '.join(map(str, numbers))}"
+
+
+def _listed(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return ", ".join(f"{as_words(str(name))} {_listed(one)}" for name, one in value.items())
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return ", ".join(map(_listed, value))
+    return typeset_unit(str(value)) if isinstance(value, str) and "*" in value else as_words(str(value))
+
+
+def speed_words(model: Drivetrain) -> str:
+    """Sentence with the shaft, the range of speeds in rpm that is calculated, and the rated speed."""
+    speeds = model.definition.speeds
+    if speeds is None:
+        return ""
+    low, high = speeds.values[0] * RPM, speeds.values[-1] * RPM
+    rated = f"; rated speed {speeds.rated * RPM:.6g} rpm" if speeds.rated else ""
+    return f"Speeds in every condition: {low:.6g} to {high:.6g} rpm of {as_words(speeds.of)}{rated}."
+
+
+def load_words(model: Drivetrain) -> str:
+    """Sentence on who absorbs and who drives with which share of the power; empty where one does each."""
+    load = model.definition.load
+    if load is None or len(load.by_place) + len(load.driven_by) < 3:
+        return ""
+    shares = ", ".join(f"{as_words(name)} {100 * share:.4g} %" for name, share in load.driven_by.items())
+    absorbers = ", ".join(map(as_words, load.by_place))
+    return f"Power is absorbed at {absorbers}" + (f" and given by {shares}." if shares else ".")
+
+
+def unexamined(model: Drivetrain, examined: Sequence[str]) -> Iterator[str]:
+    """Yield alternatives that no examined configuration has, as ``coupling=stiff``."""
+    for axis, alternatives in model.axes.items():
+        for name in alternatives:
+            label = f"{axis}={name}" if len(model.axes) > 1 else name
+            if all(label not in one.split(",") for one in examined):
+                yield label

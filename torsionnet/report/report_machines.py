@@ -1,0 +1,222 @@
+"""Machines of a drivetrain as a report lists them: data sheet values in units of engineers, and their sources."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from torsionnet.core.damping import MEASURES, DampingMeasure
+from torsionnet.core.entries.scalars import QuantityKind, Value
+from torsionnet.core.expressions import Expression
+from torsionnet.core.units import RPM, expected_unit
+from torsionnet.model.element_base.teeth import Teeth
+from torsionnet.model.excitations.propeller_torque import PropellerTorque
+from torsionnet.model.given_values import given
+from torsionnet.model.load.load_places import ENGINE
+from torsionnet.report.document_tree import Inline, Text
+from torsionnet.report.report_text import as_words, capital, symbol_or_words, unit
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.model.elements import Element
+    from torsionnet.model.excitations import OrderExcitation
+
+MACHINES = {
+    "propeller": "Propeller",
+    "induction_machine": "Induction machine",
+    "synchronous_machine": "Synchronous machine",
+    "grid_generator": "Generator",
+    "gear": "Gear",
+    "planetary": "Planetary gear",
+    "gearbox": "Gearbox",
+    "final_drive": "Final drive",
+    "belt": "Belt",
+    "chain_drive": "Chain",
+    "flexible_coupling": "Coupling",
+    "hysteretic_spring": "Coupling",
+    "clutch": "Clutch",
+    "fluid_coupling": "Fluid coupling",
+    "torque_converter": "Torque converter",
+    "dual_mass_flywheel": "Dual-mass flywheel",
+    "viscous_damper": "Viscous damper",
+    "tuned_damper": "Tuned damper",
+    "spring_damper": "Spring damper",
+    "pendulum_absorber": "Pendulum absorber",
+}
+"""Words for the types of elements that are machines of an installation, in the order of the list."""
+ROTORS = ("propeller", "electric_machine", "induction_machine", "synchronous_machine", "grid_generator")
+"""Types of elements and excitations that are a whole machine at a node that drives or absorbs."""
+COUPLING_RULE = "coupling"
+"""Type of the limit that makes a coupling of any spring."""
+FOLLOWING = ("torque", "speed")
+"""Entries of a propeller that follow the operating point and are no data of its sheet."""
+UNITS = {
+    "length": ("mm", 1e3),
+    "power": ("kW", 1e-3),
+    "heat flux": ("kW/m^2", 1e-3),
+    "speed": ("rpm", RPM),
+    "angle": ("deg", 180 / math.pi),
+}
+"""Unit of engineers and its factor over SI, by dimension."""
+PREFIXES = (("M", 1e7, 1e6), ("k", 1e3, 1e3))
+"""Prefixes of N m and what contains it: from which size on each is used, and what it stands for.
+
+Torques of ships are told in kN m.
+"""
+LABELS = {"archer": "Archer's factor", "second_inertia": "inertia of the second half"}
+"""Words for entries whose names say too little."""
+
+
+@dataclass(frozen=True)
+class MachineRow:
+    """Machine of an installation: what it is, its data, and where these come from."""
+
+    machine: str
+    data: Text
+    source: str
+
+
+def quantity_text(number: float, dimension: str) -> str:
+    """Text of a quantity in SI in the unit that engineers use for it.
+
+    Examples
+    --------
+    >>> quantity_text(0.6, "length"), quantity_text(188.7e3, "torque"), quantity_text(78.5398163, "speed")
+    ('600 mm', '188.7 kN·m', '750 rpm')
+    """
+    if dimension == "1":
+        return f"{number:.5g}".replace("-", "−")
+    name, factor = UNITS.get(dimension, (expected_unit(dimension), 1.0))
+    if name.startswith("N*m"):
+        prefix, _, size = next((one for one in PREFIXES if abs(number) >= one[1]), ("", 0.0, 1.0))
+        name, factor = prefix + name, 1 / size
+    return f"{number * factor:.5g} {unit(name)}".replace("-", "−")
+
+
+def machines(model: Drivetrain) -> Iterator[MachineRow]:
+    """Yield the machines of a drivetrain, prime movers first, each with its data and their sources."""
+    limits = model.definition.limits.values()
+    couplings = {getattr(one, "element", "") for one in limits if one.kind == COUPLING_RULE}
+    elements = [one for one in model.definition.elements.values() if one.kind in MACHINES or one.name in couplings]
+    for name, excitation in model.definition.excitations.items():
+        words = {"electric_machine": "Electric machine"}.get(excitation.kind, "")
+        if excitation.kind == ENGINE:
+            words = "Compressor" if excitation.absorbs else "Engine"
+        if words:
+            yield MachineRow(_titled(words, name), _joined(_of_excitation(model, excitation)), "")
+    order = [*MACHINES, ""]
+    for element in sorted(elements, key=lambda one: order.index(one.kind if one.kind in MACHINES else "")):
+        head = _titled(MACHINES.get(element.kind, "Coupling"), element.name)
+        head += "" if element.enabled else " (switched off unless a condition switches it on)"
+        yield MachineRow(head, _joined(_of_element(model, element)), _source(model, element))
+    yield from _loads(model)
+
+
+def _loads(model: Drivetrain) -> Iterator[MachineRow]:
+    """Yield rotors that the load drives or brakes where no machine of the list is, as that of a generator."""
+    load = model.definition.load
+    places = {*load.by_place, *load.driven_by} if load else set()
+    covered = {node for one in model.definition.elements.values() if one.kind in ROTORS for node in one.ports.values()}
+    machines_there = [one for one in model.definition.excitations.values() if one.kind in (ENGINE, *ROTORS)]
+    covered = covered.union(*(one.nodes for one in machines_there))
+    for element in model.definition.elements.values():
+        node = getattr(element, "node", None)
+        if element.kind == "inertia" and node in places - covered:
+            yield MachineRow(
+                capital(as_words(element.name)), _joined(_of_element(model, element)), _source(model, element)
+            )
+
+
+def _titled(words: str, name: str) -> str:
+    """Heading of a machine: its kind, and its name unless the kind says it."""
+    return words if as_words(name) in (words.lower(), *words.lower().split()) else f"{words} {as_words(name)}"
+
+
+def _joined(parts: Iterator[tuple[Inline, str]]) -> Text:
+    """Text of labels and values one after the other, separated by semicolons."""
+    found: list[Inline] = []
+    for label, value in parts:
+        found += ["; "] * bool(found) + ([label, f" {value}"] if value else [label])
+    text = tuple(found)
+    return (capital(text[0]), *text[1:]) if text and isinstance(text[0], str) else text
+
+
+def _of_excitation(model: Drivetrain, one: Any) -> Iterator[tuple[Inline, str]]:
+    """Labels and values of an engine, compressor or electric machine by its excitation."""
+    if one.kind == ENGINE:
+        yield f"{len(one.cylinders)} cylinders", ""
+        if not one.absorbs:
+            yield "four-stroke" if one.cycle == 4 else "two-stroke", ""
+        if one.firing_order:
+            yield "firing order", "-".join(map(str, one.firing_order))
+        yield "bore", quantity_text(one.bore, "length")
+        yield "stroke", quantity_text(one.stroke, "length")
+        yield "rod", quantity_text(one.rod_length, "length")
+        yield "reciprocating mass of one cylinder", quantity_text(one.reciprocating_mass, "mass")
+    if getattr(one, "pole_pairs", None):
+        yield "poles", str(2 * one.pole_pairs)
+    if getattr(one, "rated_torque", None):
+        yield "rated torque", quantity_text(one.rated_torque, "torque")
+    yield from _rating(model, one)
+
+
+def _rating(model: Drivetrain, one: OrderExcitation) -> Iterator[tuple[Inline, str]]:
+    """Label and value of the power that a machine states at the rated speed, where it states one."""
+    rating, external = one.rating, model.external_torques
+    ratio = external.ratios.get(one.shaft)
+    if rating is None or not ratio or not external.rated_speed:
+        return
+    speed = abs(ratio) * external.rated_speed
+    what = "indicated power by its pressures" if rating.shares[0] < 1 and rating.power is None else "stated power"
+    yield what, f"{quantity_text(abs(rating.at(speed)[0]), 'power')} at {quantity_text(speed, 'speed')}"
+
+
+def _of_element(model: Drivetrain, element: Element) -> Iterator[tuple[Inline, str]]:
+    """Labels and values of an element with the limits on it, and of a propeller's excitation."""
+    node = getattr(element, "node", None)
+    for one in model.definition.excitations.values():
+        if isinstance(one, PropellerTorque) and element.kind == one.kind and one.shaft == node:
+            yield f"{one.blades} blades", ""
+            yield f"{one.pitch} pitch", ""
+            torque, power = quantity_text(one.torque, "torque"), quantity_text(one.torque * one.rated, "power")
+            yield "rated torque", f"{torque} at {quantity_text(one.rated, 'speed')} ({power})"
+    defaults = element.defaults()
+    for name, spec, value in given(element):
+        if element.kind == "propeller" and name in FOLLOWING:
+            continue
+        if isinstance(value, DampingMeasure):
+            number = float(value.value.evaluate(model.exact_values))
+            at = f" at {float(value.at.evaluate(model.exact_values)):g} Hz" if value.at is not None else ""
+            words = MEASURES[value.measure].description.partition(",")[0].partition(":")[0]
+            yield words, quantity_text(number, MEASURES[value.measure].dimension) + at
+        elif isinstance(spec, QuantityKind) and isinstance(value, Expression):
+            number = float(value.evaluate(model.exact_values))
+            if number:
+                yield LABELS.get(name, as_words(name)), quantity_text(number, spec.dimension)
+        elif isinstance(spec, Teeth) and value:
+            yield as_words(name), " : ".join(map(str, value)).replace("-", "−")
+        elif value not in (defaults.get(name, ()), None, (), "") and not isinstance(value, str | bool):
+            yield as_words(name), "from a table" if not isinstance(value, int) else str(value)
+    for limit in model.definition.limits.values():
+        if getattr(limit, "element", None) == element.name:
+            absent = limit.defaults()
+            for name, spec in limit.specs():
+                value = getattr(limit, name)
+                if isinstance(spec, Value) and value is not None and value != absent.get(name):
+                    yield symbol_or_words(name), quantity_text(value, spec.dimension)
+
+
+def _source(model: Drivetrain, element: Element) -> str:
+    """Text of where the values of an element come from: its remark, its parameters', catalogue, and its limits'."""
+    labels = {LABELS.get(name, as_words(name)) for name, _, _ in given(element)}
+    names = {name for _, _, value, _ in element.expressions() for name in value.names if "." not in name}
+    known = {name: one for name, one in model.parameter_definitions.items() if name in names and one.by is None}
+    found = [element.description, *(one.description for one in known.values() if one.description not in labels)]
+    found += [f"catalogue {element.catalogue}"] if element.catalogue is not None else []
+    for limit in model.definition.limits.values():
+        source = getattr(limit, "source", "")
+        if getattr(limit, "element", None) == element.name and source != limit.defaults().get("source"):
+            found.append(source)
+    return "; ".join(dict.fromkeys(filter(None, found)))
