@@ -60,7 +60,7 @@ class SteppedForm:
     @classmethod
     def between(cls, first: Matrices, last: Matrices) -> SteppedForm:
         """Form of a section from the matrices of the state space at both of its ends."""
-        A, B, C, D = middle = _matrices((one + other) / 2 for one, other in zip(first, last, strict=True))
+        A, B, C, _ = middle = _matrices((one + other) / 2 for one, other in zip(first, last, strict=True))
         change = _matrices(other - one for one, other in zip(first, last, strict=True))
         rows = np.vstack([change[0], change[2]])
         sizes = np.abs(np.vstack([A, C])).max(axis=1, keepdims=True, initial=1e-300)

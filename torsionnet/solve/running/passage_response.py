@@ -1,9 +1,9 @@
 """Response of a drivetrain to all orders of its excitations along a speed over time, as in passing a resonance.
 
-The speed runs straight between the points given. Time is cut into sections in which amplitudes of orders are polynomials
-of the speed and parameters that follow it change evenly; states go on from section to section, and within one each step
-is exact for the free motion (:mod:`.exponential_steps`). Sections are halved and points of interpolation added until
-the values no longer move, and the last movement is the error that the result states.
+The speed runs straight between the points given. Time is cut into sections in which amplitudes of orders are
+polynomials of the speed and parameters that follow it change evenly; states go on from section to section, and within
+one each step is exact for the free motion (:mod:`.exponential_steps`). Sections are halved and points of interpolation
+added until the values no longer move, and the last movement is the error that the result states.
 """
 
 from __future__ import annotations
