@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.notebook import NotebookResult
@@ -110,17 +111,19 @@ class PassageResponse(NotebookResult):
         rpm = float(np.interp(times[at], self.times, self.rpm))
         return PassagePeak(channel.name, float(found[at]), channel.unit, float(times[at]), rpm)
 
-    def cycles_above(self, level: float, output: str | None = None) -> float:
+    def cycles_above(self, level: ArrayLike, output: str | None = None) -> float:
         """Number of vibration cycles of an output whose amplitude exceeds a level in its SI unit, in half cycles.
 
-        Between two crossings of zero the largest value counts ("mean crossing peak counting", ASTM E1049-85, 5.2).
+        The level is one number or one for each time, above 0. Between two crossings of zero the largest value counts
+        ("mean crossing peak counting", ASTM E1049-85, 5.2).
         """
-        return cycles_above(self.of(output), level)
+        return cycles_above(self.of(output) / np.asarray(level), 1.0)
 
-    def seconds_above(self, level: float, output: str | None = None) -> float:
-        """Time in s in which the half range of an output exceeds a level in its SI unit."""
+    def seconds_above(self, level: ArrayLike, output: str | None = None) -> float:
+        """Time in s in which the half range of an output exceeds a level in its SI unit, one or (n_t,)."""
         times, found = self.envelope(output)
-        return sum((span.high - span.low for span in spans_above(times, found, np.full(len(found), level))), 0.0)
+        levels = np.interp(times, self.times, np.broadcast_to(np.asarray(level, dtype=float), self.times.shape))
+        return sum((span.high - span.low for span in spans_above(times, found, levels)), 0.0)
 
     def rows(self) -> list[PassagePeak]:
         """Largest half range of every output along the speed, in the order of the outputs."""

@@ -15,7 +15,14 @@ from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.errors import Fault
 from torsionnet.core.units import RPM
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import NOT_EXAMINED, TOLERANCE, LimitLine, line_without_data, register_rule
+from torsionnet.model.limits.limit import (
+    NOT_EXAMINED,
+    PASSING_TIME,
+    TOLERANCE,
+    LimitLine,
+    line_without_data,
+    register_rule,
+)
 from torsionnet.model.limits.m68_stress import (
     CAPS,
     CONSTANT_ABOVE,
@@ -86,6 +93,7 @@ class IacsM68(ShaftLimit):
         Value("rated speed of the reference shaft; default: that of speeds:", "speed", exclusive=True), None
     )
     tachometer_tolerance: float = entry(TOLERANCE, 0)
+    passing_time: float | None = entry(PASSING_TIME, None)
     safe_speed: float | None = entry(
         Value("speed of the reference shaft that must stay free with a cylinder misfiring", "speed", exclusive=True),
         None,
@@ -189,6 +197,10 @@ class IacsM68(ShaftLimit):
     @property
     def tolerance(self) -> float:
         return float(self.tachometer_tolerance)
+
+    @property
+    def seconds_to_pass(self) -> float | None:
+        return None if self.passing_time is None else float(self.passing_time)
 
     def breaks(self, subject: LimitSubject) -> list[float]:
         rated = self._rated(subject)

@@ -150,6 +150,11 @@ _ORDERS = Listed(
     Text("sensor or node"),
     form="a list such as [T_C]",
 )
+_PASSAGE = Listed(
+    "times in which barred ranges of speed are passed; default: 10 s and 60 s",
+    Value("from one end of a range to the other", "time", exclusive=True),
+    form="a list such as [10 s, 60 s]",
+)
 _NAMES = Listed("configurations to report; default: all", ConfigurationName(""), form="a list of names")
 
 
@@ -175,6 +180,8 @@ class ReportPlan(Declared):
         Language of the report's own texts; names and texts of the model stay as they are.
     simplify : float, optional
         Largest relative change of the modes in the band by which transfer functions may be simplified.
+    passage : tuple of float
+        Times in s in which the passage of barred ranges is shown.
     template : str
         Folder, as seen from the file.
     appendix : bool
@@ -184,7 +191,7 @@ class ReportPlan(Declared):
     article: ClassVar[str] = "a report"
     form: ClassVar[str] = (
         "the entries kind, title, author, sections, transfer_functions, orders, configurations, band, angle, "
-        "language, simplify, notes, template, appendix"
+        "language, simplify, passage, notes, template, appendix"
     )
     kind: str | None = entry(_KIND, None)  # type: ignore[assignment, misc]  # here an entry, elsewhere the name of a class
 
@@ -198,6 +205,7 @@ class ReportPlan(Declared):
     angle: str = entry(OneOf("unit of angles", ANGLES), "rad")
     language: str = entry(OneOf("language of the report's own texts", LANGUAGES), "en")
     simplify: float | None = entry(SIMPLIFY, None)
+    passage: tuple[float, ...] = entry(_PASSAGE, ())
     notes: str = entry(Text("remarks of the author, printed under the title"), "")
     template: str = entry(Text("folder with letterhead, style and wording, as seen from this file"), "")
     appendix: bool = entry(Flag("true: the sections of the other kind of document follow in an appendix"), False)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.response.engine_angles import EngineAngle, with_engines_delayed
@@ -55,7 +56,9 @@ class PassageTorques:
     """Torques of one case of excitation as functions of the angle of the reference shaft, its speed and time."""
 
     request: OrderRequest
-    case: ExcitationCase = field(default_factory=ExcitationCase)
+    case: ExcitationCase
+    kept: NDArray[np.bool_]
+    """Which order lines act, shape (n_lines,)."""
 
     def amplitudes(self, speeds: FloatArray) -> tuple[ComplexArray, OrderLoads]:
         """Complex amplitudes (n_speeds, n_lines, n_inputs) in N m at speeds in rad/s, and their lines and inputs."""
@@ -95,10 +98,11 @@ class PassageTorques:
         speeds = np.array([low + (high - low) * share for low, high in ranges])
         values, loads = self.amplitudes(speeds.ravel())
         values[loads.hertz == 0] = 0.0
+        values = values[:, self.kept]
         size = (count, *values.shape[1:])
         inverse = np.linalg.inv(np.vander(share, increasing=True))
-        relative = np.array([float(line.relative) for line in loads.lines])
-        fixed = 2 * math.pi * np.array([line.fixed for line in loads.lines])
+        relative = np.array([float(line.relative) for line in loads.lines])[self.kept]
+        fixed = 2 * math.pi * np.array([line.fixed for line in loads.lines])[self.kept]
         return [
             SectionTorques(low, high, np.tensordot(inverse, part, axes=1), relative, fixed)
             for (low, high), part in zip(ranges, values.reshape(len(ranges), *size), strict=True)
@@ -142,6 +146,21 @@ class SectionTorques:
         amplitudes = np.tensordot(share ** np.arange(len(self.powers)), self.powers, axes=1)
         turning = np.exp(1j * (self.relative * angle + self.fixed * time))
         return amplitudes.T * turning, self.relative * speed + self.fixed
+
+
+def lines_that_matter(run: OrderResponse, negligible: float) -> tuple[NDArray[np.bool_], float]:
+    """Order lines that are followed, shape (n_lines,), and the share of the largest half range that the others have.
+
+    Highest orders are left out while together they have no more than a share ``negligible`` of any output.
+    """
+    size = run.half_range.max(axis=0)
+    shares = (run.sizes.max(axis=0) / np.where(size > 0, size, 1.0)).max(axis=1)
+    order = np.argsort(-np.abs(run.frequencies).max(axis=0), kind="stable")
+    lost = np.cumsum(shares[order])
+    count = min(int(np.searchsorted(lost, negligible, side="right")), len(order) - 1)
+    kept = np.ones(len(order), dtype=bool)
+    kept[order[:count]] = False
+    return kept, float(lost[count - 1]) if count else 0.0
 
 
 def highest_rate(lines: Sequence[float], fixed: FloatArray, speed: float) -> float:
