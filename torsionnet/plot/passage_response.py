@@ -48,7 +48,7 @@ def passage_response(
     place = run.output(output or run.outputs[0].name)
     channel, values = run.outputs[place], run.values[:, place]
     lines = {name: np.broadcast_to(np.asarray(line, dtype=float), run.times.shape) for name, line in
-             (limits or {}).items()}  # fmt: skip
+             (limits or {}).items() if np.isfinite(line).any()}  # fmt: skip
     known = [float(np.nanmax(line)) for line in lines.values() if np.isfinite(line).any()]
     scale, unit = axis_unit(channel.unit, max([float(np.abs(values).max()), *known]), conventions)
     figure = style.new_figure(style.WIDTH, 4.0)

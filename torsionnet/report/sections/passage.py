@@ -11,7 +11,7 @@ from torsionnet.report.report_tables import results_table
 from torsionnet.report.report_text import as_words, capital
 from torsionnet.response.frequency_response import Channel
 from torsionnet.response.limits.operating_instructions import PassedRange, passed_ranges
-from torsionnet.response.limits.range_passage import EXCEEDED, RangePassage, passage_table
+from torsionnet.response.limits.range_passage import EXCEEDED, KEPT, RangePassage, passage_table
 
 QUICK, SLOW = 10.0, 60.0
 """Times in s in which barred ranges are passed in a report unless others are asked for: with power to spare, and with
@@ -51,7 +51,7 @@ def _range(subject: ReportData, barred: PassedRange, number: int) -> Iterator[Bl
     """Blocks of the report on one barred range: what was found, the table of passages, and the slowest one drawn."""
     from torsionnet.solve.running.range_passage import range_passages
 
-    check, verdict = barred.worst
+    check, _ = barred.worst
     case = next(one for one in subject.judged_cases if one.configuration == check.configuration)
     asked = barred.seconds_to_pass
     times = sorted({*(subject.request.plan.passage or (QUICK, SLOW)), *((asked,) if asked else ())})
@@ -60,11 +60,10 @@ def _range(subject: ReportData, barred: PassedRange, number: int) -> Iterator[Bl
         return
     low, high = barred.span.rpm_outward
     where = f", {check.configuration}" if check.configuration else ""
-    name = f"{as_words(verdict.limit)}, {as_words(verdict.criterion)}"
-    yield Paragraph((Strong(f"{low} to {high} rpm{where}:"), f" {name}.", *_finding(passages, asked)))
+    yield Paragraph((Strong(f"{low} to {high} rpm{where}:"), *_finding(passages, asked)))
     shown = passage_table(passages, subject.conventions)
     yield results_table(shown, f"Passage of {low} to {high} rpm{where}")
-    slowest = max(passages, key=lambda one: one.seconds)
+    slowest = max(passages, key=lambda one: one.seconds)  # the first of these is that of the worst limit
     yield _picture(subject, slowest, f"{low} to {high} rpm{where}", number)
     notes = dict.fromkeys(note for one in passages for note in one.response.notes[:-1])
     if notes:
@@ -76,8 +75,14 @@ def _finding(passages: tuple[RangePassage, ...], asked: float | None) -> tuple[s
     over = sorted({one.seconds for one in passages if one.row.verdict == EXCEEDED})
     if asked is not None:
         kept = "is exceeded" if asked in over else "is kept"
-        return (f" In the {asked:g} s that are asked for, the limit in passing {kept}.",)
-    return (f" The limit in passing is exceeded in {', '.join(f'{one:g}' for one in over)} s.",) if over else ()
+        return (f" in the {asked:g} s that are asked for, the limit in passing {kept}.",)
+    if over:
+        return (f" the limit in passing is exceeded in {', '.join(f'{one:g}' for one in over)} s.",)
+    return (
+        " limits in passing are kept."
+        if any(one.row.verdict == KEPT for one in passages)
+        else " no limit in passing is given.",
+    )
 
 
 def _picture(subject: ReportData, passage: RangePassage, what: str, number: int) -> Picture:
@@ -86,7 +91,7 @@ def _picture(subject: ReportData, passage: RangePassage, what: str, number: int)
 
     run, verdict = passage.response, passage.verdict
     single = replace(run, values=passage.values[:, None], outputs=(Channel(as_words(verdict.limit), verdict.unit),))
-    lines = {"allowed": passage.allowed, "allowed in passing": passage.allowed_in_passing}
+    lines = {verdict.criterion: passage.allowed, passage.criterion_in_passing: passage.allowed_in_passing}
     drawn = passage_response(single, limits=lines, conventions=subject.conventions, title="")
     caption = (f"Passage of {what} in {passage.seconds:g} s.",)
     return Picture(f"passage_{number}", drawn, caption, f"Vibration over time in a passage of {what}")

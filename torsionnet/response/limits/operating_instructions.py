@@ -105,6 +105,13 @@ class PassedRange:
         return found.check, found.verdict
 
     @property
+    def verdicts(self) -> tuple[LimitVerdict, ...]:
+        """Verdicts that bar the speed range in the condition of the worst one, which is the first."""
+        check, first = self.worst
+        others = (one.verdict for one in self.places if one.check is check)
+        return (first, *dict.fromkeys(one for one in others if one is not first))
+
+    @property
     def utilisation(self) -> float:
         """Largest value over value allowed in the speed range."""
         return max(place.utilisation for place in self.places)

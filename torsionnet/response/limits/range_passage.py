@@ -25,6 +25,7 @@ KEPT, EXCEEDED, NOT_LIMITED = "kept", "exceeded", "no limit"
 class PassageRow:
     """Passage of a barred range with its largest value in SI, and how often and how long the limit is exceeded."""
 
+    limit: Annotated[str, Out("limit")]
     direction: Annotated[str, Out("direction")]
     seconds: Annotated[float, Out("time", "s")]
     rpm: Annotated[float, Out("speed", "rpm", digits=4)]
@@ -52,7 +53,9 @@ class RangePassage:
     seconds : float
         From one end to the other.
     response : PassageResponse
-        Of the sensors of the limit.
+        Of the sensors of all limits that bar the range.
+    sensors : tuple of str
+        Names of those of this limit.
     factor : float
         Value of the limit over the reading of a sensor, both in SI.
     """
@@ -63,6 +66,7 @@ class RangePassage:
     high: float
     seconds: float
     response: PassageResponse
+    sensors: tuple[str, ...]
     factor: float
 
     @property
@@ -72,7 +76,7 @@ class RangePassage:
     @cached_property
     def output(self) -> str:
         """Name of the sensor with the largest value along the passage."""
-        return max(self.response.rows(), key=lambda one: one.half_range).output
+        return max(self.sensors, key=lambda name: self.response.peak(name).half_range)
 
     @property
     def values(self) -> FloatArray:
@@ -87,12 +91,25 @@ class RangePassage:
     @property
     def allowed_in_passing(self) -> FloatArray:
         """Value allowed in passing at the speed of each time, SI, shape (n_t,); NaN where the limit says none."""
-        others = [one.allowed for one in self.check.verdicts
-                  if one.limit == self.verdict.limit and one.in_passing and one.unit == self.verdict.unit
-                  and one.quantity == self.verdict.quantity]  # fmt: skip
+        others = [one.allowed for one in self._in_passing]
         if not others:
             return np.full(len(self.response.times), math.nan)
-        return self._at_speeds(np.nanmin(others, axis=0) if len(others) > 1 else others[0])
+        return self._at_speeds(np.min(others, axis=0))
+
+    @property
+    def criterion_in_passing(self) -> str:
+        """Name of the criterion that limits the passage; empty where there is none."""
+        return ", ".join(one.criterion for one in self._in_passing)
+
+    @property
+    def _in_passing(self) -> list[LimitVerdict]:
+        """Verdicts of the same limit on the same quantity that no speed may exceed."""
+        own = self.verdict
+        return [
+            one
+            for one in self.check.verdicts
+            if one.in_passing and (one.limit, one.unit, one.quantity) == (own.limit, own.unit, own.quantity)
+        ]
 
     def _at_speeds(self, over_speed: FloatArray) -> FloatArray:
         return np.interp(self.response.speeds, self.check.speeds, over_speed)
@@ -112,6 +129,7 @@ class RangePassage:
         limited = math.isfinite(passing)
         level = self.allowed / self.factor
         return PassageRow(
+            self.verdict.limit,
             "up" if self.is_upward else "down", self.seconds, peak.rpm, value,
             float(self.verdict.values[inside].max(initial=0.0)), allowed, passing if limited else None,
             self.verdict.unit, run.cycles_above(level, name), run.seconds_above(level, name),

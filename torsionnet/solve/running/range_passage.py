@@ -21,10 +21,10 @@ and steady."""
 def range_passages(
     drivetrain: AssembledModel, barred: PassedRange, seconds: Sequence[float]
 ) -> tuple[RangePassage, ...]:
-    """Passages of a barred range up and down in times in s, in the condition and for the limit used most in it.
+    """Passages of a barred range up and down in times in s, against every limit that bars it in the worst condition.
 
     Speeds run evenly, and begin and end a quarter of the range outside of it, as far as speeds are examined there.
-    Empty where the limit judges no vibratory value, as the heat of a coupling.
+    Empty where no limit judges a vibratory value, as those of heat.
 
     Parameters
     ----------
@@ -34,19 +34,26 @@ def range_passages(
     seconds : sequence of float
         s, from one end of the range to the other.
     """
-    check, verdict = barred.worst
-    limit = drivetrain.definition.limits[verdict.limit].fitted(drivetrain.definition.elements)
-    judged = limit.vibratory_sensors(verdict.criterion, limit_subject(drivetrain.definition, drivetrain.exact_values))
-    if judged is None:
+    check, _ = barred.worst
+    subject = limit_subject(drivetrain.definition, drivetrain.exact_values)
+    judged = []
+    for verdict in barred.verdicts:
+        limit = drivetrain.definition.limits[verdict.limit].fitted(drivetrain.definition.elements)
+        found = limit.vibratory_sensors(verdict.criterion, subject)
+        judged += [] if found is None else [(verdict, *found)]
+    sensors = list(dict.fromkeys(sensor for _, those, _ in judged for sensor in those))
+    if not sensors:
         return ()
-    sensors, factor = judged
     low, high = barred.span.low, barred.span.high
     wide = RUN_UP_SHARE * (high - low)
     whole = SpeedSpan(low - wide, high + wide).within(SpeedSpan(float(check.speeds[0]), float(check.speeds[-1])))
-    found = []
+    passages = []
     for duration in seconds:
         times = np.array([0.0, duration * (whole.high - whole.low) / (high - low)])
         for ends in ((whole.low, whole.high), (whole.high, whole.low)):
             run = passage_response(drivetrain, sensors, times, ends, speed_of=check.reference)
-            found.append(RangePassage(check, verdict, low, high, duration, run, factor))
-    return tuple(found)
+            passages += [
+                RangePassage(check, verdict, low, high, duration, run, tuple(map(str, those)), factor)
+                for verdict, those, factor in judged
+            ]
+    return tuple(passages)
