@@ -22,7 +22,7 @@ def two_masses(damping=C, **more):
     ]
     orders = {1: {"amplitude": "10 N*m"}, 2: {"amplitude": "4 N*m", "phase": "50 deg"}}
     excitations = {"engine": {"type": "harmonic", "node": "a", "orders": orders}}
-    speeds = {"of": "a", "range": "100..2000 rpm", "step": "100 rpm"}
+    speeds = {"of": "a", "range": "100..2000 rpm", "step": "100 rpm", "rated": "2000 rpm"}
     return tn.Drivetrain("two", elements, speeds=speeds, excitations=excitations, **more)
 
 
@@ -168,8 +168,8 @@ def test_misfire_takes_the_worst_cylinder():
 def test_hysteretic_springs_have_their_viscous_equivalent():
     rubber = tn.HystereticSpring("shaft", nodes=("a", "b"), stiffness=K, loss_factor=0.05)
     found = two_masses(spring=rubber).passage_response("torque(shaft)", [0, 1], [80, 120])
-    speed = [note for note in found.notes if "Hz" in note][0]
-    frequency = float(speed.split(" at ")[1].split(" Hz")[0])
+    note = next(note for note in found.notes if "Hz" in note)
+    frequency = float(note.split(" at ")[1].split(" Hz")[0])
     assert frequency == pytest.approx(NATURAL / (2 * np.pi), rel=0.01)
     viscous = two_masses(damping=K * 0.05 / (2 * np.pi * frequency))
     same = viscous.passage_response("torque(shaft)", [0, 1], [80, 120])

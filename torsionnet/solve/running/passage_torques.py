@@ -58,7 +58,7 @@ class PassageTorques:
     request: OrderRequest
     case: ExcitationCase
     kept: NDArray[np.bool_]
-    """Which order lines act, shape (n_lines,)."""
+    """Flags of the order lines that act, shape (n_lines,)."""
 
     def amplitudes(self, speeds: FloatArray) -> tuple[ComplexArray, OrderLoads]:
         """Complex amplitudes (n_speeds, n_lines, n_inputs) in N m at speeds in rad/s, and their lines and inputs."""
@@ -149,7 +149,7 @@ class SectionTorques:
 
 
 def lines_that_matter(run: OrderResponse, negligible: float) -> tuple[NDArray[np.bool_], float]:
-    """Order lines that are followed, shape (n_lines,), and the share of the largest half range that the others have.
+    """Flags of the order lines that are followed, shape (n_lines,), and the share of the largest half range that the others have.
 
     Highest orders are left out while together they have no more than a share ``negligible`` of any output.
     """
