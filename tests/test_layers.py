@@ -46,6 +46,8 @@ SAME_THING = {
         "order_response",
         "orders",
         "parameters",
+        "passage_response",
+        "range_passage",
         "report",
         "schematic",
         "simplified",

@@ -74,8 +74,9 @@ def _finding(passages: tuple[RangePassage, ...], asked: float | None) -> tuple[s
     """Sentences on the limit in passing, in the time that the limit names if it names one."""
     over = sorted({one.seconds for one in passages if one.row.verdict == EXCEEDED})
     if asked is not None:
-        kept = "is exceeded" if asked in over else "is kept"
-        return (f" in the {asked:g} s that are asked for, the limit in passing {kept}.",)
+        if asked in over:
+            return (f" in the {asked:g} s that are asked for, the limit in passing is exceeded.",)
+        return (f" in the {asked:g} s that are asked for, the limit in passing is kept.",)
     if over:
         return (f" the limit in passing is exceeded in {', '.join(f'{one:g}' for one in over)} s.",)
     return (
@@ -94,4 +95,4 @@ def _picture(subject: ReportData, passage: RangePassage, what: str, number: int)
     lines = {verdict.criterion: passage.allowed, passage.criterion_in_passing: passage.allowed_in_passing}
     drawn = passage_response(single, limits=lines, conventions=subject.conventions, title="")
     caption = (f"Passage of {what} in {passage.seconds:g} s.",)
-    return Picture(f"passage_{number}", drawn, caption, f"Vibration over time in a passage of {what}")
+    return Picture(f"passage_{number}", drawn, caption, f"Passage of {what} in {passage.seconds:g} s.")
