@@ -47,6 +47,8 @@ SAME_THING = {
         "orders",
         "parameters",
         "power_balance",
+        "passage_response",
+        "range_passage",
         "report",
         "schematic",
         "simplified",

@@ -29,6 +29,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "order_response": "torsionnet.plot.order_response",
         "parallel_coordinates": "torsionnet.plot.study.parallel_coordinates",
         "pareto_front": "torsionnet.plot.study.designs",
+        "passage_response": "torsionnet.plot.passage_response",
         "percentile_bands": "torsionnet.plot.study.percentile_bands",
         "robust_optimum": "torsionnet.plot.study.designs",
         "save": "torsionnet.plot.drawing.save",

@@ -12,7 +12,7 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import NOT_EXAMINED, TOLERANCE, LimitLine
+from torsionnet.model.limits.limit import NOT_EXAMINED, PASSING_TIME, TOLERANCE, LimitLine
 from torsionnet.model.limits.m68_stress import usual_range
 from torsionnet.model.limits.shaft_limit import ShaftLimit
 from torsionnet.model.limits.subject import LimitSubject
@@ -30,6 +30,7 @@ class ClassRuleShaft(ShaftLimit):
         Value("rated speed of the reference shaft; default: that of speeds:", "speed", exclusive=True), None
     )
     tachometer_tolerance: float = entry(TOLERANCE, 0)
+    passing_time: float | None = entry(PASSING_TIME, None)
 
     @property
     def no_barred_above(self) -> float:
@@ -44,6 +45,10 @@ class ClassRuleShaft(ShaftLimit):
     @property
     def tolerance(self) -> float:
         return float(self.tachometer_tolerance)
+
+    @property
+    def seconds_to_pass(self) -> float | None:
+        return None if self.passing_time is None else float(self.passing_time)
 
     def rated_speed(self, subject: LimitSubject) -> float:
         """Rated speed of the reference shaft in rad/s, nan where neither limit nor model gives it."""

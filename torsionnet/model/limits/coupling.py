@@ -76,6 +76,10 @@ class CouplingLimit(InSpeedBand, ElementLimit):
     def power_elements(self) -> list[str]:
         return [self.element] if self.P_KV is not None else []
 
+    def vibratory_sensors(self, criterion: str, subject: LimitSubject) -> tuple[list[Sensor], float] | None:
+        del subject
+        return ([self.torque], 1.0) if criterion == "T_KW" and self.frequency_factor == "none" else None
+
     def text(self, evidence: Evidence) -> RuleText:
         del evidence
         by_din = self.frequency_factor == "din_740_2"

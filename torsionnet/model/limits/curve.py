@@ -22,7 +22,7 @@ from torsionnet.model.element_base.round_section import section_fault
 from torsionnet.model.excitations.order_excitation import ORDER
 from torsionnet.model.limits.allowed_curve import ALLOWED, AllowedTable, Pairs, allowed_at
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import TOLERANCE, Limit, LimitLine, register_rule
+from torsionnet.model.limits.limit import PASSING_TIME, TOLERANCE, Limit, LimitLine, register_rule
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.limits.limit_check import LimitVerdict, RuleText
@@ -61,6 +61,7 @@ class CurveLimit(Limit):
     )
     orders: tuple[float, ...] = entry(Listed("with each_order: these alone", ORDER, form="a list of orders"), ())
     tachometer_tolerance: float = entry(TOLERANCE, 0)
+    passing_time: float | None = entry(PASSING_TIME, None)
     transient_factor: float | None = entry(Value("times the value for passing through", "1", lower=1), None)
     source: str = entry(Text("who says so, and where"))
 
@@ -71,6 +72,10 @@ class CurveLimit(Limit):
     @property
     def tolerance(self) -> float:
         return float(self.tachometer_tolerance)
+
+    @property
+    def seconds_to_pass(self) -> float | None:
+        return None if self.passing_time is None else float(self.passing_time)
 
     @property
     def named(self) -> tuple[tuple[Path, str, str], ...]:
@@ -141,6 +146,10 @@ class CurveLimit(Limit):
     def order_sensors(self, subject: LimitSubject) -> list[Sensor]:
         sensor = self.sensor(subject)
         return [] if sensor is None else [sensor]
+
+    def vibratory_sensors(self, criterion: str, subject: LimitSubject) -> tuple[list[Sensor], float] | None:
+        del criterion
+        return (self.order_sensors(subject), 1.0) if self.measure == "half_range" else None
 
     def text(self, evidence: Evidence) -> RuleText:
         del evidence

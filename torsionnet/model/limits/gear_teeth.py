@@ -77,6 +77,10 @@ class GearLimit(ElementLimit):
         del subject
         return [self.torque]
 
+    def vibratory_sensors(self, criterion: str, subject: LimitSubject) -> tuple[list[Sensor], float] | None:
+        del criterion, subject
+        return [self.torque], 1.0
+
     def text(self, evidence: Evidence) -> RuleText:
         del evidence
         parts = []

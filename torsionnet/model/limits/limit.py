@@ -39,6 +39,8 @@ UNDAMPED_STEP = 1e-6
 """Relative step of speed at which a peak that is still sharp counts as a resonance without damping."""
 TOLERANCE = Value("how wrong a tachometer may be, as 2 %: ranges are wider by it", "1", below=0.2)
 """Specification of a limit's entry for the error of a tachometer."""
+PASSING_TIME = Value("longest time in which a barred range is to be passed, as 10 s", "time", exclusive=True)
+"""Specification of a limit's entry for the time in which the crew has to pass a barred range."""
 NOT_EXAMINED = ("no lower speed was examined", "no higher speed was examined")
 """Remarks on a barred range of speeds that is cut off at the lowest or the highest speed examined."""
 
@@ -160,6 +162,19 @@ class Limit(Declared):
         """Relative error of the tachometer, by which barred ranges are wider on both sides."""
         return 0.0
 
+    @property
+    def seconds_to_pass(self) -> float | None:
+        """Longest time in s in which a barred range is to be passed; None where nothing is said."""
+        return None
+
+    def vibratory_sensors(self, criterion: str, subject: LimitSubject) -> tuple[list[Sensor], float] | None:
+        """Sensors of which the largest half range is judged by a criterion, and the factor from SI to its value.
+
+        None where it judges something else, as a mean value or power.
+        """
+        del criterion, subject
+        return None
+
     def continuous(self, line: LimitLine, name: str, evidence: Evidence) -> LimitVerdict:
         """Verdict of the limit on a criterion for continuous operation.
 
@@ -212,6 +227,7 @@ class Limit(Declared):
             values=line.values, allowed=line.allowed, verdict=verdict, text=self.text(evidence), barred=barred,
             remarks=(*remarks, *line.remarks, *self.remarks(line, evidence), *case, *_coarse(evidence, line.values)),
             orders=line.orders, tolerance=self.tolerance, in_passing=line.in_passing,
+            seconds_to_pass=self.seconds_to_pass,
         )  # fmt: skip
 
 

@@ -17,6 +17,9 @@ from torsionnet.model.limits.limit import Limit
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.frequency_response import FloatArray
 
+VIBRATORY_STRESSES = ("tau_C", "tau_W")
+"""Criteria of limits of shafts that judge the half range of the shear stress alone."""
+
 
 @dataclass(frozen=True)
 class RoundSection:
@@ -80,6 +83,11 @@ class ShaftLimit(Limit):
     def mean_sensors(self, subject: LimitSubject) -> list[Sensor]:
         del subject
         return [Sensor("torque", self.element)]
+
+    def vibratory_sensors(self, criterion: str, subject: LimitSubject) -> tuple[list[Sensor], float] | None:
+        if criterion not in VIBRATORY_STRESSES:
+            return None
+        return self.order_sensors(subject), 1 / self.section(subject).modulus
 
     def section(self, subject: LimitSubject) -> RoundSection:
         """Round section of the shaft in which the limit judges the stress."""

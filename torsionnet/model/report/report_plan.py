@@ -166,6 +166,11 @@ _IDLING = Listed(
     Value("a speed", "speed", exclusive=True),
     form="a list such as [300 rpm]",
 )
+_PASSAGE = Listed(
+    "times in which barred ranges of speed are passed; default: 10 s and 60 s",
+    Value("from one end of a range to the other", "time", exclusive=True),
+    form="a list such as [10 s, 60 s]",
+)
 _NAMES = Listed("configurations to report; default: all", ConfigurationName(""), form="a list of names")
 
 
@@ -191,6 +196,8 @@ class ReportPlan(Declared):
         Language of the report's own texts; names and texts of the model stay as they are.
     simplify : float, optional
         Largest relative change of the modes in the band by which transfer functions may be simplified.
+    passage : tuple of float
+        Times in s in which the passage of barred ranges is shown.
     template : str
         Folder, as seen from the file.
     rules : str, optional
@@ -218,6 +225,7 @@ class ReportPlan(Declared):
     angle: str = entry(OneOf("unit of angles", ANGLES), "rad")
     language: str = entry(OneOf("language of the report's own texts", LANGUAGES), "en")
     simplify: float | None = entry(SIMPLIFY, None)
+    passage: tuple[float, ...] = entry(_PASSAGE, ())
     notes: str = entry(Text("remarks of the author, printed under the title"), "")
     template: str = entry(Text("folder with letterhead, style and wording, as seen from this file"), "")
     rules: str | None = entry(_RULES, None)

@@ -117,6 +117,8 @@ class LimitVerdict:
         Relative error of the tachometer that is in ``barred``.
     in_passing : bool
         Whether no speed may exceed it, not even while it is passed.
+    seconds_to_pass : float, optional
+        Longest time in s in which ranges in ``passed`` are to be passed.
     remarks : tuple of str
     orders : (n_speeds, n_lines) array, optional
         Amplitudes of the orders behind ``values``.
@@ -137,6 +139,7 @@ class LimitVerdict:
     highest: float | None = None
     tolerance: float = 0.0
     in_passing: bool = False
+    seconds_to_pass: float | None = None
     remarks: tuple[str, ...] = ()
     orders: FloatArray | None = None
     absent: bool = False

@@ -83,6 +83,54 @@ class _Place:
         return float(self.verdict.utilisation[self.at])
 
 
+@dataclass(frozen=True, eq=False)
+class PassedRange:
+    """Speed range that the crew passes without stopping, and the limits that bar it in several conditions.
+
+    Attributes
+    ----------
+    span : SpeedSpan
+        rad/s, not rounded.
+    places : tuple
+        Limits with their conditions.
+    """
+
+    span: SpeedSpan
+    places: tuple[_Place, ...]
+
+    @property
+    def worst(self) -> tuple[LimitCheck, LimitVerdict]:
+        """Check and verdict with the largest utilisation in the speed range."""
+        found = max(self.places, key=lambda place: place.utilisation)
+        return found.check, found.verdict
+
+    @property
+    def verdicts(self) -> tuple[LimitVerdict, ...]:
+        """Verdicts that bar the speed range in the condition of the worst one, which is the first."""
+        check, first = self.worst
+        others = (one.verdict for one in self.places if one.check is check)
+        return (first, *dict.fromkeys(one for one in others if one is not first))
+
+    @property
+    def utilisation(self) -> float:
+        """Largest value over value allowed in the speed range."""
+        return max(place.utilisation for place in self.places)
+
+    @property
+    def seconds_to_pass(self) -> float | None:
+        """Shortest time in s in which a limit wants the speed range to be passed; None where none is given."""
+        return min((at for one in self.places if (at := one.verdict.seconds_to_pass) is not None), default=None)
+
+
+def passed_ranges(checks: Sequence[LimitCheck]) -> tuple[PassedRange, ...]:
+    """Speed ranges to be passed without stopping, joined where those of several limits and conditions overlap."""
+    passed = [place for one in checks for place in _passed(one)]
+    return tuple(
+        PassedRange(span, tuple(place for place in passed if span.low <= place.span.low <= span.high))
+        for span in joined_spans([place.span for place in passed])
+    )
+
+
 def operating_instructions(checks: Sequence[LimitCheck]) -> tuple[Instruction, ...]:
     """Instructions to the crew from checks of limits of one model; ranges that overlap in several conditions are one.
 
@@ -92,11 +140,10 @@ def operating_instructions(checks: Sequence[LimitCheck]) -> tuple[Instruction, .
     found: list[Instruction] = []
     for misfiring in (False, True):
         those = [one for one in checks if one.misfiring == misfiring]
-        passed = [place for one in those for place in _passed(one)]
-        for span in joined_spans([place.span for place in passed]):
-            inside = [place for place in passed if span.low <= place.span.low <= span.high]
-            action, marking = "pass without stopping", "tachometer red, notice at each control station"
-            found.append(_instruction(inside, *span.rpm_outward, action, marking))
+        for one in passed_ranges(those):
+            within = "" if one.seconds_to_pass is None else f" within {one.seconds_to_pass:g} s"
+            action, marking = f"pass without stopping{within}", "tachometer red, notice at each control station"
+            found.append(_instruction(one.places, *one.span.rpm_outward, action, marking))
         reduced = [place for one in those for place in _reduced(one)]
         if reduced:
             highest = whole_rpm(min(place.span.low for place in reduced), math.floor)

@@ -59,30 +59,36 @@ def order_response(
     See :meth:`torsionnet.Drivetrain.order_response`.
     """
     request = OrderRequest.of(drivetrain, speeds, speed_of, excitations)
-    at = request.speeds
+    return _responses(request, outputs, settled_values(request))
 
-    def run(wanted: Any, settled: IteratedValues) -> OrderResponse:
-        batch = batch_over_speeds(request.drivetrain, request.reference, at, settled)
-        if batch is not None:
-            parts = [
-                np.arange(start, min(start + SPEEDS_PER_BLOCK, len(at)))
-                for start in range(0, len(at), SPEEDS_PER_BLOCK)
-            ]
-            found = [(_of_batch(batch.part(part), wanted, request.loads(at[part])), part) for part in parts]
-            return join_responses(found, at, drivetrain.title)
-        found = [
-            (_block(rigs, wanted, request.loads(at[part])), part)
-            for rigs, part in blocks_of_speeds(
-                drivetrains_at_speeds(request.drivetrain, request.reference, at, settled),
-                lambda rig: stress_section_moduli(rig, (wanted,)),
-            )
-        ]
-        return join_responses(found, at, drivetrain.title)
+
+def settled_values(request: OrderRequest) -> IteratedValues:
+    """Values (n_speeds,) in SI units of the parameters that depend on vibration, at the speeds of an order request."""
 
     def vibration(elements: Sequence[str], settled: IteratedValues) -> FloatArray:
-        return run([Sensor("torque", name) for name in elements], settled).half_range
+        return _responses(request, [Sensor("torque", name) for name in elements], settled).half_range
 
-    return run(outputs, values_by_vibration(drivetrain.definition, at, vibration))
+    return values_by_vibration(request.drivetrain.definition, request.speeds, vibration)
+
+
+def _responses(request: OrderRequest, wanted: Any, settled: IteratedValues) -> OrderResponse:
+    """Order response at the speeds of a request, with the parameters that depend on vibration given."""
+    at, title = request.speeds, request.drivetrain.title
+    batch = batch_over_speeds(request.drivetrain, request.reference, at, settled)
+    if batch is not None:
+        parts = [
+            np.arange(start, min(start + SPEEDS_PER_BLOCK, len(at))) for start in range(0, len(at), SPEEDS_PER_BLOCK)
+        ]
+        found = [(_of_batch(batch.part(part), wanted, request.loads(at[part])), part) for part in parts]
+        return join_responses(found, at, title)
+    found = [
+        (_block(rigs, wanted, request.loads(at[part])), part)
+        for rigs, part in blocks_of_speeds(
+            drivetrains_at_speeds(request.drivetrain, request.reference, at, settled),
+            lambda rig: stress_section_moduli(rig, (wanted,)),
+        )
+    ]
+    return join_responses(found, at, title)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,214 @@
+"""Response to all orders along a speed over time: against an integrator, in the limits, and for library ships."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import torsionnet as tn
+from torsionnet.core.units import RPM
+from torsionnet.plot import passage_response as drawn
+from torsionnet.response.vibration_cycles import cycles_above, half_ranges
+
+J, K, C = (2.0, 3.0), 1.2e4, 6.0
+NATURAL = np.sqrt(K * (1 / J[0] + 1 / J[1]))  # 100 rad/s
+
+
+def two_masses(damping=C, **more):
+    elements = [
+        tn.Inertia("a", node="a", inertia=J[0]),
+        tn.Inertia("b", node="b", inertia=J[1]),
+        more.pop("spring", tn.Spring("shaft", nodes=("a", "b"), stiffness=K, damping=damping)),
+        *more.pop("extra", ()),
+    ]
+    orders = {1: {"amplitude": "10 N*m"}, 2: {"amplitude": "4 N*m", "phase": "50 deg"}}
+    excitations = {"engine": {"type": "harmonic", "node": "a", "orders": orders}}
+    speeds = {"of": "a", "range": "100..2000 rpm", "step": "100 rpm", "rated": "2000 rpm"}
+    return tn.Drivetrain("two", elements, speeds=speeds, excitations=excitations, **more)
+
+
+def integrated(times, at, speeds, damping=lambda _: 0.0):
+    """Torque in the shaft from matrices written down here; ``damping`` of mass b to ground at each speed."""
+    slope = np.diff(speeds) / np.diff(at)
+    starts = np.concatenate([[0.0], np.cumsum(np.diff(at) * (speeds[:-1] + np.array(speeds[1:])) / 2)])
+
+    def course(t):
+        piece = min(max(int(np.searchsorted(at, t, side="right")) - 1, 0), len(slope) - 1)
+        since = t - at[piece]
+        return (
+            starts[piece] + speeds[piece] * since + slope[piece] * since**2 / 2,
+            speeds[piece] + slope[piece] * since,
+        )
+
+    def matrices(speed):
+        k = K * np.array([[1, -1], [-1, 1]])
+        c = C * np.array([[1, -1], [-1, 1]]) + np.diag([0.0, damping(speed)])
+        return k, c
+
+    def rates(t, x):
+        angle, speed = course(t)
+        k, c = matrices(speed)
+        torque = 10 * np.cos(angle) + 4 * np.cos(2 * angle + np.radians(50))
+        return np.concatenate([x[2:], (np.array([torque, 0.0]) - k @ x[:2] - c @ x[2:]) / J])
+
+    first = np.zeros(4)
+    k, c = matrices(speeds[0])
+    for order, load in ((1, 10.0), (2, 4 * np.exp(1j * np.radians(50)))):
+        w = order * speeds[0]
+        q = np.linalg.solve(k + 1j * w * c - w**2 * np.diag(J), [load, 0])
+        first += np.concatenate([q.real, (1j * w * q).real])
+    x = [first[:, None]]
+    for piece in range(len(slope)):
+        inside = (times > at[piece]) & (times <= at[piece + 1] * (1 + 1e-12))
+        run = solve_ivp(
+            rates, at[piece : piece + 2], x[-1][:, -1], "DOP853", np.minimum(times[inside], at[piece + 1]),
+            rtol=1e-9, atol=1e-12,
+        )  # fmt: skip
+        x.append(run.y)
+    x = np.concatenate(x, axis=1)
+    return K * (x[0] - x[1]) + C * (x[2] - x[3])
+
+
+def off(run, exact):
+    sign = np.sign(run.of() @ exact)
+    return np.abs(sign * run.of() - exact).max() / np.abs(exact).max()
+
+
+@pytest.mark.parametrize("speeds", [(70, 130), pytest.param((130, 70), marks=pytest.mark.slow)])
+def test_sweep_through_resonance_as_integrated(speeds):
+    at = [0.0, 1.0]
+    run = two_masses().passage_response("torque(shaft)", at, speeds)
+    assert off(run, integrated(run.times, np.array(at), np.array(speeds, float))) < 1e-6
+    assert run.speeds[[0, -1]] == pytest.approx(speeds)
+    assert run.angles[-1] == pytest.approx(100)
+    assert run.error <= 1e-5
+
+
+def test_a_hold_between_two_ramps():
+    at, speeds = np.array([0.0, 0.5, 0.8, 1.2]), np.array([80.0, 100.0, 100.0, 60.0])
+    run = two_masses().passage_response("torque(shaft)", at, speeds)
+    assert off(run, integrated(run.times, at, speeds)) < 1e-6
+
+
+def test_damping_at_the_speed_of_the_moment():
+    extra = [tn.Damper("water", nodes=("b", "ground"), damping="c")]
+    table = {"100 rpm": "2 N*m*s/rad", "2000 rpm": "40 N*m*s/rad"}
+    rig = two_masses(extra=extra, parameters={"c": {"by": "speed", "of": "a", "table": table}})
+    at, speeds = np.array([0.0, 1.5]), np.array([70.0, 130.0])
+    run = rig.passage_response("torque(shaft)", at, speeds)
+    exact = integrated(run.times, at, speeds, lambda speed: np.interp(speed * RPM, [100, 2000], [2, 40]))
+    assert off(run, exact) < 2e-5
+    constant = integrated(run.times, at, speeds, lambda _: 2.0)
+    assert off(run, constant) > 1e-2
+
+
+def test_lewis_a_quicker_sweep_has_a_lower_and_a_later_peak():
+    """F. M. Lewis, Trans. ASME 54 (1932), 253: the peak is lower and shifts in the direction of the sweep."""
+    light = two_masses(damping=2.0)
+    runs = [light.passage_response("torque(shaft)", [0, time], [80, 125]).peak() for time in (1, 4, 200)]
+    down = light.passage_response("torque(shaft)", [0, 1], [125, 80]).peak()
+    sizes, shifts = [one.half_range for one in runs], [one.rpm / RPM - NATURAL for one in runs]
+    assert sizes[0] < 0.7 * sizes[1] < sizes[2]
+    assert shifts[0] > shifts[1] > shifts[2] > -0.1
+    assert down.rpm / RPM < NATURAL - 1
+
+
+@pytest.mark.slow
+def test_undamped_sweep_from_rest_by_fresnel_integrals():
+    """Behind resonance the free vibration of an undamped mass has the amplitude T/(J w) sqrt(pi/(2 a)), a in rad/s^2."""
+    rig = tn.Drivetrain(
+        "one", [tn.Inertia("a", node="a", inertia=1), tn.Spring("s", nodes=("a", "ground"), stiffness=1e4)],
+        speeds={"of": "a", "list": ["955 rpm"]},
+        excitations={"e": {"type": "harmonic", "node": "a", "orders": {1: {"amplitude": "1 N*m"}}}},
+    )  # fmt: skip
+    slope = 5.0
+    run = rig.passage_response("a", [0, 100], [20, 520])
+    late = run.times > 90
+    free = 1 / 100 * np.sqrt(np.pi / (2 * slope))
+    assert np.abs(run.of()[late]).max() == pytest.approx(free, rel=0.03)
+
+
+def test_a_slow_passage_is_the_steady_response():
+    rig = two_masses()
+    run = rig.passage_response("torque(shaft)", [0, 150], [98, 102])
+    times, sizes = run.envelope()
+    speeds = np.interp(times, run.times, run.speeds)[20::200]
+    assert sizes[20::200] == pytest.approx(
+        rig.order_response("torque(shaft)", speeds=speeds).half_range[:, 0], rel=5e-3
+    )
+
+
+@pytest.mark.parametrize("rpm", [46, 51])
+def test_a_ship_at_constant_speed_is_in_steady_vibration(rpm):
+    ship, names = tn.load("bulk_carrier").configured("normal"), ["stress(int_shaft)", "torque(tail)", "phi_1"]
+    run = ship.passage_response(names, [0, 4], [rpm / RPM] * 2)
+    steady = ship.order_response(names, speeds=[rpm / RPM]).half_range[0]
+    assert [run.peak(name).half_range for name in names] == pytest.approx(steady, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_quick_passage_of_a_ship_is_lower_and_later():
+    ship = tn.load("bulk_carrier").configured("normal")
+    steady = ship.order_response("stress(int_shaft)", speeds=np.arange(48, 54, 0.05) / RPM).half_range.max()
+    quick, slow = (
+        ship.passage_response("stress(int_shaft)", [0, time], [42 / RPM, 61 / RPM]).peak() for time in (8, 80)
+    )
+    assert quick.half_range < 0.9 * steady
+    assert 0.95 * steady < slow.half_range < steady
+    assert quick.rpm > slow.rpm > 51
+
+
+def test_misfire_takes_the_worst_cylinder():
+    ship = tn.load("two_stroke_ship").configured("misfire")
+    run = ship.passage_response("torque(tail)", [0, 2], [50 / RPM] * 2)
+    steady = ship.order_response("torque(tail)", speeds=[50 / RPM])
+    assert run.peak().half_range == pytest.approx(steady.half_range[0, 0], rel=1e-3)
+    assert run.notes[0].endswith(steady.case_at(0))
+
+
+def test_hysteretic_springs_have_their_viscous_equivalent():
+    rubber = tn.HystereticSpring("shaft", nodes=("a", "b"), stiffness=K, loss_factor=0.05)
+    found = two_masses(spring=rubber).passage_response("torque(shaft)", [0, 1], [80, 120])
+    note = next(note for note in found.notes if "Hz" in note)
+    frequency = float(note.split(" at ")[1].split(" Hz")[0])
+    assert frequency == pytest.approx(NATURAL / (2 * np.pi), rel=0.01)
+    viscous = two_masses(damping=K * 0.05 / (2 * np.pi * frequency))
+    same = viscous.passage_response("torque(shaft)", [0, 1], [80, 120])
+    assert found.of() == pytest.approx(same.of(), abs=2e-3 * same.peak().half_range)
+
+
+def test_cycles_and_time_above():
+    angle = np.linspace(0, 40 * np.pi, 8001)
+    wave = np.cos(angle) * np.interp(angle, [0, 20 * np.pi, 40 * np.pi], [0, 1, 0])
+    assert cycles_above(wave, 0.5) == pytest.approx(10, abs=0.5)
+    # A ripple of three times the frequency has crests of its own, but is no cycle of its own.
+    assert cycles_above(wave + 0.2 * np.cos(3 * angle) * np.abs(wave), 0.5) < 12
+    middle, size = half_ranges(angle, np.cos(angle) + 0.5 * np.cos(2 * angle), 2 * np.pi)
+    assert size == pytest.approx(np.full(len(middle), (1.5 + 0.75) / 2), rel=1e-4)
+
+
+def test_results_are_shown():
+    run = two_masses().passage_response(["torque(shaft)", "a"], [0, 1], [80, 120])
+    peak = run.peak("torque(shaft)")
+    assert run.table().rows[0][:2] == ("torque(shaft)", peak.half_range)
+    assert run.long_table().rows[-1][1] == pytest.approx(120 * RPM)
+    assert 0 < run.seconds_above(0.5 * peak.half_range, "torque(shaft)") < 1
+    assert run.cycles_above(1.1 * peak.half_range, "torque(shaft)") == 0
+    level = np.linspace(10, 20, len(run.times))
+    labels = [line.get_label() for line in drawn(run, "torque(shaft)", limits={"allowed": level}).axes[0].lines]
+    assert "allowed" in labels
+
+
+@pytest.mark.parametrize(
+    ("times", "speeds", "said"),
+    [
+        ([0, 1], [80], "alike long"),
+        ([0, 0], [80, 90], "times rise"),
+        ([0, 1], [0, 90], "above 0"),
+        ([0, 1], [80, np.nan], "finite"),
+        ([0, 1e6], [80, 90], "shorten the time"),
+        (np.arange(3000), np.full(3000, 80), "thin them out"),
+    ],
+)
+def test_speeds_that_cannot_be_followed(times, speeds, said):
+    with pytest.raises(tn.UsageError, match=said):
+        two_masses().passage_response("torque(shaft)", times, speeds)

@@ -1,0 +1,102 @@
+"""Section on passing barred ranges, and the time that a limit asks for."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import torsionnet as tn
+from torsionnet.core.units import RPM
+from torsionnet.model.report import ReportPlan
+from torsionnet.report import make_report
+from torsionnet.report.document_tree import Paragraph, Picture, TableBlock, inlines
+from torsionnet.response.limits.operating_instructions import operating_instructions, passed_ranges
+from torsionnet.solve.running.range_passage import range_passages
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def ship():
+    return tn.load("bulk_carrier").configured("normal")
+
+
+@pytest.fixture(scope="module")
+def check(ship):
+    return ship.check_limits(speeds=np.arange(30, 108.01, 0.5) / RPM)
+
+
+def section(model, **report):
+    definition = model.definition
+    plan = replace(definition.report or ReportPlan(), **report) if report else definition.report
+    made = make_report(
+        model.with_definition(replace(definition, report=plan)), sections=["passage"], kind="approval", date=None
+    )
+    return made.sections
+
+
+def test_a_ship_with_a_barred_range(ship):
+    (found,) = section(ship, passage=(8.0,))
+    assert inlines(found.title) == ("Passing the barred ranges",)
+    (table,) = [one for one in found.blocks if isinstance(one, TableBlock)]
+    rows = [row for group in table.groups for row in group.rows]
+    assert [row[1] for row in rows] == ["up", "up", "down", "down"]
+    assert {row[0] for row in rows} == {"propeller shaft", "intermediate"}
+    assert len([one for one in found.blocks if isinstance(one, Picture)]) == 1
+    assert any("limits in passing are kept" in str(one) for one in found.blocks if isinstance(one, Paragraph))
+
+
+def test_without_a_barred_range_there_is_none():
+    assert not section(tn.load("two_stroke_ship").configured("normal"))
+    assert not section(tn.load("wind_turbine_3mw"))
+
+
+def test_rows_are_those_of_the_response(ship, check):
+    (barred,) = passed_ranges([check])
+    found = range_passages(ship, barred, [8.0])
+    one = next(one for one in found if one.verdict.limit == "intermediate" and one.is_upward)
+    modulus = np.pi * 0.44**3 / 16
+    run = one.response
+    torque = ship.passage_response("torque(int_shaft)", [0, run.times[-1]], run.speeds[[0, -1]])
+    assert one.row.peak == pytest.approx(torque.peak().half_range / modulus, rel=1e-3)
+    assert one.row.allowed == pytest.approx(float(np.interp(one.row.rpm, check.rpm, one.verdict.allowed)), rel=1e-6)
+    assert one.row.in_passing == pytest.approx(1.7 * one.row.allowed, rel=1e-3)
+    assert one.row.peak < one.row.steady
+    assert one.row.verdict == "kept"
+    # The range itself takes the time asked for; the run-up before and behind it comes on top.
+    inside = (run.speeds >= one.low) & (run.speeds <= one.high)
+    assert run.times[inside].max() - run.times[inside].min() == pytest.approx(8, rel=0.02)
+    # Cycles are those of order 6 while the half range is above tau_C.
+    assert one.row.cycles == pytest.approx(6 * one.row.rpm / 60 * one.row.seconds_above, rel=0.25)
+
+
+def test_a_slower_passage_has_more_cycles(ship, check):
+    (barred,) = passed_ranges([check])
+    quick, slow = (range_passages(ship, barred, [time])[0].row for time in (8.0, 24.0))
+    assert slow.cycles > 2 * quick.cycles
+    assert slow.peak > quick.peak
+
+
+def with_time(model, seconds):
+    limits = dict(model.definition.limits)
+    limits["intermediate"] = replace(limits["intermediate"], passing_time=seconds)
+    return model.with_definition(replace(model.definition, limits=limits))
+
+
+def test_a_passing_time_is_in_the_instructions_and_is_judged(ship):
+    timed = with_time(ship, "10 s")
+    check = timed.check_limits("intermediate", speeds=np.arange(30, 108.01, 0.5) / RPM)
+    (one,) = operating_instructions([check])
+    assert one.action == "pass without stopping within 10 s"
+    (found,) = section(timed, passage=(20.0,))
+    texts = [str(one) for one in found.blocks if isinstance(one, Paragraph)]
+    assert any("in the 10 s that are asked for, the limit in passing is kept" in text for text in texts)
+
+
+def test_a_passing_time_that_is_none():
+    with pytest.raises(tn.ModelError, match=r"passing_time"):
+        tn.loads(
+            tn.load("bulk_carrier")
+            .to_yaml()
+            .replace("tachometer_tolerance:", "passing_time: -3 s\n    tachometer_tolerance:")
+        )
