@@ -11,7 +11,7 @@ from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, reference
-from torsionnet.core.entries.words import Flag, OneOf, Text
+from torsionnet.core.entries.words import Count, Flag, OneOf, Text
 from torsionnet.core.errors import UsageError, suggestion_or
 from torsionnet.model.report.sections import KINDS, SECTIONS
 
@@ -175,12 +175,14 @@ class ReportPlan(Declared):
         Folder, as seen from the file.
     appendix : bool
         Whether the sections of the other kind follow in an appendix.
+    holzer : int, optional
+        Number of modes, from the lowest on, whose Holzer tables the calculation for approval prints.
     """
 
     article: ClassVar[str] = "a report"
     form: ClassVar[str] = (
         "the entries kind, title, author, sections, transfer_functions, orders, configurations, band, angle, simplify, "
-        "notes, template, appendix"
+        "notes, template, appendix, holzer"
     )
     kind: str | None = entry(_KIND, None)  # type: ignore[assignment, misc]  # here an entry, elsewhere the name of a class
 
@@ -196,3 +198,6 @@ class ReportPlan(Declared):
     notes: str = entry(Text("remarks of the author, printed under the title"), "")
     template: str = entry(Text("folder with letterhead, style and wording, as seen from this file"), "")
     appendix: bool = entry(Flag("true: the sections of the other kind of document follow in an appendix"), False)
+    holzer: int | None = entry(
+        Count("modes with a Holzer table in the document for approval; default: those excited, at most 3", 0, 99), None
+    )
