@@ -239,6 +239,13 @@ class ReportData:
         return tuple(natural_frequencies(held_drivetrain(cases[0])) for cases in self.judged_drivetrains)
 
     @cached_property
+    def excited_modes(self) -> tuple[int, ...]:
+        """Numbers of the first drivetrain's modes below the highest excitation frequency; at least the lowest one."""
+        rows, line = self.natural_frequencies[0], self.highest_line
+        found = tuple(one.mode for one in rows if line and one.lowest <= line[1])
+        return found or tuple(one.mode for one in rows[:1])
+
+    @cached_property
     def highest_line(self) -> tuple[OrderLine, float] | None:
         """Order line with the highest frequency in the range of speeds, and this frequency in Hz.
 

@@ -20,8 +20,8 @@ from torsionnet.report.document_tree import (
     TableGroup,
 )
 from torsionnet.report.report_data import ReportData, held_drivetrain
-from torsionnet.report.report_holzer import holzer_blocks
-from torsionnet.report.report_tables import merge_equal_rows, results_table
+from torsionnet.report.report_holzer import holzer_block
+from torsionnet.report.report_tables import merge_equal_rows, results_table, with_decimals
 from torsionnet.report.report_text import as_words, shared_choices
 from torsionnet.response.natural_frequency import NaturalFrequency, natural_frequency_table
 
@@ -35,8 +35,8 @@ MOST_COMPARED = 8
 """Largest number of modes beside each other in the table of all drivetrains, as more columns do not fit a page."""
 MOST_PLACES = 4
 """Largest number of nodes of vibration whose elements the table names; more stand in the Holzer table."""
-DAMPING_DECIMALS = 2
-"""Decimals of damping ratios in percent, as finer ones are known of no plant."""
+DECIMALS = {"Hz": 2, "1/min": 1, "%": 2}
+"""Decimals of natural frequencies and damping ratios by unit: finer ones are known of no plant."""
 COUNTING = (
     "Mode 1 is the lowest vibration; rigid-body motion and overdamped modes have no number. The numbers are the same "
     "in all sections. Nodes are counted in the undamped shape, that of the Holzer table."
@@ -59,13 +59,6 @@ def natural_frequencies_section(subject: ReportData) -> Section | None:
     return Section("natural_frequencies", ("Natural frequencies",), tuple(blocks))
 
 
-def _excited(subject: ReportData) -> list[int]:
-    """Numbers of the modes of the first drivetrain that lie below the highest excitation, at least the lowest one."""
-    rows, line = subject.natural_frequencies[0], subject.highest_line
-    found = [one.mode for one in rows if line and one.lowest <= line[1]]
-    return found or [rows[0].mode]
-
-
 def _listed(rows: Sequence[NaturalFrequency], highest: float) -> tuple[NaturalFrequency, ...]:
     """Natural frequencies below the highest excitation, in Hz, and the next one, which shows the margin above."""
     above = min((one.lowest for one in rows if one.lowest > highest), default=highest)
@@ -79,9 +72,11 @@ def _range(subject: ReportData) -> str:
     line, highest = subject.highest_line
     what = f"order {line.order:g} of {as_words(line.excitation)}" if line.order else as_words(str(line))
     top = f"{speeds.values[-1] * RPM:.6g} r/min of {as_words(speeds.of)}"
-    count = len(_excited(subject))
+    count = len(subject.excited_modes)
     modes = "one natural frequency lies" if count == 1 else f"{count} natural frequencies lie"
-    return f"The highest excitation is {what}, {highest:.4g} Hz at {top}; {modes} below, and the next one is given."
+    above = any(one.lowest > highest for one in subject.natural_frequencies[0])
+    beyond = ", and the next one is given" if above else ", and none above"
+    return f"The highest excitation is {what}, {highest:.4g} Hz at {top}; {modes} below{beyond}."
 
 
 def _where(subject: ReportData, place: int) -> str:
@@ -93,19 +88,9 @@ def _first_table(subject: ReportData, rows: tuple[NaturalFrequency, ...]) -> Tab
     several = len(subject.judged_drivetrains) > 1
     where = f" in configuration {_where(subject, 0)}" if several else ""
     short = tuple(one if len(one.nodes) <= MOST_PLACES else replace(one, nodes=()) for one in rows)
-    found = results_table(
-        natural_frequency_table("", short, (COUNTING,)), f"Natural frequencies{where}", most=MOST_MODES_LISTED
-    )
-    place = next(index for index, column in enumerate(found.columns) if column.unit == "%")
-    groups = tuple(replace(group, rows=tuple(_rounded(row, place) for row in group.rows)) for group in found.groups)
-    return replace(found, groups=groups)
-
-
-def _rounded(row: tuple[Cell, ...], place: int) -> tuple[Cell, ...]:
-    """Row of a table with the damping ratio at a place in its decimals."""
-    cell = row[place]
-    shown = replace(cell, decimals=DAMPING_DECIMALS) if isinstance(cell, NumberText) else cell
-    return (*row[:place], shown, *row[place + 1 :])
+    made = natural_frequency_table("", short, (COUNTING,))
+    found = results_table(made, f"Natural frequencies{where}", most=MOST_MODES_LISTED)
+    return with_decimals(found, DECIMALS)
 
 
 def _compared(subject: ReportData, listed: Sequence[tuple[NaturalFrequency, ...]]) -> TableBlock:
@@ -115,11 +100,13 @@ def _compared(subject: ReportData, listed: Sequence[tuple[NaturalFrequency, ...]
     columns = (Heading("Configuration"), *(Heading(f"Mode {place}", numeric=True) for place in range(1, count + 1)))
     names = [_where(subject, place) for place in range(len(shown))]
     values: dict[str, list[list[Cell]]] = {
-        "Undamped natural frequency, Hz": [[NumberText(one.undamped_frequency, 4) for one in rows] for rows in shown],
-        "Undamped vibrations per minute": [[NumberText(one.per_minute, 4) for one in rows] for rows in shown],
-        "Damping ratio, %": [
-            [NumberText(100 * one.damping_ratio, 4, DAMPING_DECIMALS) for one in rows] for rows in shown
+        "Undamped natural frequency, Hz": [
+            [NumberText(one.undamped_frequency, 4, DECIMALS["Hz"]) for one in rows] for rows in shown
         ],
+        "Undamped vibrations per minute": [
+            [NumberText(one.per_minute, 4, DECIMALS["1/min"]) for one in rows] for rows in shown
+        ],
+        "Damping ratio, %": [[NumberText(100 * one.damping_ratio, 4, DECIMALS["%"]) for one in rows] for rows in shown],
     }
     counts: list[list[Cell]] = [[str(one.n_nodes) for one in rows] for rows in shown]
     if any(row != counts[0] for row in counts):
@@ -133,7 +120,7 @@ def _compared(subject: ReportData, listed: Sequence[tuple[NaturalFrequency, ...]
 
 def _shapes(subject: ReportData) -> list[Block]:
     """Picture of relative amplitudes, and Holzer tables of the first drivetrain."""
-    excited = _excited(subject)
+    excited = subject.excited_modes
     asked = subject.request.plan.holzer
     wanted = (
         excited[:MOST_HOLZER_TABLES] if asked is None else [one.mode for one in subject.natural_frequencies[0]][:asked]
@@ -148,9 +135,7 @@ def _shapes(subject: ReportData) -> list[Block]:
         text = PICTURE_TEXT.format(node=as_words(drawn[0].referred_to)) + where
         alt = f"Relative amplitudes of modes {', '.join(str(one.mode) for one in drawn)}"
         blocks.append(Picture("relative_amplitudes", relative_amplitudes(drawn), (text,), alt))
-    for mode in wanted:
-        if mode in tables:
-            blocks += holzer_blocks(tables[mode], "N/mm^2")
+    blocks += [holzer_block(tables[mode], "N/mm^2") for mode in wanted if mode in tables]
     if missing:
         blocks.append(Paragraph((f"There is no Holzer table of mode {'; of mode '.join(missing)}.",)))
     more = len(excited) - len(wanted)
