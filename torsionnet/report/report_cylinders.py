@@ -49,8 +49,14 @@ def engine_blocks(subject: ReportData, case: Case, name: str, engine: Reciprocat
     if len(kept) < len(found):
         notes.append(f"{len(found) - len(kept)} further orders have less than {1e-3 * _least(kept):.3g} kN·m.")
     made = result_table("", [_shown(one) for one in kept], CylinderHarmonic, notes=notes)
-    blocks.append(with_decimals(results_table(made, caption), DECIMALS))
+    blocks.append(with_decimals(results_table(made, caption), {**DECIMALS, **_torque_decimals(found)}))
     return [*blocks, *_vectors(subject, case, name)]
+
+
+def _torque_decimals(found: Sequence[CylinderHarmonic]) -> dict[str, int]:
+    """Decimals of torques in kN m that leave the largest one four digits, by the unit of their column."""
+    largest = 1e-3 * max(one.torque for one in found)
+    return {unit("kN*m"): max(1, 3 - math.floor(math.log10(largest))) if largest else 1}
 
 
 def _least(kept: Sequence[CylinderHarmonic]) -> float:

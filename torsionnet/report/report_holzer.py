@@ -41,19 +41,20 @@ def holzer_block(holzer: HolzerTable, stress_unit: str = "MPa") -> TableBlock:
     found = _without_rounding(holzer)
     moving = [branch for branch in found.branches if any(one.amplitude for one in branch.stations)]
     found = replace(found, branches=tuple(moving) or found.branches)
-    parts = found.tables(referred=True)
-    rows = tuple(row for part in parts for row in part.rows)
-    made = _short(replace(parts[0], rows=rows, notes=found.notes))
+    made = _short(found.table(referred=True))  # the number of the branch in front, for stations that look alike
     columns = tuple(replace(one, unit=stress_unit) if one.unit == "MPa" else one for one in made.columns)
     still = not found.notes or "stands still" not in found.notes[0]
     first = as_words(found.branches[0].stations[0].node if still else "the mass that moves most")
     caption = f"Holzer table of mode {found.mode}, {found.frequency:.5g} Hz; 1 rad at {first}"
-    block = results_table(replace(made, columns=columns), f"{caption}, referred to {as_words(found.referred_to)}")
-    if len(found.branches) == 1:
-        return block
-    cells = iter(block.groups[0].rows)
-    groups = [TableGroup(tuple(islice(cells, len(one.stations))), as_words(one.title)) for one in found.branches]
-    return replace(block, groups=tuple(groups))
+    made = replace(made, columns=columns, notes=found.notes)
+    block = results_table(made, f"{caption}, referred to {as_words(found.referred_to)}")
+    cells = iter(row[1:] for row in block.groups[0].rows)
+    several = len(found.branches) > 1
+    groups = [
+        TableGroup(tuple(islice(cells, len(one.stations))), as_words(one.title) if several else "")
+        for one in found.branches
+    ]
+    return replace(block, columns=block.columns[1:], groups=tuple(groups))
 
 
 def _without_rounding(holzer: HolzerTable) -> HolzerTable:

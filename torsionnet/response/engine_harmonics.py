@@ -30,7 +30,7 @@ class CylinderHarmonic:
         Of the cosine, from firing top dead centre on, rad.
     """
 
-    order: Annotated[float, Out("order", digits=4)]
+    order: Annotated[float, Out("order", digits=2)]
     gas: Annotated[float, Out("gas", "N/mm^2", digits=4, factor=MPA_PER_PA)]
     inertia: Annotated[float, Out("mass", "N/mm^2", digits=4, factor=MPA_PER_PA)]
     resulting: Annotated[float, Out("resulting", "N/mm^2", digits=4, factor=MPA_PER_PA)]
