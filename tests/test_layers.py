@@ -53,6 +53,7 @@ SAME_THING = {
         "static_state",
         "study",
     },
+    "a section of the document for approval and what it is about": {"harmonics", "mass_elastic"},
 }
 
 

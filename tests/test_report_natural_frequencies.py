@@ -8,7 +8,10 @@ import torsionnet as tn
 from torsionnet.plot.relative_amplitudes import relative_amplitudes
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Paragraph, Picture, TableBlock
-from torsionnet.response.vibration_nodes import vibration_nodes
+from torsionnet.report.report_data import ReportData, cases_of
+from torsionnet.report.report_request import ReportRequest
+from torsionnet.report.sections.natural_frequencies import natural_frequencies_section
+from torsionnet.response.vibrations.vibration_nodes import vibration_nodes
 from torsionnet.solve.modes.counted_frequencies import natural_frequencies
 
 J, k = [2.0, 1.0, 3.0, 0.5], [1e4, 3e4, 2e4]
@@ -85,6 +88,7 @@ def test_a_mass_at_rest_is_a_node_once():
     assert [one.n_nodes for one in natural_frequencies(rig)] == [1, 2]
 
 
+@pytest.mark.slow
 def test_numbers_are_those_of_every_other_table():
     """With a strong damper, whose own mode is overdamped and counted behind all others."""
     rig = tn.load("marine_medium_speed").configured("water=wet,coupling=warm,firing=normal")
@@ -127,7 +131,8 @@ class TestSection:
             assert float(row[2]) == pytest.approx(60 * one.undamped_frequency, abs=0.06)
             assert float(row[4]) == pytest.approx(100 * one.damping_ratio, abs=0.006)
             assert int(row[5]) == one.n_nodes
-        assert [text for text in captions(found) if "Holzer" in text][0].startswith("('Holzer table of mode 1, 5.10")
+        first = next(text for text in captions(found) if "Holzer" in text)
+        assert first.startswith("('Holzer table of mode 1, 5.10")
         assert len(of(Picture, found.blocks)) == 1
 
     @pytest.mark.parametrize(("count", "tables"), [(0, 0), (1, 1), (3, 3)])
@@ -143,7 +148,8 @@ class TestSection:
     @pytest.mark.slow
     def test_all_conditions_have_their_drivetrain(self):
         """Three couplings, with and without water: six drivetrains out of eighteen conditions."""
-        found = section("marine_medium_speed")
+        marine = tn.load("marine_medium_speed")
+        found = natural_frequencies_section(ReportData(marine, cases_of(marine, ()), ReportRequest()))
         compared = of(TableBlock, found.blocks)[1]
         assert [len(group.rows) for group in compared.groups[:3]] == [6, 6, 6]
         assert any("further modes lie below" in str(one.text) for one in of(Paragraph, found.blocks))

@@ -179,7 +179,10 @@ class TestWords:
     def test_every_text_stands_in_the_code(self):
         """What is fixed in each text, between what is inserted, is a part of a string of the program."""
         package = ROOT / "torsionnet"
-        files = [*(package / "report").rglob("*.py"), package / "solve" / "modes" / "mode_descriptions.py"]
+        headings = [
+            file for name in ("excitation", "vibrations") for file in (package / "response" / name).glob("*.py")
+        ]
+        files = [*(package / "report").rglob("*.py"), package / "solve" / "modes" / "mode_descriptions.py", *headings]
         strings = {text.lower() for file in files for text in _strings(file)}
         shown = "".join(
             file.read_text(encoding="utf-8") for file in (package / "report" / "writers" / "templates").iterdir()

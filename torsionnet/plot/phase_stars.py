@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.plot.star_diagrams import draw_star
-from torsionnet.response.vector_sums import VectorSums, order_names
+from torsionnet.response.excitation.vector_sums import VectorSums, order_names
 
 PANEL = 1.05
 """Height in inches of the panel of a star."""

@@ -16,9 +16,9 @@ from torsionnet.report.document_tree import Block, Cell, Heading, Paragraph, Pic
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import results_table, table, with_decimals
 from torsionnet.report.report_text import as_words, capital, shared_choices, unit
-from torsionnet.response.engine_harmonics import CylinderHarmonic, IndicatedPressure
+from torsionnet.response.excitation.engine_harmonics import CylinderHarmonic, IndicatedPressure
+from torsionnet.response.excitation.vector_sums import VectorSums
 from torsionnet.response.table import result_table
-from torsionnet.response.vector_sums import VectorSums
 from torsionnet.solve.running.order_response import shaft_speeds
 from torsionnet.solve.running.order_vectors import vector_sums
 

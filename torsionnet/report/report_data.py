@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.response.frequency_response import FloatArray
     from torsionnet.response.limits.limit_conclusion import LimitConclusion
-    from torsionnet.response.natural_frequency import NaturalFrequency
     from torsionnet.response.order_line import OrderLine
     from torsionnet.response.order_response import OrderResponse
+    from torsionnet.response.vibrations.counted_vibration import CountedVibration
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
 MOST_CASES, MOST_JUDGED_CASES = 12, 200
@@ -229,7 +229,7 @@ class ReportData:
         return _by_drivetrain(self.judged_cases)
 
     @cached_property
-    def natural_frequencies(self) -> tuple[tuple[NaturalFrequency, ...], ...]:
+    def natural_frequencies(self) -> tuple[tuple[CountedVibration, ...], ...]:
         """Natural frequencies in Hz of each of ``judged_drivetrains``, with the mode numbers of the whole document.
 
         Nodes with an imposed motion are held, as in the response to the excitations.

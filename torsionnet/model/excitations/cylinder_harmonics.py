@@ -10,7 +10,7 @@ import numpy as np
 from torsionnet.model.excitations.order_excitation import FloatArray
 from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
 from torsionnet.model.excitations.slider_crank import inertia_harmonics
-from torsionnet.response.engine_harmonics import CylinderHarmonic, IndicatedPressure
+from torsionnet.response.excitation.engine_harmonics import CylinderHarmonic, IndicatedPressure
 
 
 def cylinder_harmonics(engine: ReciprocatingEngine, speed: float) -> tuple[CylinderHarmonic, ...]:

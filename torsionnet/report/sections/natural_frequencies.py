@@ -23,7 +23,7 @@ from torsionnet.report.report_data import ReportData, held_drivetrain
 from torsionnet.report.report_holzer import holzer_block
 from torsionnet.report.report_tables import merge_equal_rows, results_table, with_decimals
 from torsionnet.report.report_text import as_words, shared_choices
-from torsionnet.response.natural_frequency import NaturalFrequency, natural_frequency_table
+from torsionnet.response.vibrations.counted_vibration import CountedVibration, natural_frequency_table
 
 if TYPE_CHECKING:
     from torsionnet.response.holzer_table import HolzerTable
@@ -35,8 +35,8 @@ MOST_COMPARED = 8
 """Largest number of modes beside each other in the table of all drivetrains, as more columns do not fit a page."""
 MOST_PLACES = 4
 """Largest number of nodes of vibration whose elements the table names; more stand in the Holzer table."""
-DECIMALS = {"Hz": 2, "1/min": 1, "%": 2}
-"""Decimals of natural frequencies and damping ratios by unit: finer ones are known of no plant."""
+FREQUENCY_DECIMALS, PER_MINUTE_DECIMALS, DAMPING_DECIMALS = 2, 1, 2
+"""Decimals of frequencies in Hz and per minute, and of damping ratios in percent: finer ones are known of no plant."""
 COUNTING = (
     "Mode 1 is the lowest vibration; rigid-body motion and overdamped modes have no number. The numbers are the same "
     "in all sections. Nodes are counted in the undamped shape, that of the Holzer table."
@@ -59,7 +59,7 @@ def natural_frequencies_section(subject: ReportData) -> Section | None:
     return Section("natural_frequencies", ("Natural frequencies",), tuple(blocks))
 
 
-def _listed(rows: Sequence[NaturalFrequency], highest: float) -> tuple[NaturalFrequency, ...]:
+def _listed(rows: Sequence[CountedVibration], highest: float) -> tuple[CountedVibration, ...]:
     """Natural frequencies below the highest excitation, in Hz, and the next one, which shows the margin above."""
     above = min((one.lowest for one in rows if one.lowest > highest), default=highest)
     return tuple(one for one in rows if one.lowest <= above)
@@ -84,16 +84,17 @@ def _where(subject: ReportData, place: int) -> str:
     return shared_choices([case.configuration for case in cases]) if cases[0].configuration else ""
 
 
-def _first_table(subject: ReportData, rows: tuple[NaturalFrequency, ...]) -> TableBlock:
+def _first_table(subject: ReportData, rows: tuple[CountedVibration, ...]) -> TableBlock:
     several = len(subject.judged_drivetrains) > 1
     where = f" in configuration {_where(subject, 0)}" if several else ""
     short = tuple(one if len(one.nodes) <= MOST_PLACES else replace(one, nodes=()) for one in rows)
     made = natural_frequency_table("", short, (COUNTING,))
     found = results_table(made, f"Natural frequencies{where}", most=MOST_MODES_LISTED)
-    return with_decimals(found, DECIMALS)
+    shown = {subject.conventions.frequency: FREQUENCY_DECIMALS, "1/min": PER_MINUTE_DECIMALS, "%": DAMPING_DECIMALS}
+    return with_decimals(found, shown)
 
 
-def _compared(subject: ReportData, listed: Sequence[tuple[NaturalFrequency, ...]]) -> TableBlock:
+def _compared(subject: ReportData, listed: Sequence[tuple[CountedVibration, ...]]) -> TableBlock:
     """Table of the natural frequencies of all drivetrains, a column for each mode."""
     shown = [rows[:MOST_COMPARED] for rows in listed]
     count = max(map(len, shown))
@@ -101,12 +102,14 @@ def _compared(subject: ReportData, listed: Sequence[tuple[NaturalFrequency, ...]
     names = [_where(subject, place) for place in range(len(shown))]
     values: dict[str, list[list[Cell]]] = {
         "Undamped natural frequency, Hz": [
-            [NumberText(one.undamped_frequency, 4, DECIMALS["Hz"]) for one in rows] for rows in shown
+            [NumberText(one.undamped_frequency, 4, FREQUENCY_DECIMALS) for one in rows] for rows in shown
         ],
         "Undamped vibrations per minute": [
-            [NumberText(one.per_minute, 4, DECIMALS["1/min"]) for one in rows] for rows in shown
+            [NumberText(one.per_minute, 4, PER_MINUTE_DECIMALS) for one in rows] for rows in shown
         ],
-        "Damping ratio, %": [[NumberText(100 * one.damping_ratio, 4, DECIMALS["%"]) for one in rows] for rows in shown],
+        "Damping ratio, %": [
+            [NumberText(100 * one.damping_ratio, 4, DAMPING_DECIMALS) for one in rows] for rows in shown
+        ],
     }
     counts: list[list[Cell]] = [[str(one.n_nodes) for one in rows] for rows in shown]
     if any(row != counts[0] for row in counts):

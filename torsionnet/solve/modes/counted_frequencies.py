@@ -10,8 +10,8 @@ import numpy as np
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import TorsionnetError
 from torsionnet.model.speeds import speeds_by_reference
-from torsionnet.response.natural_frequency import NaturalFrequency
 from torsionnet.response.vibration_mode import VibrationMode
+from torsionnet.response.vibrations.counted_vibration import CountedVibration
 from torsionnet.solve.modes.holzer_balance import balance_of
 from torsionnet.solve.modes.mode_descriptions import Links
 from torsionnet.solve.modes.mode_pairs import vibration_modes
@@ -22,7 +22,7 @@ LEAST_SHARE_NAMED, MOST_MASSES_NAMED = 0.15, 2
 masses named of one sense: more would not be read in a table."""
 
 
-def natural_frequencies(drivetrain: AssembledModel) -> tuple[NaturalFrequency, ...]:
+def natural_frequencies(drivetrain: AssembledModel) -> tuple[CountedVibration, ...]:
     """Natural frequencies of all vibrations in Hz, by number of the mode, with nodes and what swings against what.
 
     The numbers are those of :meth:`torsionnet.Drivetrain.modes`, ``critical_speeds`` and ``holzer_table``: 1 is the
@@ -45,11 +45,11 @@ def natural_frequencies(drivetrain: AssembledModel) -> tuple[NaturalFrequency, .
 
 def _row(
     drivetrain: AssembledModel, links: Links, senses: Mapping[str, float], mode: VibrationMode
-) -> NaturalFrequency:
+) -> CountedVibration:
     assembly = drivetrain.assembly
     places = [assembly.node_index[name] for name in assembly.kinematics.coordinates]
     nodes = links.vibration_nodes(np.asarray(mode.shape[places], dtype=complex))
-    return NaturalFrequency(
+    return CountedVibration(
         mode.number, mode.undamped_frequency, mode.natural_frequency, mode.damping_ratio,
         None if nodes is None else len(nodes), tuple(nodes or ()), _against(drivetrain, senses, mode), mode.remark,
     )  # fmt: skip

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.response.excitation_line import ExcitationLine
+from torsionnet.response.excitation.excitation_line import ExcitationLine
 from torsionnet.solve.running.order_response import shaft_speeds
 
 EQUAL_AMPLITUDES = 1e-9

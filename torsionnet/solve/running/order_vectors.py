@@ -8,7 +8,7 @@ from dataclasses import replace
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
-from torsionnet.response.vector_sums import VectorSums
+from torsionnet.response.excitation.vector_sums import VectorSums
 from torsionnet.solve.modes.mode_pairs import vibration_modes
 from torsionnet.solve.modes.modes import modes as damped_modes
 from torsionnet.solve.running.generalised_force import star_diagram

@@ -14,8 +14,8 @@ SECONDS_PER_MINUTE = 60.0
 
 
 @dataclass(frozen=True)
-class NaturalFrequency:
-    """Natural frequency of one mode of vibration, with its damping ratio, its nodes and what swings against what.
+class CountedVibration:
+    """Vibration with its number and natural frequencies, with its damping ratio, its nodes and what swings against what.
 
     Attributes
     ----------
@@ -60,6 +60,6 @@ class NaturalFrequency:
         return min(one for one in both if not math.isnan(one))
 
 
-def natural_frequency_table(title: str, rows: tuple[NaturalFrequency, ...], notes: tuple[str, ...] = ()) -> Table:
+def natural_frequency_table(title: str, rows: tuple[CountedVibration, ...], notes: tuple[str, ...] = ()) -> Table:
     """Table of natural frequencies in Hz and per minute, with damping ratio in percent and number of nodes."""
-    return result_table(title, rows, NaturalFrequency, notes=notes)
+    return result_table(title, rows, CountedVibration, notes=notes)

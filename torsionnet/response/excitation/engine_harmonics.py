@@ -14,7 +14,7 @@ MPA_PER_PA, BAR_PER_PA, KILO = 1e-6, 1e-5, 1e-3
 
 @dataclass(frozen=True)
 class CylinderHarmonic:
-    """One order of the torque of a cylinder, as tangential pressure over piston area and crank radius.
+    """Harmonic of the torque of a cylinder, one order, as tangential pressure over piston area and crank radius.
 
     Attributes
     ----------

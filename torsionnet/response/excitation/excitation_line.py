@@ -10,7 +10,7 @@ from torsionnet.core.result_rows import Out
 
 @dataclass(frozen=True)
 class ExcitationLine:
-    """One order, or one fixed frequency, of an excitation at one speed.
+    """Line of an excitation, one order or one fixed frequency, at one speed.
 
     Attributes
     ----------
