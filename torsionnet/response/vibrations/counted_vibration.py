@@ -15,7 +15,7 @@ SECONDS_PER_MINUTE = 60.0
 
 @dataclass(frozen=True)
 class CountedVibration:
-    """Vibration with its number and natural frequencies, with its damping ratio, its nodes and what swings against what.
+    """Vibration with its number, natural frequencies, damping ratio, nodes and what swings against what.
 
     Attributes
     ----------
