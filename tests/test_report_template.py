@@ -181,6 +181,10 @@ class TestWords:
         package = ROOT / "torsionnet"
         files = [*(package / "report").rglob("*.py"), *(package / "response" / "limits").glob("*.py")]
         files += [package / "solve" / "modes" / "mode_descriptions.py"]
+        headings = [
+            file for name in ("excitation", "vibrations") for file in (package / "response" / name).glob("*.py")
+        ]
+        files += headings
         strings = {text.lower() for file in files for text in _strings(file)}
         shown = "".join(
             file.read_text(encoding="utf-8") for file in (package / "report" / "writers" / "templates").iterdir()

@@ -52,7 +52,7 @@ def star_diagrams(stars: Sequence[StarDiagram], *, title: str | None = None) -> 
     figure = style.new_figure(style.WIDTH, 0.6 + down * style.WIDTH / PANELS_PER_ROW * 1.16)
     panels = figure.subplots(down, across, squeeze=False).ravel()
     for panel, group in zip(panels, groups, strict=False):
-        _draw(panel, group[0])
+        draw_star(panel, group[0])
         orders = ", ".join(f"{star.order:g}" for star in group)
         text = f"{group[0].excitation} {orders}\nsum {abs(group[0].sum):.3g}"
         panel.set_title(text, fontsize=style.SMALL, color=style.INK, pad=3)
@@ -79,7 +79,8 @@ def _alike(stars: Sequence[StarDiagram]) -> list[list[StarDiagram]]:
     return groups
 
 
-def _draw(axes: Axes, star: StarDiagram) -> None:
+def draw_star(axes: Axes, star: StarDiagram) -> None:
+    """Draw the phase vectors of one star diagram with the numbers of the cylinders, and their sum in black."""
     limit = 1.3 * max(1.0, abs(star.sum))
     axes.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal", xticks=[], yticks=[])
     for spine in axes.spines.values():

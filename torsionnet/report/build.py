@@ -93,7 +93,6 @@ DRIVETRAIN_SECTIONS = (
     "simplified",
     "responses",
     "mass_elastic",
-    "natural_frequencies",
 )
 """Names of report sections without excitations, in which configurations with equal drivetrains are one case."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -20,10 +20,13 @@ from torsionnet.solve.dynamic_stiffness.transfer_request import usable_channels
 from torsionnet.solve.responses.grid import Adaptive, vibration_range
 
 if TYPE_CHECKING:
+    from torsionnet.assembly.assembled import AssembledModel
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.response.frequency_response import FloatArray
     from torsionnet.response.limits.limit_conclusion import LimitConclusion
+    from torsionnet.response.order_line import OrderLine
     from torsionnet.response.order_response import OrderResponse
+    from torsionnet.response.vibrations.counted_vibration import CountedVibration
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
 MOST_CASES, MOST_JUDGED_CASES = 12, 200
@@ -218,14 +221,44 @@ class ReportData:
     @cached_property
     def distinct_drivetrains(self) -> tuple[tuple[Case, ...], ...]:
         """Configurations of the report, grouped by equal drivetrains: those of a group differ in excitations alone."""
-        found: list[list[Case]] = []
+        return _by_drivetrain(self.cases)
+
+    @cached_property
+    def judged_drivetrains(self) -> tuple[tuple[Case, ...], ...]:
+        """Configurations whose limits the report checks, grouped by equal drivetrains."""
+        return _by_drivetrain(self.judged_cases)
+
+    @cached_property
+    def natural_frequencies(self) -> tuple[tuple[CountedVibration, ...], ...]:
+        """Natural frequencies in Hz of each of ``judged_drivetrains``, with the mode numbers of the whole document.
+
+        Nodes with an imposed motion are held, as in the response to the excitations.
+        """
+        from torsionnet.solve.modes.counted_frequencies import natural_frequencies
+
+        return tuple(natural_frequencies(held_drivetrain(cases[0])) for cases in self.judged_drivetrains)
+
+    @cached_property
+    def excited_modes(self) -> tuple[int, ...]:
+        """Numbers of the first drivetrain's modes below the highest excitation frequency; at least the lowest one."""
+        rows, line = self.natural_frequencies[0], self.highest_line
+        found = tuple(one.mode for one in rows if line and one.lowest <= line[1])
+        return found or tuple(one.mode for one in rows[:1])
+
+    @cached_property
+    def highest_line(self) -> tuple[OrderLine, float] | None:
+        """Order line with the highest frequency in the range of speeds, and this frequency in Hz.
+
+        None where nothing acts.
+        """
+        from torsionnet.solve.running.critical_speeds import excited_frequencies, excited_lines
+
+        found = []
         for case in self.cases:
-            alike = next((cases for cases in found if _vibrate_alike(case.drivetrain, cases[0].drivetrain)), None)
-            if alike is None:
-                found.append([case])
-            else:
-                alike.append(case)
-        return tuple(map(tuple, found))
+            if any(one.enabled for one in case.drivetrain.definition.excitations.values()):
+                lines, _, speeds = excited_lines(case.drivetrain, None, None, None)
+                found += [(line, excited_frequencies(line, speeds)[1]) for group in lines.values() for line in group]
+        return max(found, key=lambda one: one[1], default=None)
 
     @cached_property
     def band(self) -> tuple[float, float]:
@@ -280,6 +313,26 @@ class ReportData:
             )
 
         return solve
+
+
+def _by_drivetrain(cases: Sequence[Case]) -> tuple[tuple[Case, ...], ...]:
+    """Configurations in groups of equal drivetrains."""
+    found: list[list[Case]] = []
+    for case in cases:
+        alike = next((group for group in found if _vibrate_alike(case.drivetrain, group[0].drivetrain)), None)
+        if alike is None:
+            found.append([case])
+        else:
+            alike.append(case)
+    return tuple(map(tuple, found))
+
+
+def held_drivetrain(case: Case) -> AssembledModel:
+    """Drivetrain of a configuration in which nodes with an imposed motion are held, as vibrations are counted in it."""
+    from torsionnet.solve.running.order_response import with_motions_held
+
+    acting = {name: one for name, one in case.drivetrain.definition.excitations.items() if one.enabled}
+    return with_motions_held(case.drivetrain, acting)
 
 
 def is_damped(case: Case) -> bool:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from torsionnet.core.number_text import aligned_numbers
@@ -96,6 +97,25 @@ def readable_torque(shown: str, size: float) -> tuple[str, float]:
     if shown == "N*m" and size >= KILO_FROM:
         return "kN*m", 1e3
     return shown, 1.0
+
+
+def with_decimals(block: TableBlock, decimals: Mapping[str, int]) -> TableBlock:
+    """Copy of a report's table whose numbers have a fixed number of decimals, by the unit of their column."""
+    fixed = [decimals.get(column.unit) for column in block.columns]
+    groups = tuple(
+        replace(
+            group,
+            rows=tuple(
+                tuple(
+                    replace(cell, decimals=count) if count is not None and isinstance(cell, NumberText) else cell
+                    for cell, count in zip(row, fixed, strict=True)
+                )
+                for row in group.rows
+            ),
+        )
+        for group in block.groups
+    )
+    return replace(block, groups=groups)
 
 
 def _prefix(values: Sequence[Any]) -> tuple[str, float]:

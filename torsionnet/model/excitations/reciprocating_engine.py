@@ -63,7 +63,7 @@ class ReciprocatingEngine(EngineEntries):
         inertia = self.reciprocating_mass * self.crank.radius**2 * inertia_harmonics(self.crank.ratio, orders)
         moving = speeds[:, None] ** 2 * inertia
         phase_factors = {number: np.exp(-1j * orders * angle) for number, angle in self.acting_phases.items()}
-        fired, motored = self._fired(speeds), self._motored(speeds)
+        fired, motored = self.fired_harmonics(speeds), self._motored(speeds)
         gas = {number: self._gas_of(number, fired, motored) * phase_factors[number] for number in self.numbers}
         found = np.zeros((len(speeds), len(orders), len(nodes)), dtype=complex)
         for number, node in self.numbers.items():
@@ -104,7 +104,8 @@ class ReciprocatingEngine(EngineEntries):
         """Dimensionless factor on the gas torque of a cylinder against the other cylinders."""
         return float((self.factors or {}).get(str(number), 1.0))
 
-    def _fired(self, speeds: FloatArray) -> ComplexArray:
+    def fired_harmonics(self, speeds: FloatArray) -> ComplexArray:
+        """Gas torque of a firing cylinder in N m, shape (n_speeds, n_orders), before the shift to its firing angle."""
         shape = (len(speeds), len(self.acting_orders))
         if self.gas is None:
             return np.zeros(shape, dtype=complex)

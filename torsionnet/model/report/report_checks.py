@@ -10,7 +10,8 @@ from torsionnet.core.listing import comma_list
 from torsionnet.core.units import RPM
 from torsionnet.model.channels import parse_pair, parse_sensor
 from torsionnet.model.configurations import parse_choice
-from torsionnet.model.report.report_plan import Pair, ReportPlan
+from torsionnet.model.report.report_pair import Pair
+from torsionnet.model.report.report_plan import ReportPlan
 
 SPEED_ROUNDING = 1e-9
 """Share of a speed by which rounding of its unit may carry it out of a range."""

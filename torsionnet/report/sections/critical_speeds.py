@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 from torsionnet.report.document_tree import Block, Details, Paragraph, Picture, Section
 from torsionnet.report.report_data import Case, ReportData
+from torsionnet.report.report_holzer import holzer_blocks
 from torsionnet.report.report_tables import results_table
-from torsionnet.report.report_text import as_words, distinct_choices, shared_choices
+from torsionnet.report.report_text import distinct_choices, shared_choices
 
 if TYPE_CHECKING:
     from torsionnet.response.critical_speeds import CriticalSpeed, CriticalSpeeds
@@ -23,10 +24,6 @@ MOST_ROWS = 30
 force are kept."""
 LEFT_OUT_COLUMNS = ("on its shaft", "amplifi- cation")
 """Headings of columns that the report leaves out, as a page has no room for them."""
-SHORT_HEADINGS = {"J referred": "J", "k referred": "k", "sum of torque": "sum"}
-"""Shorter headings of a Holzer table in which all values are referred to one shaft."""
-REAL_COLUMNS = ("J", "k")
-"""Headings of the Holzer table's columns with values at a shaft's own speed, beside which it has referred ones."""
 INTRODUCTION = (
     "A critical speed is one at which an order meets a natural frequency. Damping shifts natural frequencies: both the "
     "undamped and the damped one are given. A crossing that is not excited in one condition may be in another, as with "
@@ -129,16 +126,4 @@ def _diagram(found: CriticalSpeeds, number: int, where: str) -> Picture:
 def _holzer_tables(case: Case, excited: CriticalSpeeds) -> list[Block]:
     """Holzer tables of the lowest modes that any excitation reaches."""
     modes = sorted({one.mode.number for one in excited.crossings})[:MOST_HOLZER_TABLES]
-    blocks: list[Block] = []
-    for mode in modes:
-        holzer = case.drivetrain.holzer_table(mode)
-        first = as_words(holzer.branches[0].stations[0].node)
-        for place, branch in enumerate(holzer.tables(referred=True), 1):
-            part = f", branch {place}" if len(holzer.branches) > 1 else ""
-            kept = branch.chosen([index for index, one in enumerate(branch.columns) if one.name not in REAL_COLUMNS])
-            shown = replace(
-                kept, columns=tuple(replace(one, name=SHORT_HEADINGS.get(one.name, one.name)) for one in kept.columns)
-            )
-            what = f"Holzer table of mode {mode}, {holzer.frequency:.5g} Hz{part}; 1 rad at {first}"
-            blocks.append(results_table(shown, f"{what}, referred to {as_words(holzer.referred_to)}"))
-    return blocks
+    return [block for mode in modes for block in holzer_blocks(case.drivetrain.holzer_table(mode))]

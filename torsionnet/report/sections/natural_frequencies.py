@@ -1,12 +1,168 @@
-"""Section of a report on natural frequencies."""
+"""Section of a report on natural frequencies: one table, relative amplitudes with nodes, Holzer tables."""
 
 from __future__ import annotations
 
-from torsionnet.report.document_tree import Section
-from torsionnet.report.report_data import ReportData
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from torsionnet.core.errors import TorsionnetError
+from torsionnet.core.units import RPM
+from torsionnet.report.document_tree import (
+    Block,
+    Cell,
+    Heading,
+    NumberText,
+    Paragraph,
+    Picture,
+    Section,
+    TableBlock,
+    TableGroup,
+)
+from torsionnet.report.report_data import ReportData, held_drivetrain
+from torsionnet.report.report_holzer import holzer_block
+from torsionnet.report.report_tables import merge_equal_rows, results_table, with_decimals
+from torsionnet.report.report_text import as_words, shared_choices
+from torsionnet.response.vibrations.counted_vibration import CountedVibration, natural_frequency_table
+
+if TYPE_CHECKING:
+    from torsionnet.response.holzer_table import HolzerTable
+
+MOST_MODES_LISTED, MOST_DRAWN, MOST_HOLZER_TABLES = 10, 4, 3
+"""Largest number of modes in the table of the document, in the picture, and with a Holzer table unless more are asked
+for: what a reviewer reads on two pages."""
+MOST_COMPARED = 8
+"""Largest number of modes beside each other in the table of all drivetrains, as more columns do not fit a page."""
+MOST_PLACES = 4
+"""Largest number of nodes of vibration whose elements the table names; more stand in the Holzer table."""
+FREQUENCY_DECIMALS, PER_MINUTE_DECIMALS, DAMPING_DECIMALS = 2, 1, 2
+"""Decimals of frequencies in Hz and per minute, and of damping ratios in percent: finer ones are known of no plant."""
+COUNTING = (
+    "Mode 1 is the lowest vibration; rigid-body motion and overdamped modes have no number. The numbers are the same "
+    "in all sections. Nodes are counted in the undamped shape, that of the Holzer table."
+)
+PICTURE_TEXT = (
+    "Relative amplitudes referred to {node}, the first mass 1; lines as in the Holzer tables, gears dotted. Rings are "
+    "nodes of vibration, with the share in percent of the twist between the two masses that lies before the node."
+)
 
 
 def natural_frequencies_section(subject: ReportData) -> Section | None:
-    """Section of a report on natural frequencies; None for a model without excitations."""
-    del subject
-    return None
+    """Section of a report on natural frequencies; None for a model without excitations or without vibrations."""
+    if not subject.has_excitations or not all(subject.natural_frequencies) or subject.highest_line is None:
+        return None
+    listed = [_listed(rows, subject.highest_line[1]) for rows in subject.natural_frequencies]
+    blocks: list[Block] = [Paragraph((_range(subject),)), _first_table(subject, listed[0])]
+    if len(listed) > 1:
+        blocks.append(_compared(subject, listed))
+    blocks += _shapes(subject)
+    return Section("natural_frequencies", ("Natural frequencies",), tuple(blocks))
+
+
+def _listed(rows: Sequence[CountedVibration], highest: float) -> tuple[CountedVibration, ...]:
+    """Natural frequencies below the highest excitation, in Hz, and the next one, which shows the margin above."""
+    above = min((one.lowest for one in rows if one.lowest > highest), default=highest)
+    return tuple(one for one in rows if one.lowest <= above)
+
+
+def _range(subject: ReportData) -> str:
+    speeds = subject.model.definition.speeds
+    assert subject.highest_line is not None
+    assert speeds is not None
+    line, highest = subject.highest_line
+    what = f"order {line.order:g} of {as_words(line.excitation)}" if line.order else as_words(str(line))
+    top = f"{speeds.values[-1] * RPM:.6g} r/min of {as_words(speeds.of)}"
+    count = len(subject.excited_modes)
+    modes = "one natural frequency lies" if count == 1 else f"{count} natural frequencies lie"
+    above = any(one.lowest > highest for one in subject.natural_frequencies[0])
+    beyond = ", and the next one is given" if above else ", and none above"
+    return f"The highest excitation is {what}, {highest:.4g} Hz at {top}; {modes} below{beyond}."
+
+
+def _where(subject: ReportData, place: int) -> str:
+    cases = subject.judged_drivetrains[place]
+    return shared_choices([case.configuration for case in cases]) if cases[0].configuration else ""
+
+
+def _first_table(subject: ReportData, rows: tuple[CountedVibration, ...]) -> TableBlock:
+    several = len(subject.judged_drivetrains) > 1
+    where = f" in configuration {_where(subject, 0)}" if several else ""
+    short = tuple(one if len(one.nodes) <= MOST_PLACES else replace(one, nodes=()) for one in rows)
+    made = natural_frequency_table("", short, (COUNTING,))
+    found = results_table(made, f"Natural frequencies{where}", most=MOST_MODES_LISTED)
+    shown = {subject.conventions.frequency: FREQUENCY_DECIMALS, "1/min": PER_MINUTE_DECIMALS, "%": DAMPING_DECIMALS}
+    return with_decimals(found, shown)
+
+
+def _compared(subject: ReportData, listed: Sequence[tuple[CountedVibration, ...]]) -> TableBlock:
+    """Table of the natural frequencies of all drivetrains, a column for each mode."""
+    shown = [rows[:MOST_COMPARED] for rows in listed]
+    count = max(map(len, shown))
+    columns = (Heading("Configuration"), *(Heading(f"Mode {place}", numeric=True) for place in range(1, count + 1)))
+    names = [_where(subject, place) for place in range(len(shown))]
+    values: dict[str, list[list[Cell]]] = {
+        "Undamped natural frequency, Hz": [
+            [NumberText(one.undamped_frequency, 4, FREQUENCY_DECIMALS) for one in rows] for rows in shown
+        ],
+        "Undamped vibrations per minute": [
+            [NumberText(one.per_minute, 4, PER_MINUTE_DECIMALS) for one in rows] for rows in shown
+        ],
+        "Damping ratio, %": [
+            [NumberText(100 * one.damping_ratio, 4, DAMPING_DECIMALS) for one in rows] for rows in shown
+        ],
+    }
+    counts: list[list[Cell]] = [[str(one.n_nodes) for one in rows] for rows in shown]
+    if any(row != counts[0] for row in counts):
+        values["Number of nodes"] = counts
+    groups = []
+    for title, cells in values.items():
+        padded = [(name, *row, *([""] * (count - len(row)))) for name, row in zip(names, cells, strict=True)]
+        groups.append(TableGroup(merge_equal_rows(padded), title))
+    return TableBlock(("Natural frequencies of all drivetrains, by number of the mode",), columns, tuple(groups))
+
+
+def _shapes(subject: ReportData) -> list[Block]:
+    """Picture of relative amplitudes, and Holzer tables of the first drivetrain."""
+    excited = subject.excited_modes
+    asked = subject.request.plan.holzer
+    wanted = (
+        excited[:MOST_HOLZER_TABLES] if asked is None else [one.mode for one in subject.natural_frequencies[0]][:asked]
+    )
+    tables, missing = _holzer_tables(subject, list(dict.fromkeys([*excited[:MOST_DRAWN], *wanted])))
+    blocks: list[Block] = []
+    drawn = [tables[mode] for mode in excited[:MOST_DRAWN] if mode in tables]
+    where = f" Configuration {_where(subject, 0)}." if len(subject.judged_drivetrains) > 1 else ""
+    if drawn:
+        from torsionnet.plot.relative_amplitudes import relative_amplitudes
+
+        text = PICTURE_TEXT.format(node=as_words(drawn[0].referred_to)) + where
+        alt = f"Relative amplitudes of modes {', '.join(str(one.mode) for one in drawn)}"
+        blocks.append(Picture("relative_amplitudes", relative_amplitudes(drawn), (text,), alt))
+    blocks += [holzer_block(tables[mode], "N/mm^2") for mode in wanted if mode in tables]
+    if missing:
+        blocks.append(Paragraph((f"There is no Holzer table of mode {'; of mode '.join(missing)}.",)))
+    more = len(excited) - len(wanted)
+    if asked is None and more > 0:
+        blocks.append(Paragraph((_more(more, len(excited)),)))
+    return blocks
+
+
+def _more(more: int, count: int) -> str:
+    modes = "one further mode lies" if more == 1 else f"{more} further modes lie"
+    return (
+        f"{modes[0].upper()}{modes[1:]} below the highest excitation; their Holzer tables follow with holzer: {count}."
+    )
+
+
+def _holzer_tables(subject: ReportData, modes: Sequence[int]) -> tuple[dict[int, HolzerTable], list[str]]:
+    """Holzer tables of modes of the first drivetrain, by number, and those that have none with the reason."""
+    from torsionnet.solve.modes.holzer import holzer_table
+
+    held = held_drivetrain(subject.judged_drivetrains[0][0])
+    found, missing = {}, []
+    for mode in modes:
+        try:
+            found[mode] = holzer_table(held, mode)
+        except TorsionnetError as error:
+            missing.append(f"{mode}: {error}")
+    return found, missing

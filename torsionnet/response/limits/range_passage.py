@@ -144,6 +144,7 @@ def passage_table(passages: Sequence[RangePassage], conventions: Conventions = S
         row = one.row
         scale = conventions.scale(row.unit)
         passing = None if row.in_passing is None else row.in_passing * scale
-        sizes = {"peak": row.peak * scale, "steady": row.steady * scale, "allowed": row.allowed * scale}
-        rows.append(replace(row, **sizes, in_passing=passing, unit=conventions.unit(row.unit)))
+        peak, steady, allowed = row.peak * scale, row.steady * scale, row.allowed * scale
+        shown = conventions.unit(row.unit)
+        rows.append(replace(row, peak=peak, steady=steady, allowed=allowed, in_passing=passing, unit=shown))
     return result_table(title or "passage of a barred range", rows, PassageRow)

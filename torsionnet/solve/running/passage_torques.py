@@ -149,7 +149,7 @@ class SectionTorques:
 
 
 def lines_that_matter(run: OrderResponse, negligible: float) -> tuple[NDArray[np.bool_], float]:
-    """Flags of the order lines that are followed, shape (n_lines,), and the share of the largest half range that the others have.
+    """Flags of the order lines followed, shape (n_lines,), and the share of the largest half range in the others.
 
     Highest orders are left out while together they have no more than a share ``negligible`` of any output.
     """

@@ -1,0 +1,83 @@
+"""Tables of a report with the orders of propellers and of excitations that are no engines."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from torsionnet.core.number_text import MISSING_TYPESET, NumberText, aligned_numbers
+from torsionnet.core.units import RPM
+from torsionnet.model.excitations.propeller_torque import PropellerTorque
+from torsionnet.report.document_tree import Cell, Heading, TableBlock
+from torsionnet.report.report_data import Case
+from torsionnet.report.report_tables import table
+from torsionnet.report.report_text import as_words, unit
+from torsionnet.solve.running.excitation_lines import excitation_lines
+
+KILO = 1e-3
+"""Factor from N m to kN m."""
+MOST_LINES = 20
+"""Largest number of orders of other excitations in the table; of more it says how many."""
+
+
+def propeller_block(case: Case, name: str, propeller: PropellerTorque) -> TableBlock:
+    """Table of a propeller's blade orders, share of its mean torque, amplitude in kN m and phase in degrees."""
+    lines = excitation_lines(case.drivetrain, name)
+    torque, exponent = propeller.law
+    columns = (
+        Heading("Blade order", numeric=True),
+        Heading("Order of the shaft", numeric=True),
+        Heading("Share of mean torque", "%", numeric=True),
+        Heading("Amplitude", unit("kN*m"), numeric=True),
+        Heading("Phase", "deg", numeric=True),
+    )
+    # The phase of the torque that the propeller takes is half a turn from that of the torque on the shaft.
+    taken = [math.degrees(math.remainder(one.phase - math.pi, 2 * math.pi)) for one in lines]
+    rows = zip(
+        [NumberText(one.order / propeller.blades) for one in lines],
+        [NumberText(one.order) for one in lines],
+        aligned_numbers([100 * one.share for one in lines], 3),
+        aligned_numbers([KILO * one.amplitude for one in lines], 4),
+        [NumberText(phase, 4, 1) for phase in taken],
+        strict=True,
+    )
+    state = f", {as_words(propeller.condition)}" if propeller.condition else ""
+    law = f"mean torque {KILO * torque:.4g} {unit('kN*m')} at {propeller.rated * RPM:.5g} r/min"
+    follows = f", with the speed to the power {exponent:g}" if exponent else ""
+    caption = f"Propeller {as_words(name)}{state}: {propeller.blades} blades, {law}{follows}"
+    return table(caption, columns, list(rows), ("Phase of the torque taken; 0 where the first cylinder fires.",))
+
+
+def other_table(others: Sequence[tuple[Case, str]]) -> TableBlock:
+    """Table of the orders of excitations that are neither engines nor propellers, at the rated speed."""
+    columns = (
+        Heading("Excitation"),
+        Heading("Type"),
+        Heading("Acts on"),
+        Heading("Order", numeric=True),
+        Heading("Frequency beside it", "Hz", numeric=True),
+        Heading("Amplitude", numeric=True),
+        Heading("Unit"),
+        Heading("Share of mean torque", "%", numeric=True),
+        Heading("Phase", "deg", numeric=True),
+    )
+    rows: list[tuple[Cell, ...]] = []
+    for case, name in others:
+        one = case.drivetrain.definition.excitations[name]
+        factor, shown = (KILO, unit("kN*m")) if one.quantity == "torque" else (math.degrees(1), "deg")
+        rows += [
+            (
+                as_words(name),
+                as_words(one.kind),
+                as_words(line.node),
+                NumberText(line.order, 6) if line.order else MISSING_TYPESET,
+                NumberText(line.fixed, 4) if line.fixed else "",
+                NumberText(factor * line.amplitude, 4),
+                shown,
+                "" if math.isnan(line.share) else NumberText(100 * line.share, 3),
+                NumberText(math.degrees(line.phase), 4, 1),
+            )
+            for line in excitation_lines(case.drivetrain, name)
+        ]
+    note = "At rated speed; orders of an excitation are multiples of the speed of its own shaft."
+    return table("Other excitations", columns, rows, (note,), most=MOST_LINES)
