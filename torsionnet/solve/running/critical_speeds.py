@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -249,7 +250,19 @@ class _CrossingSearch:
             star=star_diagram(excitation, one.excitation, one.order, shape, title, force.part),
             excited=force.acts,
             case=force.case,
+            modal_inertia=self._modal_inertia(one.mode),
         )
+
+    def _modal_inertia(self, mode: VibrationMode) -> float:
+        """Sum of J |phi|^2 over all inertias in kg m^2, for the mode shape whose largest angle is 1."""
+        coordinates = mode.shape[self._coordinates]
+        return float((coordinates.conj() @ self.drivetrain.assembly.system.M @ coordinates).real)
+
+    @cached_property
+    def _coordinates(self) -> list[int]:
+        """Indices of the kept coordinates among the nodes of a mode shape."""
+        assembly = self.drivetrain.assembly
+        return [assembly.node_index[name] for name in assembly.kinematics.coordinates]
 
     def _acting_speed(self, one: CriticalSpeed) -> float:
         """Critical speed in rad/s at which torques are taken, by natural frequency where that is in range."""
