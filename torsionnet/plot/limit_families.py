@@ -15,14 +15,14 @@ from torsionnet.core.errors import UsageError
 from torsionnet.core.units import RPM
 from torsionnet.plot.drawing.labels import symbol
 from torsionnet.plot.drawing.torque_units import axis_label, axis_unit, speed_label
+from torsionnet.plot.limit_check import quantity_label
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
-from torsionnet.plot.limit_check import quantity_label
 from torsionnet.response.limits.limit_check import LimitCheck, LimitVerdict
 from torsionnet.response.limits.order_peaks import vibratory_verdicts
 
-PANEL_HEIGHT = 2.35
-"""Height of a panel in inches: four rows of panels fill a page."""
+PANEL_HEIGHT = 2.1
+"""Height of a panel in inches: three rows of panels leave room for another picture on the page."""
 LABEL_WIDTH = 30
 """Characters of a line of the label of an axis: as many as fit the height of a panel."""
 HEADROOM = 1.12

@@ -8,7 +8,7 @@ from torsionnet.response import Conventions
 from torsionnet.response.limits.limit_check import LimitVerdict
 
 KILO = {"N*m": 1e-3, "W": 1e-3}
-"""Factor to the unit with the prefix k by SI unit, of the units that a report of machinery always gives in thousands."""
+"""Factor to the unit with the prefix k by SI unit, of units that a report of machinery always gives in thousands."""
 DIGITS = 3
 """Significant digits of stresses, torques and shares: a torsional calculation is not known better."""
 

@@ -208,7 +208,7 @@ class ReportData:
 
     @cached_property
     def governing_peaks(self) -> GoverningPeaks | None:
-        """Critical speeds that matter in the configurations judged, each order in its worst one; None without limits."""
+        """Critical speeds that matter in the judged configurations, each order in its worst; None without limits."""
         if self.limit_conclusion is None:
             return None
         from torsionnet.response.limits.governing_peaks import governing_peaks

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import groupby
 
 import numpy as np
@@ -15,7 +16,7 @@ from torsionnet.report.report_text import as_words, symbol_or_words
 from torsionnet.response.limits.governing_peaks import GoverningPeaks, line_name
 from torsionnet.response.limits.limit_check import LimitCheck, LimitVerdict
 from torsionnet.response.limits.limit_conclusion import LimitConclusion
-from torsionnet.response.limits.order_peaks import largest_orders, vibratory_verdicts
+from torsionnet.response.limits.order_peaks import OrderPeak, largest_orders, vibratory_verdicts
 
 MOST_PANELS = 6
 """Largest number of components in one picture, three rows of two: more would not fit a page with their caption."""
@@ -36,8 +37,8 @@ WORST_COLUMNS = (
     Heading("Largest orders there", wide=True),
 )
 CRITICAL_COLUMNS = (
-    Heading("Critical speed", "rpm", numeric=True),
-    Heading("Of order"),
+    Heading("Speed", "rpm", numeric=True),
+    Heading("Critical of"),
     Heading("Component"),
     Heading("All orders", numeric=True),
     Heading("Unit"),
@@ -50,7 +51,8 @@ def forced_response_section(subject: ReportData) -> Section | None:
     found = subject.limit_conclusion
     if found is None:
         return None
-    blocks: list[Block] = [Paragraph((INTRODUCTION,)), *_families(subject, found), *_worst(subject, found)]
+    # The table first: pictures of many components fill a page of their own.
+    blocks: list[Block] = [Paragraph((INTRODUCTION,)), *_worst(subject, found), *_families(subject, found)]
     blocks.append(_free_end(subject))
     if subject.governing_peaks is not None and subject.governing_peaks.peaks:
         blocks.append(_at_critical_speeds(subject, subject.governing_peaks))
@@ -81,15 +83,19 @@ def _worst(subject: ReportData, found: LimitConclusion) -> list[TableBlock]:
         worst: dict[tuple[str, str], tuple[LimitCheck, LimitVerdict]] = {}
         for check in found.checks:
             for one in vibratory_verdicts(check) if check.misfiring is misfiring else ():
-                known = worst.get((one.limit, one.criterion))
+                known = worst.get((one.limit, one.quantity))
                 if one.worst is not None and (known is None or _use(one) > _use(known[1])):
-                    worst[one.limit, one.criterion] = (check, one)
+                    worst[one.limit, one.quantity] = (check, one)
         if worst:
             groups.append(Group(tuple(_worst_row(subject, *pair) for pair in worst.values()), title))
     if not groups:
         return []
     shown = tuple(groups) if len(groups) > 1 else (Group(groups[0].rows),)
-    return [TableBlock(("Largest utilisation of every limit on vibration",), WORST_COLUMNS, shown)]
+    return [
+        TableBlock(
+            ("Largest utilisation of every component, with the criterion that is used most",), WORST_COLUMNS, shown
+        )
+    ]
 
 
 def _use(one: LimitVerdict) -> float:
@@ -130,21 +136,24 @@ def _at_critical_speeds(subject: ReportData, found: GoverningPeaks) -> TableBloc
     """Table of the largest orders at each critical speed that matters, in the component that it uses most."""
     groups = []
     for configuration, some in groupby(found.peaks, key=lambda one: one.check.configuration):
-        peaks = sorted(some, key=lambda one: one.rpm)
-        speeds = aligned_numbers([one.rpm for one in peaks])
-        rows = [
-            (
-                speed,
-                f"{as_words(line_name(one))}, mode {one.critical.mode.number}",
-                component(one.verdict),
-                limit_number(float(one.verdict.values[one.at]), one.verdict.unit, subject.conventions),
-                limit_unit(one.verdict.unit, subject.conventions),
-                order_list(
-                    largest_orders(one.check, one.verdict, one.at, MOST_ORDERS), one.verdict, subject.conventions
-                ),
-            )
-            for one, speed in zip(peaks, speeds, strict=True)
-        ]
+        peaks = sorted(some, key=lambda one: (one.at, one.verdict.limit))
+        alike = [list(those) for _, those in groupby(peaks, key=lambda one: (one.at, one.verdict.limit))]
+        speeds = aligned_numbers([those[0].rpm for those in alike])
+        rows = [_critical_row(subject, speed, those) for speed, those in zip(speeds, alike, strict=True)]
         groups.append(Group(tuple(rows), as_words(configuration) if len(subject.judged_cases) > 1 else ""))
     notes = (("Speeds of the peaks, which damping moves off the critical speeds.",),)
     return TableBlock(("Orders at the critical speeds that matter",), CRITICAL_COLUMNS, tuple(groups), notes)
+
+
+def _critical_row(subject: ReportData, speed: Cell, those: Sequence[OrderPeak]) -> tuple[Cell, ...]:
+    """Row of one speed at which one or several orders have a peak in one component."""
+    one = those[0]
+    limit = one.verdict
+    return (
+        speed,
+        "; ".join(f"{as_words(line_name(peak))}, mode {peak.critical.mode.number}" for peak in those),
+        component(limit),
+        limit_number(float(limit.values[one.at]), limit.unit, subject.conventions),
+        limit_unit(limit.unit, subject.conventions),
+        order_list(largest_orders(one.check, limit, one.at, MOST_ORDERS), limit, subject.conventions),
+    )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from itertools import groupby
 
 from torsionnet.core.number_text import aligned_numbers
@@ -15,7 +14,7 @@ from torsionnet.report.limit_values import DIGITS, component, limit_number, limi
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_text import as_words, first_names, symbol_or_words
 from torsionnet.response.critical_speeds import CriticalSpeed
-from torsionnet.response.limits.governing_peaks import GoverningPeaks
+from torsionnet.response.limits.governing_peaks import GoverningPeaks, line_name
 from torsionnet.response.limits.order_peaks import LEAST_SHARE, OrderPeak
 from torsionnet.solve.running.damping_shares import damping_shares
 
@@ -34,9 +33,9 @@ INTRODUCTION = (
 MODE_COLUMNS = (
     Heading("Mode"),
     Heading("Order"),
-    Heading("Critical speed", "rpm", numeric=True),
-    Heading("Equilibrium amplitude", "mrad", numeric=True),
-    Heading("Generalised force", "kN·m", numeric=True),
+    Heading("Speed", "rpm", numeric=True),
+    Heading("Equil. ampl.", "mrad", numeric=True),
+    Heading("Gen. force", "kN·m", numeric=True),
     Heading("Magnifier", numeric=True),
     Heading("Damping by", wide=True),
 )
@@ -49,21 +48,23 @@ def resonances_section(subject: ReportData) -> Section | None:
         return None
     found = subject.governing_peaks
     blocks: list[Block] = [Paragraph((INTRODUCTION,))]
-    case = subject.judged_cases[0]
+    case, lines = subject.judged_cases[0], None
     if found is None:
         blocks.append(_without_limits(case))
     else:
         blocks += _with_limits(subject, found)
         if found.peaks:
             case = subject.judged_case(max(found.peaks, key=lambda one: one.share).check)
-    return Section("resonances", ("Critical speeds",), (*blocks, _diagram(case)))
+            lines = list(dict.fromkeys(map(line_name, found.peaks)))
+    return Section("resonances", ("Critical speeds",), (*blocks, _diagram(case, lines)))
 
 
 def _with_limits(subject: ReportData, found: GoverningPeaks) -> list[Block]:
     """Sentence on which critical speeds are listed, and their table, by condition."""
     rule = (
         f"Listed are critical speeds at which one order alone uses at least {100 * LEAST_SHARE:g} % of a limit, each "
-        f"order in the condition in which it uses most, of {len(subject.judged_cases)} examined. "
+        f"order in the condition in which it uses most, of {len(subject.judged_cases)} examined; of conditions with a "
+        "misfire only orders that are larger there. "
     )
     rest = f"Every other order uses less at all speeds: {first_names(list(map(as_words, found.others)), 30)}."
     blocks: list[Block] = [Paragraph((rule + (rest if found.others else ""),))]
@@ -72,10 +73,9 @@ def _with_limits(subject: ReportData, found: GoverningPeaks) -> list[Block]:
     columns = (
         *MODE_COLUMNS,
         Heading("Most used limit"),
-        Heading("Order there", numeric=True),
-        Heading("Unit"),
-        Heading("Order alone", "%", numeric=True),
-        Heading("All orders", "%", numeric=True),
+        Heading("Peak"),
+        Heading("Order", "%", numeric=True),
+        Heading("All", "%", numeric=True),
     )
     groups = []
     for configuration, some in groupby(found.peaks, key=lambda one: one.check.configuration):
@@ -85,7 +85,7 @@ def _with_limits(subject: ReportData, found: GoverningPeaks) -> list[Block]:
         rows = tuple((*left, *right) for left, right in zip(mode_cells, limit_cells, strict=True))
         groups.append(Group(rows, as_words(configuration) if len(subject.judged_cases) > 1 else ""))
     notes = (
-        ("In per cent of the value allowed at the peak: amplitude of this order, and all orders together.",),
+        ("Peak: amplitude of this order alone. In per cent of the value allowed there: this order, and all together.",),
         *([("A critical speed outside the speed range has the values of its nearer end.",)] if _beyond(found) else []),
     )
     return [*blocks, TableBlock(("Critical speeds that matter",), columns, tuple(groups), notes)]
@@ -93,9 +93,7 @@ def _with_limits(subject: ReportData, found: GoverningPeaks) -> list[Block]:
 
 def _beyond(found: GoverningPeaks) -> bool:
     """Whether a critical speed lies outside the speeds examined."""
-    return any(
-        not one.check.speeds[0] <= one.critical.speed("natural") <= one.check.speeds[-1] for one in found.peaks
-    )
+    return any(not one.check.speeds[0] <= one.critical.speed("natural") <= one.check.speeds[-1] for one in found.peaks)
 
 
 def _mode_cells(some: Sequence[CriticalSpeed], case: Case) -> Iterable[tuple[Cell, ...]]:
@@ -105,7 +103,7 @@ def _mode_cells(some: Sequence[CriticalSpeed], case: Case) -> Iterable[tuple[Cel
     return (
         (
             str(one.mode.number),
-            as_words(line),
+            as_words(line).replace(" ", "\N{NO-BREAK SPACE}"),
             speed,
             NumberText(1e3 * one.equilibrium_amplitude, DIGITS),
             NumberText(1e-3 * one.generalised_force, DIGITS),
@@ -130,8 +128,10 @@ def _limit_cells(subject: ReportData, one: OrderPeak) -> tuple[Cell, ...]:
     limit = one.verdict
     return (
         (component(limit), " ", symbol_or_words(limit.criterion)),
-        limit_number(one.amplitude, limit.unit, subject.conventions),
-        limit_unit(limit.unit, subject.conventions),
+        (
+            limit_number(one.amplitude, limit.unit, subject.conventions),
+            f"\N{NO-BREAK SPACE}{limit_unit(limit.unit, subject.conventions)}",
+        ),
         NumberText(100 * one.share, DIGITS),
         NumberText(100 * one.utilisation, DIGITS),
     )
@@ -151,14 +151,13 @@ def _without_limits(case: Case) -> TableBlock:
     return TableBlock((caption,), MODE_COLUMNS, (Group(tuple(_mode_cells(kept, case))),), ((f"{which}.",), *notes))
 
 
-def _diagram(case: Case) -> Picture:
-    """Interference diagram of one condition."""
+def _diagram(case: Case, lines: list[str] | None) -> Picture:
+    """Interference diagram of one condition with some order lines, or with all."""
     from torsionnet.plot.interference_diagram import interference_diagram
 
-    found = replace(case.drivetrain.critical_speeds(), title="")
+    found = case.drivetrain.critical_speeds(lines=lines)
     where = f", {as_words(case.configuration)}" if case.configuration else ""
-    caption = (f"Interference diagram{where}: natural frequencies and orders over speed.",)
+    orders = "orders" if lines is None else "the orders listed"
+    caption = (f"Interference diagram{where}: natural frequencies and {orders} over speed.",)
     alt = f"Interference diagram{where}: {len(found.modes)} modes, {len(found.crossings)} crossings"
     return Picture("resonances", interference_diagram(found, title=""), caption, alt)
-
-

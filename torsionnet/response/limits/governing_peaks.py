@@ -37,9 +37,10 @@ def governing_peaks(
     critical_speeds: Callable[[LimitCheck, Sequence[str]], CriticalSpeeds],
     least: float = LEAST_SHARE,
 ) -> GoverningPeaks:
-    """Critical speeds whose order alone uses at least the share ``least`` of a limit, each order in its worst condition.
+    """Critical speeds whose order alone uses at least a share of a limit, each order in its worst condition.
 
-    Conditions with a misfiring cylinder are looked at for themselves. Critical speeds are asked for only in those
+    Conditions with a misfiring cylinder are looked at for themselves, for orders that are larger there.
+    Critical speeds are asked for only in those
     conditions in which some order is worst, and only of these orders.
 
     Parameters
@@ -59,11 +60,14 @@ def governing_peaks(
     >>> [(line_name(one), round(one.rpm)) for one in found.peaks], len(found.others)
     ([('engine 6', 51), ('screw 4', 76), ('engine 4', 77), ('engine 3', 102)], 12)
     """
+    normal, misfiring = ([place for place, one in enumerate(checks) if one.misfiring is way] for way in (False, True))
     wanted: dict[int, list[str]] = {}
-    for misfiring in (False, True):
-        places = [place for place, check in enumerate(checks) if check.misfiring is misfiring]
-        for line, place in _worst_conditions([checks[one] for one in places], least):
-            wanted.setdefault(places[place], []).append(line)
+    known: dict[str, float] = {}
+    for places in (normal, misfiring):
+        for line, (share, place) in _worst_conditions([checks[one] for one in places], least).items():
+            if share > (1 + SAME_SHARE) * known.get(line, 0.0):
+                wanted.setdefault(places[place], []).append(line)
+            known.setdefault(line, share)
     kept: list[OrderPeak] = []
     for place, lines in sorted(wanted.items()):
         peaks = [one for one in order_peaks(checks[place], critical_speeds(checks[place], lines)) if one.share >= least]
@@ -78,8 +82,8 @@ def line_name(peak: OrderPeak) -> str:
     return f"{peak.critical.excitation} {peak.critical.line}"
 
 
-def _worst_conditions(checks: Sequence[LimitCheck], least: float) -> list[tuple[str, int]]:
-    """Order lines that use at least a share of a limit, each with the index of the condition where it uses most.
+def _worst_conditions(checks: Sequence[LimitCheck], least: float) -> dict[str, tuple[float, int]]:
+    """Largest share of a limit by order line, of those that use at least ``least``, and the condition where it does.
 
     Conditions taken for a larger order are taken again where they are as bad within ``SAME_SHARE``.
     """
@@ -89,7 +93,7 @@ def _worst_conditions(checks: Sequence[LimitCheck], least: float) -> list[tuple[
             shares.setdefault(line, {})[place] = share
     largest = {line: max(by_place.values()) for line, by_place in shares.items()}
     taken: list[int] = []
-    found: list[tuple[str, int]] = []
+    found: dict[str, tuple[float, int]] = {}
     for line in sorted(largest, key=lambda name: -largest[name]):
         if largest[line] < least:
             break
@@ -97,5 +101,5 @@ def _worst_conditions(checks: Sequence[LimitCheck], least: float) -> list[tuple[
         known = [place for place in taken if place in alike]
         place = known[0] if known else max(alike, key=lambda one: shares[line][one])
         taken += [] if known else [place]
-        found.append((line, place))
+        found[line] = (largest[line], place)
     return found

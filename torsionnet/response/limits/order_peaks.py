@@ -138,7 +138,7 @@ def _peak(check: LimitCheck, found: CriticalSpeeds, critical: CriticalSpeed) -> 
     return max(peaks, key=lambda one: one.share, default=None)
 
 
-def _in_limits(check: LimitCheck, critical: CriticalSpeed, line: int, near: Sequence[int]) -> Iterator[OrderPeak]:
+def _in_limits(check: LimitCheck, critical: CriticalSpeed, line: int, near: list[int]) -> Iterator[OrderPeak]:
     """Peak of an order line in each limit, at one of the speeds with the indices ``near``."""
     nearest = min(near, key=lambda place: abs(check.speeds[place] - critical.speed("natural")))
     for one in vibratory_verdicts(check):

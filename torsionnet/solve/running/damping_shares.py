@@ -16,7 +16,9 @@ SMALLEST_SHARE = 1e-9
 """Share of the damping of a mode below which an element has none but rounding."""
 
 
-def damping_shares(drivetrain: AssembledModel, critical: CriticalSpeed, reference: str | None = None) -> dict[str, float]:
+def damping_shares(
+    drivetrain: AssembledModel, critical: CriticalSpeed, reference: str | None = None
+) -> dict[str, float]:
     """Share of every element in the damping of a mode at its critical speed, without unit, by element, largest first.
 
     The share of an element is its part of the power that the damped mode dissipates, with parameters that follow the
