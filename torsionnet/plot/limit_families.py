@@ -34,7 +34,7 @@ away would flatten the curves, and its value stands at the upper edge instead.""
 
 @dataclass(frozen=True, eq=False)
 class LimitFamily:
-    """One quantity of one limit over speed in all conditions, each with its check and its criteria."""
+    """Curves of one limited quantity over speed in all conditions, each with its check of limits and its verdicts."""
 
     members: tuple[tuple[LimitCheck, tuple[LimitVerdict, ...]], ...]
 
