@@ -159,5 +159,4 @@ def _diagram(case: Case, lines: list[str] | None) -> Picture:
     where = f", {as_words(case.configuration)}" if case.configuration else ""
     orders = "orders" if lines is None else "the orders listed"
     caption = (f"Interference diagram{where}: natural frequencies and {orders} over speed.",)
-    alt = f"Interference diagram{where}: {len(found.modes)} modes, {len(found.crossings)} crossings"
-    return Picture("resonances", interference_diagram(found, title=""), caption, alt)
+    return Picture("resonances", interference_diagram(found, title=""), caption, f"Interference diagram{where}")
