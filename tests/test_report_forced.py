@@ -187,8 +187,8 @@ class TestForcedResponse:
         assert float(row[-1].split("; ")[0].removeprefix("blades 2: ")) == pytest.approx(1e-3 * largest, rel=5e-3)
 
     def test_pictures_say_what_they_show(self, report):
-        family, free = of(Picture, blocks(report, "forced_response"))
-        assert family.name, free.name == ("forced_response_1", "free_end")
+        free, family = of(Picture, blocks(report, "forced_response"))
+        assert (family.name, free.name) == ("forced_response_1", "free_end")
         (panel,) = family.figure.axes
         assert panel.get_ylabel().replace("\n", " ") == "torque(shaft), half range [N·m]"
         assert panel.get_xlabel() == "speed of a [rpm]"

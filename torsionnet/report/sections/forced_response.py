@@ -51,9 +51,9 @@ def forced_response_section(subject: ReportData) -> Section | None:
     found = subject.limit_conclusion
     if found is None:
         return None
-    # The table first: pictures of many components fill a page of their own.
-    blocks: list[Block] = [Paragraph((INTRODUCTION,)), *_worst(subject, found), *_families(subject, found)]
-    blocks.append(_free_end(subject))
+    # Pictures of many components fill a page of their own: what fits in front of them comes first.
+    blocks: list[Block] = [Paragraph((INTRODUCTION,)), *_worst(subject, found), _free_end(subject)]
+    blocks += _families(subject, found)
     if subject.governing_peaks is not None and subject.governing_peaks.peaks:
         blocks.append(_at_critical_speeds(subject, subject.governing_peaks))
     return Section("forced_response", ("Forced response",), tuple(blocks))
