@@ -527,7 +527,7 @@ class TestPictures:
     def test_interference_diagram(self):
         found = marine({"engine": INLINE_SIX}).critical_speeds(margin="api684", lowest=6)
         (axes,) = interference_diagram(found).axes
-        assert axes.get_xlabel() == "speed of fly [r/min]"
+        assert axes.get_xlabel() == "speed of fly [rpm]"
         assert axes.get_ylabel() == "frequency [Hz]"
         texts = [text.get_text() for text in axes.texts]
         assert {"3", "0.5", "mode 3: 26.49 Hz"} <= set(texts)

@@ -620,6 +620,6 @@ class TestShip:
         labels = first.get_legend_handles_labels()[1]
         assert {"all orders", "engine 6", "tau_C", "tau_T", "to be barred"} <= set(labels)
         assert "to be barred" not in last.get_legend_handles_labels()[1]
-        assert first.get_ylabel() == "[N/mm²]"
+        assert first.get_ylabel() == "nominal shear stress, half range\n[N/mm²]"
         with pytest.raises(tn.UsageError, match='no limit "x"'):
             drawn(tn.load(folder / "ship.yaml").configured("normal").check_limits(), "x")

@@ -123,7 +123,7 @@ class TestPicture:
             expected = [factor * abs(torque(rpm)) for rpm in line.get_xdata()]
             assert line.get_ydata() == pytest.approx(np.array(expected), rel=1e-9)
         assert (len(model.get_xdata()), len(test.get_xdata())) == (121, 39)
-        assert (panel.get_xlabel(), panel.get_ylabel()) == ("speed of m [r/min]", "torque(shaft) [N·m]")
+        assert (panel.get_xlabel(), panel.get_ylabel()) == ("speed of m [rpm]", "torque(shaft) [N·m]")
 
     def test_speeds_that_were_not_calculated_are_left_out(self):
         response = tn.loads(PLANT).order_response("f")

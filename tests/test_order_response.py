@@ -480,7 +480,7 @@ class TestPictures:
         run = plant(data).order_response(["torque(crank3)", "angle(hub)"])
         figure = drawn(run, conventions=tn.Conventions(angle="deg"))
         assert [axes.get_ylabel() for axes in figure.axes] == ["torque(crank3) [N·m]", "angle(hub) [deg]"]
-        assert figure.axes[-1].get_xlabel() == "speed of cyl1 [r/min]"
+        assert figure.axes[-1].get_xlabel() == "speed of cyl1 [rpm]"
         total = figure.axes[0].lines[0]
         assert total.get_ydata() == pytest.approx(run.half_range[:, 0])
         assert all((line.get_ydata() <= 2 * total.get_ydata()).all() for line in figure.axes[0].lines)

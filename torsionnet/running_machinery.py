@@ -238,6 +238,7 @@ class RunningMachinery(AssembledModel):
         speeds: ArrayLike | None = None,
         speed_of: str | None = None,
         excitations: Iterable[str] | None = None,
+        lines: Iterable[str] | None = None,
         margin: str | float | MarginRule | None = None,
         reach: float = 0.25,
         lowest: int | None = None,
@@ -257,6 +258,8 @@ class RunningMachinery(AssembledModel):
             The node they belong to; default: that of the model.
         excitations : iterable of str, optional
             Which of the model's excitations count; default: all.
+        lines : iterable of str, optional
+            Names of the order lines that count, such as ``"engine 6"``; default: all.
         margin : str, float or MarginRule, optional
             A preset (``"api610"``, ``"api617"``, ``"api618"``, ``"api684"``, ``"line_frequency"``), or a share as 0.1.
         reach : float
@@ -293,6 +296,7 @@ class RunningMachinery(AssembledModel):
             speeds=speeds,
             speed_of=speed_of,
             excitations=excitations,
+            lines=lines,
             margin=margin,
             reach=reach,
             lowest=lowest,

@@ -20,6 +20,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "half_ranges": "torsionnet.plot.order_response",
         "interference_diagram": "torsionnet.plot.interference_diagram",
         "limit_check": "torsionnet.plot.limit_check",
+        "limit_families": "torsionnet.plot.limit_families",
         "limit_shares": "torsionnet.plot.study.limit_shares",
         "mac_matrix": "torsionnet.plot.mac",
         "mode_shapes": "torsionnet.plot.shapes",

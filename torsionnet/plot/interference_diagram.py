@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,16 +12,21 @@ from matplotlib.patheffects import withStroke
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.units import RPM
+from torsionnet.plot.drawing.torque_units import speed_label
 from torsionnet.response.critical_speeds import CriticalSpeed, CriticalSpeeds
-from torsionnet.response.vibration_mode import VibrationMode
 
 SMALLEST_DOT, LARGEST_DOT = 14.0, 150.0
 """Areas in points squared of the marks of crossings with the smallest and the largest generalised force."""
 HALO = withStroke(linewidth=2.5, foreground=style.PAPER)
+LEADER = {"arrowstyle": "-", "color": style.MUTED, "linewidth": 0.6, "relpos": (0, 0.4), "shrinkA": 0, "shrinkB": 0}
+"""Line from a label that stands apart to the line of its mode."""
 SPEED_POINTS = 601
 """Points of the line of an order over speed: steps well below the width of a line on paper."""
-HEADROOM, NEAREST = 1.12, 0.028
-"""Upper end of the axis over the highest crossing, and least distance of two labels over the height of the axes."""
+HEADROOM, NEAREST, NARROWEST = 1.12, 0.03, 0.036
+"""Upper end of the axis over the highest crossing, and least distances of two labels: one above the other over the
+height of the axes, side by side over their width."""
+INDENT = 0.035
+"""Distance from the left edge, over the width of the axes, of a label that stands apart from the line of its mode."""
 
 
 def interference_diagram(result: CriticalSpeeds, *, highest: float | None = None, title: str | None = None) -> Figure:
@@ -52,7 +58,7 @@ def interference_diagram(result: CriticalSpeeds, *, highest: float | None = None
     _modes(axes, result, top, end)
     _orders(axes, result, top, end)
     _marks(axes, [one for one in result.crossings if _natural(one) <= top], _names(result))
-    axes.set_xlabel(f"speed of {result.reference} [r/min]")
+    axes.set_xlabel(speed_label(result.reference))
     axes.set_ylabel("frequency [Hz]")
     axes.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(0, -0.1), ncols=3)
     style.set_title(figure, result.title if title is None else title)
@@ -92,18 +98,24 @@ def _modes(axes: Axes, result: CriticalSpeeds, top: float, end: float) -> None:
                          label="undamped natural frequency" if first else None)  # fmt: skip
             first = False
     shown = sorted((one for one in result.modes if one.natural_frequency <= top), key=lambda one: one.natural_frequency)
-    groups: list[list[VibrationMode]] = []
     for number, mode in enumerate(shown):
         axes.axhline(mode.natural_frequency, color=style.INK, linewidth=1.4, zorder=1.6,
                      label=r"damped, $|\lambda|/2\pi$" if not number else None)  # fmt: skip
-        if groups and mode.natural_frequency - groups[-1][-1].natural_frequency < NEAREST * top:
-            groups[-1].append(mode)
-        else:
-            groups.append([mode])
-    for group in groups:
-        text = ", ".join(f"mode {mode.number}: {mode.natural_frequency:.4g} Hz" for mode in group)
-        axes.annotate(text, (0.004 * end, group[-1].natural_frequency), xytext=(0, 2), textcoords="offset points",
-                      fontsize=style.SMALL - 1, color=style.INK, path_effects=[HALO])  # fmt: skip
+    heights = _apart([mode.natural_frequency for mode in shown], NEAREST * top)
+    for mode, height in zip(shown, heights, strict=True):
+        moved = height > mode.natural_frequency
+        axes.annotate(f"mode {mode.number}: {mode.natural_frequency:.4g} Hz", (0, mode.natural_frequency),
+                      xytext=((INDENT if moved else 0.004) * end, height + 0.1 * NEAREST * top), textcoords="data",
+                      fontsize=style.SMALL - 1, color=style.INK, path_effects=[HALO], va="bottom", zorder=4,
+                      arrowprops=LEADER if moved else None)  # fmt: skip
+
+
+def _apart(values: Sequence[float], gap: float) -> list[float]:
+    """Positions of labels at rising values, moved up so far that none is nearer to the one below than ``gap``."""
+    found: list[float] = []
+    for value in values:
+        found.append(max(value, found[-1] + gap) if found else value)
+    return found
 
 
 def _orders(axes: Axes, result: CriticalSpeeds, top: float, end: float) -> None:
@@ -121,7 +133,7 @@ def _orders(axes: Axes, result: CriticalSpeeds, top: float, end: float) -> None:
         axes.plot(speeds, shown, color=color, linewidth=0.7, alpha=0.75, zorder=1.4)
         last = (float(speeds[seen[-1]]), float(frequencies[seen[-1]]))
         at = (last[0] / end, last[1] / top)
-        if all(math.dist(at, other) > NEAREST for other in labelled):
+        if all(abs(at[0] - x) > NARROWEST or abs(at[1] - y) > NEAREST for x, y in labelled):
             labelled.append(at)
             above = last[0] < end
             text = str(line).removeprefix(f"{line.excitation} ")

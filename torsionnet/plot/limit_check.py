@@ -11,13 +11,15 @@ from matplotlib.figure import Figure
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.errors import UsageError
 from torsionnet.core.units import RPM
-from torsionnet.plot.drawing.torque_units import axis_unit
+from torsionnet.plot.drawing.torque_units import axis_label, axis_unit, speed_label
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
 from torsionnet.response.limits.limit_check import LimitCheck, LimitVerdict
 
 MOST_LINES = 4
 """Orders drawn in a panel, the largest; more would not fit beside it in the legend."""
+LABEL_WIDTH = 34
+"""Characters of a line of the label of an axis: as many as fit the height of a panel."""
 LIMIT_DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)))
 
 
@@ -60,7 +62,7 @@ def limit_check(
     axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     for panel, verdicts in zip(axes, panels, strict=True):
         _draw(panel, check, verdicts, most, conventions)
-    axes[-1].set_xlabel(f"speed of {check.reference} [r/min]")
+    axes[-1].set_xlabel(speed_label(check.reference))
     if len(check.rpm) > 1:
         axes[-1].set_xlim(check.rpm[0], check.rpm[-1])
     style.set_title(figure, check.title if title is None else title)
@@ -113,6 +115,12 @@ def _draw(
             label=one.criterion,
         )
     panel.set_title(f"{first.limit}: {first.of}, {first.quantity}", fontsize=style.FONT, color=style.INK, loc="left")
-    panel.set_ylabel(f"[{unit}]")
+    panel.set_ylabel(axis_label(quantity_label(first), unit, LABEL_WIDTH))
     panel.set_ylim(bottom=0)
     panel.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def quantity_label(one: LimitVerdict) -> str:
+    """Name of the quantity that a limit compares, with its output where the quantity alone does not say of what."""
+    says = any(word in one.quantity for word in ("torque", "stress", "angle", "power"))
+    return one.quantity if says else f"{one.of}, {one.quantity}"

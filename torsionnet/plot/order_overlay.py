@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.units import RPM
-from torsionnet.plot.drawing.torque_units import axis_unit
+from torsionnet.plot.drawing.torque_units import axis_unit, speed_label
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
 from torsionnet.response.order_comparison import MeasuredOrder, compared_orders
@@ -62,6 +62,6 @@ def order_overlay(
         panel.set_ylabel(f"{name} [{shown}]")
         panel.set_ylim(bottom=0)
         panel.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    panels[-1].set_xlabel(f"speed of {response.reference} [r/min]")
+    panels[-1].set_xlabel(speed_label(response.reference))
     style.set_title(figure, response.title if title is None else title)
     return figure

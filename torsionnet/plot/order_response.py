@@ -10,7 +10,7 @@ from matplotlib.ticker import MultipleLocator
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.errors import UsageError
-from torsionnet.plot.drawing.torque_units import axis_unit
+from torsionnet.plot.drawing.torque_units import axis_label, axis_unit, speed_label
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
 from torsionnet.response.order_response import OrderResponse
@@ -28,6 +28,7 @@ def order_response(
     most: int = MOST_LINES,
     conventions: Conventions = SI,
     title: str | None = None,
+    milli: bool = False,
 ) -> Figure:
     """Amplitudes of the largest orders over speed, and the half range of all orders together in black.
 
@@ -42,6 +43,8 @@ def order_response(
         Unit of angles.
     title : str, optional
         By default that of the response.
+    milli : bool
+        Whether angles are in thousandths, as in mrad.
 
     Returns
     -------
@@ -59,6 +62,7 @@ def order_response(
     for panel, name in zip(panels, names, strict=True):
         place = response.output(name)
         scale, unit = axis_unit(response.outputs[place].unit, float(total[:, place].max()), conventions)
+        scale, unit = (1e3 * scale, f"m{unit}") if milli and unit == "rad" else (scale, unit)
         sizes = response.sizes[:, :, place] * scale
         style.style_axes(panel)
         exact = response.revolutions is not None
@@ -66,10 +70,10 @@ def order_response(
         panel.plot(response.rpm, total[:, place] * scale, color=style.INK, linewidth=2.0, label=label)
         for number, line in enumerate(np.argsort(-sizes.max(axis=0), kind="stable")[:most].tolist()):
             panel.plot(response.rpm, sizes[:, line], label=str(response.lines[line]), **style.line_style(number))
-        panel.set_ylabel(f"{name} [{unit}]")
+        panel.set_ylabel(axis_label(name, unit))
         panel.set_ylim(bottom=0)
         panel.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    panels[-1].set_xlabel(f"speed of {response.reference} [r/min]")
+    panels[-1].set_xlabel(speed_label(response.reference))
     if len(response.rpm) > 1:
         panels[-1].set_xlim(response.rpm[0], response.rpm[-1])
     style.set_title(figure, response.title if title is None else title)
@@ -113,8 +117,8 @@ def half_ranges(
     for number, (response, size) in enumerate(zip(responses, sizes, strict=True)):
         label = labels[number] if labels else response.title
         axes.plot(response.rpm, size * scale, label=label, **style.line_style(number))
-    axes.set_xlabel(f"speed of {responses[0].reference} [r/min]")
-    axes.set_ylabel(f"{channel.name}, half range [{unit}]")
+    axes.set_xlabel(speed_label(responses[0].reference))
+    axes.set_ylabel(axis_label(f"{channel.name}, half range", unit))
     axes.set_ylim(bottom=0)
     if len(responses[0].rpm) > 1:
         axes.set_xlim(responses[0].rpm[0], responses[0].rpm[-1])
@@ -165,7 +169,7 @@ def waveform(
     scale, unit = axis_unit(channel.unit, float(np.abs(waves[at]).max()), conventions)
     axes.plot(np.degrees(angle), waves[at] * scale, color=style.INK, linewidth=1.4)
     axes.set_xlabel(f"angle of {response.reference} [deg]")
-    axes.set_ylabel(f"{channel.name} [{unit}]")
+    axes.set_ylabel(axis_label(channel.name, unit))
     axes.xaxis.set_major_locator(MultipleLocator(90 if angle[-1] < 15 else 360))
     axes.set_xlim(0, np.degrees(angle[-1]) * len(angle) / (len(angle) - 1))
     style.set_title(figure, f"{response.title}, {response.rpm[at]:.5g} r/min" if title is None else title)

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.plot.drawing.torque_units import axis_unit
+from torsionnet.plot.drawing.torque_units import axis_unit, speed_label
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
 from torsionnet.response.frequency_response import FloatArray
@@ -84,7 +84,7 @@ def waterfall(
                   fontsize=style.SMALL, color=style.PALETTE[1], zorder=5,
                   bbox={"facecolor": style.PAPER, "edgecolor": "none", "pad": 1})  # fmt: skip
     axes.set_xlabel("frequency [Hz]")
-    axes.set_ylabel(f"speed of {response.reference} [r/min], lines: {channel.name}")
+    axes.set_ylabel(f"{speed_label(response.reference)}, lines: {channel.name}")
     style.set_title(figure, response.title if title is None else title)
     return figure
 

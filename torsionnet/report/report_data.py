@@ -22,7 +22,10 @@ from torsionnet.solve.responses.grid import Adaptive, vibration_range
 if TYPE_CHECKING:
     from torsionnet.assembly.assembled import AssembledModel
     from torsionnet.drivetrain import Drivetrain
+    from torsionnet.response.critical_speeds import CriticalSpeeds
     from torsionnet.response.frequency_response import FloatArray
+    from torsionnet.response.limits.governing_peaks import GoverningPeaks
+    from torsionnet.response.limits.limit_check import LimitCheck
     from torsionnet.response.limits.limit_conclusion import LimitConclusion
     from torsionnet.response.order_line import OrderLine
     from torsionnet.response.order_response import OrderResponse
@@ -203,6 +206,30 @@ class ReportData:
         from torsionnet.response.limits.limit_conclusion import LimitConclusion
 
         return LimitConclusion(tuple(case.drivetrain.check_limits() for case in self.judged_cases))
+
+    @cached_property
+    def governing_peaks(self) -> GoverningPeaks | None:
+        """Critical speeds that matter in the judged configurations, each order in its worst; None without limits."""
+        if self.limit_conclusion is None:
+            return None
+        from torsionnet.response.limits.governing_peaks import governing_peaks
+
+        def critical_speeds(check: LimitCheck, lines: Sequence[str]) -> CriticalSpeeds:
+            return self.judged_case(check).drivetrain.critical_speeds(lines=lines)
+
+        return governing_peaks(self.limit_conclusion.checks, critical_speeds)
+
+    def judged_case(self, check: LimitCheck) -> Case:
+        """Configuration of the report that a check of its limits is about."""
+        return next(case for case in self.judged_cases if case.drivetrain.configuration == check.configuration)
+
+    @cached_property
+    def free_end_response(self) -> OrderResponse:
+        """Response by order of the angle at the free end of the engine, in the first configuration that is judged."""
+        from torsionnet.model.free_end import free_end
+
+        drivetrain = self.judged_cases[0].drivetrain
+        return drivetrain.order_response(free_end(drivetrain.definition), refine=True)
 
     @cached_property
     def by_drivetrain(self) -> ReportData:

@@ -129,6 +129,8 @@ class CriticalSpeed:
     case : str
         Case with the largest generalised force where several are examined, such as a misfire of each cylinder.
     peaks : tuple of SpeedPeak
+    modal_inertia : float
+        ``sum_n J_n |phi_n|^2`` in kg m^2, for the shape with its largest angle 1; nan where no torque is given.
     """
 
     mode: VibrationMode
@@ -145,6 +147,41 @@ class CriticalSpeed:
     excited_in: tuple[str, ...] = ()
     case: str = ""
     peaks: tuple[SpeedPeak, ...] = ()
+    modal_inertia: float = math.nan
+
+    @property
+    def equilibrium_amplitude(self) -> float:
+        """Equilibrium amplitude in rad at the node that moves most: the twist of the mode if the order acted at rest.
+
+        Generalised force over modal inertia and square of the undamped natural frequency,
+        ``Q / (omega^2 sum_n J_n |phi_n|^2)``; nan where no torque is given or the mode exists with damping only.
+
+        References
+        ----------
+        W. Ker Wilson, Practical Solution of Torsional Vibration Problems, vol. 2, 3rd ed., 1963, "equilibrium
+        amplitude"; E. J. Nestorides, A Handbook on Torsional Vibration, 1958, "equilibrium amplitude".
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+        ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]
+        >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["500 rpm", "700 rpm"]},
+        ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}})
+        >>> angle = fan.critical_speeds().of(1, 2).equilibrium_amplitude  # 10 N m/(1.5 kg m^2 * 1.5e4 rad^2/s^2)
+        >>> round(1e3 * angle, 4)
+        0.4444
+        """
+        stiffness = self.modal_inertia * (2 * math.pi * self.mode.undamped_frequency) ** 2
+        return self.generalised_force / stiffness if stiffness else math.nan
+
+    @property
+    def resonant_amplitude(self) -> float:
+        """Amplitude in rad at resonance of the node that moves most: equilibrium amplitude times ``1/(2 zeta)``.
+
+        An estimate by one mode alone, without the deflections of the others; infinite without damping.
+        """
+        return self.equilibrium_amplitude * self.mode.amplification
 
     def speed(self, which: str = "undamped") -> float:
         """Critical speed of the reference shaft in rad/s, nan where there is none.

@@ -1,6 +1,8 @@
-"""Units of axes: large torques in kN m or MN m, other quantities in their unit."""
+"""Units and labels of axes: large torques in kN m or MN m, stresses in N/mm2, speeds in rpm."""
 
 from __future__ import annotations
+
+import textwrap
 
 from torsionnet.core.number_text import typeset_unit
 from torsionnet.response.conventions import SI, Conventions
@@ -21,3 +23,25 @@ def axis_unit(unit: str, largest: float, conventions: Conventions = SI) -> tuple
         if unit == "N*m" and abs(largest) >= least:
             return factor, typeset_unit(prefix + unit)
     return conventions.scale(unit), typeset_unit(conventions.unit(unit))
+
+
+def axis_label(name: str, unit: str, width: int = 60) -> str:
+    """Label of an axis, the name of what it shows with its unit in brackets, folded to ``width`` characters.
+
+    Examples
+    --------
+    >>> axis_label("vibratory torque, half range", "kN·m", 20)
+    'vibratory torque,\\nhalf range [kN·m]'
+    """
+    return textwrap.fill(f"{name} [{unit}]", width, break_long_words=False)
+
+
+def speed_label(node: str) -> str:
+    """Label of the axis with the speeds of a node in rpm.
+
+    Examples
+    --------
+    >>> speed_label("flywheel")
+    'speed of flywheel [rpm]'
+    """
+    return axis_label(f"speed of {node}", "rpm")

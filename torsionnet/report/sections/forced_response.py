@@ -1,12 +1,159 @@
-"""Section of a report on forced response."""
+"""Section of a report on forced response: stress or torque over speed in every condition, and orders of the peaks."""
 
 from __future__ import annotations
 
-from torsionnet.report.document_tree import Section
+from collections.abc import Sequence
+from itertools import groupby
+
+import numpy as np
+
+from torsionnet.core.number_text import aligned_numbers
+from torsionnet.report.document_tree import Block, Cell, Heading, NumberText, Paragraph, Picture, Section, TableBlock
+from torsionnet.report.document_tree import TableGroup as Group
+from torsionnet.report.limit_values import DIGITS, component, limit_number, limit_unit, order_list
 from torsionnet.report.report_data import ReportData
+from torsionnet.report.report_text import as_words, symbol_or_words
+from torsionnet.response.limits.governing_peaks import GoverningPeaks, line_name
+from torsionnet.response.limits.limit_check import LimitCheck, LimitVerdict
+from torsionnet.response.limits.limit_conclusion import LimitConclusion
+from torsionnet.response.limits.order_peaks import OrderPeak, largest_orders, vibratory_verdicts
+
+MOST_PANELS = 6
+"""Largest number of components in one picture, three rows of two: more would not fit a page with their caption."""
+MOST_ORDERS = 3
+"""Number of largest orders that are named at a peak."""
+INTRODUCTION = (
+    "All orders act together with their phases (synthesis): the value shown is the half range, (max − min)/2, of their "
+    "sum over a cycle. Amplitudes of single orders are peak values; they need not add up to the half range."
+)
+WORST_COLUMNS = (
+    Heading("Component"),
+    Heading("Condition", wide=True),
+    Heading("Speed", "rpm", numeric=True),
+    Heading("Value", numeric=True),
+    Heading("Allowed", numeric=True),
+    Heading("Unit"),
+    Heading("Utilisation", "%", numeric=True),
+    Heading("Largest orders there", wide=True),
+)
+CRITICAL_COLUMNS = (
+    Heading("Speed", "rpm", numeric=True),
+    Heading("Critical of"),
+    Heading("Component"),
+    Heading("All orders", numeric=True),
+    Heading("Unit"),
+    Heading("Largest orders there", wide=True),
+)
 
 
 def forced_response_section(subject: ReportData) -> Section | None:
-    """Section of a report on forced response; None for a model without excitations."""
-    del subject
-    return None
+    """Section of a report on forced response over speed against limits; None for a model without limits."""
+    found = subject.limit_conclusion
+    if found is None:
+        return None
+    # Pictures of many components fill a page of their own: what fits in front of them comes first.
+    blocks: list[Block] = [Paragraph((INTRODUCTION,)), *_worst(subject, found), _free_end(subject)]
+    blocks += _families(subject, found)
+    if subject.governing_peaks is not None and subject.governing_peaks.peaks:
+        blocks.append(_at_critical_speeds(subject, subject.governing_peaks))
+    return Section("forced_response", ("Forced response",), tuple(blocks))
+
+
+def _families(subject: ReportData, found: LimitConclusion) -> list[Picture]:
+    """Pictures of all components with limits on vibration, over speed in every condition."""
+    from torsionnet.plot.limit_families import families_of, limit_families
+
+    names = list(dict.fromkeys(family.members[0][1][0].limit for family in families_of(found.checks)))
+    parts = [names[start : start + MOST_PANELS] for start in range(0, len(names), MOST_PANELS)]
+    count = len(found.checks)
+    where = f" in all {count} conditions examined: the worst black and named, the others grey" if count > 1 else ""
+    pictures = []
+    for number, part in enumerate(parts, 1):
+        drawn = limit_families(found.checks, part, conventions=subject.conventions)
+        those = ", ".join(map(as_words, part))
+        caption = (f"Vibratory stress or torque over speed{where}; limits red, speeds to be barred shaded.",)
+        pictures.append(Picture(f"forced_response_{number}", drawn, caption, f"{those} over speed with limits{where}"))
+    return pictures
+
+
+def _worst(subject: ReportData, found: LimitConclusion) -> list[TableBlock]:
+    """Table of every limit on vibration in its worst condition, normal and with a cylinder misfiring."""
+    groups = []
+    for title, misfiring in (("Without misfire", False), ("With a cylinder misfiring", True)):
+        worst: dict[tuple[str, str], tuple[LimitCheck, LimitVerdict]] = {}
+        for check in found.checks:
+            for one in vibratory_verdicts(check) if check.misfiring is misfiring else ():
+                known = worst.get((one.limit, one.quantity))
+                if one.worst is not None and (known is None or _use(one) > _use(known[1])):
+                    worst[one.limit, one.quantity] = (check, one)
+        if worst:
+            groups.append(Group(tuple(_worst_row(subject, *pair) for pair in worst.values()), title))
+    if not groups:
+        return []
+    shown = tuple(groups) if len(groups) > 1 else (Group(groups[0].rows),)
+    return [
+        TableBlock(
+            ("Largest utilisation of every component, with the criterion that is used most",), WORST_COLUMNS, shown
+        )
+    ]
+
+
+def _use(one: LimitVerdict) -> float:
+    return -1.0 if one.worst is None else float(one.utilisation[one.worst])
+
+
+def _worst_row(subject: ReportData, check: LimitCheck, one: LimitVerdict) -> tuple[Cell, ...]:
+    """Row of a limit at its worst speed in one condition."""
+    at = one.worst
+    assert at is not None
+    return (
+        (component(one), " ", symbol_or_words(one.criterion)),
+        as_words(check.configuration),
+        NumberText(float(check.rpm[at]), 4),
+        limit_number(float(one.values[at]), one.unit, subject.conventions),
+        limit_number(float(one.allowed[at]), one.unit, subject.conventions),
+        limit_unit(one.unit, subject.conventions),
+        NumberText(100 * float(one.utilisation[at]), DIGITS),
+        order_list(largest_orders(check, one, at, MOST_ORDERS), one, subject.conventions),
+    )
+
+
+def _free_end(subject: ReportData) -> Picture:
+    """Picture of the amplitude at the free end of the engine over speed, as a torsiograph there measures it."""
+    from torsionnet.plot.order_response import order_response
+
+    run, condition = subject.free_end_response, as_words(subject.judged_cases[0].configuration)
+    node = run.outputs[0].name
+    where = f" in condition {condition}" if condition else ""
+    drawn = order_response(run, most=5, conventions=subject.conventions, title="", milli=True)
+    worst = int(np.argmax(run.half_range[:, 0]))
+    caption = (f"Amplitude at the free end of the engine, {as_words(node)},{where}: largest orders and their sum.",)
+    alt = f"Angle of {as_words(node)} over speed{where}, largest at {run.rpm[worst]:.4g} rpm"
+    return Picture("free_end", drawn, caption, alt)
+
+
+def _at_critical_speeds(subject: ReportData, found: GoverningPeaks) -> TableBlock:
+    """Table of the largest orders at each critical speed that matters, in the component that it uses most."""
+    groups = []
+    for configuration, some in groupby(found.peaks, key=lambda one: one.check.configuration):
+        peaks = sorted(some, key=lambda one: (one.at, one.verdict.limit))
+        alike = [list(those) for _, those in groupby(peaks, key=lambda one: (one.at, one.verdict.limit))]
+        speeds = aligned_numbers([those[0].rpm for those in alike])
+        rows = [_critical_row(subject, speed, those) for speed, those in zip(speeds, alike, strict=True)]
+        groups.append(Group(tuple(rows), as_words(configuration) if len(subject.judged_cases) > 1 else ""))
+    notes = (("Speeds of the peaks, which damping moves off the critical speeds.",),)
+    return TableBlock(("Orders at the critical speeds that matter",), CRITICAL_COLUMNS, tuple(groups), notes)
+
+
+def _critical_row(subject: ReportData, speed: Cell, those: Sequence[OrderPeak]) -> tuple[Cell, ...]:
+    """Row of one speed at which one or several orders have a peak in one component."""
+    one = those[0]
+    limit = one.verdict
+    return (
+        speed,
+        "; ".join(f"{as_words(line_name(peak))}, mode {peak.critical.mode.number}" for peak in those),
+        component(limit),
+        limit_number(float(limit.values[one.at]), limit.unit, subject.conventions),
+        limit_unit(limit.unit, subject.conventions),
+        order_list(largest_orders(one.check, limit, one.at, MOST_ORDERS), limit, subject.conventions),
+    )

@@ -1,12 +1,162 @@
-"""Section of a report on resonances."""
+"""Section of a report on critical speeds with equilibrium amplitude, generalised force, damping and peak."""
 
 from __future__ import annotations
 
-from torsionnet.report.document_tree import Section
-from torsionnet.report.report_data import ReportData
+import math
+from collections.abc import Iterable, Sequence
+from itertools import groupby
+
+from torsionnet.core.number_text import aligned_numbers
+from torsionnet.core.units import RPM
+from torsionnet.report.document_tree import Block, Cell, Heading, NumberText, Paragraph, Picture, Section, TableBlock
+from torsionnet.report.document_tree import TableGroup as Group
+from torsionnet.report.limit_values import DIGITS, component, limit_number, limit_unit
+from torsionnet.report.report_data import Case, ReportData
+from torsionnet.report.report_text import as_words, first_names, symbol_or_words
+from torsionnet.response.critical_speeds import CriticalSpeed
+from torsionnet.response.limits.governing_peaks import GoverningPeaks, line_name
+from torsionnet.response.limits.order_peaks import LEAST_SHARE, OrderPeak
+from torsionnet.solve.running.damping_shares import damping_shares
+
+MOST_SHARES = 3
+"""Number of elements whose share in the damping of a mode is named."""
+SMALLEST_SHARE_NAMED = 0.01
+"""Share in the damping of a mode below which an element is not named, as it is rounded to nothing."""
+MOST_UNJUDGED = 20
+"""Largest number of critical speeds shown of a model without limits, those with the largest amplitude at resonance."""
+INTRODUCTION = (
+    "A critical speed is one at which an order meets a natural frequency of the damped system. The equilibrium "
+    "amplitude is the angle, where the mode moves most, if the order acted at rest: generalised force over modal "
+    "inertia and square of the natural frequency; at resonance it is multiplied by the magnifier, 1/(2 × damping "
+    "ratio). The generalised force is the sum of the torques of the order times the relative amplitudes where they act."
+)
+MODE_COLUMNS = (
+    Heading("Mode"),
+    Heading("Order"),
+    Heading("Speed", "rpm", numeric=True),
+    Heading("Equil. ampl.", "mrad", numeric=True),
+    Heading("Gen. force", "kN·m", numeric=True),
+    Heading("Magnifier", numeric=True),
+    Heading("Damping by", wide=True),
+)
+"""Headings of the columns on the mode and what excites it."""
 
 
 def resonances_section(subject: ReportData) -> Section | None:
-    """Section of a report on resonances; None for a model without excitations."""
-    del subject
-    return None
+    """Section of a report on critical speeds that matter; None for a model without excitations."""
+    if not subject.has_excitations:
+        return None
+    found = subject.governing_peaks
+    blocks: list[Block] = [Paragraph((INTRODUCTION,))]
+    case, lines = subject.judged_cases[0], None
+    if found is None:
+        blocks.append(_without_limits(case))
+    else:
+        blocks += _with_limits(subject, found)
+        if found.peaks:
+            case = subject.judged_case(max(found.peaks, key=lambda one: one.share).check)
+            lines = list(dict.fromkeys(map(line_name, found.peaks)))
+    return Section("resonances", ("Critical speeds",), (*blocks, _diagram(case, lines)))
+
+
+def _with_limits(subject: ReportData, found: GoverningPeaks) -> list[Block]:
+    """Sentence on which critical speeds are listed, and their table, by condition."""
+    rule = (
+        f"Listed are critical speeds at which one order alone uses at least {100 * LEAST_SHARE:g} % of a limit, each "
+        f"order in the condition in which it uses most, of {len(subject.judged_cases)} examined; of conditions with a "
+        "misfire only orders that are larger there. "
+    )
+    rest = f"Every other order uses less at all speeds: {first_names(list(map(as_words, found.others)), 30)}."
+    blocks: list[Block] = [Paragraph((rule + (rest if found.others else ""),))]
+    if not found.peaks:
+        return blocks
+    columns = (
+        *MODE_COLUMNS,
+        Heading("Most used limit"),
+        Heading("Peak"),
+        Heading("Order", "%", numeric=True),
+        Heading("All", "%", numeric=True),
+    )
+    groups = []
+    for configuration, some in groupby(found.peaks, key=lambda one: one.check.configuration):
+        peaks = list(some)
+        mode_cells = _mode_cells([one.critical for one in peaks], subject.judged_case(peaks[0].check))
+        limit_cells = (_limit_cells(subject, one) for one in peaks)
+        rows = tuple((*left, *right) for left, right in zip(mode_cells, limit_cells, strict=True))
+        groups.append(Group(rows, as_words(configuration) if len(subject.judged_cases) > 1 else ""))
+    notes = (
+        ("Peak: amplitude of this order alone. In per cent of the value allowed there: this order, and all together.",),
+        *([("A critical speed outside the speed range has the values of its nearer end.",)] if _beyond(found) else []),
+    )
+    return [*blocks, TableBlock(("Critical speeds that matter",), columns, tuple(groups), notes)]
+
+
+def _beyond(found: GoverningPeaks) -> bool:
+    """Whether a critical speed lies outside the speeds examined."""
+    return any(not one.check.speeds[0] <= one.critical.speed("natural") <= one.check.speeds[-1] for one in found.peaks)
+
+
+def _mode_cells(some: Sequence[CriticalSpeed], case: Case) -> Iterable[tuple[Cell, ...]]:
+    """Cells on mode, order, speed, amplitude, force and damping of some critical speeds in one condition."""
+    shares = [_damping(case, one) for one in some]
+    speeds = aligned_numbers([one.speed("natural") * RPM for one in some])
+    return (
+        (
+            str(one.mode.number),
+            as_words(line).replace(" ", "\N{NO-BREAK SPACE}"),
+            speed,
+            NumberText(1e3 * one.equilibrium_amplitude, DIGITS),
+            NumberText(1e-3 * one.generalised_force, DIGITS),
+            NumberText(one.mode.amplification, DIGITS),
+            damping,
+        )
+        for one, line, speed, damping in zip(
+            some, [f"{one.excitation} {one.line}" for one in some], speeds, shares, strict=True
+        )
+    )
+
+
+def _damping(case: Case, one: CriticalSpeed) -> str:
+    """Largest shares of elements in the damping of a mode as a text, such as "propeller 79 %, tail 12 %"."""
+    found = damping_shares(case.drivetrain, one)
+    named = [(name, share) for name, share in found.items() if share >= SMALLEST_SHARE_NAMED][:MOST_SHARES]
+    return ", ".join(f"{as_words(name)} {100 * share:.0f}\N{NO-BREAK SPACE}%" for name, share in named)
+
+
+def _limit_cells(subject: ReportData, one: OrderPeak) -> tuple[Cell, ...]:
+    """Cells on the limit that an order uses most at its critical speed."""
+    limit = one.verdict
+    return (
+        (component(limit), " ", symbol_or_words(limit.criterion)),
+        (
+            limit_number(one.amplitude, limit.unit, subject.conventions),
+            f"\N{NO-BREAK SPACE}{limit_unit(limit.unit, subject.conventions)}",
+        ),
+        NumberText(100 * one.share, DIGITS),
+        NumberText(100 * one.utilisation, DIGITS),
+    )
+
+
+def _without_limits(case: Case) -> TableBlock:
+    """Table of the critical speeds with the largest amplitudes at resonance, of a model without limits."""
+    found = case.drivetrain.critical_speeds(reach=0.2)
+    acting = [one for one in found.crossings if one.excited and math.isfinite(one.resonant_amplitude)]
+    largest = sorted(acting, key=lambda one: -one.resonant_amplitude)[:MOST_UNJUDGED]
+    kept = sorted(largest, key=lambda one: (one.mode.number, one.speed("natural")))
+    low, high = (speed * RPM for speed in found.speed_range)
+    more = len(found.crossings) - len(kept)
+    which = f"Excited critical speeds up to 20 % outside {low:g} to {high:g} rpm, the largest at resonance"
+    notes = [(f"{more} further crossings of a mode and an order are smaller or not excited.",)] if more else []
+    caption = "Critical speeds" + (f", {as_words(case.configuration)}" if case.configuration else "")
+    return TableBlock((caption,), MODE_COLUMNS, (Group(tuple(_mode_cells(kept, case))),), ((f"{which}.",), *notes))
+
+
+def _diagram(case: Case, lines: list[str] | None) -> Picture:
+    """Interference diagram of one condition with some order lines, or with all."""
+    from torsionnet.plot.interference_diagram import interference_diagram
+
+    found = case.drivetrain.critical_speeds(lines=lines)
+    where = f", {as_words(case.configuration)}" if case.configuration else ""
+    orders = "orders" if lines is None else "the orders listed"
+    caption = (f"Interference diagram{where}: natural frequencies and {orders} over speed.",)
+    return Picture("resonances", interference_diagram(found, title=""), caption, f"Interference diagram{where}")

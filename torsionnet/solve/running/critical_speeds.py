@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import UsageError
+from torsionnet.core.listing import comma_list
 from torsionnet.model.damper_states import AS_MODELLED, with_dampers
 from torsionnet.model.excitations import OrderExcitation, OrderTorques
 from torsionnet.model.operating_values import operating_speed_notes
@@ -39,6 +41,7 @@ def critical_speeds(
     speeds: ArrayLike | None = None,
     speed_of: str | None = None,
     excitations: Iterable[str] | None = None,
+    lines: Iterable[str] | None = None,
     margin: str | float | MarginRule | None = None,
     reach: float = 0.25,
     lowest: int | None = None,
@@ -56,24 +59,25 @@ def critical_speeds(
         raise UsageError(f"a line frequency is above 0 Hz, got {line_frequency}")
     rule = margin_rule(margin)
     changed = _with_dampers(drivetrain, dampers, damper_names)
-    lines, reference, speed_range = excited_lines(changed, speeds, speed_of, excitations)
+    every, reference, speed_range = excited_lines(changed, speeds, speed_of, excitations)
+    examined = every if lines is None else _chosen_lines(every, lines)
     # The vibrations are those with imposed motions held, as in the order response.
-    held = with_motions_held(changed, {name: changed.definition.excitations[name] for name in lines})
+    held = with_motions_held(changed, {name: changed.definition.excitations[name] for name in examined})
     title = drivetrain.title + ("" if dampers == AS_MODELLED else f", damper ring {dampers}")
     search = CrossingSearch(held, title, reference, speed_range, rule, reach, lowest)
-    search.known = {name: search.known_speeds(name, float(group[0].ratio)) for name, group in lines.items()}
+    search.known = {name: search.known_speeds(name, float(group[0].ratio)) for name, group in examined.items()}
     if line_frequency:
-        lines[LINE_FREQUENCY] = [
+        examined[LINE_FREQUENCY] = [
             OrderLine(LINE_FREQUENCY, 0.0, Fraction(1), times * line_frequency) for times in (1, 2)
         ]
-    crossings = [one for name, group in lines.items() for one in search.crossings(name, group)]
+    crossings = [one for name, group in examined.items() for one in search.crossings(name, group)]
     crossings.sort(key=lambda one: (one.mode.number, one.excitation, one.order, one.fixed))
     found = CriticalSpeeds(
         reference=reference,
         speed_range=search.speed_range,
         modes=search.modes,
         crossings=tuple(crossings),
-        lines=tuple(line for group in lines.values() for line in group),
+        lines=tuple(line for group in examined.values() for line in group),
         nodes=held.assembly.nodes,
         rule=search.rule,
         title=title,
@@ -121,6 +125,16 @@ def excited_lines(
     for line in run.lines:
         lines.setdefault(line.excitation, []).append(line)
     return lines, run.reference, (float(run.speeds[0]), float(run.speeds[-1]))
+
+
+def _chosen_lines(known: Mapping[str, Sequence[OrderLine]], names: Iterable[str]) -> dict[str, list[OrderLine]]:
+    """Order lines with the given names, by excitation."""
+    wanted = {names} if isinstance(names, str) else set(names)
+    given = [str(line) for group in known.values() for line in group]
+    if missing := sorted(wanted - set(given)):
+        raise UsageError(f"no order line is named {comma_list(missing)}; there are {comma_list(given)}")
+    found = {name: [line for line in group if str(line) in wanted] for name, group in known.items()}
+    return {name: group for name, group in found.items() if group}
 
 
 def _with_dampers(drivetrain: AssembledModel, state: str, names: Iterable[str] | None) -> AssembledModel:
@@ -249,7 +263,19 @@ class CrossingSearch:
             star=star_diagram(excitation, one.excitation, one.order, shape, title, force.part),
             excited=force.acts,
             case=force.case,
+            modal_inertia=self._modal_inertia(one.mode),
         )
+
+    def _modal_inertia(self, mode: VibrationMode) -> float:
+        """Sum of J |phi|^2 over all inertias in kg m^2, for the mode shape whose largest angle is 1."""
+        coordinates = mode.shape[self._coordinates]
+        return float((coordinates.conj() @ self.drivetrain.assembly.system.M @ coordinates).real)
+
+    @cached_property
+    def _coordinates(self) -> list[int]:
+        """Indices of the kept coordinates among the nodes of a mode shape."""
+        assembly = self.drivetrain.assembly
+        return [assembly.node_index[name] for name in assembly.kinematics.coordinates]
 
     def _acting_speed(self, one: CriticalSpeed) -> float:
         """Critical speed in rad/s at which torques are taken, by natural frequency where that is in range."""

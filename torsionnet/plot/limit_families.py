@@ -1,0 +1,166 @@
+"""Plot of limited quantities over speed in all conditions: the worst condition marked, the others grey, with limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+import torsionnet.plot.drawing.style as style
+from torsionnet.core.errors import UsageError
+from torsionnet.core.units import RPM
+from torsionnet.plot.drawing.labels import symbol
+from torsionnet.plot.drawing.torque_units import axis_label, axis_unit, speed_label
+from torsionnet.plot.limit_check import quantity_label
+from torsionnet.response import Conventions
+from torsionnet.response.conventions import SI
+from torsionnet.response.limits.limit_check import LimitCheck, LimitVerdict
+from torsionnet.response.limits.order_peaks import vibratory_verdicts
+
+PANEL_HEIGHT = 2.1
+"""Height of a panel in inches: three rows of panels leave room for another picture on the page."""
+LABEL_WIDTH = 30
+"""Characters of a line of the label of an axis: as many as fit the height of a panel."""
+HEADROOM = 1.12
+"""Upper end of an axis over the largest value or limit drawn."""
+FARTHEST_LIMIT = 2.5
+"""Limit over the largest value, or over the lowest limit, up to which a limit line is in the picture; one further
+away would flatten the curves, and its value stands at the upper edge instead."""
+
+
+@dataclass(frozen=True, eq=False)
+class LimitFamily:
+    """Curves of one limited quantity over speed in all conditions, each with its check of limits and its verdicts."""
+
+    members: tuple[tuple[LimitCheck, tuple[LimitVerdict, ...]], ...]
+
+    @property
+    def worst(self) -> int:
+        """Index of the condition with the largest utilisation."""
+        return int(np.argmax([max(map(_use, verdicts)) for _, verdicts in self.members]))
+
+
+def limit_families(
+    checks: Sequence[LimitCheck],
+    limits: str | Sequence[str] | None = None,
+    *,
+    conventions: Conventions = SI,
+    title: str = "",
+) -> Figure:
+    """Vibratory stress or torque over speed in every condition against its limit lines, a panel for each component.
+
+    The condition with the largest value over the value allowed is black, the others are grey; limits are those of that
+    condition, in red, and speed ranges that it bars are shaded.
+
+    Parameters
+    ----------
+    checks : sequence of LimitCheck
+        One for each condition.
+    limits : str or sequence of str, optional
+        Names of limits; default: all on vibration that were judged.
+    conventions : Conventions, optional
+        Unit of angles.
+    title : str, optional
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    UsageError
+        None of these limits was judged by the orders of a vibration.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> ship = tn.load("bulk_carrier")
+    >>> checks = [ship.configured(name).check_limits() for name in ship.configurations]
+    >>> [axes.get_title(loc="left") for axes in limit_families(checks).axes]
+    ['intermediate', 'propeller shaft', 'crank']
+    """
+    names = {limits} if isinstance(limits, str) else None if limits is None else set(limits)
+    families = families_of(checks, names)
+    if not families:
+        raise UsageError("nothing to draw: no limit on vibration could be judged; the table of limits says why")
+    columns = min(2, len(families))
+    rows = math.ceil(len(families) / columns)
+    figure = style.new_figure(style.WIDTH, 0.3 * bool(title) + (PANEL_HEIGHT if columns > 1 else 3.0) * rows)
+    panels = figure.subplots(rows, columns, squeeze=False).ravel()
+    for panel, family in zip(panels, families, strict=False):
+        _draw(panel, family, conventions)
+    for panel in panels[len(families) :]:
+        panel.remove()
+    style.set_title(figure, title)
+    return figure
+
+
+def families_of(checks: Sequence[LimitCheck], names: set[str] | None = None) -> list[LimitFamily]:
+    """Families of curves of the limits on vibration, one for each limit and quantity in the order of the model."""
+    found: dict[tuple[str, str], dict[int, list[LimitVerdict]]] = {}
+    for place, check in enumerate(checks):
+        for one in vibratory_verdicts(check):
+            if (names is None or one.limit in names) and one.worst is not None:
+                found.setdefault((one.limit, one.quantity), {}).setdefault(place, []).append(one)
+    return [
+        LimitFamily(tuple((checks[place], tuple(verdicts)) for place, verdicts in members.items()))
+        for members in found.values()
+    ]
+
+
+def _use(one: LimitVerdict) -> float:
+    return -1.0 if one.worst is None else float(one.utilisation[one.worst])
+
+
+def _draw(panel: Axes, family: LimitFamily, conventions: Conventions) -> None:
+    check, verdicts = family.members[family.worst]
+    first = verdicts[0]
+    largest = max(float(np.nanmax(some[0].values)) for _, some in family.members)
+    tops = [float(np.nanmax(one.allowed)) for one in verdicts]
+    scale, unit = axis_unit(first.unit, max(largest, min(tops)), conventions)
+    near = [top for top in tops if top <= FARTHEST_LIMIT * max(largest, min(tops))]
+    top = HEADROOM * max([largest, *near]) * scale
+    style.style_axes(panel)
+    for span in (span for one in verdicts for span in one.barred):
+        panel.axvspan(span.low * RPM, span.high * RPM, color=style.LIMIT_COLOR, alpha=0.08, linewidth=0)
+    others = [member for place, member in enumerate(family.members) if place != family.worst]
+    for number, (other, some) in enumerate(others):
+        label = f"{len(others)} other condition{'s' * (len(others) > 1)}" if not number else None
+        panel.plot(other.rpm, some[0].values * scale, color="#b3b3b3", linewidth=0.8, label=label, zorder=1.8)
+    name = check.configuration or "all orders together"
+    panel.plot(check.rpm, first.values * scale, color=style.INK, linewidth=1.8, label=name, zorder=2.5)
+    for one in verdicts:
+        _limit_line(panel, check, one, scale, top)
+    panel.set_title(first.limit.replace("_", " "), fontsize=style.FONT, color=style.INK, loc="left", pad=25)
+    panel.set_ylabel(axis_label(quantity_label(first), unit, LABEL_WIDTH), fontsize=style.SMALL)
+    panel.set_xlabel(speed_label(check.reference), fontsize=style.SMALL)
+    panel.set_ylim(0, top)
+    if len(check.rpm) > 1:
+        panel.set_xlim(check.rpm[0], check.rpm[-1])
+    handles, labels = panel.get_legend_handles_labels()
+    # The worst condition is named first.
+    panel.legend(handles[::-1], labels[::-1], fontsize=style.SMALL - 1, frameon=False, loc="lower left",
+                 bbox_to_anchor=(-0.02, 0.98), ncols=1, borderpad=0.2, labelspacing=0.2)  # fmt: skip
+
+
+def _limit_line(panel: Axes, check: LimitCheck, one: LimitVerdict, scale: float, top: float) -> None:
+    """Line of a limit with its symbol at the speed where most room is between the line and the curve."""
+    allowed = one.allowed * scale
+    panel.plot(check.rpm, allowed, color=style.LIMIT_COLOR, linewidth=1.3, zorder=2.2)
+    shown = np.flatnonzero(np.isfinite(allowed) & (allowed < top))
+    if len(shown):
+        at = int(shown[np.argmax(np.abs(allowed - one.values * scale)[shown])])
+        right = check.rpm[at] > check.rpm.mean()
+        place, text = (float(check.rpm[at]), float(allowed[at])), symbol(one.criterion)
+    else:
+        right = True
+        lowest = float(np.nanmin(allowed))
+        place, text = (float(check.rpm[-1]), top), f"{symbol(one.criterion)} from {lowest:.3g} on"
+    above = place[1] < 0.9 * top
+    panel.annotate(text, place, xytext=(-3 if right else 3, 2 if above else -2), textcoords="offset points",
+                   ha="right" if right else "left", va="bottom" if above else "top", color=style.LIMIT_COLOR,
+                   fontsize=style.SMALL)  # fmt: skip

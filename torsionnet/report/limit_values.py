@@ -1,0 +1,43 @@
+"""Values of limits in a report: torques in kN m, stresses in N/mm2, angles in the unit of the report."""
+
+from __future__ import annotations
+
+from torsionnet.report.document_tree import Cell, NumberText
+from torsionnet.report.report_text import as_words, unit
+from torsionnet.response import Conventions
+from torsionnet.response.limits.limit_check import LimitVerdict
+
+KILO = {"N*m": 1e-3, "W": 1e-3}
+"""Factor to the unit with the prefix k by SI unit, of units that a report of machinery always gives in thousands."""
+DIGITS = 3
+"""Significant digits of stresses, torques and shares: a torsional calculation is not known better."""
+
+
+def limit_scale(si_unit: str, conventions: Conventions) -> float:
+    """Factor from the SI unit of a limit to the unit in which a report shows its values."""
+    return KILO.get(si_unit, 1.0) * conventions.scale(si_unit)
+
+
+def limit_unit(si_unit: str, conventions: Conventions) -> str:
+    """Name of the unit in which a report shows values of an SI unit.
+
+    >>> limit_unit("N*m", Conventions()), limit_unit("Pa", Conventions())
+    ('kN·m', 'N/mm²')
+    """
+    return unit(("k" if si_unit in KILO else "") + conventions.unit(si_unit))
+
+
+def limit_number(value: float, si_unit: str, conventions: Conventions) -> NumberText:
+    """Number of a value in SI in the unit in which a report shows it."""
+    return NumberText(value * limit_scale(si_unit, conventions), DIGITS)
+
+
+def component(one: LimitVerdict) -> str:
+    """Words for the component that a limit is about, by the name of the limit in the model."""
+    return as_words(one.limit)
+
+
+def order_list(orders: list[tuple[str, float]], one: LimitVerdict, conventions: Conventions) -> Cell:
+    """Names of orders with their amplitudes in the unit of a limit as one text, such as "engine 6: 46.3"."""
+    numbers = ((name, limit_number(size, one.unit, conventions)) for name, size in orders)
+    return "; ".join(f"{as_words(name)}: {number}" for name, number in numbers)

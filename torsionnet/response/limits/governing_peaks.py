@@ -1,0 +1,105 @@
+"""Critical speeds that matter in all conditions: each order in the condition in which it uses a limit most."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.response.critical_speeds import CriticalSpeeds
+from torsionnet.response.limits.limit_check import LimitCheck
+from torsionnet.response.limits.order_peaks import LEAST_SHARE, OrderPeak, order_peaks, order_shares
+
+SAME_SHARE = 0.05
+"""Relative difference up to which an order is as bad in two conditions, so that one of them stands for both: a smaller
+value spreads the orders over conditions that hardly differ."""
+
+
+@dataclass(frozen=True, eq=False)
+class GoverningPeaks:
+    """Peaks at critical speeds that use at least a share of a limit, each order in its worst condition.
+
+    Attributes
+    ----------
+    peaks : tuple of OrderPeak
+        By condition in the order of the checks, then by mode and speed.
+    others : tuple of str
+        Names of the orders that use less of every limit in all conditions and at all speeds.
+    """
+
+    peaks: tuple[OrderPeak, ...]
+    others: tuple[str, ...]
+
+
+def governing_peaks(
+    checks: Sequence[LimitCheck],
+    critical_speeds: Callable[[LimitCheck, Sequence[str]], CriticalSpeeds],
+    least: float = LEAST_SHARE,
+) -> GoverningPeaks:
+    """Critical speeds whose order alone uses at least a share of a limit, each order in its worst condition.
+
+    Conditions with a misfiring cylinder are looked at for themselves, for orders that are larger there.
+    Critical speeds are asked for only in those
+    conditions in which some order is worst, and only of these orders.
+
+    Parameters
+    ----------
+    checks : sequence of LimitCheck
+        One for each condition.
+    critical_speeds : callable
+        Gives the critical speeds of some order lines, by name, in the condition of a check.
+    least : float
+        Smallest amplitude of an order over the value allowed.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> ship = tn.load("bulk_carrier").configured("normal")
+    >>> found = governing_peaks([ship.check_limits()], lambda check, lines: ship.critical_speeds(lines=lines))
+    >>> [(line_name(one), round(one.rpm)) for one in found.peaks], len(found.others)
+    ([('engine 6', 51), ('screw 4', 76), ('engine 4', 77), ('engine 3', 102)], 12)
+    """
+    normal, misfiring = ([place for place, one in enumerate(checks) if one.misfiring is way] for way in (False, True))
+    wanted: dict[int, list[str]] = {}
+    known: dict[str, float] = {}
+    for places in (normal, misfiring):
+        for line, (share, place) in _worst_conditions([checks[one] for one in places], least).items():
+            if share > (1 + SAME_SHARE) * known.get(line, 0.0):
+                wanted.setdefault(places[place], []).append(line)
+            known.setdefault(line, share)
+    kept: list[OrderPeak] = []
+    for place, lines in sorted(wanted.items()):
+        peaks = [one for one in order_peaks(checks[place], critical_speeds(checks[place], lines)) if one.share >= least]
+        kept += sorted(peaks, key=lambda one: (one.critical.mode.number, one.rpm))
+    felt = {line for lines in wanted.values() for line in lines}
+    every = dict.fromkeys(line for check in checks for line in check.lines)
+    return GoverningPeaks(tuple(kept), tuple(line for line in every if line not in felt))
+
+
+def line_name(peak: OrderPeak) -> str:
+    """Name of the order line of a peak, such as ``engine 6``, as in the check of limits."""
+    return f"{peak.critical.excitation} {peak.critical.line}"
+
+
+def _worst_conditions(checks: Sequence[LimitCheck], least: float) -> dict[str, tuple[float, int]]:
+    """Largest share of a limit by order line, of those that use at least ``least``, and the condition where it does.
+
+    Conditions taken for a larger order are taken again where they are as bad within ``SAME_SHARE``.
+    """
+    shares: dict[str, dict[int, float]] = {}
+    for place, check in enumerate(checks):
+        for line, share in zip(check.lines, np.nan_to_num(order_shares(check)).tolist(), strict=True):
+            shares.setdefault(line, {})[place] = share
+    largest = {line: max(by_place.values()) for line, by_place in shares.items()}
+    taken: list[int] = []
+    found: dict[str, tuple[float, int]] = {}
+    for line in sorted(largest, key=lambda name: -largest[name]):
+        if largest[line] < least:
+            break
+        alike = [place for place, share in shares[line].items() if share >= (1 - SAME_SHARE) * largest[line]]
+        known = [place for place in taken if place in alike]
+        place = known[0] if known else max(alike, key=lambda one: shares[line][one])
+        taken += [] if known else [place]
+        found[line] = (largest[line], place)
+    return found
