@@ -12,6 +12,7 @@ from torsionnet.report.report_conditions import FIRING, alternative_words, load_
 from torsionnet.report.report_data import MOST_JUDGED_CASES, Case, ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, choices_of_some, first_names
+from torsionnet.report.sections.society_form import society_form
 from torsionnet.response.limits.limit_check import FAIL, OPEN, LimitCheck
 from torsionnet.response.limits.speed_spans import restriction_words
 
@@ -37,6 +38,7 @@ def conditions_section(subject: ReportData) -> Section | None:
     missing = tuple(_not_examined(subject))
     if missing:
         blocks += [Paragraph((Strong("Not examined"),)), Listing(missing)]
+    blocks += society_form(subject)
     return Section("conditions", ("Conditions of operation",), tuple(blocks))
 
 

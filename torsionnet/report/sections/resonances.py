@@ -13,6 +13,7 @@ from torsionnet.report.document_tree import TableGroup as Group
 from torsionnet.report.limit_values import DIGITS, component, limit_number, limit_unit
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_text import as_words, first_names, symbol_or_words
+from torsionnet.report.sections.separation_margins import separation_margins
 from torsionnet.response.critical_speeds import CriticalSpeed
 from torsionnet.response.limits.governing_peaks import GoverningPeaks, line_name
 from torsionnet.response.limits.order_peaks import LEAST_SHARE, OrderPeak
@@ -56,6 +57,7 @@ def resonances_section(subject: ReportData) -> Section | None:
         if found.peaks:
             case = subject.judged_case(max(found.peaks, key=lambda one: one.share).check)
             lines = list(dict.fromkeys(map(line_name, found.peaks)))
+    blocks += separation_margins(subject)
     return Section("resonances", ("Critical speeds",), (*blocks, _diagram(case, lines)))
 
 
