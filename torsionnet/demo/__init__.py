@@ -1,4 +1,7 @@
-"""Demonstration on both rigs of Galvagno et al. (2015): ``python -m torsionnet.demo [FOLDER]``."""
+"""Demonstration of modes, virtual tests, damping fits and reports on both rigs of Galvagno and others (2015).
+
+It is run by ``python -m torsionnet.demo [FOLDER]``.
+"""
 
 from __future__ import annotations
 

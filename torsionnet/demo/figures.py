@@ -46,14 +46,14 @@ class Run:
 
 
 def run(bench: Bench, case: str) -> Run:
-    """Run the test of a bench and estimate theta_1/T_T with the paper's settings."""
+    """Virtual test of a bench, with record, theta_1/T_T estimated by the paper's settings, and the model's response."""
     record = bench.run()
     estimated = estimate(record, "theta_1", "T_T", settings=PAPER).between(*BAND)
     return Run(case, record, estimated, bench.drivetrain.frequency_response("theta_1", "T_T", estimated.frequencies))
 
 
 def tests() -> Iterator[Run]:
-    """Virtual tests of the DMF rig and of the AMT rig in four gears."""
+    """Yield a :class:`Run` for the virtual test of the DMF rig, then for that of the AMT rig in each of four gears."""
     yield run(load_bench("dmf_bench"), "DMF")
     amt = load_bench("amt_bench")
     for gear in GEARS:

@@ -94,7 +94,7 @@ def quantities(rig: Rig) -> Iterator[tuple[str, str, float]]:
 
 
 def comparison(cases: list[Rig]) -> Table:
-    """Table of vibration and theta_1/T_T of each rig by the model beside the paper's test."""
+    """Table of natural frequency, damping ratio, and gain and peak of theta_1/T_T of each rig, by model and paper."""
     columns = (
         Column("case"),
         Column("quantity"),

@@ -56,7 +56,7 @@ def answer(session: Session, state: State) -> dict[str, Any]:
 
 @contextmanager
 def collected_notes() -> Iterator[list[str]]:
-    """Collect the warnings of the library as texts for the page instead of lines in the terminal."""
+    """Context manager that collects the library's warnings in a list of texts instead of printing them."""
     notes: list[str] = []
     with warnings.catch_warnings(record=True) as found:
         warnings.simplefilter("always", TorsionnetWarning)

@@ -47,7 +47,7 @@ def read_pair(text: str) -> ResponseChoice:
 
 
 def default_pair(rig: Drivetrain, overlay: FrequencyResponse | None = None) -> ResponseChoice:
-    """Response that the page begins with: the measured one if the model has its names, else first motion/first input.
+    """Names of output and input of the first response shown, the measured ones if the model has them, else its first.
 
     Examples
     --------

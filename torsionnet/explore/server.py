@@ -234,7 +234,7 @@ class Page:
 
 @cache
 def pages() -> dict[str, Page]:
-    """Files of the page by their paths, the first page also by the empty one.
+    """Content and media type of every file of the explore page by URL path, the start page also by the empty path.
 
     >>> sorted(path for path in pages() if path.endswith((".html", ".css")))
     ['index.html', 'style.css', 'vendor/uPlot.min.css']

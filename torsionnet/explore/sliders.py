@@ -1,4 +1,4 @@
-"""Sliders of the explore page: unit, value and range of every parameter of a model."""
+"""Sliders of the explore page, with unit, value and range of every parameter of a model."""
 
 from __future__ import annotations
 

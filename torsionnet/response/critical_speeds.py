@@ -36,7 +36,7 @@ FREQUENCY_FIELDS = {"undamped": "undamped_frequency", "natural": "natural_freque
 
 @dataclass(frozen=True)
 class SpeedPeak:
-    """Largest amplitude of one order of one output near a critical speed, in SI units of the output, and its speed.
+    """Largest amplitude (SI) of one order of an output near a critical speed, and the speed where it occurs in rad/s.
 
     ``speed`` in rad/s of the reference shaft, ``amplitude`` a peak value in SI units.
     """
@@ -86,7 +86,7 @@ class ModeWithShape(VibrationMode):
 
 @dataclass(frozen=True, eq=False)
 class CriticalSpeedsRecord:
-    """Critical speeds of one configuration, as ``torsionnet critical-speeds --json`` prints them."""
+    """Critical speeds in rad/s of one configuration, as ``torsionnet critical-speeds --json`` prints them."""
 
     title: str
     configuration: str
@@ -99,7 +99,7 @@ class CriticalSpeedsRecord:
 
 @dataclass(frozen=True)
 class CriticalSpeed:
-    """Critical speed, crossing of one excitation order, or one fixed frequency, with one mode.
+    """Crossing of an excitation order or fixed frequency with one mode, with its margin and generalised force (N m).
 
     Attributes
     ----------
@@ -223,7 +223,7 @@ class CriticalSpeed:
 
     @property
     def remark(self) -> str:
-        """Remark on a critical speed in tables, on its mode, on where it is not excited, or on the worst case."""
+        """Text of the remark on a critical speed in tables, such as 'not excited in this condition', empty if none."""
         said = [self.mode.remark] if self.mode.remark else []
         if self.excited is False:
             elsewhere = f", but in {', '.join(self.excited_in)}" if self.excited_in else " in this condition"
@@ -242,7 +242,7 @@ class CriticalSpeed:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CriticalSpeeds(NotebookResult):
-    """Critical speeds in and near an operating range, for one condition (configuration) of a model.
+    """Critical speeds in and near an operating range (rad/s), for one condition (configuration) of a model.
 
     Attributes
     ----------
@@ -327,7 +327,7 @@ class CriticalSpeeds(NotebookResult):
         raise UsageError(f"there is no mode {number}; there are {len(self.modes)}, counted from 1 without rigid bodies")
 
     def in_conditions(self, others: Sequence[CriticalSpeeds]) -> CriticalSpeeds:
-        """Critical speeds that each name the other conditions which excite the mode (``excited_in``)."""
+        """Copy of the critical speeds, each with names of other conditions that excite its mode (``excited_in``)."""
         return replace(
             self,
             crossings=tuple(
@@ -390,7 +390,7 @@ class CriticalSpeeds(NotebookResult):
         return result_table(f"{self.title}: natural frequencies", self.modes, VibrationMode, notes=notes)
 
     def record(self, configuration: str = "") -> CriticalSpeedsRecord:
-        """Critical speeds of one configuration as plain data for JSON, with modes and crossings."""
+        """Critical speeds in rad/s of one configuration as plain data for JSON, with modes in Hz and crossings."""
         modes = (ModeWithShape(**vars(mode), shape_by_node=self.shape(mode.number)) for mode in self.modes)
         return CriticalSpeedsRecord(
             self.title, configuration, self.reference, self.speed_range, str(self.rule) if self.rule else None,

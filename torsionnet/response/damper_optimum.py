@@ -1,4 +1,4 @@
-"""Result of the search for the best damper: optimal values, the level reached, and its dependence on the values."""
+"""Result of the search for the damper values with which the largest vibration level of an output is smallest."""
 
 from __future__ import annotations
 
@@ -16,11 +16,13 @@ from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.table import Column, Table
 
 EQUAL_PEAK_DIFFERENCE = 1e-3
-"""Relative difference up to which peaks of vibration are equally high, so that both determine the best damper."""
+"""Relative difference up to which peaks of vibration count as equally high, so that all of them determine the optimal
+damper."""
 AT_BOUND_SHARE = 1e-4
 """Distance to a bound, as a share of the range, within which a design parameter is at the bound."""
 INDIFFERENT_LEVEL_RATIO = 1.01
-"""Ratio of largest to smallest vibration over the range of a design parameter below which it hardly has any effect."""
+"""Ratio of largest to smallest vibration level over a design parameter's range below which the parameter hardly
+matters."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,7 @@ class LevelPeak:
 
 @dataclass(frozen=True)
 class FixedPoint:
-    """Frequency in Hz where the vibration level (SI) hardly depends on a damping.
+    """Frequency in Hz at which the vibration level (SI) is nearly the same for every damping, and that level.
 
     ``spread`` is the largest level over the smallest minus 1.
     """
@@ -94,7 +96,7 @@ class DesignParameterRow:
 
 @dataclass(frozen=True, eq=False)
 class DamperRecord:
-    """Best damper of one configuration, as ``torsionnet damper --json`` prints it."""
+    """Optimal damper of one configuration in SI, as ``torsionnet damper --json`` prints it."""
 
     title: str
     configuration: str
@@ -151,7 +153,7 @@ class DamperOptimum(NotebookResult):
         return {one.name: one.value for one in self.parameters}
 
     def record(self, configuration: str = "") -> DamperRecord:
-        """Best damper of one configuration as plain data for JSON, in SI units."""
+        """Optimal damper of one configuration as plain data for JSON, in SI units."""
         rows = tuple(
             DesignParameterRow(
                 one.name, one.unit, one.start, one.lower, one.upper, one.value, one.bound or None,
@@ -165,7 +167,7 @@ class DamperOptimum(NotebookResult):
         )  # fmt: skip
 
     def words(self) -> tuple[str, ...]:
-        """Sentences on the reliability of the best damper: parameters at bounds or idle, peaks, fixed points."""
+        """Sentences on how far to trust the optimal damper, on parameters at bounds or without effect, and on peaks."""
         found = [*(self._about(one) for one in self.parameters), self._held_by()]
         if self.fixed_points:
             where = " and ".join(f"{one.point:.5g}" for one in self.fixed_points)
@@ -190,7 +192,7 @@ class DamperOptimum(NotebookResult):
         return f"the maximum is at {where} {self.of[1]}" + (", equally high" if len(self.peaks) > 1 else "")
 
     def table(self, conventions: Conventions = SI) -> Table:
-        """Table of a damper's values as given and optimal, and of the largest vibration level and where it is."""
+        """Table of a damper's given and optimal values, the largest vibration level with both, and where it occurs."""
         scale, unit = conventions.scale(self.channel.unit), conventions.unit(self.channel.unit)
         rows: list[tuple[object, ...]] = [
             (one.name, one.unit, one.start, one.value, one.lower, one.upper) for one in self.parameters
@@ -203,7 +205,7 @@ class DamperOptimum(NotebookResult):
         return Table(f"{self.title}: best damper", tuple(map(Column, names)), tuple(rows), self.words())
 
     def effect_table(self, conventions: Conventions = SI) -> Table:
-        """Table of the largest vibration level over the values of each design parameter of a damper."""
+        """Table of the largest vibration level over each design parameter of a damper, the others at their optimum."""
         scale = conventions.scale(self.channel.unit)
         columns = (
             Column("parameter"),

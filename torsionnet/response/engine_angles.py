@@ -60,12 +60,12 @@ class EngineAngle:
         return f"{self.engine} fires {degrees:g} deg after {self.after}"
 
     def part(self, speeds: Sequence[int], outputs: Sequence[int]) -> EngineAngle:
-        """Engine angles of some speeds and outputs only, by their indices."""
+        """Engine angles in rad at some speeds and outputs only, given by their indices."""
         angle, period = (of[list(speeds)][:, list(outputs)] for of in (self.angle, self.period))
         return replace(self, angle=angle, period=period)
 
     def joined(self, others: Sequence[EngineAngle], order: NDArray[np.intp]) -> EngineAngle:
-        """Engine angles joined with those at other speeds, sorted by the indices ``order``."""
+        """Engine angles in rad joined with ``others`` at other speeds, in the order of the indices ``order``."""
         angles, periods = ([getattr(one, name) for one in (self, *others)] for name in ("angle", "period"))
         return replace(self, angle=np.concatenate(angles)[order], period=np.concatenate(periods)[order])
 
@@ -91,7 +91,7 @@ class AmplitudesAtAngles:
 
 
 def at_worst_angles(values: ComplexArray, lines: Sequence[OrderLine], shares: Shares = ()) -> AmplitudesAtAngles:
-    """Order amplitudes (SI) at the engine angles and signs of scattered shares with the largest half range."""
+    """Order amplitudes (SI) with the largest half range over all engine angles and signs of scattered contributions."""
     signs = [np.ones((len(values), values.shape[2], len(own)), dtype=np.int8) for _, own in shares]
     delays: dict[EngineBlock, FloatArray] = {}
     for blocks in blocks_by_speed(lines):
@@ -156,7 +156,7 @@ def _ratio(lines: Sequence[OrderLine], block: EngineBlock) -> float:
 def with_engines_delayed(
     values: ComplexArray, lines: Sequence[OrderLine], angles: Sequence[EngineAngle], sense: float = 1.0
 ) -> ComplexArray:
-    """Order amplitudes (n_speeds, n_lines, n_out), SI, with engines delayed by angles, advanced with ``sense=-1``."""
+    """Order amplitudes (n_speeds, n_lines, n_out), SI, engines delayed by angles in rad, advanced with ``sense=-1``."""
     found = values.copy()
     known = {one.engine: one.angle for one in angles}
     for block in engine_blocks(lines):
@@ -167,6 +167,6 @@ def with_engines_delayed(
 
 
 def engines_as_one(lines: Sequence[OrderLine]) -> tuple[OrderLine, ...]:
-    """Order lines in which engines of one speed are marked as one engine."""
+    """Order lines in which engines of one speed bear the name of the first, as their angles are decided."""
     first = {block.engine: blocks[0].engine for blocks in blocks_by_speed(lines) for block in blocks}
     return tuple(replace(line, engine=first[line.engine]) if line.engine else line for line in lines)

@@ -18,7 +18,7 @@ out."""
 
 @dataclass(frozen=True)
 class EngineBlock:
-    """Block of order lines whose phases to each other are known: their indices, and the first engine among them."""
+    """Block of order lines, by their indices, whose phases to each other are known, and the first engine among them."""
 
     engine: str
     places: tuple[int, ...]
@@ -53,13 +53,13 @@ def blocks_by_speed(lines: Sequence[OrderLine]) -> list[list[EngineBlock]]:
 
 
 def has_unknown_angles(lines: Sequence[OrderLine]) -> bool:
-    """Whether engines of one speed are at an unknown angle, so that the worst one has to be searched."""
+    """Whether engines of one speed are at unknown angles to each other, so that the worst have to be searched."""
     return any(len(blocks) > 1 for blocks in blocks_by_speed(lines))
 
 
 @dataclass(frozen=True)
 class BlockGrid:
-    """Grid of even angle steps along the common cycle of some blocks of order lines.
+    """Grid of even angle steps over the common cycle of some blocks of order lines, for the search of engine angles.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class BlockGrid:
 
     @classmethod
     def of(cls, lines: Sequence[OrderLine], blocks: Sequence[EngineBlock]) -> BlockGrid:
-        """Angle grid for order lines that follow the speed, or only those that repeat in two engine revolutions."""
+        """Angle grid of order lines that follow the speed, if too fine only of those that repeat in two revolutions."""
         moving = [tuple(at for at in block.places if not lines[at].fixed and lines[at].order) for block in blocks]
         found = cls._through(lines, moving)
         if found.points <= MOST_GRID_POINTS:

@@ -10,7 +10,7 @@ MOST_LISTED_CONFIGURATIONS = 3
 
 
 def grouped_remarks(said: Iterable[tuple[str, str, str]]) -> Iterator[tuple[list[str], list[str], str]]:
-    """Groups of equal remarks, from triples (subject, configuration, text): subjects, configurations and text of each.
+    """Groups (subjects, configurations, text) of equal remarks, from triples (subject, configuration, text).
 
     A text occurs once for all subjects that it concerns in the same configurations.
 
@@ -32,7 +32,7 @@ def grouped_remarks(said: Iterable[tuple[str, str, str]]) -> Iterator[tuple[list
 
 
 def configurations_in_words(names: Sequence[str], known: Sequence[str]) -> str:
-    """Text that names configurations, by their common alternatives on the axes where these identify them.
+    """Text that names configurations, such as 'firing=misfire or off', 'all but water=wet', or a list of their names.
 
     Examples
     --------
@@ -52,7 +52,7 @@ def configurations_in_words(names: Sequence[str], known: Sequence[str]) -> str:
 
 
 def _by_axes(names: Sequence[str], known: Sequence[str]) -> str:
-    """Text of the alternatives on axes that identify named configurations; empty where they do not, or without axes."""
+    """Text such as 'firing=misfire or off' if alternatives on axes identify the configurations, else an empty text."""
     if not all("=" in part for name in known for part in name.split(",")):
         return ""
     every = _alternatives(known)
@@ -62,7 +62,7 @@ def _by_axes(names: Sequence[str], known: Sequence[str]) -> str:
 
 
 def _alternatives(names: Sequence[str]) -> dict[str, dict[str, None]]:
-    """Alternatives of each axis that occur in names of configurations, each once, in their order."""
+    """Alternatives that occur in names of configurations, by axis, each once and in the order of the names."""
     found: dict[str, dict[str, None]] = {}
     for axis, alternative in (pair for name in names for pair in _choice(name).items()):
         found.setdefault(axis, {})[alternative] = None

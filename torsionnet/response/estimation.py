@@ -18,7 +18,7 @@ _NOTE = re.compile(
 
 @dataclass(frozen=True, eq=False)
 class Estimation:
-    """Averaging by Welch's method behind an estimated frequency response.
+    """Averaging data of a response estimated by Welch's method, such as window, overlap and number of averages.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class Estimation:
 
 
 def read_estimation(data: Mapping[str, Any]) -> Estimation:
-    """Averaging data of an estimated response, read from those of :meth:`Estimation.to_data`.
+    """Averaging data of an estimated response, read from a mapping that :meth:`Estimation.to_data` has made.
 
     KeyError, TypeError or ValueError if damaged.
     """
@@ -89,7 +89,7 @@ def read_estimation(data: Mapping[str, Any]) -> Estimation:
 
 
 def estimation_in(notes: Iterable[str]) -> Estimation | None:
-    """Averaging data of an estimated response from its notes, for files that hold only text; None if no note has them.
+    """Averaging data of an estimated response, read from the text of its notes, None if no note has them.
 
     >>> estimation_in(["H1, Welch, hann 8 s, overlap 75%, detrend mean, 21 averages worth 11.8 without"]).seconds
     8.0

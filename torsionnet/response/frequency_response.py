@@ -47,7 +47,7 @@ class Channel:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FrequencyResponse(NotebookResult):
-    """Transfer functions from inputs to outputs in SI units over frequency in Hz.
+    """Transfer functions from inputs to outputs in SI units over frequency in Hz, shape (n_f, n_out, n_in).
 
     Attributes
     ----------
@@ -154,7 +154,7 @@ class FrequencyResponse(NotebookResult):
         return quotient_unit(above, below)
 
     def kind(self, output: int = 0, input: int = 0) -> str:
-        """Kind of transfer function of one output over one input: receptance, mobility, dynamic stiffness, ..."""
+        """Name of the kind of transfer function of one output over one input, such as receptance or mobility."""
         above, below = self.outputs[output].unit, self.inputs[input].unit
         if below == "N*m":
             return KINDS_BY_UNIT.get(above, "torque ratio")
@@ -278,11 +278,11 @@ class FrequencyResponse(NotebookResult):
         )
 
     def to_csv(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
-        """Table of the frequency response as CSV text, also written to ``path``."""
+        """Table of the frequency response as CSV text, also written to the file ``path`` if given."""
         return self.table(conventions).to_csv(path)
 
     def to_json(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
-        """Table of the frequency response as JSON text, also written to ``path``."""
+        """Table of the frequency response as JSON text, also written to the file ``path`` if given."""
         return self.table(conventions).to_json(path)
 
     def to_control(self) -> control.FrequencyResponseData:
@@ -304,7 +304,7 @@ class FrequencyResponse(NotebookResult):
 
 
 def _shaped(name: str, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Array of a frequency response in the shape wanted; for one output and input, axes of length one may miss."""
+    """Array checked for the shape (n_f,) or (n_f, n_out, n_in) of a response, with missing axes of length one added."""
     if array.shape == shape:
         return array
     if array.shape == shape[:1] and shape[1:] == (1, 1):

@@ -27,7 +27,7 @@ NEGLIGIBLE_TORQUE = 1e-9
 
 @dataclass(frozen=True)
 class HolzerLink:
-    """Connection between a station of a Holzer table and the next one.
+    """Connection of a station of a Holzer table to the next, with stiffness (N m/rad), twist (rad) and stress (Pa).
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class HolzerBranch:
 
 @dataclass(frozen=True, eq=False)
 class HolzerRecord:
-    """Holzer table of one configuration, as ``torsionnet holzer --json`` prints it."""
+    """Holzer table of one configuration in SI units and Hz, as ``torsionnet holzer --json`` prints it."""
 
     title: str
     configuration: str
@@ -122,7 +122,7 @@ class HolzerRecord:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HolzerTable(NotebookResult):
-    """Holzer table of a drivetrain at one frequency: its branches, main lines first.
+    """Holzer table of a drivetrain at one frequency in Hz, with its branches of stations, main lines first.
 
     Attributes
     ----------
@@ -160,7 +160,10 @@ class HolzerTable(NotebookResult):
 
     @property
     def relative_remainder(self) -> float:
-        """Largest torque left over on a main line over the largest one in a link; rounding at a natural frequency."""
+        """Largest torque left over on a main line over the largest torque in a link, without unit.
+
+        At a natural frequency it is only rounding.
+        """
         lines = [abs(branch.stations[-1].torque) for branch in self.branches if not branch.joins]
         return max(lines) / (self._largest or 1.0)
 
@@ -170,7 +173,7 @@ class HolzerTable(NotebookResult):
         return max((abs(one.torque) for one in self._stations() if one.link is not None), default=0.0)
 
     def station(self, node: str) -> HolzerStation:
-        """Station of a Holzer table by its node."""
+        """Station of a Holzer table by the name of its node."""
         return next(one for one in self._stations() if one.node == node)
 
     def tables(self, *, referred: bool = False) -> tuple[Table, ...]:

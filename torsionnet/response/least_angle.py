@@ -16,7 +16,8 @@ from torsionnet.response.synthesis import extremes
 from torsionnet.response.worst_angle import EQUAL_SHARE, highest_maxima
 
 REFINED_MINIMA = {2: 3, 3: 1}
-"""Number of smallest minima on the grid of engine angles that are refined, for two engines and for more."""
+"""Number of smallest minima on the grid of engine angles that are refined, by number of engines, 3 for three or
+more."""
 ENGINE_SWEEPS, START_POSITIONS = 2, 5
 """Numbers of sweeps over more than two engines and of their start positions; more find the smallest minimum more
 surely."""
@@ -43,7 +44,7 @@ Delays: TypeAlias = dict[EngineBlock, FloatArray]
 
 
 def _from_several(case: OrderResponse, blocks: Sequence[EngineBlock]) -> Delays:
-    """Best engine delays in rad, by block, that sweeps over the engines reach from several start positions."""
+    """Engine delays in rad, by block, of smallest half range among sweeps from several start positions."""
     turn = 2 * np.pi * float(BlockGrid.of(case.lines, blocks).cycle)
     found = []
     for number in range(START_POSITIONS):
@@ -107,7 +108,7 @@ def _wave(case: OrderResponse, values: ComplexArray, places: Sequence[int], angl
 def _refined(
     case: OrderResponse, delays: Mapping[EngineBlock, FloatArray], block: EngineBlock, start: FloatArray, step: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Best delay in rad of an engine block near a start value, and its half range (SI), both (n_speeds, n_out)."""
+    """Delay (rad) near a start that gives the smallest half range (SI), and this half range, both (n_speeds, n_out)."""
     best, size = start, np.full(start.shape, np.inf)
     for _ in range(STEP_REFINEMENTS):
         for place in range(-STEP_DIVISOR, STEP_DIVISOR + 1):

@@ -25,7 +25,7 @@ _UNSTABLE_ROWS = ("gain grown by the factor", "gain fallen to the factor", "phas
 
 @dataclass(frozen=True)
 class Margin:
-    """Stability margin with the frequency in Hz at which the loop has it; nan where there is none."""
+    """Gain (factor), phase (deg), delay (s) or modulus margin of a loop, and its frequency in Hz; nan for none."""
 
     value: float = math.nan
     frequency: Annotated[float, Out(json="frequency_Hz")] = math.nan
@@ -33,7 +33,7 @@ class Margin:
 
 @dataclass(frozen=True)
 class MarginsRecord:
-    """Stability margins of one configuration, as ``torsionnet margins --json`` prints them."""
+    """Stability margins (deg, s) of one configuration, as ``torsionnet margins --json`` prints them."""
 
     title: str
     configuration: str
@@ -48,7 +48,7 @@ class MarginsRecord:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LoopMargins(NotebookResult):
-    """Open loop L(j omega) at the torque of a controller, all other loops closed, with its stability margins.
+    """Open loop L(j omega), without unit, at a controller's torque, all other loops closed, and its stability margins.
 
     The drivetrain with the loop closed has its poles where 1 + L(s) = 0: L is the torque of the controller, with the
     sign of negative feedback, in response to 1 N m applied in its place.
@@ -95,7 +95,7 @@ class LoopMargins(NotebookResult):
         )  # fmt: skip
 
     def table(self) -> Table:
-        """Table of a loop's stability margins, or of where a pole reaches the axis, and their frequencies in Hz."""
+        """Table of a loop's stability margins, or if unstable where a pole reaches the axis, and frequencies in Hz."""
         names, what, note = (
             (_STABLE_ROWS, "margin", STABLE_NOTE)
             if self.stable

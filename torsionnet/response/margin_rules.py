@@ -15,7 +15,7 @@ LARGEST_MARGIN = 1.0
 
 @dataclass(frozen=True)
 class MarginClause:
-    """Separation margin (a share) required for orders from ``lowest`` to ``highest``; with ``whole`` for whole ones."""
+    """Separation margin, a share of excitation frequency, for orders, all or whole, from ``lowest`` to ``highest``."""
 
     lowest: float
     highest: float
@@ -117,7 +117,7 @@ def _every(share: float) -> tuple[MarginClause, ...]:
 
 
 def _share(given: str | float) -> float | None:
-    """Margin as a number from a text such as ``15 %`` or ``0.15``; None if it is not a number."""
+    """Margin as a share, read from a text such as ``15 %`` or ``0.15``, None if it is not a number."""
     text = str(given).strip()
     try:
         return float(text.removesuffix("%")) / (100 if text.endswith("%") else 1)

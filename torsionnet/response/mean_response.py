@@ -16,7 +16,7 @@ from torsionnet.response.table import Column, Table
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeanResponse(NotebookResult):
-    """Mean values of outputs (torques, twists, stresses) in SI units over speed.
+    """Mean values of outputs (torques, twists, stresses) in SI units over speed, shape (n_speeds, n_out).
 
     Attributes
     ----------

@@ -57,7 +57,7 @@ def _letters(number: int) -> str:
 
 
 def index_of_mode(number: int, kinds: Sequence[str]) -> int:
-    """Index of a mode among all modes by its number.
+    """Index of a mode in the sequence of all modes' kinds, from its number, which counts vibrations from 1.
 
     Raises
     ------

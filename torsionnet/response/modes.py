@@ -78,7 +78,7 @@ MODE_COLUMNS = (
 
 @dataclass(frozen=True, eq=False)
 class ModesRecord:
-    """Modes of one configuration, as ``torsionnet modes --json`` prints them."""
+    """Modes of one configuration in Hz (eigenvalues in rad/s), as ``torsionnet modes --json`` prints them."""
 
     title: str
     configuration: str
@@ -168,7 +168,7 @@ class Modes(NotebookResult):
         return ratios + 0.0
 
     def first(self, count: int | None) -> Modes:
-        """First ``count`` modes, and as many undamped natural frequencies, as a copy."""
+        """Copy with the first ``count`` modes and as many undamped natural frequencies only."""
         cut = {
             name: getattr(self, name)[..., :count]
             for name in ("eigenvalues", "shapes", "kinetic", "strain", "dissipated", "converged")
@@ -191,7 +191,7 @@ class Modes(NotebookResult):
         return np.asarray(self.shapes[self.nodes.index(node)])
 
     def energy_shares(self, mode: int) -> Mapping[str, tuple[float, float, float]]:
-        """Shares (kinetic, strain, dissipated) of every element in the energies of a mode, given by its index."""
+        """Shares (kinetic, strain, dissipated), without unit, by element in the energies of the mode of an index."""
         shares = np.stack([self.kinetic[:, mode], self.strain[:, mode], self.dissipated[:, mode]], axis=1)
         return {name: (float(k), float(s), float(d)) for name, (k, s, d) in zip(self.elements, shares, strict=True)}
 
@@ -258,11 +258,11 @@ class Modes(NotebookResult):
         return Table(f"{self.title}: energy shares", tuple(columns), tuple(rows))
 
     def to_csv(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
-        """Table of the modes as CSV text, also written to ``path``."""
+        """Table of the modes as CSV text, also written to the file ``path`` if given."""
         return self.table(conventions).to_csv(path)
 
     def to_json(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
-        """Table of the modes as JSON text, also written to ``path``."""
+        """Table of the modes as JSON text, also written to the file ``path`` if given."""
         return self.table(conventions).to_json(path)
 
     def __repr__(self) -> str:

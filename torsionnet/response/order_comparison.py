@@ -34,13 +34,13 @@ LARGEST_ANGLES: Schema = {
 }
 """JSON Schema of the angles in degrees between engines with the largest half range, over speed by engine."""
 SMALLEST_RANGE: Schema = {**NUMBERS, "description": "with these engines at the best angles"}
-"""JSON Schema of the smallest half range over speed in SI units of the output."""
+"""JSON Schema of the smallest half range over speed, at the engine angles that give it, in SI units of the output."""
 WORST_CASES: Schema = {
     "type": ["array", "null"],
     "items": {"type": "string"},
     "description": "what is worst at each speed",
 }
-"""JSON Schema of the names of the worst cases over speed."""
+"""JSON Schema of the names of the cases (firing conditions) with the largest half range, over speed."""
 COMMON_CYCLE: Schema = {"type": ["integer", "null"], "description": "null where there is none"}
 """JSON Schema of the common cycle of all orders in revolutions of the reference shaft."""
 
@@ -203,7 +203,7 @@ class OrderOutputRow:
 
 @dataclass(frozen=True, eq=False)
 class OrdersRecord:
-    """Order responses of one configuration, as ``torsionnet orders --json`` prints them."""
+    """Order responses of one configuration (SI, speeds in rpm), as ``torsionnet orders --json`` prints them."""
 
     title: str
     configuration: str
@@ -216,7 +216,7 @@ class OrdersRecord:
 def orders_record(
     run: OrderResponse, configuration: str = "", tests: Mapping[str, Sequence[MeasuredOrder]] = MappingProxyType({})
 ) -> OrdersRecord:
-    """Order responses of one configuration as plain data for JSON."""
+    """Order responses of one configuration as plain data for JSON, amplitudes in SI units, speeds in rpm."""
     outputs = tuple(_output_row(run, place, tests.get(channel.name)) for place, channel in enumerate(run.outputs))
     return OrdersRecord(run.title, configuration, run.reference, run.rpm, run.revolutions, outputs)
 

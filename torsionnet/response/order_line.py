@@ -17,7 +17,7 @@ LARGEST_DENOMINATOR = 10**6
 
 @dataclass(frozen=True)
 class OrderLine:
-    """Line of an order response, one order of one excitation, or a fixed frequency of it.
+    """Line of an order response, one order of one excitation or one of its fixed frequencies (Hz).
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class OrderLine:
         return self.exact_order * self.ratio
 
     def frequency(self, speeds: FloatArray) -> FloatArray:
-        """Frequency of an order line in Hz at speeds in rad/s of the reference shaft.
+        """Frequency of an order line in Hz at speeds in rad/s of the reference shaft, in the shape of the speeds.
 
         Negative where a slip has changed its sign.
         """
@@ -64,5 +64,5 @@ class OrderLine:
 
 
 def near_fraction(value: float) -> Fraction:
-    """Nearest fraction to an order or a frequency with a denominator of at most ``LARGEST_DENOMINATOR``."""
+    """Fraction nearest to an order or a frequency, with a denominator of at most ``LARGEST_DENOMINATOR``."""
     return Fraction(value).limit_denominator(LARGEST_DENOMINATOR)

@@ -1,4 +1,4 @@
-"""Order response of a drivetrain: complex amplitudes by speed, order and output, and their sum over a cycle."""
+"""Order response of a drivetrain, complex amplitudes by speed, order and output, and their sum over a cycle."""
 
 from __future__ import annotations
 
@@ -220,7 +220,7 @@ class OrderResponse(NotebookResult):
         return found
 
     def _families(self) -> Iterator[tuple[list[int], list[int] | None]]:
-        """Groups of order lines with fixed phases between them, each with their periods in a common cycle, or None.
+        """Yield groups of order lines, by index, with fixed phases, and the periods of each in a common cycle, or None.
 
         A group holds all lines of engines at known angles if these have a cycle; otherwise the lines of each shaft,
         those of all fixed frequencies (assumed to come from one electrical line), and each slip alone.
@@ -265,7 +265,7 @@ class OrderResponse(NotebookResult):
 
     @property
     def peak(self) -> FloatArray:
-        """Largest deviation from the mean of the sum of all orders in SI, shape (n_speeds, n_out)."""
+        """Largest deviation of the sum of all orders from its mean in SI units of outputs, shape (n_speeds, n_out)."""
         return np.asarray(np.abs(self.bounds).max(axis=0))
 
     def extremes(self, mean: ArrayLike | MeanValues) -> tuple[FloatArray, FloatArray]:
@@ -304,7 +304,7 @@ class OrderResponse(NotebookResult):
         return tuple(self.table(channel.name) for channel in self.outputs)
 
     def table(self, output: str | None = None, conventions: Conventions = SI, most: int = 6) -> Table:
-        """Table of the worst speed in rpm of an output, the largest orders there, and the worst speed of each."""
+        """Table of an output's largest half range and largest orders, with the speeds in rpm at which they occur."""
         place = self.output(output)
         channel, total = self.outputs[place], self.half_range[:, place]
         scale, worst = conventions.scale(channel.unit), int(np.argmax(total))
@@ -368,7 +368,7 @@ class OrderResponse(NotebookResult):
 
     @property
     def no_cycle(self) -> str:
-        """Sentence on why the order lines have no common cycle, for responses without one."""
+        """Sentence on why the order lines have no common cycle, for responses without a cycle."""
         engines = [block.engine for block in engine_blocks(self.lines)]
         if len(engines) > 1:
             return f"{' and '.join(engines)} turn at unequal speeds with no phase between them: half ranges are added"

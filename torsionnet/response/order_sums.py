@@ -16,7 +16,7 @@ SUM_SEPARATOR = " + "
 
 
 class LinesWithCases(Protocol):
-    """Protocol of an order response of one or several cases: lines, values, sizes."""
+    """Protocol of an order response of one or several cases, with lines, complex values (SI) and amplitudes."""
 
     @property
     def lines(self) -> tuple[OrderLine, ...]: ...
@@ -32,7 +32,7 @@ class LinesWithCases(Protocol):
 
 
 def lines_of_one_frequency(lines: Sequence[OrderLine]) -> list[list[int]]:
-    """Indices of the order lines of each frequency, sorted by the first line of each.
+    """Groups of the indices of order lines of one frequency, sorted by the first line of each.
 
     Examples
     --------
@@ -49,7 +49,7 @@ def lines_of_one_frequency(lines: Sequence[OrderLine]) -> list[list[int]]:
 
 @dataclass(frozen=True)
 class LineSum:
-    """Sum of several order lines of one frequency.
+    """Sum of several order lines of one frequency, with its name, order, fixed frequency in Hz and indices of lines.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ def is_sum_name(name: str) -> bool:
 
 
 def summed_sizes(run: LinesWithCases) -> FloatArray:
-    """Amplitudes in SI with lines of one frequency added, shape (n_speeds, n_frequencies, n_out).
+    """Largest amplitude in any case in SI, lines of one frequency added, shape (n_speeds, n_frequencies, n_out).
 
     The largest of several cases.
     """

@@ -19,7 +19,7 @@ QUANTITY_UNITS = {"torque": "N*m", "angle": "rad", "velocity": "rad/s", "acceler
 """SI unit of the values of a signal by its quantity, such as torque."""
 
 LOWEST_SAMPLING_RATE, HIGHEST_SAMPLING_RATE = 1e-15, 1e15
-"""Sampling rates in Hz beyond which a rate is a mistake."""
+"""Lowest and highest sampling rate in Hz that are accepted, as a rate beyond them is a mistake."""
 
 
 def is_rate(sampling_rate: float) -> bool:
@@ -130,17 +130,17 @@ class Recording(NotebookResult):
         return self.start + np.arange(len(self)) / self.sampling_rate if self.times is None else self.times
 
     def select(self, names: Iterable[str]) -> Recording:
-        """Recording of the named signals only, in that order."""
+        """Recording of the named signals only, in the order of the names."""
         return replace(self, signals=tuple(self[name] for name in names))
 
     def with_signals(self, *signals: Signal) -> Recording:
-        """Recording with signals added, or replaced where one of the same name exists."""
+        """Copy of the recording with signals added, or exchanged where a signal of the same name exists."""
         new = {signal.name: signal for signal in signals}
         kept = [new.pop(signal.name, signal) for signal in self.signals]
         return replace(self, signals=(*kept, *new.values()))
 
     def with_notes(self, *notes: str) -> Recording:
-        """Recording with notes added to those it has."""
+        """Copy of the recording with notes added behind those it already has."""
         return replace(self, notes=(*self.notes, *notes))
 
     def __repr__(self) -> str:

@@ -17,14 +17,15 @@ from numpy.typing import NDArray
 from torsionnet.response.frequency_response import FloatArray
 
 RESOLVED_DROP = 0.004
-"""Largest relative drop from a maximum over speed to its neighbours at which it is resolved: its error is 1/8 of
-that."""
+"""Largest relative drop from a maximum over speed to its neighbours at which the maximum counts as resolved: its error
+is 1/8 of that."""
 RESOLVED_INTERVAL = 2e-4
 """Relative distance of two speeds within which a straight line gives the crossing of a level."""
 SAME_SPEED_DISTANCE = 1e-9
 """Relative distance of two speeds below which they are the same."""
 LONG_INTERVAL = 0.01
-"""Relative length of a speed interval with a crossing of a level above which its middle is calculated as well."""
+"""Relative length of a speed interval with a crossing of a level above which the middle of the interval is calculated
+as well."""
 HIDDEN_RISE_SHARE = 0.5
 """Share of the drop from the highest calculated value to its neighbours by which the true maximum may exceed it."""
 WIDEST_START_STEP = 0.02
@@ -139,7 +140,7 @@ def _around_maxima(x: FloatArray, u: FloatArray, best: float, level: float | Non
 
 
 def _around_minima(x: FloatArray, u: FloatArray, level: float) -> Iterator[float]:
-    """Speeds to calculate around minima of a curve above the level that may fall below it."""
+    """Yield speeds to calculate around minima of a curve that are above the level but may truly fall below it."""
     for at in _maxima(-u):
         if not 0 < at < len(x) - 1 or u[at] <= level:
             continue
@@ -169,7 +170,7 @@ def _around_crossings(x: FloatArray, u: FloatArray, level: float) -> Iterator[fl
 
 
 def _in_bracket(x: FloatArray, at: int, place: float, half_width: float) -> Iterator[float]:
-    """Speeds to calculate next to an extremum of a curve: around the vertex of the parabola, else halfway."""
+    """Yield speeds to calculate next to an extremum of a curve, around the vertex of the parabola, else halfway."""
     low, high = float(x[max(at - 1, 0)]), float(x[min(at + 1, len(x) - 1)])
     is_end = at in (0, len(x) - 1)
     if half_width and low < place < high:

@@ -1,4 +1,4 @@
-"""Mean torque, twist, stress and power of every element at one speed."""
+"""Mean torque, twist, stress and power (SI) of every element at one speed."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from torsionnet.response.table import Table, result_table
 
 @dataclass(frozen=True, kw_only=True)
 class ElementLoad:
-    """Mean load of an element at one of its ports in SI units: speed, torque, twist, stress.
+    """Mean speed (rad/s), torque (N m), twist (rad) and stress (N/m^2) of an element at one of its ports.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class ExternalTorque:
 
 @dataclass(frozen=True)
 class StaticRecord:
-    """Mean torques of one configuration in SI, as ``torsionnet static --json`` prints them."""
+    """Mean torques of one configuration in SI, speed in rpm, as ``torsionnet static --json`` prints them."""
 
     configuration: str
     title: str
@@ -90,7 +90,7 @@ class StaticState(NotebookResult):
     notes: tuple[str, ...] = ()
 
     def of(self, element: str) -> ElementLoad:
-        """Mean load of an element at its first port in SI units."""
+        """Mean load in SI units of an element, by its name, at its first port."""
         return next(one for one in self.loads if one.element == element)
 
     def table(self, conventions: Conventions = SI) -> Table:

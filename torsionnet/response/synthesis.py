@@ -57,7 +57,7 @@ def _even_steps(least: int) -> int:
 
 
 def extremes(waves: FloatArray) -> FloatArray:
-    """Largest and smallest values (2, ...) of waveforms, in their unit, by parabolas through the extreme points."""
+    """Largest and smallest values of waveforms, in their unit, by parabolas, shape (2, n_speeds, n_out)."""
     return np.array([_outermost(waves, np.argmax(waves, axis=-1)), _outermost(waves, np.argmin(waves, axis=-1))])
 
 

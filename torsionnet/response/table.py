@@ -1,4 +1,4 @@
-"""Table of results: columns with units, as text, CSV, JSON or HTML."""
+"""Table of results, columns with units, as text, CSV, JSON or HTML."""
 
 from __future__ import annotations
 
@@ -47,11 +47,11 @@ class Table:
     notes: tuple[str, ...] = ()
 
     def with_digits(self, digits: int) -> Table:
-        """Table with a number of significant digits in every column."""
+        """Copy of the table with ``digits`` significant digits in every column."""
         return replace(self, columns=tuple(replace(one, digits=digits, decimals=None) for one in self.columns))
 
     def chosen(self, indices: Sequence[int]) -> Table:
-        """Table with some of the columns only, by their indices."""
+        """Copy of the table with some of its columns only, given by their indices."""
         rows = tuple(tuple(row[index] for index in indices) for row in self.rows)
         return replace(self, columns=tuple(self.columns[index] for index in indices), rows=rows)
 
@@ -64,7 +64,7 @@ class Table:
         return [[column.text(value) for value, column in zip(row, self.columns, strict=True)] for row in self.rows]
 
     def to_text(self) -> str:
-        """Table as text with aligned columns."""
+        """Table as text with its title, aligned columns, and its notes."""
         headings = [column.heading for column in self.columns]
         cells = self.cells()
         widths = [max(len(row[i]) for row in [headings, *cells]) for i in range(len(headings))]
@@ -74,7 +74,7 @@ class Table:
         return "\n".join([self.title, *lines, *self.notes])
 
     def to_csv(self, path: str | Path | None = None) -> str:
-        """Table as CSV text in full precision, notes as ``#`` lines; also written to ``path``."""
+        """Table as CSV text in full precision, title and notes as ``#`` lines; also written to ``path`` if given."""
         buffer = io.StringIO()
         for note in (self.title, *self.notes):
             buffer.write(f"# {note}\n")

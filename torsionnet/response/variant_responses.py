@@ -12,7 +12,7 @@ from torsionnet.response.frequency_response import Channel, ComplexArray, FloatA
 
 @dataclass(frozen=True, eq=False)
 class FrequencyResponses:
-    """Frequency responses of variants of a model in SI units, a sequence of :class:`FrequencyResponse`.
+    """Frequency responses in SI of the variants of a model, a sequence of :class:`FrequencyResponse`.
 
     Attributes
     ----------

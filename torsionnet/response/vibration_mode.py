@@ -1,4 +1,4 @@
-"""Mode of vibration with its frequencies with and without damping."""
+"""Mode of vibration with its frequencies in Hz with and without damping."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from torsionnet.core.result_rows import Out
 from torsionnet.response.frequency_response import ComplexArray
 
 SHIFTED_SHARE = 0.01
-"""Relative difference of natural and undamped frequency above which damping shifts a mode."""
+"""Relative difference of natural and undamped frequency above which a mode counts as shifted by damping."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,20 +19,21 @@ from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.order_line import OrderLine
 
 REFINED_MAXIMA = 4
-"""Number of highest maxima of the rise over the angle tau between two instants that Newton's method refines."""
+"""Number of the highest maxima of the rise between two instants, over their distance, that Newton's method refines."""
 NEWTON_STEPS = 5
 """Number of steps of Newton's method to a maximum, enough from within a sixteenth of a period."""
 EQUAL_SHARE = 1e-9
 """Relative difference up to which maxima of vibration are equal, so that the first is taken on every machine."""
 
 Shares: TypeAlias = Sequence[tuple[slice, ComplexArray]]
-"""Order lines, and their contributions (n_shares, n_speeds, n_lines, n_out) in SI with free factors from -1 to 1."""
+"""Pairs of a slice of order lines and contributions to their amplitudes (SI), shape (n_shares, n_speeds, n_lines,
+n_out), each of which may count from -1 to 1 times."""
 IntArray: TypeAlias = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
 class WorstAngles:
-    """Delays in rad of blocks of order lines, and signs of shares, with the largest half range of their sum.
+    """Delays in rad of engine blocks, and signs of scattered contributions, that give the sum's largest half range.
 
     Attributes
     ----------
@@ -47,7 +48,7 @@ class WorstAngles:
 
 
 def worst_angles(values: ComplexArray, lines: Sequence[OrderLine], grid: BlockGrid, shares: Shares = ()) -> WorstAngles:
-    """Engine delays in rad and signs of shares with the largest half range of amplitudes (n_speeds, n_lines, n_out)."""
+    """Engine delays in rad, and signs of contributions, with the largest half range of the sum of all order lines."""
     motions = [_Motion.of(values, lines, grid, number, shares) for number in range(len(grid.places))]
     rises = sum(np.tile(one.rises, grid.points // one.rises.shape[2]) for one in motions)
     best: _Found | None = None
@@ -67,7 +68,7 @@ def worst_angles(values: ComplexArray, lines: Sequence[OrderLine], grid: BlockGr
 
 @dataclass(frozen=True, eq=False)
 class _Motion:
-    """Sum of the order lines of one engine block along its cycle, in SI units of the outputs.
+    """Order lines of one engine block, with their amplitudes, their sum along the cycle and its largest rises, in SI.
 
     ``amplitudes`` (n_speeds, n_own, n_out) and ``rates``, vibrations per revolution of the reference shaft; ``free``
     has contributions (n_free, n_speeds, n_own, n_out) of either sign. ``wave`` (n_speeds, n_out, period) and ``waves``
@@ -107,7 +108,7 @@ class _Motion:
         return cls(amplitudes, free, rates, wave, waves, _rises(wave, waves), of_shares)
 
     def at(self, lag: IntArray) -> tuple[IntArray, NDArray[np.int8]]:
-        """Grid step (n_speeds, n_out) where the largest rise over ``lag`` steps begins, and signs of free shares."""
+        """Grid step (n_speeds, n_out) where the largest rise over ``lag`` steps begins, and signs of contributions."""
         period = self.wave.shape[2]
         later = (np.arange(period) + lag[..., None]) % period
         changes = [np.take_along_axis(one, later, axis=2) - one for one in self.waves]
@@ -123,7 +124,7 @@ class _Motion:
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    """Largest range (n_speeds, n_out) in SI, its start in each engine block in rad, and the signs of shares."""
+    """Largest range (n_speeds, n_out) in SI, its start in each engine block in rad, and the signs of contributions."""
 
     size: FloatArray
     starts: tuple[FloatArray, ...]
@@ -139,7 +140,7 @@ class _Found:
 
 
 def _rises(wave: FloatArray, waves: FloatArray) -> FloatArray:
-    """Largest rise (n_speeds, n_out, period), in the unit of a periodic wave, for each number of grid steps."""
+    """Largest rise of a periodic wave, in its unit, over each number of grid steps, shape (n_speeds, n_out, period)."""
     period = wave.shape[2]
     found = np.empty_like(wave)
     twice = np.concatenate([wave, wave], axis=2)
@@ -168,7 +169,7 @@ def _first_of_largest(values: FloatArray) -> IntArray:
 
 
 def _followed(motions: Sequence[_Motion], lag: IntArray, step: float) -> _Found:
-    """Largest range refined from the grid by Newton's method in tau and the start angles of all engine blocks."""
+    """Largest range (SI) refined from the grid by Newton's method, with start angles (rad) and signs by engine."""
     found = [one.at(lag) for one in motions]
     amplitudes = [one.with_signs(signs) for one, (_, signs) in zip(motions, found, strict=True)]
     starts: list[FloatArray] = [np.asarray(step * start) for start, _ in found]
@@ -200,7 +201,10 @@ def _newton(
     tau: FloatArray,
     step: float,
 ) -> tuple[list[FloatArray], FloatArray]:
-    """Start angles and tau in rad after one Newton step; the Hessian couples the start angles only through tau."""
+    """Start angles of engine blocks, and the angle tau from one instant to the other, in rad after one Newton step.
+
+    The Hessian couples the start angles only through tau.
+    """
     slope, curvature = np.zeros_like(tau), np.zeros_like(tau)
     each = []
     for one, own, start in zip(motions, amplitudes, starts, strict=True):

@@ -1,4 +1,4 @@
-"""Order response of several cases (firing conditions): at every speed each output has its worst case."""
+"""Order response of several cases (firing conditions), for every speed and output that of the worst case."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ class WorstResponse(OrderResponse):
         return replace(self, values=found.values, angles=found.angles)
 
     def least_at(self, speed: int, output: str | None = None) -> WorstResponse:
-        """Order response at the engine angles of smallest half range, for the index of a speed and one output."""
+        """Order response at the engine angles of smallest half range, for one output and a speed given by its index."""
         at, out = [speed], [self.output(output)]
         single = replace(
             self,
@@ -106,7 +106,7 @@ class WorstResponse(OrderResponse):
         return (*((text,) if pairs else ()), *super().engine_notes)
 
     def angle_range(self, speed: int, output: str | None = None) -> str:
-        """Sentence on the engine angles with the largest and the smallest half range, by the index of a speed."""
+        """Sentence on the engine angles with the largest and the smallest half range, at a speed given by its index."""
         place = self.output(output)
         words = ", ".join(one.at(speed, place) for one in self.angles)
         least = self.least_at(speed, output)
@@ -115,12 +115,12 @@ class WorstResponse(OrderResponse):
         return f"largest where {words}; smallest, {share:.3g} of that, where {fewest}"
 
     def cases(self, output: str | None = None) -> tuple[str, ...]:
-        """Name of the worst case of an output at each speed."""
+        """Name of the case (firing condition) with the largest half range of an output, at each speed."""
         place = self.output(output)
         return tuple(self._case(at, place) for at in range(len(self.speeds)))
 
     def case_at(self, speed: int, output: str | None = None) -> str:
-        """Name of the worst case of an output at one speed, by its index."""
+        """Name of the case (firing condition) with the largest half range of an output, at a speed by its index."""
         return self._case(speed, self.output(output))
 
     def _case(self, at: int, place: int) -> str:
@@ -142,7 +142,7 @@ class WorstResponse(OrderResponse):
         return ALL_CASES_EQUAL if 1 < len(same) == len(self.labels) else " or ".join(same)
 
     def table(self, output: str | None = None, conventions: Conventions = SI, most: int = 6) -> Table:
-        """Table of the worst speed in rpm of an output, the largest orders there, and the worst case at that speed."""
+        """Table of an output's largest half range and orders, with their speeds in rpm, and the worst case in notes."""
         found = super().table(output, conventions, most)
         worst = int(np.argmax(self.half_range[:, self.output(output)]))
         count = f" of {len(self.labels)} cases" if self.labels else ""
@@ -164,7 +164,7 @@ class WorstResponse(OrderResponse):
 def join_responses(
     parts: Sequence[tuple[OrderResponse, NDArray[np.intp]]], speeds: FloatArray, title: str
 ) -> OrderResponse:
-    """Order response at all speeds, joined from responses at parts of the speeds with the indices of these."""
+    """Order response at all speeds in rad/s, joined from responses at some of the speeds, given with their indices."""
     order = np.argsort(np.concatenate([places for _, places in parts]))
     found = [part for part, _ in parts]
     whole = replace(found[0], speeds=speeds, values=np.concatenate([part.values for part in found])[order], title=title)
@@ -197,7 +197,7 @@ def join_responses(
 
 
 def _bounded(whole: OrderResponse, parts: Sequence[OrderResponse], order: NDArray[np.intp]) -> OrderResponse:
-    """Order response with its cached bounds joined from those of the parts, if all parts have them."""
+    """Order response whose cached largest and smallest sums are joined from its parts', if all parts have them."""
     known = [vars(part)["bounds"] for part in parts if "bounds" in vars(part)]
     if len(known) == len(parts):
         vars(whole)["bounds"] = np.concatenate(known, axis=1)[:, order]

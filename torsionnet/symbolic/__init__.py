@@ -1,1 +1,1 @@
-"""Symbolic transfer functions of drivetrains, each recorded as one straight-line program for many algebras."""
+"""Symbolic transfer functions of drivetrains, each recorded as a straight-line program that many algebras evaluate."""

@@ -62,7 +62,7 @@ class ActiveMechanism(Mechanism):
 
     @cached_property
     def _acting(self) -> dict[int, int]:
-        """Number of row and column in the equations for each action's torque, by the action's number."""
+        """Number of the row and column of each action's torque in the equations, by the action's number."""
         acting = [number for number, (_, one) in enumerate(self.kinematics.actions) if self._acts(one)]
         return {number: len(self._column) + place for place, number in enumerate(acting)}
 
@@ -71,7 +71,7 @@ class ActiveMechanism(Mechanism):
 
     @cached_property
     def _rigid(self) -> dict[int, int]:
-        """Number of row and column in the equations for each rigid connection's torque that is read."""
+        """Number of the row and column of each read rigid connection's torque in the equations, by its number."""
         return {number: len(self._column) + len(self._acting) + place for place, number in enumerate(self.loose)}
 
     def _read(self, part: SymbolicPart) -> dict[int, Any]:
@@ -108,7 +108,7 @@ class ActiveMechanism(Mechanism):
         rows[place][place] = self._in_s(below)
 
     def _in_s(self, coefficients: Sequence[Any]) -> ProgramNode:
-        """Polynomial in s with coefficients in ascending powers, as a node of the program."""
+        """Polynomial in s as a node of the program, from its coefficients in ascending powers."""
         first = [*coefficients[:3], ZERO, ZERO, ZERO][:3]
         found = self.program.leaf(Stiffness(*first)) if any(first[1:]) else self.program.leaf(first[0])
         if len(coefficients) > len(first):
@@ -123,7 +123,7 @@ def mechanism(
     loose: tuple[int, ...] = (),
     program: Program | None = None,
 ) -> Mechanism:
-    """Symbolic drivetrain, of the kind that suits whether it has actions, from which transfer functions are made."""
+    """Symbolic drivetrain from which transfer functions are made, an :class:`ActiveMechanism` if it has actions."""
     kind = ActiveMechanism if drivetrain.assembly.system.actions else Mechanism
     return kind(drivetrain, referred_to, loose, program or Program())
 
@@ -133,7 +133,7 @@ def _add(entries: Entries, column: int, value: ProgramNode) -> None:
 
 
 def _lowest(numerator: Sequence[Any], denominator: Sequence[Any]) -> tuple[list[Any], list[Any]]:
-    """Coefficients of numerator and denominator as symbols, without a common factor s and without trailing zeros."""
+    """Coefficients of an action's numerator and denominator in s, as symbols, without common s or trailing zeros."""
     above, below = ([twin(value).symbol for value in part] for part in (numerator, denominator))
     for part in (above, below):
         while part and part[-1] == 0:

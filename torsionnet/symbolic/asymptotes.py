@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def static_gain(function: SymbolicFraction) -> Any:
-    """Limit of a symbolic transfer function for s -> 0, an expression, zero or infinity."""
+    """Limit of a symbolic transfer function for s -> 0, a sympy expression, zero or infinity."""
     above, below = lowest_terms_in_s(function, Program().leaf, surely_zero)
     if above is None or above[0] > below[0]:
         return sympy.Integer(0)
@@ -26,13 +26,13 @@ def static_gain(function: SymbolicFraction) -> Any:
 
 
 def low_frequency(function: SymbolicFraction) -> Any:
-    """Leading term of a symbolic transfer function for s -> 0, gain * s^power."""
+    """Leading term of a symbolic transfer function for s -> 0, gain * s^power, a sympy expression."""
     above, below = lowest_terms_in_s(function, Program().leaf, surely_zero)
     return sympy.Integer(0) if above is None else _quotient(above[1], below[1]) * S ** (above[0] - below[0])
 
 
 def high_frequency(function: SymbolicFraction) -> Any:
-    """Leading term of a symbolic transfer function for s -> oo, gain * s^power."""
+    """Leading term of a symbolic transfer function for s -> oo, gain * s^power, a sympy expression."""
     refuse_delays(function.used_tables, "leading term at high frequency")
     algebra = InPowersOfS(Program().leaf)
     above, below = (

@@ -152,7 +152,7 @@ def _leaf(payload: Any, names: dict[Any, str]) -> str:
 
 
 def _written(expression: Any, names: dict[Any, str]) -> str:
-    """Python text of a small sympy expression under a root."""
+    """Python text of a small sympy expression, such as one under a root or the time of a delay."""
     if isinstance(expression, sympy.Add | sympy.Mul):
         sign = " + " if isinstance(expression, sympy.Add) else " * "
         return f"({sign.join(_written(part, names) for part in expression.args)})"

@@ -16,7 +16,7 @@ from torsionnet.symbolic.tree_fraction import NoContinuedFractionError, response
 
 
 def continued_fraction(asked: SymbolicRequest, leaf: Callable[[Any], Any]) -> Any:
-    """Continued fraction of a transfer function in the algebra of ``leaf``, or None if the drivetrain is no tree."""
+    """Continued fraction of a transfer function in the algebra of ``leaf``, None if the drivetrain is no tree."""
 
     def element(payload: Any) -> Any:
         if isinstance(payload, str):  # s itself

@@ -50,7 +50,7 @@ def to_latex(system: SymbolicMatrices, part: str = "") -> str:
 
 
 def complex_stiffness(system: SymbolicMatrices) -> Any:
-    """Symbolic matrix of the stiffness besides K, j times hysteretic damping plus tables, (n_q, n_q), N m/rad."""
+    """Symbolic matrix (n_q, n_q) in N m/rad of the stiffness besides K, hysteretic damping times j plus tables."""
     import sympy
 
     return sympy.I * system.H + system.tables

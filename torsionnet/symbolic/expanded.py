@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class Expanded:
-    """Numerator and denominator of a transfer function multiplied out, kept as maps of integers to save time.
+    """Numerator and denominator of a transfer function multiplied out, as maps from packed monomials to integers.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class Expanded:
         return above / below
 
     def to_ring(self) -> tuple[Any, Any]:
-        """Numerator and denominator as elements of a sympy polynomial ring over the rationals."""
+        """Numerator and denominator, multiplied out, as elements of a sympy polynomial ring over the rationals."""
         ring = sympy.polys.rings.PolyRing(self.algebra.generators, sympy.QQ, sympy.polys.orderings.lex)
         return ring(self.algebra.as_dict(self.numerator)), ring(self.algebra.as_dict(self.denominator))
 

@@ -65,6 +65,6 @@ def latex(expression: Any) -> str:
 
 
 def with_where(result: str, table: Mapping[Any, Any]) -> str:
-    """LaTeX of a result and the definitions of the names in it, as an aligned block."""
+    """LaTeX of a result, followed by the definition of each name in it, as an aligned block."""
     lines = [f"& {result}", *(f"& {latex(name)} = {latex(value)}" for name, value in table.items())]
     return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"

@@ -84,6 +84,6 @@ def without_imposed_angles(
 
 
 def require_one_channel_each(output: object, input: object) -> None:
-    """Raise an error for several outputs or inputs where a symbolic transfer function has one of each."""
+    """Raise an error if several outputs or inputs are given for a symbolic transfer function, which has one of each."""
     if not isinstance(output, str | Sensor) or not isinstance(input, str | Sensor | Input):
         raise UsageError("a transfer function in symbols has one output and one input; transfer_matrix takes several")

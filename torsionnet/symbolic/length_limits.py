@@ -13,11 +13,12 @@ if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
 
 MOST_WRITTEN = 20_000
-"""Largest number of elements and numbers in the coefficients of a formula, as more fill pages and take minutes."""
+"""Largest number of symbols and numbers, counted as often as they appear, in all coefficients together of a polynomial
+form that is written out, as more fill pages and take minutes."""
 
 
 def require_readable(function: SymbolicFraction) -> None:
-    """Raise an error if the coefficients of a transfer function's polynomial form would fill pages."""
+    """Raise an error if the coefficients of a transfer function's polynomial form have too many symbols and numbers."""
     outputs = [function.numerator, function.denominator]
     if sum(function.steps.run(TermCounts(), outputs)) <= MOST_TERMS_EXPANDED_WHOLE:
         return
@@ -29,7 +30,7 @@ def require_readable(function: SymbolicFraction) -> None:
 
 
 def require_short(function: SymbolicFraction, most: int) -> None:
-    """Raise an error if the nested form of a transfer function is longer than ``most`` elements and numbers."""
+    """Raise an error if a transfer function without continued fraction has over ``most`` leaves in its nested form."""
     leaves = function.nested_leaves if function.continued_fraction is None else 0
     if leaves > most:
         raise UsageError(

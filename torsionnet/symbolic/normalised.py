@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
 
 MOST_TERMS = 30
-"""Largest number of terms of a polynomial that is searched for further factors, as longer ones take too long."""
+"""Largest number of terms of a polynomial in s that is searched for further factors, as longer ones take too long."""
 
 MOST_OPERATIONS, MOST_SYMBOLS = 100, 10
 """Largest numbers of operations and of symbols of a polynomial that sympy factors, as larger ones may take hours."""
@@ -145,14 +145,14 @@ class Normalised:
 
 
 def normalised(function: SymbolicFraction) -> Normalised:
-    """Normalised form of a transfer function, with the factors that the recursion and sympy find."""
+    """Normalised form of a transfer function, gain times factors in s that its program and sympy's factoring give."""
     above, below = (_factors(function, node) for node in (function.numerator, function.denominator))
     gain, power = factor_if_short(above[0] / below[0]), above[1] - below[1]
     return Normalised(gain, power, above[2], below[2], function.values)
 
 
 def _factors(function: SymbolicFraction, node: ProgramNode) -> tuple[Any, int, tuple[Factor, ...]]:
-    """Gain, power of s, and factors of a transfer function's numerator or denominator."""
+    """Gain, power of s, and remaining factors of a transfer function's numerator or denominator."""
     gain, power = sympy.Integer(1), 0
     factors: list[Factor] = []
     for index, times in function.steps.factors(node).items():

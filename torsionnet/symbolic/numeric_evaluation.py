@@ -149,7 +149,7 @@ def lowest_terms_in_s(function: SymbolicFraction, coefficient: Any, vanishes: An
 
 
 def first_term(coefficients: Any, vanishes: Any) -> tuple[int, Any] | None:
-    """Power and value of the first coefficient that does not vanish, or None if all vanish."""
+    """Power and coefficient of the lowest term of a polynomial that does not vanish, or None if all terms vanish."""
     for power, value in enumerate(coefficients):
         if not vanishes(value):
             return power, value

@@ -25,7 +25,7 @@ MOST_TERMS_EXPANDED_WHOLE = 4000
 
 
 class NamedCoefficients(Protocol):
-    """Protocol of a transfer function's coefficients in s that can be written as sympy expressions."""
+    """Protocol of the coefficients in s of a transfer function, which can be written as sympy expressions."""
 
     def expressions(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
         """Coefficients of 1, s, s^2, ... of numerator and denominator as sympy expressions."""
@@ -116,7 +116,7 @@ def _trimmed(coefficients: Sequence[Any]) -> tuple[Any, ...]:
 
 
 def rational(function: SymbolicFraction) -> Rational:
-    """Polynomial form of a transfer function, its coefficients multiplied out where that is short."""
+    """Polynomial form of a transfer function, its coefficients multiplied out if short, else nested."""
     program, outputs = function.steps, [function.numerator, function.denominator]
     if sum(program.run(TermCounts(), outputs)) <= MOST_TERMS_EXPANDED_WHOLE or len(function.free_symbols) <= 6:
         algebra = monomials_for(program.payloads(outputs))

@@ -1,4 +1,4 @@
-"""Simplified drivetrains, from which elements are removed before a formula is written, with the error of that.
+"""Simplified drivetrains, from which elements are removed before a formula is written, with the error that this makes.
 
 Terms are never dropped from a result. An element is: a spring becomes rigid, a damper goes; and only if the poles that
 are kept move less than the tolerance.
@@ -67,7 +67,7 @@ class Errors:
 
 @dataclass(frozen=True)
 class Simplified:
-    """Transfer function of a simplified drivetrain, with the elements removed and the resulting errors.
+    """Transfer function of a simplified drivetrain, with the elements removed and the errors in poles and magnitude.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ def simplified(
     tolerance: float = 0.01,
     band: tuple[float, float] | None = None,
 ) -> Simplified:
-    """Transfer function of a drivetrain without its least important elements, as long as the kept modes stay.
+    """Transfer function of a drivetrain without elements whose removal keeps the modes in the band within tolerance.
 
     Parameters
     ----------
@@ -231,7 +231,7 @@ class _Reference:
         return Errors(omega, zeta, float(np.nan_to_num(apart, nan=math.inf).max()))
 
     def cost(self, drivetrain: AssembledModel) -> float:
-        """Larger relative change of natural frequency or damping ratio of the kept modes, inf if unknown."""
+        """Largest relative change of natural frequency or damping ratio over the kept modes, inf if unknown."""
         try:
             found = self.errors(drivetrain)
         except TorsionnetError:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Lowered:
-    """Algebra that turns a program into single operations on s, parameters and numbers."""
+    """Algebra that writes a program as single operations (+, *, /) on s, parameters and numbers."""
 
     program: Program
 
@@ -127,14 +127,14 @@ def _expression(step: tuple[Any, ...], known: dict[int, Any]) -> Any:
 
 
 def where_table(function: SymbolicFraction) -> WhereTable:
-    """Straight-line program of a transfer function, as short as numerator over denominator allows."""
+    """Straight-line program of a transfer function in single operations, numerator over denominator."""
     program = Program()
     above, below = function.steps.run(Lowered(program), [function.numerator, function.denominator])
     return WhereTable(program, above / below)
 
 
 def continued_table(function: SymbolicFraction) -> WhereTable | None:
-    """Straight-line program of a continued fraction, whose intermediate results do not overflow, or None."""
+    """Straight-line program of a transfer function's continued fraction, or None if there is no such fraction."""
     from torsionnet.symbolic.continued_fraction import continued_fraction
 
     program = Program()

@@ -48,7 +48,7 @@ class SymbolicFraction:
 
     @property
     def steps(self) -> Program:
-        """Straight-line program that calculates numerator and denominator."""
+        """Straight-line program whose steps calculate numerator and denominator."""
         return self.numerator.program
 
     @cached_property
@@ -87,7 +87,7 @@ class SymbolicFraction:
 
     @cached_property
     def nested_leaves(self) -> int:
-        """Length of the nested form in elements and numbers, repeated ones counted again."""
+        """Number of leaves (stiffnesses, ratios, numbers) of the nested form, repeated ones counted again."""
         above, below = self.steps.run(Lengths(), [self.numerator, self.denominator])
         return int(above.leaves + below.leaves)
 

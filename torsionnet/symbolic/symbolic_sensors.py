@@ -45,7 +45,7 @@ class SymbolicPart:
 
 @dataclass(frozen=True)
 class ReducedNetwork:
-    """Network in which rigid rows are kept at zero, with the rows given in it and the factor of its determinant."""
+    """Network with rigid rows kept at zero, rows over its coordinates, and the factor that its determinant lacks."""
 
     network: Network[Stiffness]
     rows: tuple[SymbolRow, ...]
@@ -78,7 +78,7 @@ class Mechanism:
 
     @cached_property
     def kinematics(self) -> Kinematics:
-        """Kinematics of the drivetrain with all constraints solved except those in ``loose``."""
+        """Kinematics of the drivetrain with all constraints solved except the rigid connections in ``loose``."""
         plain = self.drivetrain.assembly.kinematics
         return kinematics_on(self.values, plain, self.drivetrain.definition, self.referred_to, self.loose)
 
@@ -95,7 +95,7 @@ class Mechanism:
         return Network(self.kinematics.coordinates, members)
 
     def reduced(self, rows: Collection[SymbolRow], loose: int | None = None) -> ReducedNetwork:
-        """Network with the connections in ``loose`` made rigid, except that of the given number, and the rows in it."""
+        """Network with the mechanism's loose connections made rigid, except number ``loose``, and given rows in it."""
         rigid = {index: self.row(self.kinematics.constraints[index][1]) for index in self.loose}
         network, factor = self.network, ONE
         carried = [*rows, *([rigid[loose]] if loose is not None else [])]
@@ -127,7 +127,7 @@ class Mechanism:
 
 
 def parts_of(mechanism: Mechanism, sensor: Sensor) -> list[SymbolicPart]:
-    """Terms of the reading of a sensor in symbols, whose sum is the reading."""
+    """Terms of the reading of a sensor in symbols, the sum of which is the reading."""
     kinematics = mechanism.kinematics
     rows = ((owner, law.row) for owner, law in kinematics.laws)
     driving = [(owner, action.row) for owner, action in kinematics.actions]

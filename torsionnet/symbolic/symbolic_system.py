@@ -136,7 +136,7 @@ class SymbolicSystem(SymbolicMatrices):
         tolerance: float = 0.01,
         band: tuple[float, float] | None = None,
     ) -> Simplified:
-        """Transfer function of the drivetrain with fewer elements, and the error by leaving the others out.
+        """Transfer function of the drivetrain with fewer elements, and the error that leaving out the others makes.
 
         See :func:`torsionnet.symbolic.simplified.simplified`.
         """

@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 MOST_PRINTED = 60
 """Largest number of operations of a transfer function that is printed in one line, as longer ones are hard to read."""
 MOST_LEAVES = 5000
-"""Largest number of elements and numbers of a nested transfer function that is written out, as more fill pages."""
+"""Largest number of leaves (stiffnesses, ratios, numbers) of a nested transfer function that is written out, as more
+fill pages."""
 
 FORMS = ("mechanical", "polynomial", "normalised", "program", "expanded")
 """Names of the forms in which a transfer function can be written as text or LaTeX."""
@@ -81,7 +82,7 @@ class TransferFunction(SymbolicFraction):
         return predicted_terms(self)
 
     def expanded(self, cap: int = 50_000) -> Expanded:
-        """Numerator and denominator of the transfer function fully expanded, in a polynomial ring.
+        """Numerator and denominator of the transfer function multiplied out to sums of terms in s and parameters.
 
         Raises
         ------

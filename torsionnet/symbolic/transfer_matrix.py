@@ -74,7 +74,7 @@ class TransferMatrix:
         return self.entries[row][column]
 
     def evaluate(self, frequencies: ArrayLike, **parameters: float) -> FrequencyResponse:
-        """Frequency response of all entries, (n_f, n_out, n_in); see :meth:`TransferFunction.evaluate`."""
+        """Frequency response of all entries at frequencies in Hz, values (n_f, n_out, n_in) in SI units."""
         found = [[entry.evaluate(frequencies, **parameters) for entry in row] for row in self.entries]
         first = found[0][0]
         return FrequencyResponse(

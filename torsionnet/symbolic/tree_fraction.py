@@ -190,7 +190,7 @@ def response(
 
 
 def _arrival(network: Network[Stiffness], root: str, share: Any, read: Collection[str]) -> tuple[str, Any]:
-    """Coordinate and factor to which a torque on a coordinate without inertia is moved, short of what is read."""
+    """Coordinate to which a torque is moved by single edges, up to inertia or the first one read, and its torque."""
     came = ""
     while root not in network.grounds and root not in read:
         rows = [member.row for member in network.members if root in member.row and came not in member.row]

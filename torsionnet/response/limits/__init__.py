@@ -1,1 +1,1 @@
-"""Verdicts on limits over speed, ranges of speed to be barred, and what follows for operation."""
+"""Verdicts on limits over speed, ranges of speed to be barred, and operating instructions."""

@@ -38,7 +38,7 @@ GRAVITY = (PASS, BARRED, REDUCED, INCOMPLETE, OPEN, FAIL)
 VERDICT: Schema = {"enum": [*GRAVITY]}
 """JSON Schema of a verdict on a limit."""
 MOST_NAMES = 6
-"""Largest number of configurations that a sentence names; of more, the first are named."""
+"""Largest number of configurations or limits that a sentence names; of more, the first are named."""
 
 
 def gravest(verdicts: Iterable[str]) -> str:
@@ -70,19 +70,19 @@ def unexamined_sentence(missing: Sequence[str], known: Sequence[str], examined: 
 
 
 def listed_names(names: Sequence[str]) -> str:
-    """Names of configurations or limits joined for a sentence; of more than MOST_NAMES the first."""
+    """Text that lists names of configurations or limits in a sentence, of more than MOST_NAMES only the first."""
     return comma_list(names, MOST_NAMES)
 
 
 def utilisation_of(values: FloatArray, allowed: FloatArray) -> FloatArray:
-    """Utilisation of a limit, value over value allowed, shape as of both; NaN where a rule gives no allowed value."""
+    """Utilisation of a limit, value over allowed value, in the shape of both; NaN where no value is allowed."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(np.where(np.isfinite(allowed), values / allowed, np.nan))
 
 
 @dataclass(frozen=True)
 class RuleText:
-    """Text on the rule of a limit: its source, its formula, and what it does not cover."""
+    """Text on the rule of a limit, with its source, its formula, and what it does not cover."""
 
     source: str
     formula: str
@@ -146,12 +146,12 @@ class LimitVerdict:
 
     @property
     def passed(self) -> tuple[SpeedSpan, ...]:
-        """Speed ranges in rad/s that a limit bars below the highest speed permitted, passed without stopping."""
+        """Speed ranges (rad/s) barred by a limit below the highest speed permitted, to be passed without stopping."""
         return spans_below(self.barred, self.highest)
 
     @property
     def restrictions(self) -> str:
-        """Speeds in rpm that a limit does not permit, in words; empty if there are none."""
+        """Text of the speeds in rpm that a limit does not permit, empty if there are none."""
         return restriction_words(self.passed, self.highest)
 
     @property
@@ -250,7 +250,7 @@ class LimitCheck(NotebookResult):
 
     @property
     def verdict(self) -> str:
-        """Gravest of all verdicts on the limits in one configuration.
+        """Name of the gravest of all verdicts on the limits in one configuration, such as "pass" or "fail".
 
         "incomplete" instead of one that permits operation if no configuration was chosen although there are some.
         """
@@ -269,18 +269,18 @@ class LimitCheck(NotebookResult):
 
     @property
     def passed(self) -> tuple[SpeedSpan, ...]:
-        """Speed ranges in rad/s barred by any limit below the highest speed permitted, passed without stopping."""
+        """Speed ranges (rad/s) barred by any limit below the highest speed permitted, to be passed without stopping."""
         return spans_below(self.barred, self.highest)
 
     @property
     def conclusion(self) -> str:
-        """Conclusion from all verdicts on limits in a sentence, with what was not examined."""
+        """Sentence that concludes from all verdicts on limits in one configuration, with what was not examined."""
         missing = [*unexamined_sentence(self.others, self.configurations, [self.configuration]), *self.left_out]
         where = f" in {self.configuration or 'the model as written'}" if self.others else ""
         return "; ".join([*missing, self.finding(where)])
 
     def finding(self, where: str = "") -> str:
-        """Conclusion on the limits in one configuration in a sentence, with ``where`` as its name in the text."""
+        """Sentence that concludes on the limits in one configuration, in which ``where`` names the configuration."""
         failed = list(dict.fromkeys(one.limit for one in self.verdicts if one.verdict == FAIL))
         unjudged = list(dict.fromkeys(one.limit for one in self.verdicts if one.verdict == OPEN))
         parts = [f"{', '.join(failed)} {'do' if len(failed) > 1 else 'does'} not hold{where}"] if failed else []

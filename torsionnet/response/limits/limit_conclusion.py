@@ -37,7 +37,7 @@ from torsionnet.response.table import Column, Table
 
 @dataclass(frozen=True, eq=False)
 class ConclusionRecord:
-    """Verdict on the limits of a model from all configurations examined."""
+    """Verdict on the limits of a model from all configurations examined, with barred speeds in rpm and instructions."""
 
     verdict: Annotated[str, Out(schema=VERDICT)]
     conclusion: str
@@ -49,7 +49,7 @@ class ConclusionRecord:
 
 @dataclass(frozen=True, eq=False)
 class LimitsRecord:
-    """Verdicts on the limits of one configuration, as ``torsionnet limits --json`` prints them."""
+    """Verdicts on the limits of one configuration (SI, speeds in rpm), as ``torsionnet limits --json`` prints them."""
 
     title: str
     configuration: str
@@ -65,7 +65,7 @@ class LimitsRecord:
 
 @dataclass(frozen=True, eq=False)
 class WorstLimit:
-    """Criterion of a limit where it is used most of all configurations, and its gravest verdict in any of them."""
+    """Criterion of a limit at its largest utilisation in all configurations, and its gravest verdict in any of them."""
 
     check: LimitCheck
     verdict: LimitVerdict
@@ -73,12 +73,12 @@ class WorstLimit:
 
     @property
     def rpm(self) -> float | None:
-        """Speed of largest utilisation in r/min; None where the limit could not be judged."""
+        """Speed of the reference shaft in r/min at which a limit is used most, None if it was not judged."""
         return None if self.verdict.worst is None else float(self.check.rpm[self.verdict.worst])
 
     @property
     def utilisation(self) -> float | None:
-        """Largest utilisation over all configurations and speeds; None where the limit could not be judged."""
+        """Largest value over allowed value of a limit in all configurations and speeds, None if it was not judged."""
         return None if self.verdict.worst is None else float(self.verdict.utilisation[self.verdict.worst])
 
 
@@ -107,7 +107,7 @@ class LimitConclusion:
             raise UsageError("a conclusion on limits needs at least one check of limits; there is none")
 
     def records(self) -> list[LimitsRecord]:
-        """Verdicts on the limits of every configuration as plain data for JSON."""
+        """Verdicts on the limits of every configuration as plain data for JSON, values in SI, speeds in rpm."""
         overall = ConclusionRecord(
             self.verdict,
             self.sentence,
@@ -131,17 +131,17 @@ class LimitConclusion:
 
     @property
     def not_examined(self) -> tuple[str, ...]:
-        """Names of the configurations of the model that no check of limits is about."""
+        """Names of the configurations of the model for which there is no check of limits."""
         return tuple(name for name in self.configurations if all(name in one.others for one in self.checks))
 
     @property
     def left_out(self) -> tuple[str, ...]:
-        """Limits and excitations that the checks of limits left out, in words."""
+        """Texts on the limits and excitations that the checks of limits left out."""
         return tuple(dict.fromkeys(words for one in self.checks for words in one.left_out))
 
     @property
     def verdict(self) -> str:
-        """Gravest of all verdicts on the limits of a model in the configurations examined.
+        """Name of the gravest of all verdicts on the limits of a model in the configurations examined.
 
         "incomplete" instead of one that permits operation if not all was examined.
         """
@@ -182,12 +182,12 @@ class LimitConclusion:
 
     @property
     def sentence(self) -> str:
-        """Conclusion from all checks of limits in a sentence, with what was not examined."""
+        """Sentence that concludes from all checks of limits, with what was not examined."""
         return "; ".join(self.findings)
 
     @property
     def findings(self) -> tuple[str, ...]:
-        """Conclusion from all checks of limits, a text for what was not examined and for each finding."""
+        """Texts that conclude from all checks of limits, one for what was not examined and one for each finding."""
         if len(self.checks) == 1:
             return (self.checks[0].conclusion,)
         examined = [one.configuration for one in self.checks]
@@ -195,7 +195,7 @@ class LimitConclusion:
         return (*missing, *self.left_out, *self._found())
 
     def _verdicts(self) -> Iterator[tuple[LimitCheck, LimitVerdict]]:
-        """Verdicts on limits with their checks, without those on elements switched off here and judged elsewhere."""
+        """Yield each verdict with its check, but none on a switched-off element whose limit another check judges."""
         judged = {one.limit for check in self.checks for one in check.verdicts if one.verdict != OPEN}
         for check in self.checks:
             yield from ((check, one) for one in check.verdicts if not (one.absent and one.limit in judged))
@@ -221,7 +221,7 @@ class LimitConclusion:
         return self.checks[0].reference
 
     def _of(self, verdict: str) -> dict[str, str]:
-        """Text on the configurations in which limits have a verdict, by name of the limit."""
+        """Text on the configurations in which a limit has the given verdict, by name of the limit."""
         found: dict[str, list[str]] = {}
         for check, one in self._verdicts():
             if one.verdict == verdict:
@@ -229,7 +229,7 @@ class LimitConclusion:
         return {name: self._where(list(dict.fromkeys(names))) for name, names in found.items()}
 
     def _restrictions(self) -> list[str]:
-        """Barred speeds, and the highest speed where a cylinder is out, in rpm, in words."""
+        """Texts on the barred speeds, and on the highest speed permitted where a cylinder is out, in rpm."""
         barred = [one for one in self.checks if one.passed]
         reduced = [one for one in self.checks if one.highest is not None]
         failed = any(one.verdict == FAIL for _, one in self._verdicts())

@@ -1,4 +1,4 @@
-"""Operating instructions that follow from checks of limits: speeds to pass, highest speeds, values and markings."""
+"""Operating instructions from checks of limits, with speeds to pass, highest speeds, values and markings."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from torsionnet.response.table import Table, result_table
 
 @dataclass(frozen=True, eq=False)
 class Instruction:
-    """Instruction to the crew on a range of speeds: where it lies, what limits it there, and what is to be done.
+    """Instruction to the crew on a range of speeds in rpm, with the limit behind it and what is to be done.
 
     Attributes
     ----------
@@ -55,23 +55,23 @@ class Instruction:
 
     @property
     def tachometer(self) -> Annotated[str, Out("tachometer", json=None, after="condition")]:
-        """Node whose speed the tachometer shows, with its relative error in per cent."""
+        """Text of the node whose speed the tachometer shows, with the tachometer's relative error in per cent."""
         return f"{self.shaft} ± {100 * self.tolerance:g} %" if self.tolerance else self.shaft
 
     @property
     def limited_by(self) -> Annotated[str, Out("limit", json=None, after="to_rpm")]:
-        """Name and criterion of the limit that is used most in the range."""
+        """Text of the name and criterion of the limit with the largest utilisation in the instruction's speed range."""
         return f"{self.limit}, {self.criterion}"
 
     @property
     def instruction(self) -> Annotated[str, Out("action and marking", json=None, after="unit")]:
-        """Text of the action and of the marking of the range."""
+        """Text of what the crew has to do in a speed range, and of how the range is marked."""
         return f"{self.action}; {self.marking}"
 
 
 @dataclass(frozen=True, eq=False)
 class _Place:
-    """Limit in one configuration, at the speed of a speed range at which its utilisation is largest."""
+    """Limit in one configuration, a speed range in rad/s, and the index of the speed in it of largest utilisation."""
 
     check: LimitCheck
     verdict: LimitVerdict
@@ -153,7 +153,7 @@ def operating_instructions(checks: Sequence[LimitCheck]) -> tuple[Instruction, .
 
 
 def instruction_table(checks: Sequence[LimitCheck], conventions: Conventions = SI, title: str = "") -> Table:
-    """Table of operating instructions from checks of limits of one model, with what else restricts operation."""
+    """Table of operating instructions from checks of limits of one model, with a note on any other restriction."""
     rows = operating_instructions(checks)
     failed = dict.fromkeys(one.limit for check in checks for one in check.verdicts if one.verdict == FAIL)
     shown = [_in_units(one, conventions) for one in rows]

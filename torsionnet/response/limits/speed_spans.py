@@ -1,4 +1,4 @@
-"""Ranges of speed, where a limit is exceeded, and which speeds have to be barred."""
+"""Ranges of speed in rad/s in which a limit is exceeded or which have to be barred, and their texts in rpm."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from torsionnet.core.units import RPM
 from torsionnet.response.frequency_response import FloatArray
 
 WHOLE_RPM_RELATIVE = 1e-9
-"""Share of a speed by which rounding may miss a whole number of rpm that is meant."""
+"""Share of a speed up to which its difference from a whole number of rpm counts as rounding."""
 
 
 def whole_rpm(speed: float, rounded: Callable[[float], int]) -> int:
@@ -48,15 +48,15 @@ class SpeedSpan:
         return self.low <= speed <= self.high
 
     def holds_any(self, speeds: Iterable[float | None]) -> bool:
-        """Whether one of some speeds in rad/s lies in the speed range."""
+        """Whether at least one of several speeds in rad/s lies in the speed range."""
         return any(speed is not None and self.holds(speed) for speed in speeds)
 
     def widened(self, tolerance: float) -> SpeedSpan:
-        """Speed range in rad/s widened on both sides by a share of the speeds."""
+        """Speed range in rad/s, widened at both ends by the share ``tolerance`` of the speed there."""
         return SpeedSpan(self.low * (1 - tolerance), self.high * (1 + tolerance))
 
     def within(self, other: SpeedSpan) -> SpeedSpan:
-        """Part of the speed range in rad/s that lies in another one."""
+        """Part of the speed range in rad/s that lies in another speed range."""
         return SpeedSpan(max(self.low, other.low), min(self.high, other.high))
 
     def __str__(self) -> str:
@@ -107,7 +107,7 @@ def spans_above(speeds: FloatArray, values: FloatArray, allowed: FloatArray) -> 
 
 
 def range_end_remarks(span: SpeedSpan, limits: SpeedSpan, below: str, above: str) -> tuple[str, ...]:
-    """Remarks on a speed range that reaches an end of the examined speeds, with the texts for either end.
+    """Texts of remarks where a speed range reaches the lowest or highest examined speed, none where it reaches neither.
 
     Examples
     --------
@@ -135,12 +135,12 @@ def _crossing(speeds: FloatArray, over: FloatArray, inside: int, outside: int) -
 
 
 def rpm_spans(spans: Iterable[SpeedSpan]) -> tuple[tuple[float, float], ...]:
-    """Lowest and highest speed of every speed range in rpm."""
+    """Pairs of lowest and highest speed in rpm, one for every speed range."""
     return tuple((span.low * RPM, span.high * RPM) for span in spans)
 
 
 def spans_below(spans: Iterable[SpeedSpan], highest: float | None) -> tuple[SpeedSpan, ...]:
-    """Speed ranges that begin below the highest speed permitted in rad/s; all of them where it is None."""
+    """Speed ranges (rad/s) that begin below the highest speed permitted (rad/s), all of them where it is None."""
     return tuple(span for span in spans if highest is None or span.low < highest)
 
 
@@ -150,7 +150,7 @@ def span_words(spans: Iterable[SpeedSpan]) -> str:
 
 
 def restriction_words(passed: Sequence[SpeedSpan], highest: float | None, shaft: str = "") -> str:
-    """Text in rpm of speeds to be passed and of the highest speed permitted, rounded down to 1; empty for neither.
+    """Text in rpm of barred speeds and of the highest speed permitted, rounded down to 1 rpm, empty for neither.
 
     Examples
     --------

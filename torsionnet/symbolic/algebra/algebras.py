@@ -73,7 +73,7 @@ class PolynomialInS:
 
 
 def is_zero(value: Any) -> bool:
-    """Whether an element of an algebra is zero exactly and without any calculation."""
+    """Whether an element of an algebra is zero exactly, as can be told without any calculation."""
     return value.is_zero if isinstance(value, ProgramNode) else bool(value == 0)
 
 
@@ -115,7 +115,7 @@ def terms_of(expression: Any) -> int:
 
 
 class Length:
-    """Length of a nested expression, the number of symbols and numbers (leaves) in it, repeated ones counted again."""
+    """Length of a nested expression in symbols, stiffnesses and numbers, each counted as often as it appears."""
 
     __slots__ = ("leaves",)
 
@@ -129,7 +129,7 @@ class Length:
 
 
 class Lengths:
-    """Algebra that counts the symbols and numbers (leaves) of nested expressions; see :class:`Length`."""
+    """Algebra that counts the symbols, stiffnesses and numbers of nested expressions; see :class:`Length`."""
 
     def leaf(self, payload: Any) -> Length:
         del payload
@@ -191,7 +191,7 @@ def stiffness_or_zero(*parts: Any) -> Any:
 
 
 def evaluate_expression(expression: Any, element: Callable[[Any], Any]) -> Any:
-    """Value of a sympy expression of parameters in any algebra; ``element`` gives numbers, names, pi and roots.
+    """Value of a sympy expression in any algebra, in which ``element`` gives its numbers, names, pi and roots.
 
     Sums, products and whole powers are done in the algebra itself.
     """

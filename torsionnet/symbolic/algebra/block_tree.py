@@ -32,7 +32,7 @@ class GraphBlock(Generic[L]):
         return len(self.below) == 1
 
     def covers(self, row: SymbolRow) -> bool:
-        """Whether all coordinates of a row of the network belong to one block."""
+        """Whether all coordinates of a row of the network belong to the block."""
         return all(name == self.top or name in self.below for name in row)
 
 

@@ -37,7 +37,7 @@ def quotient(law: Stiffness, program: Program) -> Quotient:
 
 
 def sum_of_quotients(laws: Sequence[tuple[Quotient, Any]], program: Program) -> Quotient:
-    """Sum of dynamic stiffness * ratio^2 over laws with their ratios of motion, as one quotient of program nodes."""
+    """Sum over laws of dynamic stiffness times squared ratio of motion, as one quotient of program nodes."""
     total = Quotient(program.leaf(0), program.leaf(1))
     for law, ratio in laws:
         above = program.leaf(ratio**2) * law.above
@@ -67,7 +67,7 @@ class Bundle:
         return total if both.is_zero else total + both * self.hanging.below
 
     def carried(self, end: str) -> ProgramNode:
-        """Numerator (program node) of the lower coordinate's angle under unit torque on the upper, without the rest."""
+        """Numerator (program node) of the lower coordinate's angle, no parts beyond, under unit torque on the upper."""
         return self._sum([-row[self.block.top] * row[end] for row in self._rows])
 
     def reading(self, row: SymbolRow) -> ProgramNode:
@@ -86,7 +86,7 @@ class Bundle:
         return [member.row for member in self.block.members]
 
     def _below(self, *without: int) -> ProgramNode:
-        """Product of the stiffness denominators of all laws of the block but those of the numbers given."""
+        """Product of the stiffness denominators of all laws of the block except those whose numbers are given."""
         result = self.program.leaf(1)
         for number, member in enumerate(self.block.members):
             if number not in without:
@@ -94,14 +94,14 @@ class Bundle:
         return result
 
     def _sum(self, factors: Sequence[Any]) -> ProgramNode:
-        """Sum of factor * dynamic stiffness over the block's laws, times the denominators of all of them."""
+        """Sum of the laws' dynamic stiffnesses, each times its entry of ``factors``, times all laws' denominators."""
         total = self.program.leaf(0)
         for number, (factor, member) in enumerate(zip(factors, self.block.members, strict=True)):
             total = total + self.program.leaf(factor) * member.law.above * self._below(number)
         return total
 
     def _pairs(self) -> ProgramNode:
-        """Sum of the products of two laws' stiffnesses that differ in ratio of motion, times all denominators."""
+        """Sum over pairs of laws of both stiffnesses times their rows' squared determinant, times all denominators."""
         total, top, child = self.program.leaf(0), self.block.top, self._child
         for (i, one), (j, other) in combinations(enumerate(self.block.members), 2):
             across = one.row[top] * other.row[child] - other.row[top] * one.row[child]

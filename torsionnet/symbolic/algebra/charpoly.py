@@ -58,7 +58,7 @@ class ExpandedBlock:
         return self._determinant(1)
 
     def carried(self, end: str) -> ProgramNode:
-        """Numerator of a coordinate's angle, parts beyond it removed, under a unit torque nearest the root."""
+        """Numerator (program node) of a coordinate's angle without parts beyond, under unit torque nearest the root."""
         return self._motion(end, without=end)
 
     def reading(self, row: SymbolRow) -> ProgramNode:
@@ -93,7 +93,7 @@ class ExpandedBlock:
         return motion, determinant
 
     def _terms(self, unknowns: Sequence[Any]) -> Iterator[tuple[str, str, Any]]:
-        """Yield row, column and summand of each term of the block's dynamic stiffness matrix."""
+        """Yield row and column (coordinates by name) and value of each term of the block's dynamic stiffness matrix."""
         ratio = dict(zip(self._ratios, unknowns[len(self._members) :], strict=False))
 
         def in_ring(value: Any) -> Any:
@@ -118,7 +118,7 @@ class ExpandedBlock:
         return [Quotient(one, one) if member.law is idle else member.law for member in self._members]
 
     def _node(self, terms: Mapping[tuple[int, ...], Any], laws: Sequence[Quotient]) -> ProgramNode:
-        """Node of the program for a polynomial in laws and ratios, nested by one unknown after the other."""
+        """Polynomial in laws and ratios as a node of the program, nested by one unknown after the other."""
         one = self.program.leaf(1)
         return self._nested(terms, [*laws, *(Quotient(self.program.leaf(ratio), one) for ratio in self._ratios)], 0)
 

@@ -71,12 +71,12 @@ def delay_symbol(owner: str) -> Any:
 
 
 def delays_of(tables: Mapping[Any, DynamicStiffness]) -> dict[Any, Delay]:
-    """Delays among the functions of frequency of a drivetrain, by their symbols."""
+    """Delays (:class:`Delay`) among the functions of frequency of a drivetrain, by the symbols that stand for them."""
     return {name: table for name, table in tables.items() if isinstance(table, Delay)}
 
 
 def refuse_delays(tables: Mapping[Any, DynamicStiffness], what: str) -> None:
-    """Raise an error where a delay appears in a form that exists for quotients of polynomials in s only.
+    """Raise an error where a form that only quotients of polynomials have is asked of a transfer function with delays.
 
     Raises
     ------

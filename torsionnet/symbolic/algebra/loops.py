@@ -29,7 +29,7 @@ result."""
 
 
 def solve_block(block: GraphBlock[Quotient], hanging: Mapping[str, Quotient], program: Program) -> SolvedBlock:
-    """Determinants of a network's block of more than two coordinates, with all parts of the network beyond it."""
+    """Solved block of more than two coordinates, with its determinants and readings, parts beyond it included."""
     loops = loops_of(block)
     if loops > MOST_LOOPS or comb(len(block.members), loops) > MOST_FORESTS:
         return ExpandedBlock(block, hanging, program)
@@ -37,7 +37,7 @@ def solve_block(block: GraphBlock[Quotient], hanging: Mapping[str, Quotient], pr
 
 
 def loops_of(block: GraphBlock[Quotient]) -> int:
-    """Number of loops of a block, its laws over more than two coordinates and the pairs beyond a spanning tree."""
+    """Number of loops of a block, its laws over more than two coordinates plus its pairs beyond a spanning tree."""
     pairs = {frozenset(member.row) for member in block.members if len(member.row) == 2}
     wide = sum(len(member.row) > 2 for member in block.members)
     return wide + max(0, len(pairs) - len(block.below))
@@ -79,7 +79,7 @@ class SplitBlock:
 
     @cached_property
     def weight(self) -> ProgramNode:
-        """Factor in the block's determinant of the network with the split law's motion at zero."""
+        """Program node that multiplies the determinant of the network in which the split law's motion is zero."""
         result = self.program.leaf(self.contraction.factor) * self.member.law.above
         for law in self.contraction.idle:
             result = result * law.below
@@ -103,7 +103,7 @@ class SplitBlock:
         return self._joined(self.deleted.reading(row), self.contracted.reading(self.contraction.row(row)))
 
     def carried(self, end: str) -> ProgramNode:
-        """Numerator of a coordinate's angle, parts beyond it removed, under a unit torque nearest the root."""
+        """Numerator (program node) of a coordinate's angle without parts beyond, under unit torque nearest the root."""
         if end not in self.others:
             bare = {name: law for name, law in self.hanging.items() if name != end}
             self.others[end] = replace(self, hanging=bare, others={})

@@ -54,7 +54,7 @@ def sparse_determinant(rows: Sequence[SparseRow], program: Program) -> ProgramNo
 
 
 def _order(rows: Sequence[SparseRow]) -> list[int]:
-    """Order of a sparse matrix's rows in which few columns are begun and unfinished at any time."""
+    """Order of a sparse matrix's rows, as indices, in which few columns are begun and unfinished at any time."""
     left, begun, order = set(range(len(rows))), set[int](), list[int]()
     while left:
         number = min(left, key=lambda one: (len(set(rows[one]) - begun), one))

@@ -63,7 +63,7 @@ class Network(Generic[L]):
         return found
 
     def contracted(self, row: SymbolRow, keep: str = "") -> Contraction[L]:
-        """Network for motions in which a row is zero, with one coordinate, not ``keep``, expressed by the others.
+        """Network for motions in which a row is zero, with one coordinate of it, not ``keep``, expressed by the others.
 
         The coefficient of kappa in det(D + kappa a a^T) is a_v^2 times the determinant of what is left, v being the
         coordinate expressed, and so for every bilinear form of the adjugate.
@@ -79,7 +79,7 @@ class Network(Generic[L]):
         return Contraction(left, pivot, solution, row[pivot] ** 2, idle)
 
     def _pivot(self, row: SymbolRow, keep: str) -> str:
-        """Coordinate of a row that a contraction expresses by the others, of long rows one on which few laws act."""
+        """Coordinate of a row, by name, that a contraction expresses by the others, in long rows one with few laws."""
         names = [name for name in row if name != keep]
         uses: Counter[str] = Counter()
         if len(row) > 2:
@@ -93,7 +93,7 @@ class Network(Generic[L]):
 
 @dataclass(frozen=True)
 class Contraction(Generic[L]):
-    """Network in which one coordinate is expressed by the others, with the factor of its determinant.
+    """Network with one coordinate expressed by the others, and the factor its determinant has in that of the whole.
 
     ``idle`` are the laws on motions that are no longer possible.
     """
@@ -110,7 +110,7 @@ class Contraction(Generic[L]):
 
 
 def add_parallel_laws(network: Network[L], total: Callable[[Sequence[tuple[L, Any]]], L]) -> Network[L]:
-    """Network with the laws on parallel rows added up by ``total``, each law on a multiple of one row."""
+    """Network in which laws on parallel rows, multiples of one row, are added up to one law by ``total``."""
     groups: dict[tuple[tuple[str, Any], ...], list[tuple[L, Any]]] = {}
     for member in network.members:
         direction, scale = _direction(member.row, groups)
@@ -130,7 +130,7 @@ def _direction(row: SymbolRow, known: Collection[Any]) -> tuple[tuple[tuple[str,
 
 
 def reflected_sum(laws: Sequence[tuple[Stiffness, Any]]) -> Stiffness:
-    """Sum of dynamic stiffness * ratio^2 over laws with their ratios of motion, terms collected by squared ratio."""
+    """Sum over laws of dynamic stiffness times squared ratio of motion, with terms collected by squared ratio."""
     total = _Collected()
     for law, ratio in laws:
         total.add(law, ratio)
@@ -155,7 +155,7 @@ class _Collected:
 
 
 def row_sum(rows: Iterable[tuple[Any, SymbolRow]]) -> dict[str, Any]:
-    """Sum of factor * row over rows by coordinate, without entries that are zero for all values of the symbols."""
+    """Sum of rows, each times its number, as one row by coordinate, without entries that are zero for all values."""
     total: dict[str, Any] = {}
     for factor, row in rows:
         for name, value in row.items():

@@ -101,7 +101,7 @@ class Program:
         return [self.steps[index][1] for index in self.needed(outputs) if self.steps[index][0] == "leaf"]
 
     def run(self, algebra: ProgramAlgebra, outputs: Sequence[ProgramNode]) -> list[Any]:
-        """Values of the output nodes when the program is evaluated in an algebra."""
+        """Values of the output nodes, in the order given, when the program is evaluated in an algebra."""
         results: dict[int, Any] = {}
         for index in self.needed(outputs):
             step = self.steps[index]
@@ -113,7 +113,7 @@ class Program:
         return [results[node.index] for node in outputs]
 
     def factors(self, node: ProgramNode) -> Counter[int]:
-        """Factors of a program node that is a product, as the multiplicity of each factor by the index of its step."""
+        """Multiplicity of each factor of a program node that is a product, by the index of the factor's step."""
         found: Counter[int] = Counter()
         waiting = [node.index]
         while waiting:

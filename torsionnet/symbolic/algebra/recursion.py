@@ -41,7 +41,7 @@ class SolvedBlock(Protocol):
         ...
 
     def carried(self, end: str) -> ProgramNode:
-        """Numerator of a coordinate's angle, parts beyond it removed, under a unit torque nearest the root."""
+        """Numerator (program node) of a coordinate's angle without parts beyond, under unit torque nearest the root."""
         ...
 
     def reading(self, row: SymbolRow) -> ProgramNode:
@@ -50,13 +50,13 @@ class SolvedBlock(Protocol):
 
 
 BlockSolver: TypeAlias = Callable[[GraphBlock[Quotient], Mapping[str, Quotient], Program], SolvedBlock]
-"""Function that returns the determinants of a network's block of more than two coordinates, with all parts beyond
-it."""
+"""Function that solves a block of more than two coordinates, from the block, the stiffness of the parts beyond it by
+coordinate and a program, and returns its determinants and readings (:class:`SolvedBlock`)."""
 
 
 @dataclass
 class Recursion:
-    """Determinants of a network's parts beyond every coordinate, seen from a root, with it free (A) and held (Q)."""
+    """Determinants of a network's parts beyond every coordinate, by its name, with it free (A) and held (Q)."""
 
     network: Network[Quotient]
     program: Program
@@ -86,7 +86,7 @@ class Recursion:
 
     @cached_property
     def beside(self) -> ProgramNode:
-        """Product of the determinants of all parts of the network that are not connected to the root."""
+        """Product, a program node, of the determinants of all parts of the network not connected to the root."""
         result = self.program.leaf(1)
         for other in roots_of(self.network, self.root)[1:]:
             result = result * Recursion(self.network, self.program, other, self.solve_block).A[other]
@@ -129,18 +129,18 @@ class Recursion:
         return [a * b for a, b in zip(ahead, reversed(behind), strict=True)] if blocks else []
 
     def _aside(self, name: str, block: GraphBlock[Quotient]) -> ProgramNode:
-        """Product of the determinants of all blocks below a held coordinate of the network except one block."""
+        """Product, a program node, of the determinants of all blocks below a held coordinate but one block."""
         return self._ground(name).below * self._hanging(name, block)
 
     def _carried(self, end: str) -> ProgramNode:
-        """Product of the blocks' angle numerators from the root to ``end``, times the determinants off that path."""
+        """Product (program node) of the blocks' angle numerators to ``end`` and of the determinants off that path."""
         result = self.beside
         for block, far in self.tree.path(end):
             result = result * self.solved[block].carried(far) * self._aside(block.top, block)
         return result
 
     def motion(self, end: str) -> ProgramNode:
-        """Numerator of the angle at ``end`` under a unit torque at the root, det D times that angle."""
+        """Numerator of the angle at ``end`` under a unit torque at the root, det D times that angle, a program node."""
         return self._carried(end) * self.Q[end]
 
     def reading(self, row: SymbolRow) -> ProgramNode:

@@ -93,6 +93,6 @@ class Scaled:
         return np.asarray(self.mantissa * np.exp2(np.clip(self.exponent, -2000, 2000).astype(float)))
 
     def relative_error(self) -> FloatArray:
-        """Bound of the relative rounding error of each scaled value, infinite or nan where no digit is sure."""
+        """Bound of each scaled value's relative rounding error, same shape, infinite or nan where no digit is sure."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(self.error == 0, 0.0, self.error / np.abs(self.mantissa))

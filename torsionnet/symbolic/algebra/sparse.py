@@ -89,7 +89,7 @@ class Monomials:
         return Sparse(found, depth, self.scale)
 
     def by_power(self, polynomial: Sparse) -> list[dict[int, int]]:
-        """Terms of a sparse polynomial for each power of s from 0 on, without those that cancelled."""
+        """Coefficients by packed monomial of a sparse polynomial, for each power of s from 0 on, no cancelled ones."""
         shift = self._place[S]
         found: dict[int, dict[int, int]] = {}
         for monomial, number in polynomial.terms.items():
@@ -108,7 +108,7 @@ class Monomials:
         }
 
     def expression(self, terms: Mapping[int, int], divisor: int = 1) -> Any:
-        """Sympy sum of the terms of a sparse polynomial over a common divisor."""
+        """Sympy sum of the terms of a sparse polynomial, given as integers by packed monomial, over a divisor."""
         return sympy.Add(*self._terms(terms, divisor))
 
     def _terms(self, terms: Mapping[int, int], divisor: int) -> Iterator[Any]:
@@ -143,7 +143,7 @@ def _is_whole(payload: Any) -> bool:
 
 
 def monomials(expression: Any) -> list[tuple[Fraction, dict[Any, int]]]:
-    """Number and exponent of each generator in every term of an expression multiplied out."""
+    """Coefficient, and exponents by generator, of every term of an expression multiplied out."""
     if isinstance(expression, Fraction):
         return [(expression, {})] if expression else []
     if expression.is_Symbol:
