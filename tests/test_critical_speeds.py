@@ -12,7 +12,7 @@ from test_cli import run
 import torsionnet as tn
 from torsionnet.plot import interference_diagram, star_diagrams
 from torsionnet.response.margin_rules import PRESETS, MarginClause, MarginRule, margin_rule
-from torsionnet.response.vibration_mode import amplification
+from torsionnet.response.vibrations.vibration_mode import amplification
 from torsionnet.solve.running.generalised_force import star_diagram
 from torsionnet.solve.running.speed_peaks import SAME_PEAK
 from torsionnet.solve.sensitivity import mode_sensitivities

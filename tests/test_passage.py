@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 import torsionnet as tn
 from torsionnet.core.units import RPM
 from torsionnet.plot import passage_response as drawn
-from torsionnet.response.vibration_cycles import cycles_above, half_ranges
+from torsionnet.response.vibrations.vibration_cycles import cycles_above, half_ranges
 
 J, K, C = (2.0, 3.0), 1.2e4, 6.0
 NATURAL = np.sqrt(K * (1 / J[0] + 1 / J[1]))  # 100 rad/s

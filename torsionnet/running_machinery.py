@@ -129,11 +129,10 @@ class RunningMachinery(AssembledModel):
     ) -> PassageResponse:
         """Response to all orders along a speed given over time, such as a passage of a resonance or a run-up.
 
-        The start is steady vibration at the first speed. Amplitudes of orders and parameters that follow the operating
-        point have their values at the speed of the moment, phases of orders follow from its integral; mean torques
-        are left out. Hysteretic and tabulated laws become springs and dampers that equal them at the resonance, a note
-        says at which frequency. Where there are several cases of excitation, the one with the largest steady vibration
-        of the first output acts.
+        It starts from steady vibration at the first speed. Amplitudes of orders and parameters have their values at the
+        speed of the moment; mean torques are left out. Hysteretic and tabulated laws become springs and dampers equal
+        to them at the resonance. Of several cases of excitation the one with the largest steady vibration of the first
+        output acts.
 
         Parameters
         ----------
@@ -143,10 +142,8 @@ class RunningMachinery(AssembledModel):
             s, rising.
         speeds : (n,) array
             rad/s, above 0, at these times; straight between them.
-        speed_of : str, optional
-            The node they belong to; default: that of the model.
-        excitations : iterable of str, optional
-            Which of the model's excitations act; default: all.
+        speed_of, excitations : optional
+            As for :meth:`order_response`.
 
         Returns
         -------
@@ -353,8 +350,7 @@ class RunningMachinery(AssembledModel):
         Parameters
         ----------
         referred_to : str, optional
-            Node of the shaft that referred values belong to; default: that of the model's ``speeds:``, else the first
-            station.
+            Node of the reference shaft; default: that of the model's ``speeds:``, else the first station.
 
         Raises
         ------
@@ -364,8 +360,8 @@ class RunningMachinery(AssembledModel):
         Examples
         --------
         >>> import torsionnet as tn
-        >>> found = tn.load("reciprocating_compressor_train").mass_elastic_table()
-        >>> round(found.rows[3].referred_inertia, 3), round(found.total_inertia, 2)  # flywheel: 140.45 / 2.96^2
+        >>> found = tn.load("reciprocating_compressor_train").mass_elastic_table()  # flywheel: 140.45 / 2.96^2
+        >>> round(found.rows[3].referred_inertia, 3), round(found.total_inertia, 2)
         (16.03, 43.1)
         """
         from torsionnet.solve.modes.mass_elastic_lines import mass_elastic_table

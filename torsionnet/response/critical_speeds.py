@@ -20,7 +20,7 @@ from torsionnet.response.mode_numbers import COUNTING_NOTE
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.star_diagram import StarDiagram
 from torsionnet.response.table import Column, Table, result_table
-from torsionnet.response.vibration_mode import VibrationMode
+from torsionnet.response.vibrations.vibration_mode import VibrationMode
 
 NEGLIGIBLE_FORCE = 1e-9
 """Generalised force over that of one cylinder below which tables show 0: what rounding leaves of a sum of zero."""

@@ -16,7 +16,7 @@ MM_PER_M, CM3_PER_M3 = 1e3, 1e6
 
 
 @dataclass(frozen=True)
-class RoundSection:
+class StationSection:
     """Outer and inner diameter in m of a round shaft, and its polar section modulus in m^3."""
 
     outer: float
@@ -40,7 +40,7 @@ class MassElasticShaft:
         Relative damping, viscous, N m s/rad.
     loss_factor : float
         Relative damping, of a hysteretic spring; 0 without.
-    section : RoundSection, optional
+    section : StationSection, optional
     material : str
         Kind and tensile strength as a limit on the shaft gives them, else empty.
     """
@@ -50,7 +50,7 @@ class MassElasticShaft:
     stiffness: float
     damping: float = 0.0
     loss_factor: float = 0.0
-    section: RoundSection | None = None
+    section: StationSection | None = None
     material: str = ""
 
     @property
@@ -206,5 +206,5 @@ def _cells(row: MassElasticRow) -> tuple[object, ...]:
     return (*own, name, *elastic, *sizes, shaft.damping or None, shaft.loss_factor or None, shaft.material)
 
 
-def _sizes(section: RoundSection) -> tuple[float | None, ...]:
+def _sizes(section: StationSection) -> tuple[float | None, ...]:
     return (section.outer * MM_PER_M, section.inner * MM_PER_M or None, section.modulus * CM3_PER_M3)

@@ -17,7 +17,7 @@ from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.limits.speed_spans import spans_above
 from torsionnet.response.table import Column, Table
-from torsionnet.response.vibration_cycles import cycles_above, half_ranges
+from torsionnet.response.vibrations.vibration_cycles import cycles_above, half_ranges
 
 
 @dataclass(frozen=True, eq=False)

@@ -141,8 +141,10 @@ def operating_instructions(checks: Sequence[LimitCheck]) -> tuple[Instruction, .
     for misfiring in (False, True):
         those = [one for one in checks if one.misfiring == misfiring]
         for one in passed_ranges(those):
-            within = "" if one.seconds_to_pass is None else f" within {one.seconds_to_pass:g} s"
-            action, marking = f"pass without stopping{within}", "tachometer red, notice at each control station"
+            seconds, action = one.seconds_to_pass, "pass without stopping"
+            if seconds is not None:
+                action = f"pass without stopping within {seconds:g} s"
+            marking = "tachometer red, notice at each control station"
             found.append(_instruction(one.places, *one.span.rpm_outward, action, marking))
         reduced = [place for one in those for place in _reduced(one)]
         if reduced:

@@ -10,8 +10,8 @@ import numpy as np
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import TorsionnetError
 from torsionnet.model.speeds import speeds_by_reference
-from torsionnet.response.vibration_mode import VibrationMode
 from torsionnet.response.vibrations.counted_vibration import CountedVibration
+from torsionnet.response.vibrations.vibration_mode import VibrationMode
 from torsionnet.solve.modes.holzer_balance import balance_of
 from torsionnet.solve.modes.mode_descriptions import Links
 from torsionnet.solve.modes.mode_pairs import vibration_modes

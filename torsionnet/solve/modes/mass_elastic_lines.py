@@ -18,7 +18,7 @@ from torsionnet.response.mass_elastic_table import (
     MassElasticRow,
     MassElasticShaft,
     MassElasticTable,
-    RoundSection,
+    StationSection,
 )
 from torsionnet.solve.modes.holzer_balance import Coefficients, HolzerBalance, NodeLoad, balance_of
 from torsionnet.solve.modes.holzer_lines import HolzerLine, Neighbours, holzer_lines
@@ -131,14 +131,14 @@ class _Walk:
         found = replace(found, loss_factor=lossy / stiffness) if lossy else found
         return replace(found, section=self._section(loads), material=self._material(loads))
 
-    def _section(self, loads: Sequence[NodeLoad]) -> RoundSection | None:
+    def _section(self, loads: Sequence[NodeLoad]) -> StationSection | None:
         """Diameters and section modulus of the shaft that a connection is, None of others and of several."""
         element = self.drivetrain.elements[loads[0].element]
         if len(loads) > 1 or element.diameters is None:
             return None
         value = Values(self.drivetrain.exact_values)
         outer, inner = (float(value(size)) for size in element.diameters)
-        return RoundSection(outer, inner, float(section_modulus(element, value)))
+        return StationSection(outer, inner, float(section_modulus(element, value)))
 
     def _material(self, loads: Sequence[NodeLoad]) -> str:
         """Kind of steel and tensile strength that a limit on one of the elements gives, else an empty text."""

@@ -18,7 +18,7 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.core.errors import UsageError
 from torsionnet.response import Modes
 from torsionnet.response.modes import OSCILLATORY
-from torsionnet.response.vibration_mode import VibrationMode
+from torsionnet.response.vibrations.vibration_mode import VibrationMode
 from torsionnet.solve.modes.eigen import undamped_modes, unit_shapes
 from torsionnet.solve.modes.modes import modes as damped_modes
 

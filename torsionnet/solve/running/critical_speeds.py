@@ -22,7 +22,7 @@ from torsionnet.model.speeds import speeds_by_reference
 from torsionnet.response.critical_speeds import FREQUENCY_FIELDS, CriticalSpeed, CriticalSpeeds
 from torsionnet.response.margin_rules import MarginRule, margin_rule
 from torsionnet.response.order_line import OrderLine
-from torsionnet.response.vibration_mode import VibrationMode
+from torsionnet.response.vibrations.vibration_mode import VibrationMode
 from torsionnet.solve.modes.mode_pairs import vibration_modes
 from torsionnet.solve.modes.modes import modes
 from torsionnet.solve.running.generalised_force import generalised_force, star_diagram

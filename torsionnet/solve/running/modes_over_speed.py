@@ -12,7 +12,7 @@ import numpy as np
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import SolveError
 from torsionnet.core.units import RPM
-from torsionnet.response.vibration_mode import VibrationMode
+from torsionnet.response.vibrations.vibration_mode import VibrationMode
 from torsionnet.solve.modes.mode_pairs import vibration_modes
 from torsionnet.solve.modes.modes import modes
 from torsionnet.solve.responses.shared_response import shared_by_conditions

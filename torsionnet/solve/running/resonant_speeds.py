@@ -11,7 +11,7 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import SolveError
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.order_line import OrderLine
-from torsionnet.response.vibration_mode import VibrationMode
+from torsionnet.response.vibrations.vibration_mode import VibrationMode
 from torsionnet.solve.modes.modes import modes
 from torsionnet.solve.running.modes_over_speed import ModesOverSpeed
 
