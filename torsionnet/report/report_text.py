@@ -133,3 +133,14 @@ def distinct_choices(name: str, names: Sequence[str]) -> str:
     """
     shared = shared_choices(names).split(",")
     return ",".join(part for part in name.split(",") if part not in shared) or name
+
+
+def condition_words(name: str) -> str:
+    """Name of a configuration as words: its choices without the names of what is chosen.
+
+    Examples
+    --------
+    >>> condition_words("water=wet,firing=gas_off"), condition_words("misfire_2")
+    ('wet, gas off', 'misfire 2')
+    """
+    return ", ".join(as_words(part.rpartition("=")[2]) for part in name.split(","))

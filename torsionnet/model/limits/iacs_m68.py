@@ -16,6 +16,7 @@ from torsionnet.core.errors import Fault
 from torsionnet.core.units import RPM
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import NOT_EXAMINED, TOLERANCE, LimitLine, line_without_data, register_rule
+from torsionnet.model.limits.m68_factors import m68_factors
 from torsionnet.model.limits.m68_stress import (
     CAPS,
     CONSTANT_ABOVE,
@@ -24,6 +25,7 @@ from torsionnet.model.limits.m68_stress import (
     HOLE,
     NO_BARRED_ABOVE,
     NOT_COVERED,
+    PASSING_FACTOR,
     PROPELLER_CAP,
     SCF_OF_UNIT,
     SLOT_BORE,
@@ -184,7 +186,7 @@ class IacsM68(ShaftLimit):
             f"1.38; tau_T = 1.7 tau_C/sqrt(C_K) up to lambda = 0.8; C_K = {self.feature_factor:g} ({self.feature}), "
             f"C_D = {size:.5f}, sigma_B = {self.strength / 1e6:g} N/mm^2 (given {self.tensile_strength / 1e6:g})"
         )
-        return RuleText(SOURCE, formula, NOT_COVERED)
+        return RuleText(SOURCE, formula, NOT_COVERED, m68_factors(self, self.section(evidence.subject)))
 
     @property
     def tolerance(self) -> float:
@@ -210,7 +212,7 @@ class IacsM68(ShaftLimit):
         cases = self.stress_by_case(evidence)
         yield LimitLine("tau_C", quantity, "Pa", values, allowed, (), orders, cases=cases)
         below = ratio <= NO_BARRED_ABOVE * (1 + 1e-12)
-        passing = np.where(below, 1.7 * allowed / math.sqrt(self.feature_factor), np.nan)
+        passing = np.where(below, PASSING_FACTOR * allowed / math.sqrt(self.feature_factor), np.nan)
         yield LimitLine("tau_T", quantity, "Pa", values, passing, (), orders, in_passing=True)
 
     def judged(self, line: LimitLine, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
