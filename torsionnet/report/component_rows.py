@@ -34,8 +34,8 @@ CRITERIA = {
     "tau_T": "stress, quick passage",
     "tau_W": "stress against fatigue",
     "tau_F": "stress against yield",
-    "continuous": "continuous operation",
-    "in passing": "quick passage",
+    "continuous": "half range, continuous operation",
+    "in passing": "half range, quick passage",
     "T_v": "vibratory torque",
     "hammer": "vibratory against mean torque, reversal of tooth load",
     "T_KN": "mean torque, T_KN",
@@ -166,7 +166,7 @@ def _sized(
     """Rows of one criterion with its value and the value allowed, from SI units, in units of engineers."""
     if isinstance(limit, DamperLimit) and unit == "W" and limit.power_per_area is not None:
         area = not_none(limit.area)
-        row = replace(row, what=f"power loss per area, {area:g} m^2")
+        row = replace(row, what=f"power loss per area, {area:g} m²")
         value, allowed, unit = value / area, allowed / area, "W/m^2"
     scale, shown = engineering_unit(unit, conventions, max(value, allowed))
     if isinstance(limit, MachineAngleLimit):

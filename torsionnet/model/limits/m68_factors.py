@@ -71,7 +71,7 @@ def m68_factors(limit: IacsM68, section: RoundSection) -> tuple[RuleFactor, ...]
     return (
         RuleFactor("outer diameter", "d", section.outer, "m", own),
         RuleFactor("inner diameter", "d_i", section.inner, "m", own),
-        RuleFactor("polar section modulus", "W_p", section.modulus, "m^3", "pi (d^4 - d_i^4)/(16 d)"),
+        RuleFactor("polar section modulus", "W_p", section.modulus, "m^3", "π (d^4 - d_i^4)/(16 d)"),
         RuleFactor("tensile strength", "sigma_B", limit.strength, "Pa", _strength(limit)),
         RuleFactor("material factor", "C_W", material_factor(limit.strength), "Pa", "(sigma_B + 160)/18"),
         RuleFactor("size factor", "C_D", size, "1", "0.35 + 0.93 d^-0.2, d in mm"),

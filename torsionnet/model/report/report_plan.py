@@ -150,6 +150,11 @@ _ORDERS = Listed(
     Text("sensor or node"),
     form="a list such as [T_C]",
 )
+_MEASURE = Listed(
+    "sensors of the measurement plan; default: free end of the engine and the shaft used most",
+    Text("sensor or node"),
+    form="a list such as [phi_1, T_int]",
+)
 _NAMES = Listed("configurations to report; default: all", ConfigurationName(""), form="a list of names")
 
 
@@ -167,6 +172,8 @@ class ReportPlan(Declared):
     transfer_functions : tuple of Pair
     orders : tuple of str
         Outputs whose response to the model's excitations is shown over speed.
+    measure : tuple of str
+        Outputs that are to be measured on board; default: free end of the engine, and the shaft used most.
     configurations : tuple of str
     band : (float, float), optional
         Hz; frequencies of the Bode plots.
@@ -183,7 +190,7 @@ class ReportPlan(Declared):
 
     article: ClassVar[str] = "a report"
     form: ClassVar[str] = (
-        "the entries kind, title, author, sections, transfer_functions, orders, configurations, band, angle, "
+        "the entries kind, title, author, sections, transfer_functions, orders, measure, configurations, band, angle, "
         "language, simplify, notes, template, appendix"
     )
     kind: str | None = entry(_KIND, None)  # type: ignore[assignment, misc]  # here an entry, elsewhere the name of a class
@@ -193,6 +200,7 @@ class ReportPlan(Declared):
     sections: tuple[str, ...] = entry(_SECTIONS, ())
     transfer_functions: tuple[Pair, ...] = entry(_PAIRS, ())
     orders: tuple[str, ...] = entry(_ORDERS, ())
+    measure: tuple[str, ...] = entry(_MEASURE, ())
     configurations: tuple[str, ...] = entry(_NAMES, ())
     band: tuple[float, float] | None = entry(Band("frequencies of the plots"), None)
     angle: str = entry(OneOf("unit of angles", ANGLES), "rad")

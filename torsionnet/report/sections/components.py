@@ -140,7 +140,7 @@ def _origin(names: Sequence[str], factors: Sequence[RuleFactor]) -> Text:
 
 def _typeset(text: str) -> Text:
     """Formula written on a line, with its symbols as in print: ``C_W``, ``sigma_B``, ``lambda``, ``d^-0.2``."""
-    parts = re.split(r"(?<![\w])((?:[A-Za-z]+_\w+)|lambda(?:\^2)?|d(?:_i)?\^[-\d.]+|sqrt\(\w+\))", text)
+    parts = re.split(r"(?<![\w])(d(?:_i)?\^[-\d.]+|(?:[A-Za-z]+_[A-Za-z]+)|lambda(?:\^2)?|sqrt\(\w+\))", text)
     return tuple(Math(_latex(part)) if number % 2 else part for number, part in enumerate(parts) if part)
 
 
@@ -149,9 +149,9 @@ def _latex(symbol: str) -> str:
     root = re.fullmatch(r"sqrt\((\w+)\)", symbol)
     if root:
         return rf"\sqrt{{{_latex(root[1])}}}"
-    text = re.sub(r"_(\w+(?:,\w+)?)", r"_{\1}", symbol)
+    text = re.sub(r"_([A-Za-z]+)", r"_{\1}", symbol)
     text = re.sub(r"\^([-\d.]+)", r"^{\1}", text)
-    return re.sub(r"^(tau|sigma|lambda)", r"\\\1", text).replace("spec", r"\text{spec}")
+    return re.sub(r"^(tau|sigma|lambda)", r"\\\1", text)
 
 
 def _all_components(found: LimitConclusion, rows: Sequence[ComponentRow]) -> TableBlock:
@@ -185,7 +185,10 @@ def _cells(row: ComponentRow, value: NumberText, speed: NumberText, source: str)
     what = row.what + (f"; {row.remark}" if row.remark else "")
     used = "" if row.utilisation is None else NumberText(100 * row.utilisation, 3)
     numbers = (value, NumberText(row.allowed), unit(row.unit) if row.unit else "")
-    condition = ": ".join(text for text in (condition_words(row.configuration), as_words(row.case)) if text)
+    chosen, case = condition_words(row.configuration), as_words(row.case)
+    last = chosen.rpartition(", ")[2]  # misfire, of which the case says more: misfire of cylinder 4
+    lead = chosen.removesuffix(last).rstrip(", ") if last and case.startswith(last) else chosen
+    condition = ": ".join(text for text in (lead, case) if text)
     return (as_words(row.limit), _typeset(capital(what)), *numbers, used, speed, condition, source)
 
 
