@@ -17,6 +17,7 @@ from torsionnet.model.files.reader import find_model
 from torsionnet.model.report import KINDS, Pair, ReportPlan, parse_band
 from torsionnet.model.report.report_plan import section_fault
 from torsionnet.report.document_tree import Report
+from torsionnet.report.measured_orders import measured_files
 from torsionnet.report.report_data import ReportData, cases_of, digest_of, document_kind, require_answers
 from torsionnet.report.report_request import Measured, ReportRequest, read_date
 from torsionnet.report.study_model_checks import check_study_models
@@ -47,7 +48,7 @@ def write_report(model: Model, path: str | os.PathLike[str], **options: Any) -> 
         it. PDF needs an installed Chromium, Chrome or Edge.
     **options
         As for :func:`torsionnet.report.make_report`: configurations, sections, transfer_functions, band, settings,
-        title, author, notes, angle, simplify, date, tests, fits, studies, template.
+        title, author, notes, angle, simplify, date, tests, fits, studies, measured, template.
 
     Returns
     -------
@@ -109,6 +110,7 @@ def make_report(
     tests: Iterable[Any] | Mapping[str, Any] = (),
     fits: Iterable[Fit] = (),
     studies: Iterable[StudyResult] = (),
+    measured: Iterable[Any] | Mapping[str, Any] = (),
     template: str | os.PathLike[str] | None = None,
     appendix: bool | None = None,
 ) -> Report:
@@ -144,6 +146,9 @@ def make_report(
     fits : iterable of Fit
     studies : iterable of StudyResult
         Of this model, with the answers that their files ask for.
+    measured : mapping or iterable of str or path
+        Files with orders measured on board, for the measurement plan: paths, ``"CONFIGURATION=FILE"``,
+        ``"CONFIGURATION:SENSOR=FILE"``, or paths by configuration.
     template : str or path
         Folder with a letterhead, style and wording; default: that of the file, a path from there.
     appendix : bool
@@ -194,7 +199,9 @@ def make_report(
         _tests(tests),
         tuple(fits),
         shown,
+        measured_files(measured, drivetrain),
     )
+    _require_plan(request, drivetrain)
     cases = cases_of(drivetrain, plan.configurations)
     subject = ReportData(drivetrain, cases, request, file.name, digest_of(data))
     require_answers(subject)
@@ -210,6 +217,18 @@ def make_report(
     names = {case.configuration for case in cases} | {as_words(name) for name in drivetrain.definition.elements}
     reworded: Report = Rewording(read.wording, names).reworded(report)
     return replace(reworded, template=read)
+
+
+def _require_plan(request: ReportRequest, model: Drivetrain) -> None:
+    """Refuse measured orders that the report has no section for."""
+    if not request.measured:
+        return
+    names = ", ".join(one.path.name for one in request.measured)
+    if model.definition.speeds is None or not model.definition.excitations:
+        raise UsageError(f"measured orders ({names}) need the entries speeds: and excitations: of the model")
+    if not request.wants("measurement_plan"):
+        text = "the report has no section measurement_plan"
+        raise UsageError(f"measured orders ({names}): {text}; add --section measurement_plan, or leave them out")
 
 
 def _read(model: Model) -> tuple[Drivetrain, Path, bytes]:
