@@ -9,6 +9,10 @@ KILO = {"W": "kW", "W/m^2": "kW/m^2"}
 """Unit of a thousand, by SI unit, for what machinery has in thousands."""
 
 
+FACTOR_UNITS = {"m": (1e3, "mm"), "m^3": (1e6, "cm^3"), "Pa": (1e-6, "N/mm^2"), "1": (1.0, "")}
+"""Factor and unit in which rules state the factors of a shaft, by SI unit."""
+
+
 def engineering_unit(unit: str, conventions: Conventions, size: float = 1e3) -> tuple[float, str]:
     """Factor from an SI unit to the unit of engineers, without unit, and the name of that unit.
 

@@ -25,7 +25,7 @@ from torsionnet.report.document_tree import (
     TableGroup,
     Text,
 )
-from torsionnet.report.engineering_units import engineering_unit
+from torsionnet.report.engineering_units import FACTOR_UNITS, engineering_unit
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, condition_words, unit
@@ -59,8 +59,6 @@ NO_M53 = (
 """Sentence on what is not calculated for crankshafts."""
 BORE = "d_i"
 """Symbol of the inner diameter among the factors of a rule."""
-LENGTHS = {"m": (1e3, "mm"), "m^3": (1e6, "cm^3"), "Pa": (1e-6, "N/mm^2"), "1": (1.0, "")}
-"""Factor and unit in which the factors of a rule are shown, by SI unit."""
 
 
 def components_section(subject: ReportData) -> Section | None:
@@ -107,7 +105,7 @@ def _factors(subject: ReportData, shafts: Sequence[WorstLimit]) -> TableBlock:
     for alike in zip(*(one.verdict.text.factors for one in shafts), strict=True):
         if alike[0].symbol == BORE and not any(one.value for one in alike):
             continue  # all shafts are solid
-        scale, shown = LENGTHS[alike[0].unit]
+        scale, shown = FACTOR_UNITS[alike[0].unit]
         numbers = [NumberText(one.value * scale) for one in alike]
         quantity, symbol = _typeset(capital(alike[0].name)), Math(_latex(alike[0].symbol))
         rows.append((quantity, symbol, unit(shown), *numbers, _origin(names, alike)))

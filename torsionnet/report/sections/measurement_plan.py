@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from torsionnet.core.errors import UsageError
 from torsionnet.core.number_text import NumberText, aligned_numbers
-from torsionnet.model.channels import Sensor, named_sensor
-from torsionnet.model.checks.limit_checks import limit_subject
-from torsionnet.model.configurations import parse_choice
+from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.round_section import section_fault
-from torsionnet.model.free_end import free_end
-from torsionnet.model.limits.iacs_m68 import IacsM68
-from torsionnet.model.limits.shaft_limit import ShaftLimit
 from torsionnet.report.document_tree import Block, Cell, Heading, Paragraph, Section, TableBlock
 from torsionnet.report.engineering_units import engineering_unit
 from torsionnet.report.measured_orders import MeasuredFile, read_measured
+from torsionnet.report.measurement_places import (
+    MeasuringPlace,
+    files_by_case,
+    measuring_places,
+    planned_condition,
+    within_calculated,
+)
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import results_table, table
 from torsionnet.report.report_text import as_words, capital, condition_words, unit
@@ -34,8 +35,8 @@ from torsionnet.response.planned_amplitudes import (
 )
 
 INTRODUCTION = (
-    "Expected values for a measurement on board: peak amplitudes of single orders, counted per revolution of "
-    "{reference}, and half the range of the sum of all orders. Speeds are those of {reference}."
+    "Expected values for a measurement on board: peak amplitudes of single orders, and half the range of the sum of "
+    "all orders. Orders and speeds are those of {reference}."
 )
 """Paragraph before the tables of a measurement plan."""
 DAMPING_NOTE = (
@@ -45,22 +46,6 @@ DAMPING_NOTE = (
 """Note below tables that compare measured peaks."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Place:
-    """Sensor of the plan, its name in the model or written out, and how it is measured."""
-
-    name: str
-    sensor: Sensor
-
-    @property
-    def means(self) -> str:
-        if self.sensor.quantity == "torque":
-            return f"torque by strain gauges, {as_words(self.sensor.of)}"
-        if self.sensor.quantity == "angle":
-            return f"angle by torsiograph or encoder, {as_words(self.sensor.of)}"
-        return f"{self.sensor.quantity}, {as_words(self.sensor.of)}"
-
-
 def measurement_plan_section(subject: ReportData) -> Section | None:
     """Section of a report on measurements on board, with expected and measured amplitudes.
 
@@ -68,84 +53,21 @@ def measurement_plan_section(subject: ReportData) -> Section | None:
     """
     if not subject.has_excitations:
         return None
-    places = _places(subject)
-    files = _by_case(subject)
+    places = measuring_places(subject)
+    files = files_by_case(subject)
     if not places:
-        if files:
-            raise UsageError("the model names no place to measure at; name sensors in report: {measure: [...]}")
         return None
     blocks: list[Block] = []
     reference = ""
-    for case, tests in files or ((_condition(subject), ()),):
+    for case, tests in files or ((planned_condition(subject), ()),):
         reference, found = _of_condition(subject, case, places, tests)
         blocks += found
     text = INTRODUCTION.format(reference=as_words(reference))
     return Section("measurement_plan", ("Measurement plan",), (Paragraph((text,)), *blocks))
 
 
-def _places(subject: ReportData) -> tuple[_Place, ...]:
-    """Places to measure at: those named, else the free end of the engine and the shaft used most."""
-    definition = subject.model.definition
-    named = {sensor: name for name, sensor in definition.sensors.items()}
-    asked = subject.request.plan.measure
-    if asked:
-        sensors = [named_sensor(name, definition.sensors) or Sensor("angle", name) for name in asked]
-    else:
-        end, shaft = free_end(definition), _most_used_shaft(subject)
-        sensors = [Sensor("angle", end)] if end else []
-        sensors += [Sensor("torque", shaft)] if shaft else []
-    return tuple(_Place(named.get(sensor, str(sensor)), sensor) for sensor in sensors)
-
-
-def _most_used_shaft(subject: ReportData) -> str:
-    """Name of the accessible shaft used most by a limit of stress, else of the first shaft with a sensor; or empty."""
-    definition, found = subject.model.definition, subject.limit_conclusion
-    worst = [one for one in found.worst() if one.utilisation is not None] if found else []
-    limits = [definition.limits[one.verdict.limit] for one in worst]
-    shafts = [limit for limit in limits if isinstance(limit, ShaftLimit)]
-    if shafts:
-        return str(min(shafts, key=_is_in_the_stern_tube).element)
-    measured = [one.of for one in definition.sensors.values() if one.quantity == "torque"]
-    return next((name for name in measured if section_fault(definition.elements[name]) is None), "")
-
-
-def _is_in_the_stern_tube(limit: ShaftLimit) -> bool:
-    """Whether a shaft is a propeller shaft, most of which lies in the stern tube, where no strain gauge is seen."""
-    return isinstance(limit, IacsM68) and limit.shaft == "propeller"
-
-
-def _condition(subject: ReportData) -> Case:
-    """Condition in which a measurement is planned: normal firing, with the fewest changes against the model written."""
-
-    def changes(case: Case) -> tuple[bool, int]:
-        rig = case.drivetrain
-        axes = rig.definition.configurations
-        choice = parse_choice(case.configuration, axes) if case.configuration else {}
-        sizes = [axes[axis][chosen] for axis, chosen in choice.items()]
-        return limit_subject(rig.definition, rig.exact_values).misfiring, sum(bool(one.to_data()) for one in sizes)
-
-    return min(subject.judged_cases, key=changes)
-
-
-def _by_case(subject: ReportData) -> tuple[tuple[Case, tuple[MeasuredFile, ...]], ...]:
-    """Files with measured orders by the condition they were measured in, in the order they were given."""
-    found: dict[str, list[MeasuredFile]] = {}
-    for file in subject.request.measured:
-        name = file.configuration or (subject.judged_cases[0].configuration if len(subject.judged_cases) == 1 else "")
-        if not name and subject.model.configurations:
-            names = ", ".join(case.configuration for case in subject.judged_cases)
-            text = "a measurement is of one configuration"
-            raise UsageError(f"{file.path.name}: {text}; write CONFIGURATION={file.path.name}, there are {names}")
-        found.setdefault(name, []).append(file)
-    known = {case.configuration: case for case in subject.judged_cases}
-    return tuple(
-        (known.get(name) or Case(name, subject.model.configured(name) if name else subject.model), tuple(files))
-        for name, files in found.items()
-    )
-
-
 def _of_condition(
-    subject: ReportData, case: Case, places: Sequence[_Place], files: Sequence[MeasuredFile]
+    subject: ReportData, case: Case, places: Sequence[MeasuringPlace], files: Sequence[MeasuredFile]
 ) -> tuple[str, list[Block]]:
     """Reference shaft, and tables of the plan in one condition for every place that it has."""
     blocks: list[Block] = []
@@ -154,7 +76,7 @@ def _of_condition(
     tests: dict[str, tuple[MeasuredOrder, ...]] = {}
     for file in files:
         for name, orders in read_measured(file, channels, case.configuration).items():
-            tests[name] = tests.get(name, ()) + _within(file, runs, name, orders)
+            tests[name] = tests.get(name, ()) + within_calculated(file, runs, name, orders)
     reference = ""
     for place, run in runs.items():
         reference, name = run.reference, run.outputs[0].name
@@ -170,32 +92,12 @@ def _of_condition(
     return reference, blocks
 
 
-def _run(case: Case, place: _Place) -> OrderResponse | None:
+def _run(case: Case, place: MeasuringPlace) -> OrderResponse | None:
     """Response at a place over the speeds of the model; None where it is switched off in this condition."""
     try:
         return case.drivetrain.order_response(place.name, refine=True)
     except UsageError:
         return None
-
-
-def _within(
-    file: MeasuredFile, runs: Mapping[_Place, OrderResponse], name: str, orders: tuple[MeasuredOrder, ...]
-) -> tuple[MeasuredOrder, ...]:
-    """Measured orders of a place, if any was measured at orders and speeds that are calculated.
-
-    Raises
-    ------
-    UsageError
-        None was; the message names the file.
-    """
-    run = next(run for run in runs.values() if run.outputs[0].name == name)
-    try:
-        order_comparison(run, name, orders)
-    except UsageError as error:
-        low, high = float(run.rpm.min()), float(run.rpm.max())
-        text = f"the file has to have orders and speeds of {run.reference} from {low:.6g} to {high:.6g} rpm"
-        raise UsageError(f"{file.path.name}: {error}; {text}") from None
-    return orders
 
 
 def _fixed_speeds(subject: ReportData, run: OrderResponse) -> Iterator[PlannedSpeed]:
@@ -208,7 +110,7 @@ def _fixed_speeds(subject: ReportData, run: OrderResponse) -> Iterator[PlannedSp
     yield from (one for one in wanted if low * (1 - 1e-9) <= one.speed <= high * (1 + 1e-9))
 
 
-def _stress(case: Case, place: _Place) -> list[Sensor]:
+def _stress(case: Case, place: MeasuringPlace) -> list[Sensor]:
     """Sensor of the stress that the torque of a place makes, if the place is a round shaft."""
     if place.sensor.quantity != "torque" or section_fault(case.drivetrain.definition.elements[place.sensor.of]):
         return []
@@ -218,7 +120,7 @@ def _stress(case: Case, place: _Place) -> list[Sensor]:
 def _table(
     subject: ReportData,
     case: Case,
-    place: _Place,
+    place: MeasuringPlace,
     run: OrderResponse,
     speeds: Sequence[PlannedSpeed],
     measured: Sequence[MeasuredOrder],
@@ -232,6 +134,7 @@ def _table(
         Heading("Speed", "rpm", numeric=True),
         Heading("What it is", wide=True),
         Heading("Order", numeric=True),
+        Heading("Excited by"),
         Heading("Expected", unit(shown), numeric=True),
         Heading("Measured", unit(shown), numeric=True),
         Heading("Deviation", "%", numeric=True),
@@ -244,6 +147,7 @@ def _table(
         _once(aligned_numbers([row.rpm for row in rows]), first),
         _once([capital(row.reason) for row in rows], first),
         [f"{row.order:.4g}" for row in rows],
+        [as_words(row.name) for row in rows],
         list(aligned_numbers([row.amplitude * scale for row in rows])),
         list(aligned_numbers([None if one is None else one * scale for one in tests]))
         if measured
