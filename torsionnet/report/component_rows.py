@@ -48,7 +48,7 @@ CRITERIA = {
     "vibratory twist": "vibratory twist",
     "angle": "electrical angle",
 }
-"""What is compared, in words, by the criterion of a limit."""
+"""Words for what is compared, by the criterion of a limit."""
 
 
 @dataclass(frozen=True)

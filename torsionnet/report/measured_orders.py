@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from torsionnet.response.order_comparison import MeasuredOrder
 
 FORM = "CONFIGURATION=FILE, or CONFIGURATION:SENSOR=FILE"
-"""How the condition and the place of a file with measured orders are written."""
+"""Form in which the condition and the place of a file with measured orders are written."""
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
@@ -17,11 +17,8 @@ from torsionnet.model.limits.m68_stress import (
     permissible,
     size_factor,
 )
+from torsionnet.model.limits.shaft_limit import RoundSection
 from torsionnet.response.limits.rule_factors import RuleFactor
-
-if TYPE_CHECKING:
-    from torsionnet.model.limits.iacs_m68 import IacsM68
-    from torsionnet.model.limits.shaft_limit import RoundSection
 
 FEATURE_WORDS = {
     "integral_flange": "integral coupling flange",
@@ -40,12 +37,41 @@ FEATURE_WORDS = {
 """Design feature of a shaft in the words of the table of C_K, by its name in ``feature:``."""
 
 
-def m68_factors(limit: IacsM68, section: RoundSection) -> tuple[RuleFactor, ...]:
+class M68Shaft(Protocol):
+    """Protocol of a shaft that IACS M68 is for, by its entries in SI units and the strength that counts."""
+
+    @property
+    def diameter(self) -> float | None: ...
+
+    @property
+    def material(self) -> str: ...
+
+    @property
+    def tensile_strength(self) -> float: ...
+
+    @property
+    def strength(self) -> float: ...
+
+    @property
+    def shaft(self) -> str: ...
+
+    @property
+    def feature(self) -> str: ...
+
+    @property
+    def feature_factor(self) -> float: ...
+
+    @property
+    def stress_concentration(self) -> float | None: ...
+
+
+def m68_factors(limit: M68Shaft, section: RoundSection) -> tuple[RuleFactor, ...]:
     """Factors of IACS UR M68 for a shaft, in SI units: section, strength, C_W, C_D, C_K, tau_C and tau_T.
 
     Parameters
     ----------
-    limit : IacsM68
+    limit : M68Shaft
+        The limit of the shaft.
     section : RoundSection
         Where the stress is judged, m.
 
@@ -100,7 +126,7 @@ def m68_factors(limit: IacsM68, section: RoundSection) -> tuple[RuleFactor, ...]
     )
 
 
-def _strength(limit: IacsM68) -> str:
+def _strength(limit: M68Shaft) -> str:
     """Text on the steel and on its tensile strength, if the rule counts less than is specified."""
     steel = f"{limit.material.replace('_', '-')} steel, specified minimum"
     if limit.strength == limit.tensile_strength:
@@ -108,7 +134,7 @@ def _strength(limit: IacsM68) -> str:
     return f"{steel} {limit.tensile_strength / 1e6:g} N/mm^2, of which the rule counts this"
 
 
-def _feature(limit: IacsM68) -> str:
+def _feature(limit: M68Shaft) -> str:
     """Text on the design feature that C_K is for, and on how it was found where the table does not give it."""
     words = f"{limit.shaft} shaft: {FEATURE_WORDS[limit.feature]}"
     if limit.stress_concentration is None:

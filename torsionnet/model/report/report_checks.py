@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 OVER_SPEED = {"orders": "orders over speed", "measure": "measurements over speed"}
-"""What an entry of the plan shows over speed, by its name."""
+"""Name in messages of what an entry of the plan shows over speed, by the entry."""
 
 
 def check_report(plan: ReportPlan, definition: Definition, path: Path = ("report",)) -> list[Fault]:
