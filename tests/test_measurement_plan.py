@@ -163,3 +163,11 @@ def test_default_places_are_the_free_end_and_the_shaft_used_most():
         "Torque by strain gauges, int shaft",
     ]
     assert any("Barred" in str(row[1]) for row in rows(tables(report)[0]))
+
+
+@pytest.mark.slow
+def test_a_speed_reduced_by_a_misfire_is_no_barred_range():
+    report = make_report("two_stroke_ship", sections=["measurement_plan"], date=None)
+    reasons = [row[1] for row in rows(tables(report)[0]) if row[1]]
+    assert "Highest with a cylinder out" in reasons
+    assert not any("arred" in reason for reason in reasons)

@@ -23,6 +23,7 @@ from torsionnet.report.measurement_places import (
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import results_table, table
 from torsionnet.report.report_text import as_words, capital, condition_words, unit
+from torsionnet.response.limits.speed_spans import joined_spans
 from torsionnet.response.order_comparison import MeasuredOrder, order_comparison
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.planned_amplitudes import (
@@ -101,11 +102,14 @@ def _run(case: Case, place: MeasuringPlace) -> OrderResponse | None:
 
 
 def _fixed_speeds(subject: ReportData, run: OrderResponse) -> Iterator[PlannedSpeed]:
-    """Rated speed and limits of barred ranges in rad/s of the reference shaft, as far as they are calculated."""
+    """Rated speed, ends of barred ranges and the highest speed at a misfire, of the reference shaft, if calculated."""
     speeds, found = subject.model.definition.speeds, subject.limit_conclusion
     wanted = [PlannedSpeed(speeds.rated, "rated")] if speeds is not None and speeds.rated else []
-    for span in found.barred if found else ():
+    checks = found.checks if found else ()
+    for span in joined_spans([span for check in checks for span in check.passed]):
         wanted += [PlannedSpeed(span.low, "barred from"), PlannedSpeed(span.high, "barred to")]
+    highest = min((check.highest for check in checks if check.highest is not None), default=None)
+    wanted += [] if highest is None else [PlannedSpeed(highest, "highest with a cylinder out")]
     low, high = float(run.speeds.min()), float(run.speeds.max())
     yield from (one for one in wanted if low * (1 - 1e-9) <= one.speed <= high * (1 + 1e-9))
 
