@@ -451,8 +451,8 @@ def _read_given(quantity: Any) -> Quantity:
 _EXPECTED = {"inertia": "kg*m^2", "stiffness": "N*m/rad", "torque": "N*m", "damping": "N*m*s/rad",
              "compliance": "rad/(N*m)", "angle": "rad", "speed": "rad/s", "acceleration": "rad/s^2", "length": "m",
              "mass": "kg", "density": "kg/m^3", "pressure": "Pa", "shear modulus": "Pa", "frequency": "Hz", "time": "s",
-             "power": "W", "heat flux": "W/m^2", "area": "m^2", "temperature": "K", "force": "N",
-             "linear stiffness": "N/m", "velocity": "m/s", "per velocity": "s/m", "1": "1"}  # fmt: skip
+             "power": "W", "heat flux": "W/m^2", "heat transfer": "W/K", "area": "m^2", "temperature": "K",
+             "force": "N", "linear stiffness": "N/m", "velocity": "m/s", "per velocity": "s/m", "1": "1"}  # fmt: skip
 _SI_TEXT: dict[Dimension, str] = {}
 DIMENSIONS: dict[str, Dimension] = {"inertia": _dimension(1, 2)}
 DIMENSIONS |= {name: parse_unit(text).dimension for name, text in _EXPECTED.items()}

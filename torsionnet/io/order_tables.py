@@ -47,7 +47,7 @@ def read_orders(path: str | os.PathLike[str], output: Channel, configuration: st
         No such file or columns, or amplitudes in a unit of something else.
     """
     rows = _cells(Path(path))
-    if rows and all(name in rows[0] for name in _WRITTEN):
+    if _is_written(rows):
         lines = _of_this_package(Path(path).name, rows, output, configuration)
     else:
         columns, numbers = read_order_table(Path(path))
@@ -60,6 +60,15 @@ def read_orders(path: str | os.PathLike[str], output: Channel, configuration: st
         )
     groups = zip(lines.keys.tolist(), lines.speeds, lines.values, strict=True)
     return tuple(MeasuredOrder(order, speeds, np.abs(values)) for order, speeds, values in groups)
+
+
+def is_written_table(path: str | os.PathLike[str]) -> bool:
+    """Whether a file is one of ``torsionnet orders``, whose columns name the outputs."""
+    return _is_written(_cells(Path(path)))
+
+
+def _is_written(rows: Sequence[list[str]]) -> bool:
+    return bool(rows) and all(name in rows[0] for name in _WRITTEN)
 
 
 def _cells(path: Path) -> list[list[str]]:

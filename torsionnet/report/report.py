@@ -18,6 +18,7 @@ from torsionnet.model.limits.society_rules import SOCIETIES
 from torsionnet.model.report import KINDS, LANGUAGES, Pair, ReportPlan, TitleBlock, parse_band
 from torsionnet.model.report.report_plan import section_fault
 from torsionnet.report.document_tree import Report
+from torsionnet.report.measured_orders import measured_files
 from torsionnet.report.report_data import ReportData, cases_of, digest_of, document_kind, require_answers
 from torsionnet.report.report_request import Measured, ReportRequest, read_date
 from torsionnet.report.study_model_checks import check_study_models
@@ -48,7 +49,7 @@ def write_report(model: Model, path: str | os.PathLike[str], **options: Any) -> 
         beside it. PDF needs an installed Chromium, Chrome or Edge, Word the package python-docx.
     **options
         As for :func:`torsionnet.report.make_report`: configurations, sections, transfer_functions, band, settings,
-        title, author, notes, angle, simplify, date, tests, fits, studies, template, title_block.
+        title, author, notes, angle, simplify, date, tests, fits, studies, measured, template, title_block.
 
     Returns
     -------
@@ -110,6 +111,7 @@ def make_report(
     tests: Iterable[Any] | Mapping[str, Any] = (),
     fits: Iterable[Fit] = (),
     studies: Iterable[StudyResult] = (),
+    measured: Iterable[Any] | Mapping[str, Any] = (),
     template: str | os.PathLike[str] | None = None,
     appendix: bool | None = None,
     title_block: Mapping[str, Any] | TitleBlock | None = None,
@@ -147,6 +149,9 @@ def make_report(
     fits : iterable of Fit
     studies : iterable of StudyResult
         Of this model, with the answers that their files ask for.
+    measured : mapping or iterable of str or path
+        Files with orders measured on board, for the measurement plan: paths, ``"CONFIGURATION=FILE"``,
+        ``"CONFIGURATION:SENSOR=FILE"``, or paths by configuration.
     template : str or path
         Folder with a letterhead, style and wording; default: that of the file, a path from there.
     appendix : bool
@@ -203,7 +208,9 @@ def make_report(
         _tests(tests),
         tuple(fits),
         shown,
+        measured_files(measured, drivetrain),
     )
+    _require_plan(request, drivetrain)
     cases = cases_of(drivetrain, plan.configurations)
     subject = ReportData(drivetrain, cases, request, file.name, digest_of(data))
     require_answers(subject)
@@ -221,6 +228,18 @@ def make_report(
         report = replace(reworded, template=read)
     society = SOCIETIES.get(plan.rules or "")
     return replace(report, sections=in_society_words(report.sections, society)) if society else report
+
+
+def _require_plan(request: ReportRequest, model: Drivetrain) -> None:
+    """Refuse measured orders that the report has no section for."""
+    if not request.measured:
+        return
+    names = ", ".join(one.path.name for one in request.measured)
+    if model.definition.speeds is None or not model.definition.excitations:
+        raise UsageError(f"measured orders ({names}) need the entries speeds: and excitations: of the model")
+    if not request.wants("measurement_plan"):
+        text = "the report has no section measurement_plan"
+        raise UsageError(f"measured orders ({names}): {text}; add --section measurement_plan, or leave them out")
 
 
 def _read(model: Model) -> tuple[Drivetrain, Path, bytes]:

@@ -11,6 +11,7 @@ from torsionnet.model.report import SECTIONS, Pair, ReportPlan
 
 if TYPE_CHECKING:
     from torsionnet.identification import Fit
+    from torsionnet.report.measured_orders import MeasuredFile
     from torsionnet.response import FrequencyResponse
     from torsionnet.study.study_result import StudyResult
 
@@ -38,6 +39,8 @@ class ReportRequest:
     tests : tuple of Measured
     fits : tuple of Fit
     studies : tuple of StudyResult
+    measured : tuple of MeasuredFile
+        Files with orders measured on board, for the measurement plan.
     """
 
     plan: ReportPlan = field(default_factory=ReportPlan)
@@ -46,6 +49,7 @@ class ReportRequest:
     tests: tuple[Measured, ...] = ()
     fits: tuple[Fit, ...] = ()
     studies: tuple[StudyResult, ...] = ()
+    measured: tuple[MeasuredFile, ...] = ()
 
     def wants(self, section: str) -> bool:
         """Whether the report has a section of this name."""

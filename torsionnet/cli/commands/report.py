@@ -85,6 +85,12 @@ class ReportCommand(ModelCommand):
         metavar="[CONFIGURATION=]FILE",
         help="Test over model: record of signals, or a measured response. Repeatable.",
     )
+    measured: tuple[str, ...] = option(
+        "--measured",
+        metavar="[CONFIGURATION[:SENSOR]=]FILE",
+        help="Orders measured on board, beside those of the measurement plan: CSV, as speed [rpm], order, amplitude "
+        "[mrad]. Repeatable.",
+    )
     sensor: str | None = option("--output", metavar="NAME", help="Channel of the records, and sensor of the model.")
     into: str | None = option("--input", metavar="NAME", help="Channel of the records, and input or sensor.")
     preset: str | None = option(
@@ -143,6 +149,7 @@ class ReportCommand(ModelCommand):
             tests=tests,
             fits=fits,
             studies=studies,
+            measured=self.measured,
             angle=self.angle,
             language=self.language,
             simplify=self.simplify,

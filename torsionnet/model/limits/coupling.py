@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
@@ -11,10 +12,12 @@ import numpy as np
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.entries.words import OneOf
+from torsionnet.core.errors import Fault
 from torsionnet.model.channels import Sensor
 from torsionnet.model.limits.element_limit import ElementLimit, constant_over_speed
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import LimitLine, register_rule
+from torsionnet.model.limits.heat_balance import ICE_POINT, STEADY_TEMPERATURE, TemperatureValue, steady_temperature
+from torsionnet.model.limits.limit import LimitLine, line_without_data, register_rule
 from torsionnet.model.limits.speed_band import InSpeedBand
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.limits.limit_check import RuleText
@@ -37,7 +40,8 @@ class CouplingLimit(InSpeedBand, ElementLimit):
     Vibratory torque and heat hold in continuous operation, T_Kmax and twist also while a speed is passed. With
     ``frequency_factor: din_740_2`` every order is multiplied with sqrt(f/10 Hz) above 10 Hz before the orders are
     added up: for couplings whose T_KW is stated by that standard, and for no others. In a generating set
-    ``speed_band`` says at which speeds it runs.
+    ``speed_band`` says at which speeds it runs. With ``ambient_temperature`` and
+    ``largest_temperature`` the steady temperature is judged, too, by the balance of heat t = t_a + P/Lambda.
 
     Examples
     --------
@@ -46,7 +50,15 @@ class CouplingLimit(InSpeedBand, ElementLimit):
     """
 
     kind: ClassVar[str] = "coupling"
-    criteria: ClassVar[tuple[str, ...]] = ("T_KN", "T_Kmax", "T_KW", "P_KV", "twist", "vibratory_twist")
+    criteria: ClassVar[tuple[str, ...]] = (
+        "T_KN",
+        "T_Kmax",
+        "T_KW",
+        "P_KV",
+        "twist",
+        "vibratory_twist",
+        "largest_temperature",
+    )
 
     T_KN: float | None = entry(Value("nominal torque, for the mean torque", "torque", exclusive=True), None)
     T_Kmax: float | None = entry(Value("maximum torque, for mean and vibratory torque", "torque", exclusive=True), None)
@@ -64,6 +76,46 @@ class CouplingLimit(InSpeedBand, ElementLimit):
     torque_temperature_factor: float = entry(Value("S_theta, multiplies torques that act", "1", lower=1), 1)
     power_temperature_factor: float = entry(Value("multiplies P_KV", "1", exclusive=True, below=1 + 1e-9), 1)
 
+    ambient_temperature: float | None = entry(
+        TemperatureValue("of the air around it, as 45 degC", "temperature", exclusive=True), None
+    )
+    largest_temperature: float | None = entry(
+        TemperatureValue("that its rubber may have in continuous operation", "temperature", exclusive=True), None
+    )
+    heat_transfer: float | None = entry(
+        Value(
+            "heat it gives off per degree above ambient; default: P_KV at largest_temperature",
+            "heat transfer",
+            exclusive=True,
+        ),
+        None,
+    )
+
+    def contradictions(self) -> list[Fault]:
+        faults = super().contradictions()
+        ambient, largest = self.ambient_temperature, self.largest_temperature
+        if (ambient is None) != (largest is None) or (self.heat_transfer is not None and ambient is None):
+            text = "a balance of heat needs both ambient_temperature and largest_temperature, as 45 degC and 90 degC"
+            faults.append(Fault(text, on_key=True))
+        elif ambient is not None and largest is not None and largest <= ambient:
+            faults.append(Fault("largest_temperature must be above ambient_temperature", ("largest_temperature",)))
+        return faults
+
+    @property
+    def given_off(self) -> float | None:
+        """Heat in W/K that the coupling gives off per degree above ambient; None where nothing says it.
+
+        Not given, it is P_KV over the rise at which makers state it, largest less ambient temperature.
+        """
+        if self.heat_transfer is not None or self.P_KV is None or self.largest_temperature is None:
+            return self.heat_transfer
+        return self.allowed_power / (self.largest_temperature - not_none(self.ambient_temperature))
+
+    @property
+    def allowed_power(self) -> float:
+        """Power in W that the coupling may turn into heat at its temperature, NaN where it is not limited."""
+        return math.nan if self.P_KV is None else self.P_KV * self.power_temperature_factor
+
     def order_sensors(self, subject: LimitSubject) -> list[Sensor]:
         del subject
         return [self.torque, self.twisting]
@@ -74,7 +126,7 @@ class CouplingLimit(InSpeedBand, ElementLimit):
         return found + ([self.twisting] if self.twist is not None else [])
 
     def power_elements(self) -> list[str]:
-        return [self.element] if self.P_KV is not None else []
+        return [self.element] if self.P_KV is not None or self.given_off is not None else []
 
     def vibratory_sensors(self, criterion: str, subject: LimitSubject) -> tuple[list[Sensor], float] | None:
         del subject
@@ -84,7 +136,7 @@ class CouplingLimit(InSpeedBand, ElementLimit):
         del evidence
         by_din = self.frequency_factor == "din_740_2"
         vibratory = "T_v S_theta" + (", orders times sqrt(f/10 Hz) above 10 Hz (DIN 740-2:1986)," if by_din else "")
-        formula = FORMULA.format(vibratory=vibratory, theta=self.torque_temperature_factor)
+        formula = FORMULA.format(vibratory=vibratory, theta=self.torque_temperature_factor) + self._balance()
         missing = "starts, short circuits and other transients; radial and axial loads; heat of a steady slip"
         return RuleText(self.source, formula, missing)
 
@@ -103,9 +155,33 @@ class CouplingLimit(InSpeedBand, ElementLimit):
         if self.T_KW is not None:
             yield self._vibratory(evidence)
         if self.P_KV is not None:
-            allowed = constant_over_speed(self.P_KV * self.power_temperature_factor, evidence)
+            allowed = constant_over_speed(self.allowed_power, evidence)
             yield LimitLine("P_KV", "dissipated power", "W", evidence.power(self.element), allowed)
+        yield from self._heating(evidence)
         yield from self._twists(evidence)
+
+    def _heating(self, evidence: Evidence) -> Iterator[LimitLine]:
+        """Rise of the steady temperature above ambient, against the rise up to the largest temperature."""
+        if self.ambient_temperature is None or self.largest_temperature is None:
+            return
+        if self.given_off is None:
+            yield line_without_data("temperature", "nothing says what heat it gives off; give heat_transfer or P_KV")
+            return
+        rise = steady_temperature(evidence.power(self.element), self.given_off, self.ambient_temperature)
+        allowed = constant_over_speed(self.largest_temperature - self.ambient_temperature, evidence)
+        hottest = float(np.max(rise)) - ICE_POINT
+        remarks = (f"{STEADY_TEMPERATURE} at most {hottest:.3g} degC",)
+        values = rise - self.ambient_temperature
+        yield LimitLine("temperature", "rise of steady temperature", "K", values, allowed, remarks)
+
+    def _balance(self) -> str:
+        if self.given_off is None or self.ambient_temperature is None or self.largest_temperature is None:
+            return ""
+        ambient, largest = self.ambient_temperature - ICE_POINT, self.largest_temperature - ICE_POINT
+        return (
+            f"; t = t_a + P/Lambda <= {largest:g} degC in steady operation, t_a = {ambient:g} degC, "
+            f"Lambda = {self.given_off:.4g} W/K"
+        )
 
     def _vibratory(self, evidence: Evidence) -> LimitLine:
         weights = np.ones(evidence.run.frequencies.shape)

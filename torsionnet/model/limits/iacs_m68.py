@@ -17,6 +17,7 @@ from torsionnet.core.units import RPM
 from torsionnet.model.limits.class_rule_shaft import ClassRuleShaft
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import LimitLine, line_without_data, register_rule
+from torsionnet.model.limits.m68_factors import m68_factors
 from torsionnet.model.limits.m68_stress import (
     CAPS,
     CONSTANT_ABOVE,
@@ -26,6 +27,7 @@ from torsionnet.model.limits.m68_stress import (
     NO_BARRED_ABOVE,
     NOT_COVERED,
     NOT_FOR_SETS,
+    PASSING_FACTOR,
     PROPELLER_CAP,
     SCF_OF_UNIT,
     SLOT_BORE,
@@ -176,7 +178,8 @@ class IacsM68(ClassRuleShaft):
             f"C_D = {size:.5f}, sigma_B = {self.strength / 1e6:g} N/mm^2 (given {self.tensile_strength / 1e6:g})"
         )
         missing = f"{NOT_COVERED}; {self.society.remark}" if self.society.remark else NOT_COVERED
-        return RuleText(self.society.shafts, self.society.in_words(formula), missing)
+        factors = m68_factors(self, self.section(evidence.subject))
+        return RuleText(self.society.shafts, self.society.in_words(formula), missing, factors)
 
     @property
     def society(self) -> Society:
@@ -209,7 +212,7 @@ class IacsM68(ClassRuleShaft):
         cases = self.stress_by_case(evidence)
         yield LimitLine(continuous, quantity, "Pa", values, allowed, (), orders, cases=cases)
         below = ratio <= NO_BARRED_ABOVE * (1 + 1e-12)
-        passing = np.where(below, 1.7 * allowed / math.sqrt(self.feature_factor), np.nan)
+        passing = np.where(below, PASSING_FACTOR * allowed / math.sqrt(self.feature_factor), np.nan)
         yield LimitLine(in_passing, quantity, "Pa", values, passing, (), orders, in_passing=True)
 
     def remarks(self, line: LimitLine, evidence: Evidence) -> tuple[str, ...]:

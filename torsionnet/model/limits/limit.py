@@ -37,6 +37,8 @@ SHARP_PEAK_DROP = 0.1
 smaller share would remark on more peaks."""
 UNDAMPED_STEP = 1e-6
 """Relative step of speed at which a peak that is still sharp counts as a resonance without damping."""
+WORST_CASE = "worst at "
+"""Words with which the remark on the worst case of excitation begins; a colon stands before the case."""
 TOLERANCE = Value("how wrong a tachometer may be, as 2 %: ranges are wider by it", "1", below=0.2)
 """Specification of a limit's entry for the error of a tachometer."""
 PASSING_TIME = Value("longest time in which a barred range is to be passed, as 10 s", "time", exclusive=True)
@@ -314,7 +316,7 @@ def _worst_case(evidence: Evidence, line: LimitLine, sensor: Sensor) -> tuple[st
         return ()
     at = int(np.argmax(np.nan_to_num(line.utilisation, nan=-1.0)))
     case = evidence.worst_case(sensor, at)
-    return (f"worst at {evidence.run.rpm[at]:g} rpm: {case}",) if case not in ("", ALL_CASES_EQUAL) else ()
+    return (f"{WORST_CASE}{evidence.run.rpm[at]:g} rpm: {case}",) if case not in ("", ALL_CASES_EQUAL) else ()
 
 
 def _coarse(evidence: Evidence, values: FloatArray) -> tuple[str, ...]:

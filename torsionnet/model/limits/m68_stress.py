@@ -54,6 +54,19 @@ NOT_FOR_SETS = (
 """Message that IACS M68 does not judge the shafts of a generating set."""
 
 
+PASSING_FACTOR = 1.7
+"""Factor of IACS M68 from tau_C/sqrt(C_K) to tau_T."""
+
+
+def material_factor(strength: float) -> float:
+    """Material factor C_W = (sigma_B + 160 N/mm^2)/18 of IACS M68 in Pa, for a tensile strength in Pa.
+
+    >>> material_factor(560e6) / 1e6
+    40.0
+    """
+    return (strength + 160e6) / 18
+
+
 def size_factor(diameter: float) -> float:
     """Dimensionless size factor C_D of IACS M68 for an outer diameter in m.
 
@@ -72,7 +85,7 @@ def permissible(strength: float, factors: float, ratio: FloatArray) -> FloatArra
     [66.562, 36.742]
     """
     bracket = np.where(ratio < CONSTANT_ABOVE, 3 - 2 * ratio**2, 1.38)
-    found = (strength + 160e6) / 18 * factors * bracket
+    found = material_factor(strength) * factors * bracket
     return np.asarray(np.where(ratio <= HIGHEST_RATIO * (1 + 1e-12), found, np.nan))
 
 

@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from torsionnet.model.definition import Definition
 
 
+OVER_SPEED = {"orders": "orders over speed", "measure": "measurements over speed"}
+"""Name in messages of what an entry of the plan shows over speed, by the entry."""
+
+
 def check_report(plan: ReportPlan, definition: Definition, path: Path = ("report",)) -> list[Fault]:
     """Faults of a report plan for this model; sensors written out in full are left to the solver."""
     faults = [
@@ -27,7 +31,8 @@ def check_report(plan: ReportPlan, definition: Definition, path: Path = ("report
         for index, pair in enumerate(plan.transfer_functions)
         for fault in _pair(pair, definition)
     ]
-    faults += _orders(plan, definition)
+    faults += _over_speed("orders", plan.orders, definition)
+    faults += _over_speed("measure", plan.measure, definition)
     faults += _configurations(plan, definition)
     faults += _idling(plan, definition)
     return [fault.under(*path) for fault in faults]
@@ -48,16 +53,17 @@ def _pair(pair: Pair, definition: Definition) -> Iterator[Fault]:
             yield Fault(text, kind="unknown name", about=name)
 
 
-def _orders(plan: ReportPlan, definition: Definition) -> Iterator[Fault]:
-    if plan.orders and (definition.speeds is None or not definition.excitations):
-        text = "orders over speed need the entries speeds: and excitations: of the model"
-        yield Fault(text, ("orders",), on_key=True)
+def _over_speed(key: str, names: tuple[str, ...], definition: Definition) -> Iterator[Fault]:
+    """Faults of outputs that are shown over speed, or measured there, in the entry ``key`` of the plan."""
+    if names and (definition.speeds is None or not definition.excitations):
+        text = f"{OVER_SPEED[key]} need the entries speeds: and excitations: of the model"
+        yield Fault(text, (key,), on_key=True)
     nodes = {node for element in definition.elements.values() for node in element.ports.values()}
-    for index, name in enumerate(plan.orders):
+    for index, name in enumerate(names):
         if name not in definition.sensors and name not in nodes and parse_sensor(name) is None:
-            names = [*definition.sensors, *nodes]
-            text = f'no sensor or node is named "{name}"{suggestion_or(name, names, _declared(definition, "sensor"))}'
-            yield Fault(text, ("orders", index), kind="unknown name", about=name)
+            known = [*definition.sensors, *nodes]
+            text = f'no sensor or node is named "{name}"{suggestion_or(name, known, _declared(definition, "sensor"))}'
+            yield Fault(text, (key, index), kind="unknown name", about=name)
 
 
 def _declared(definition: Definition, what: str) -> str:

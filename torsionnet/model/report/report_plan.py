@@ -89,6 +89,11 @@ _PASSAGE = Listed(
     Value("from one end of a range to the other", "time", exclusive=True),
     form="a list such as [10 s, 60 s]",
 )
+_MEASURE = Listed(
+    "sensors of the measurement plan; default: free end of the engine and the shaft used most",
+    Text("sensor or node"),
+    form="a list such as [phi_1, T_int]",
+)
 _NAMES = Listed("configurations to report; default: all", ConfigurationName(""), form="a list of names")
 
 
@@ -106,6 +111,8 @@ class ReportPlan(Declared):
     transfer_functions : tuple of Pair
     orders : tuple of str
         Outputs whose response to the model's excitations is shown over speed.
+    measure : tuple of str
+        Outputs that are to be measured on board; default: free end of the engine, and the shaft used most.
     configurations : tuple of str
     band : (float, float), optional
         Hz; frequencies of the Bode plots.
@@ -140,6 +147,7 @@ class ReportPlan(Declared):
     sections: tuple[str, ...] = entry(_SECTIONS, ())
     transfer_functions: tuple[Pair, ...] = entry(_PAIRS, ())
     orders: tuple[str, ...] = entry(_ORDERS, ())
+    measure: tuple[str, ...] = entry(_MEASURE, ())
     configurations: tuple[str, ...] = entry(_NAMES, ())
     band: tuple[float, float] | None = entry(Band("frequencies of the plots"), None)
     angle: str = entry(OneOf("unit of angles", ANGLES), "rad")

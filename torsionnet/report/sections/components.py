@@ -1,12 +1,239 @@
-"""Section of a report on components."""
+"""Section of a report on components: what each bears, by which rule and why, and where it is used most."""
 
 from __future__ import annotations
 
-from torsionnet.report.document_tree import Section
+import re
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from torsionnet.core.number_text import aligned_numbers
+from torsionnet.model.channels import Sensor
+from torsionnet.model.limits.iacs_m68 import IacsM68
+from torsionnet.report.component_rows import GROUPS, ComponentRow, component_rows, throws
+from torsionnet.report.document_tree import (
+    Block,
+    Cell,
+    Heading,
+    Listing,
+    Math,
+    NumberText,
+    Paragraph,
+    Section,
+    Strong,
+    TableBlock,
+    TableGroup,
+    Text,
+)
+from torsionnet.report.engineering_units import FACTOR_UNITS, engineering_unit
 from torsionnet.report.report_data import ReportData
+from torsionnet.report.report_tables import table
+from torsionnet.report.report_text import as_words, capital, condition_words, unit
+from torsionnet.response.limits.limit_conclusion import LimitConclusion, WorstLimit
+from torsionnet.response.limits.rule_factors import RuleFactor
+
+MOST_SHAFTS = 4
+"""Largest number of shafts side by side in one table of factors, as a page has no room for more."""
+M68_TEXT: Text = (
+    "Permissible stresses by IACS UR M68 in N/mm², with the speed ratio ",
+    Math(r"\lambda = n/n_{0}"),
+    ": ",
+    Math(r"\tau_{C} = C_{W} C_{K} C_{D} (3 - 2\lambda^{2})"),
+    " in continuous operation below ",
+    Math(r"\lambda = 0.9"),
+    ", ",
+    Math(r"\tau_{C} = 1.38\, C_{W} C_{K} C_{D}"),
+    " from there to 1.05; ",
+    Math(r"\tau_{T} = 1.7\, \tau_{C}/\sqrt{C_{K}}"),
+    " in quick passage up to ",
+    Math(r"\lambda = 0.8"),
+    ", with ",
+    Math(r"C_{W} = (\sigma_{B} + 160)/18"),
+    ". The stress compared is half the range of the sum of all orders, nominal in the plain section.",
+)
+"""Paragraph with the formulas of IACS UR M68."""
+NO_M53 = (
+    "Crankshafts are compared with what their maker permits. IACS UR M53 is not covered: it needs the dimensions of "
+    "webs and fillets, which this calculation does not have."
+)
+"""Sentence on what is not calculated for crankshafts."""
+BORE = "d_i"
+"""Symbol of the inner diameter among the factors of a rule."""
 
 
 def components_section(subject: ReportData) -> Section | None:
-    """Section of a report on components; None for a model without excitations."""
-    del subject
-    return None
+    """Section of a report on components, their limits with sources and their worst condition.
+
+    None for a model without limits.
+    """
+    found = subject.limit_conclusion
+    if found is None:
+        return None
+    rows = component_rows(found, subject.model.definition, subject.conventions)
+    blocks: list[Block] = [*_m68_shafts(subject, found), _all_components(found, rows)]
+    if any(row.group == "crankshaft" for row in rows):
+        blocks += [*_throws(subject, rows), Paragraph((NO_M53,))]
+    blocks += [Paragraph(("Rules and sources:",)), Listing(tuple(_sources(found)))]
+    return Section("components", ("Shafts, crankshaft, couplings, gears, dampers",), tuple(blocks))
+
+
+def _m68_shafts(subject: ReportData, found: LimitConclusion) -> Iterator[Block]:
+    """Formulas of IACS UR M68 and tables of the factors of the shafts that it is for."""
+    limits = subject.model.definition.limits
+    shafts = [
+        one
+        for one in found.worst()
+        if isinstance(limits[one.verdict.limit], IacsM68) and one.verdict.criterion == "tau_C"
+    ]
+    shafts.sort(key=lambda one: list(limits).index(one.verdict.limit))
+    if shafts:
+        yield Paragraph(M68_TEXT)
+    for start in range(0, len(shafts), MOST_SHAFTS):
+        yield _factors(subject, shafts[start : start + MOST_SHAFTS])
+
+
+def _factors(subject: ReportData, shafts: Sequence[WorstLimit]) -> TableBlock:
+    names = [as_words(one.verdict.limit) for one in shafts]
+    columns = (
+        Heading("Quantity"),
+        Heading("Symbol"),
+        Heading("Unit"),
+        *(Heading(name, numeric=True) for name in names),
+        Heading("From", wide=True),
+    )
+    rows: list[tuple[Cell, ...]] = []
+    for alike in zip(*(one.verdict.text.factors for one in shafts), strict=True):
+        if alike[0].symbol == BORE and not any(one.value for one in alike):
+            continue  # all shafts are solid
+        scale, shown = FACTOR_UNITS[alike[0].unit]
+        numbers = [NumberText(one.value * scale) for one in alike]
+        quantity, symbol = _typeset(capital(alike[0].name)), Math(_latex(alike[0].symbol))
+        rows.append((quantity, symbol, unit(shown), *numbers, _origin(names, alike)))
+    rated = [_ratio(subject, one) for one in shafts]
+    where = "where it is used most in continuous operation"
+    rows.append(
+        ("Speed ratio where it is worst", Math(r"\lambda"), unit(""), *(NumberText(one) for one in rated), where)
+    )
+    allowed = [None if one.verdict.worst is None else float(one.verdict.allowed[one.verdict.worst]) for one in shafts]
+    sizes = [NumberText(None if one is None else one * 1e-6) for one in allowed]
+    rows.append(("Permissible there", Math(r"\tau_{C}"), unit("N/mm^2"), *sizes, "at this speed ratio"))
+    return table("Shafts by IACS UR M68: factors and where they come from", columns, rows)
+
+
+def _ratio(subject: ReportData, one: WorstLimit) -> float | None:
+    """Speed ratio at which a shaft is used most, dimensionless; None where it was not judged."""
+    definition = subject.model.definition
+    limit, speeds, at = definition.limits[one.verdict.limit], definition.speeds, one.verdict.worst
+    rated = (limit.rated if isinstance(limit, IacsM68) else None) or (speeds.rated if speeds else None)
+    return None if at is None or rated is None else float(one.check.speeds[at]) / rated
+
+
+def _origin(names: Sequence[str], factors: Sequence[RuleFactor]) -> Text:
+    """Text on where a factor comes from, by shaft where the shafts differ."""
+    origins = [one.origin for one in factors]
+    if len(set(origins)) == 1:
+        return _typeset(origins[0])
+    return _typeset("; ".join(f"{name}: {origin}" for name, origin in zip(names, origins, strict=True)))
+
+
+def _typeset(text: str) -> Text:
+    """Formula written on a line, with its symbols as in print: ``C_W``, ``sigma_B``, ``lambda``, ``d^-0.2``."""
+    parts = re.split(r"(?<![\w])(d(?:_i)?\^[-\d.]+|(?:[A-Za-z]+_[A-Za-z]+)|lambda(?:\^2)?|sqrt\(\w+\))", text)
+    return tuple(Math(_latex(part)) if number % 2 else part for number, part in enumerate(parts) if part)
+
+
+def _latex(symbol: str) -> str:
+    """LaTeX of a symbol of a rule: ``tau_C(0.8)``, ``C_K``, ``sqrt(C_K)``."""
+    root = re.fullmatch(r"sqrt\((\w+)\)", symbol)
+    if root:
+        return rf"\sqrt{{{_latex(root[1])}}}"
+    text = re.sub(r"_([A-Za-z]+)", r"_{\1}", symbol)
+    text = re.sub(r"\^([-\d.]+)", r"^{\1}", text)
+    return re.sub(r"^(tau|sigma|lambda)", r"\\\1", text)
+
+
+def _all_components(found: LimitConclusion, rows: Sequence[ComponentRow]) -> TableBlock:
+    """Table of all components, a group for each kind, with value, allowed value and worst condition."""
+    sources = {name: number for number, names in enumerate(_numbered(found).values(), 1) for name in names}
+    columns = (
+        Heading("Component"),
+        Heading("What is compared", wide=True),
+        Heading("Value", numeric=True),
+        Heading("Allowed", numeric=True),
+        Heading("Unit"),
+        Heading("Used", "%", numeric=True),
+        Heading("Speed", "rpm", numeric=True),
+        Heading("Worst condition"),
+        Heading("Source"),
+    )
+    groups = []
+    for group in GROUPS:
+        those = [row for row in rows if row.group == group]
+        values = [NumberText(row.value) for row in those]
+        speeds = aligned_numbers([row.rpm for row in those], 3)
+        cells = zip(those, values, speeds, strict=True)
+        if those:
+            shown = [_cells(row, value, speed, f"[{sources[row.limit]}]") for row, value, speed in cells]
+            groups.append(TableGroup(tuple(shown), capital(group)))
+    caption = "Components: value against what is permitted, in the worst condition"
+    return TableBlock((caption,), columns, tuple(groups))
+
+
+def _cells(row: ComponentRow, value: NumberText, speed: NumberText, source: str) -> tuple[Cell, ...]:
+    what = row.what + (f"; {row.remark}" if row.remark else "")
+    used = "" if row.utilisation is None else NumberText(100 * row.utilisation, 3)
+    numbers = (value, NumberText(row.allowed), unit(row.unit) if row.unit else "")
+    chosen, case = condition_words(row.configuration), as_words(row.case)
+    last = chosen.rpartition(", ")[2]  # misfire, of which the case says more: misfire of cylinder 4
+    lead = chosen.removesuffix(last).rstrip(", ") if last and case.startswith(last) else chosen
+    condition = ": ".join(text for text in (lead, case) if text)
+    return (as_words(row.limit), _typeset(capital(what)), *numbers, used, speed, condition, source)
+
+
+def _throws(subject: ReportData, rows: Sequence[ComponentRow]) -> Iterator[Block]:
+    """Table of the largest vibratory torque in every throw, in the condition in which the crankshaft is used most."""
+    worst = max((row for row in rows if row.group == "crankshaft"), key=lambda row: row.utilisation or 0.0)
+    case = next(one for one in subject.judged_cases if one.configuration == worst.configuration)
+    elements = throws(case.drivetrain.definition)
+    if not elements:
+        return
+    run = case.drivetrain.order_response([Sensor("torque", name) for name in elements], refine=True)
+    places = run.half_range.argmax(axis=0)
+    sizes = run.half_range.max(axis=0)
+    scale, shown = engineering_unit("N*m", subject.conventions, float(sizes.max()))
+    columns = (
+        Heading("Throw"),
+        Heading("Between"),
+        Heading("Largest half range", unit(shown), numeric=True),
+        Heading("Speed", "rpm", numeric=True),
+    )
+    between = [
+        " – ".join(as_words(node) for node in case.drivetrain.definition.elements[name].ports.values())
+        for name in elements
+    ]
+    cells: list[list[Cell]] = [
+        [as_words(name) for name in elements],
+        [*between],
+        list(aligned_numbers([float(size) * scale for size in sizes])),
+        list(aligned_numbers([float(run.rpm[at]) for at in places], 3)),
+    ]
+    where = f" in condition {condition_words(case.configuration)}" if case.configuration else ""
+    most = as_words(elements[int(np.argmax(sizes))])
+    notes = [f"The largest is in {most}; the maker's limit is for {as_words(worst.of)}."]
+    yield table(f"Vibratory torque by throw{where}", columns, list(zip(*cells, strict=True)), notes)
+
+
+def _numbered(found: LimitConclusion) -> dict[tuple[str, str], list[str]]:
+    """Names of the limits by the source and, but for IACS UR M68, the formula of their rule."""
+    numbered: dict[tuple[str, str], list[str]] = {}
+    for check in found.checks:
+        for text, names in check.texts().items():
+            known = numbered.setdefault((text.source, "" if text.factors else text.formula), [])
+            known += [name for name in names if name not in known]
+    return numbered
+
+
+def _sources(found: LimitConclusion) -> Iterator[Text]:
+    for number, ((source, formula), names) in enumerate(_numbered(found).items(), 1):
+        rule = f". {formula}" if formula else ""
+        yield (Strong(f"[{number}] {', '.join(map(as_words, names))}"), f": {source}{rule}.")

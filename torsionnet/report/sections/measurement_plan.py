@@ -1,12 +1,183 @@
-"""Section of a report on measurement plan."""
+"""Section of a report on measurements on board: where, expected amplitudes, and measured ones beside them."""
 
 from __future__ import annotations
 
-from torsionnet.report.document_tree import Section
-from torsionnet.report.report_data import ReportData
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from torsionnet.core.errors import UsageError
+from torsionnet.core.number_text import NumberText, aligned_numbers
+from torsionnet.model.channels import Sensor
+from torsionnet.model.element_base.round_section import section_fault
+from torsionnet.report.document_tree import Block, Cell, Heading, Paragraph, Section, TableBlock
+from torsionnet.report.engineering_units import engineering_unit
+from torsionnet.report.measured_orders import MeasuredFile, read_measured
+from torsionnet.report.measurement_places import (
+    MeasuringPlace,
+    files_by_case,
+    measuring_places,
+    planned_condition,
+    within_calculated,
+)
+from torsionnet.report.report_data import Case, ReportData
+from torsionnet.report.report_tables import results_table, table
+from torsionnet.report.report_text import as_words, capital, condition_words, unit
+from torsionnet.response.limits.speed_spans import joined_spans
+from torsionnet.response.order_comparison import MeasuredOrder, order_comparison
+from torsionnet.response.order_response import OrderResponse
+from torsionnet.response.planned_amplitudes import (
+    PlannedAmplitude,
+    PlannedSpeed,
+    critical_peaks,
+    measured_at,
+    merged_speeds,
+    planned_amplitudes,
+)
+
+INTRODUCTION = (
+    "Expected values for a measurement on board: peak amplitudes of single orders, and half the range of the sum of "
+    "all orders. Orders and speeds are those of {reference}."
+)
+"""Paragraph before the tables of a measurement plan."""
+DAMPING_NOTE = (
+    "Peaks are compared at their own speeds: a natural frequency that is a little off shifts the peak, and the "
+    "amplitude at a fixed speed changes much more than the peak itself."
+)
+"""Note below tables that compare measured peaks."""
 
 
 def measurement_plan_section(subject: ReportData) -> Section | None:
-    """Section of a report on measurement plan; None for a model without excitations."""
-    del subject
-    return None
+    """Section of a report on measurements on board, with expected and measured amplitudes.
+
+    None for a model without excitations, or without a place to measure at.
+    """
+    if not subject.has_excitations:
+        return None
+    places = measuring_places(subject)
+    files = files_by_case(subject)
+    if not places:
+        return None
+    blocks: list[Block] = []
+    reference = ""
+    for case, tests in files or ((planned_condition(subject), ()),):
+        reference, found = _of_condition(subject, case, places, tests)
+        blocks += found
+    text = INTRODUCTION.format(reference=as_words(reference))
+    return Section("measurement_plan", ("Measurement plan",), (Paragraph((text,)), *blocks))
+
+
+def _of_condition(
+    subject: ReportData, case: Case, places: Sequence[MeasuringPlace], files: Sequence[MeasuredFile]
+) -> tuple[str, list[Block]]:
+    """Reference shaft, and tables of the plan in one condition for every place that it has."""
+    blocks: list[Block] = []
+    runs = {place: run for place in places if (run := _run(case, place)) is not None}
+    channels = [run.outputs[0] for run in runs.values()]
+    tests: dict[str, tuple[MeasuredOrder, ...]] = {}
+    for file in files:
+        for name, orders in read_measured(file, channels, case.configuration).items():
+            tests[name] = tests.get(name, ()) + within_calculated(file, runs, name, orders)
+    reference = ""
+    for place, run in runs.items():
+        reference, name = run.reference, run.outputs[0].name
+        speeds = merged_speeds([*critical_peaks(run), *_fixed_speeds(subject, run)])
+        at = case.drivetrain.order_response(
+            [place.name, *map(str, _stress(case, place))], speeds=[one.speed for one in speeds], speed_of=run.reference
+        )
+        blocks.append(_table(subject, case, place, at, speeds, tests.get(name, ())))
+        if name in tests:
+            compared = order_comparison(run, name, tests[name], subject.conventions)
+            caption = f"Measured and calculated peaks: {place.means}{_where(case)}"
+            blocks += [results_table(compared, caption, notes=False), Paragraph((DAMPING_NOTE,))]
+    return reference, blocks
+
+
+def _run(case: Case, place: MeasuringPlace) -> OrderResponse | None:
+    """Response at a place over the speeds of the model; None where it is switched off in this condition."""
+    try:
+        return case.drivetrain.order_response(place.name, refine=True)
+    except UsageError:
+        return None
+
+
+def _fixed_speeds(subject: ReportData, run: OrderResponse) -> Iterator[PlannedSpeed]:
+    """Rated speed, ends of barred ranges and the highest speed at a misfire, of the reference shaft, if calculated."""
+    speeds, found = subject.model.definition.speeds, subject.limit_conclusion
+    wanted = [PlannedSpeed(speeds.rated, "rated")] if speeds is not None and speeds.rated else []
+    checks = found.checks if found else ()
+    for span in joined_spans([span for check in checks for span in check.passed]):
+        wanted += [PlannedSpeed(span.low, "barred from"), PlannedSpeed(span.high, "barred to")]
+    highest = min((check.highest for check in checks if check.highest is not None), default=None)
+    wanted += [] if highest is None else [PlannedSpeed(highest, "highest with a cylinder out")]
+    low, high = float(run.speeds.min()), float(run.speeds.max())
+    yield from (one for one in wanted if low * (1 - 1e-9) <= one.speed <= high * (1 + 1e-9))
+
+
+def _stress(case: Case, place: MeasuringPlace) -> list[Sensor]:
+    """Sensor of the stress that the torque of a place makes, if the place is a round shaft."""
+    if place.sensor.quantity != "torque" or section_fault(case.drivetrain.definition.elements[place.sensor.of]):
+        return []
+    return [Sensor("stress", place.sensor.of)]
+
+
+def _table(
+    subject: ReportData,
+    case: Case,
+    place: MeasuringPlace,
+    run: OrderResponse,
+    speeds: Sequence[PlannedSpeed],
+    measured: Sequence[MeasuredOrder],
+) -> TableBlock:
+    """Table of one place: speed, order, expected amplitude, half range, and what was measured."""
+    rows = planned_amplitudes(run, speeds, run.outputs[0].name)
+    largest = float(run.half_range[:, 0].max())
+    scale, shown = engineering_unit(run.outputs[0].unit, subject.conventions, largest)
+    tests = [measured_at(row, measured) for row in rows]
+    columns = [
+        Heading("Speed", "rpm", numeric=True),
+        Heading("What it is", wide=True),
+        Heading("Order", numeric=True),
+        Heading("Excited by"),
+        Heading("Expected", unit(shown), numeric=True),
+        Heading("Measured", unit(shown), numeric=True),
+        Heading("Deviation", "%", numeric=True),
+        Heading("Half range", unit(shown), numeric=True),
+        Heading("Half range", unit("N/mm^2"), numeric=True),
+    ]
+    first = [number == 0 or rows[number - 1].speed != row.speed for number, row in enumerate(rows)]
+    stress = _stress_at(run, rows) if len(run.outputs) > 1 else [None] * len(rows)
+    cells: list[list[Cell]] = [
+        _once(aligned_numbers([row.rpm for row in rows]), first),
+        _once([capital(row.reason) for row in rows], first),
+        [f"{row.order:.4g}" for row in rows],
+        [as_words(row.name) for row in rows],
+        list(aligned_numbers([row.amplitude * scale for row in rows])),
+        list(aligned_numbers([None if one is None else one * scale for one in tests]))
+        if measured
+        else [""] * len(rows),
+        [_deviation(row, one) for row, one in zip(rows, tests, strict=True)] if measured else [""] * len(rows),
+        _once(aligned_numbers([row.half_range * scale for row in rows]), first),
+        _once(aligned_numbers(stress), first) if len(run.outputs) > 1 else [""] * len(rows),
+    ]
+    return table(f"{capital(place.means)}{_where(case)}", columns, list(zip(*cells, strict=True)))
+
+
+def _stress_at(run: OrderResponse, rows: Sequence[PlannedAmplitude]) -> list[float | None]:
+    """Half range of the stress in N/mm2 at the speed of every row."""
+    return [float(run.half_range[int(np.argmin(abs(run.speeds - row.speed))), 1]) * 1e-6 for row in rows]
+
+
+def _once(cells: Sequence[Cell], first: Sequence[bool]) -> list[Cell]:
+    """Cells of a column that stand in the first row of each speed only."""
+    return [cell if shown else "" for cell, shown in zip(cells, first, strict=True)]
+
+
+def _deviation(planned: PlannedAmplitude, measured: float | None) -> Cell:
+    """Measured less expected amplitude over the expected one in per cent; a dash where none was measured."""
+    known = None if measured is None else 100 * (measured / planned.amplitude - 1)
+    return NumberText(known, 3, None if known is None else 1)
+
+
+def _where(case: Case) -> str:
+    return f"; condition {condition_words(case.configuration)}" if case.configuration else ""

@@ -17,6 +17,7 @@ from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.equal_remarks import grouped_remarks
 from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.limits.rule_factors import RuleFactor
 from torsionnet.response.limits.speed_spans import (
     SpeedSpan,
     joined_spans,
@@ -82,11 +83,12 @@ def utilisation_of(values: FloatArray, allowed: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True)
 class RuleText:
-    """Text on the rule of a limit, with its source, its formula, and what it does not cover."""
+    """Text on the rule of a limit, with its source, its formula, what it does not cover, and its factors."""
 
     source: str
     formula: str
     not_covered: str
+    factors: tuple[RuleFactor, ...] = ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -1,0 +1,177 @@
+"""Rows of a report on components: each criterion of each limit where its value is nearest to what is allowed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from torsionnet.core.entries.spec import not_none
+from torsionnet.model.channels import named_sensor
+from torsionnet.model.definition import Definition
+from torsionnet.model.excitations.engine_entries import EngineEntries
+from torsionnet.model.limits import Limit
+from torsionnet.model.limits.curve import CurveLimit
+from torsionnet.model.limits.heat_balance import STEADY_TEMPERATURE
+from torsionnet.model.limits.limit import WORST_CASE
+from torsionnet.model.limits.machine_angle import MachineAngleLimit
+from torsionnet.model.limits.torsional_damper import DamperLimit
+from torsionnet.report.engineering_units import engineering_unit
+from torsionnet.response import Conventions
+from torsionnet.response.limits.limit_conclusion import LimitConclusion, WorstLimit
+
+GROUPS = {
+    "shafts": ("iacs_m68", "fatigue"),
+    "crankshaft": (),
+    "couplings": ("coupling",),
+    "gears": ("gear",),
+    "dampers": ("damper",),
+    "generators": ("machine_angle",),
+    "other components": ("curve",),
+}
+"""Rules of limits, by the kind of component that they are for, in the order of the report."""
+CRITERIA = {
+    "tau_C": "stress, continuous operation",
+    "tau_T": "stress, quick passage",
+    "tau_W": "stress against fatigue",
+    "tau_F": "stress against yield",
+    "continuous": "half range, continuous operation",
+    "in passing": "half range, quick passage",
+    "T_v": "vibratory torque",
+    "hammer": "vibratory against mean torque, reversal of tooth load",
+    "T_KN": "mean torque, T_KN",
+    "T_KW": "vibratory torque, T_KW",
+    "T_Kmax": "mean and vibratory torque, T_Kmax",
+    "P_KV": "power loss, P_KV",
+    "P": "power loss",
+    "temperature": "temperature above ambient",
+    "twist": "mean and vibratory twist",
+    "vibratory twist": "vibratory twist",
+    "angle": "electrical angle",
+}
+"""Words for what is compared, by the criterion of a limit."""
+
+
+@dataclass(frozen=True)
+class ComponentRow:
+    """Value of a component against what it may be, in units of engineers, at the worst speed and condition.
+
+    Attributes
+    ----------
+    group : str
+        Kind of component.
+    limit, of : str
+        Name of the limit, and of the element, node or output that it is about.
+    what : str
+        What is compared.
+    criterion : str
+        Symbol of the value allowed.
+    value, allowed : float or None
+        None where it was not judged.
+    unit : str
+    utilisation : float or None
+    rpm : float or None
+        Speed of the reference shaft.
+    configuration, case : str
+        The worst condition, and the worst case in it, such as the cylinder that misfires.
+    verdict : str
+    remark : str
+        Why it was not judged.
+    """
+
+    group: str
+    limit: str
+    of: str
+    what: str
+    criterion: str
+    value: float | None
+    allowed: float | None
+    unit: str
+    utilisation: float | None
+    rpm: float | None
+    configuration: str
+    case: str
+    verdict: str
+    remark: str = ""
+
+
+def component_rows(found: LimitConclusion, model: Definition, conventions: Conventions) -> tuple[ComponentRow, ...]:
+    """Rows of the criteria of all limits of a model, each at its worst, in the order of ``GROUPS``.
+
+    Heat of dampers is given per cooling area where its limit is, the angle of generators also in mechanical degrees.
+    """
+    order = {name: place for place, name in enumerate(model.limits)}
+    worst = sorted(found.worst(), key=lambda one: order[one.verdict.limit])
+    rows = [row for one in worst for row in _rows(one, model, conventions)]
+    return tuple(sorted(rows, key=lambda row: list(GROUPS).index(row.group)))
+
+
+def throws(model: Definition) -> tuple[str, ...]:
+    """Names of the elements between two cylinders of an engine or compressor that are switched on, in their order.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> throws(tn.load("two_stroke_ship").definition)
+    ('crank1', 'crank2', 'crank3', 'crank4', 'crank5')
+    """
+    cylinders = _cylinders(model)
+    return tuple(
+        one.name
+        for one in model.active
+        if len(set(one.ports.values())) == 2 and all(node in cylinders for node in one.ports.values())
+    )
+
+
+def _cylinders(model: Definition) -> set[str]:
+    """Names of the nodes on which cylinders act."""
+    engines = (one for one in model.excitations.values() if isinstance(one, EngineEntries))
+    return {node for engine in engines for node in engine.cylinders.values()}
+
+
+def group_of(limit: Limit, model: Definition) -> str:
+    """Kind of component that a limit is about, a key of ``GROUPS``."""
+    if isinstance(limit, CurveLimit):
+        sensor = named_sensor(limit.output, model.sensors)
+        if sensor and sensor.is_on_element and _cylinders(model).intersection(model.elements[sensor.of].ports.values()):
+            return "crankshaft"
+    return next((name for name, rules in GROUPS.items() if limit.kind in rules), "other components")
+
+
+def _rows(worst: WorstLimit, model: Definition, conventions: Conventions) -> Iterator[ComponentRow]:
+    check, one = worst.check, worst.verdict
+    limit = model.limits[one.limit].fitted(model.elements)
+    what = CRITERIA.get(one.criterion, f"{one.quantity}, {one.criterion}")
+    row = ComponentRow(
+        group_of(limit, model), one.limit, one.of, what, one.criterion, None, None, "", None, None,
+        check.configuration, "", worst.gravest,
+    )  # fmt: skip
+    at = one.worst
+    if at is None:
+        yield replace(row, remark="; ".join(one.remarks))
+        return
+    case = next((text.partition(": ")[2] for text in one.remarks if text.startswith(WORST_CASE)), "")
+    row = replace(
+        row,
+        utilisation=worst.utilisation,
+        rpm=worst.rpm,
+        case=case,
+        remark="; ".join(text for text in one.remarks if text.startswith(STEADY_TEMPERATURE)),
+    )
+    yield from _sized(row, limit, float(one.values[at]), float(one.allowed[at]), one.unit, conventions)
+
+
+def _sized(
+    row: ComponentRow, limit: Limit, value: float, allowed: float, unit: str, conventions: Conventions
+) -> Iterator[ComponentRow]:
+    """Rows of one criterion with its value and the value allowed, from SI units, in units of engineers."""
+    if isinstance(limit, DamperLimit) and unit == "W" and limit.power_per_area is not None:
+        area = not_none(limit.area)
+        row = replace(row, what=f"power loss per area, {area:g} m²")
+        value, allowed, unit = value / area, allowed / area, "W/m^2"
+    scale, shown = engineering_unit(unit, conventions, max(value, allowed))
+    if isinstance(limit, MachineAngleLimit):
+        scale, shown = Conventions(angle="deg").scale(unit), "deg"
+        yield replace(row, value=value * scale, allowed=allowed * scale, unit=shown)
+        scale /= limit.pole_pairs
+        row = replace(row, what="the same angle, mechanical")
+    yield replace(row, value=value * scale, allowed=allowed * scale, unit=shown)

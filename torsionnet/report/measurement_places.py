@@ -1,0 +1,119 @@
+"""Places, condition and measured files of the measurement plan of a report."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from torsionnet.core.errors import UsageError
+from torsionnet.model.channels import Sensor, named_sensor
+from torsionnet.model.checks.limit_checks import limit_subject
+from torsionnet.model.configurations import parse_choice
+from torsionnet.model.element_base.round_section import section_fault
+from torsionnet.model.free_end import free_end
+from torsionnet.model.limits.iacs_m68 import IacsM68
+from torsionnet.model.limits.shaft_limit import ShaftLimit
+from torsionnet.report.measured_orders import MeasuredFile
+from torsionnet.report.report_data import Case, ReportData
+from torsionnet.report.report_text import as_words
+from torsionnet.response.order_comparison import MeasuredOrder, order_comparison
+from torsionnet.response.order_response import OrderResponse
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuringPlace:
+    """Sensor of the plan, its name in the model or written out, and how it is measured."""
+
+    name: str
+    sensor: Sensor
+
+    @property
+    def means(self) -> str:
+        if self.sensor.quantity == "torque":
+            return f"torque by strain gauges, {as_words(self.sensor.of)}"
+        if self.sensor.quantity == "angle":
+            return f"angle by torsiograph or encoder, {as_words(self.sensor.of)}"
+        return f"{self.sensor.quantity}, {as_words(self.sensor.of)}"
+
+
+def measuring_places(subject: ReportData) -> tuple[MeasuringPlace, ...]:
+    """Places to measure at: those named, else the free end of the engine and the shaft used most."""
+    definition = subject.model.definition
+    named = {sensor: name for name, sensor in definition.sensors.items()}
+    asked = subject.request.plan.measure
+    if asked:
+        sensors = [named_sensor(name, definition.sensors) or Sensor("angle", name) for name in asked]
+    else:
+        end, shaft = free_end(definition), _most_used_shaft(subject)
+        sensors = [Sensor("angle", end)] if end else []
+        sensors += [Sensor("torque", shaft)] if shaft else []
+    if subject.request.measured and not sensors:
+        raise UsageError("the model names no place to measure at; name sensors in report: {measure: [...]}")
+    return tuple(MeasuringPlace(named.get(sensor, str(sensor)), sensor) for sensor in sensors)
+
+
+def _most_used_shaft(subject: ReportData) -> str:
+    """Name of the accessible shaft used most by a limit of stress, else of the first shaft with a sensor; or empty."""
+    definition, found = subject.model.definition, subject.limit_conclusion
+    worst = [one for one in found.worst() if one.utilisation is not None] if found else []
+    limits = [definition.limits[one.verdict.limit] for one in worst]
+    shafts = [limit for limit in limits if isinstance(limit, ShaftLimit)]
+    if shafts:
+        return str(min(shafts, key=_is_in_the_stern_tube).element)
+    measured = [one.of for one in definition.sensors.values() if one.quantity == "torque"]
+    return next((name for name in measured if section_fault(definition.elements[name]) is None), "")
+
+
+def _is_in_the_stern_tube(limit: ShaftLimit) -> bool:
+    """Whether a shaft is a propeller shaft, most of which lies in the stern tube, where no strain gauge is seen."""
+    return isinstance(limit, IacsM68) and limit.shaft == "propeller"
+
+
+def planned_condition(subject: ReportData) -> Case:
+    """Condition in which a measurement is planned: normal firing, with the fewest changes against the model written."""
+
+    def changes(case: Case) -> tuple[bool, int]:
+        rig = case.drivetrain
+        axes = rig.definition.configurations
+        choice = parse_choice(case.configuration, axes) if case.configuration else {}
+        sizes = [axes[axis][chosen] for axis, chosen in choice.items()]
+        return limit_subject(rig.definition, rig.exact_values).misfiring, sum(bool(one.to_data()) for one in sizes)
+
+    return min(subject.judged_cases, key=changes)
+
+
+def files_by_case(subject: ReportData) -> tuple[tuple[Case, tuple[MeasuredFile, ...]], ...]:
+    """Files with measured orders by the condition they were measured in, in the order they were given."""
+    found: dict[str, list[MeasuredFile]] = {}
+    for file in subject.request.measured:
+        name = file.configuration or (subject.judged_cases[0].configuration if len(subject.judged_cases) == 1 else "")
+        if not name and subject.model.configurations:
+            names = ", ".join(case.configuration for case in subject.judged_cases)
+            text = "a measurement is of one configuration"
+            raise UsageError(f"{file.path.name}: {text}; write CONFIGURATION={file.path.name}, there are {names}")
+        found.setdefault(name, []).append(file)
+    known = {case.configuration: case for case in subject.judged_cases}
+    return tuple(
+        (known.get(name) or Case(name, subject.model.configured(name) if name else subject.model), tuple(files))
+        for name, files in found.items()
+    )
+
+
+def within_calculated(
+    file: MeasuredFile, runs: Mapping[MeasuringPlace, OrderResponse], name: str, orders: tuple[MeasuredOrder, ...]
+) -> tuple[MeasuredOrder, ...]:
+    """Measured orders of a place, if any was measured at orders and speeds that are calculated.
+
+    Raises
+    ------
+    UsageError
+        None was; the message names the file.
+    """
+    run = next(run for run in runs.values() if run.outputs[0].name == name)
+    try:
+        order_comparison(run, name, orders)
+    except UsageError as error:
+        low, high = float(run.rpm.min()), float(run.rpm.max())
+        text = f"the file has to have orders and speeds of {run.reference} from {low:.6g} to {high:.6g} rpm"
+        raise UsageError(f"{file.path.name}: {error}; {text}") from None
+    return orders
