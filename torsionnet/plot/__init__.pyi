@@ -11,12 +11,14 @@ from torsionnet.plot.fits import fit as fit
 from torsionnet.plot.histories import time_histories as time_histories
 from torsionnet.plot.interference_diagram import interference_diagram as interference_diagram
 from torsionnet.plot.limit_check import limit_check as limit_check
+from torsionnet.plot.limit_families import limit_families as limit_families
 from torsionnet.plot.mac import mac_matrix as mac_matrix
 from torsionnet.plot.nyquist import nyquist as nyquist
 from torsionnet.plot.order_overlay import order_overlay as order_overlay
 from torsionnet.plot.order_response import half_ranges as half_ranges
 from torsionnet.plot.order_response import order_response as order_response
 from torsionnet.plot.order_response import waveform as waveform
+from torsionnet.plot.passage_response import passage_response as passage_response
 from torsionnet.plot.schematic.schematic import schematic as schematic
 from torsionnet.plot.shapes import mode_shapes as mode_shapes
 from torsionnet.plot.stabilisation import stabilisation as stabilisation
@@ -56,6 +58,7 @@ __all__ = [
     "half_ranges",
     "interference_diagram",
     "limit_check",
+    "limit_families",
     "limit_shares",
     "mac_matrix",
     "mode_shapes",
@@ -65,6 +68,7 @@ __all__ = [
     "order_response",
     "parallel_coordinates",
     "pareto_front",
+    "passage_response",
     "percentile_bands",
     "robust_optimum",
     "save",
