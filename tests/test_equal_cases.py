@@ -82,7 +82,7 @@ def test_equal_torques_are_those_of_the_first_node_and_phases_have_a_unit():
 
 def test_axes_of_large_torques_are_in_kilonewton_metres(plant):
     panel = limit_check(plant.check_limits(), "rubber").axes[0]
-    assert panel.get_ylabel() == "[kN·m]"
+    assert panel.get_ylabel() == "mean torque [kN·m]"
     assert panel.lines[-1].get_ydata().max() == pytest.approx(20)
     run = plant.order_response("torque(rubber)")
     axes = order_response(run).axes[0]

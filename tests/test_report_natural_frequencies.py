@@ -137,11 +137,11 @@ class TestSection:
 
     @pytest.mark.parametrize(("count", "tables"), [(0, 0), (1, 1), (3, 3)])
     def test_number_of_holzer_tables_is_chosen(self, count, tables):
-        text = tn.load("bulk_carrier").to_yaml() + f"report: {{holzer: {count}}}\n"
+        text = tn.load("bulk_carrier").to_yaml().replace("report: {", f"report: {{holzer: {count}, ")
         assert sum("Holzer" in one for one in captions(section(tn.loads(text)))) == tables
 
     def test_faulty_number_is_refused_in_its_place(self):
-        text = tn.load("bulk_carrier").to_yaml() + "report: {holzer: many}\n"
+        text = tn.load("bulk_carrier").to_yaml().replace("report: {", "report: {holzer: many, ")
         with pytest.raises(tn.ModelError, match="holzer"):
             tn.loads(text)
 

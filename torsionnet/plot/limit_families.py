@@ -18,6 +18,7 @@ from torsionnet.plot.drawing.torque_units import axis_label, axis_unit, speed_la
 from torsionnet.plot.limit_check import quantity_label
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
+from torsionnet.response.equal_remarks import condition_words
 from torsionnet.response.limits.limit_check import LimitCheck, LimitVerdict
 from torsionnet.response.limits.order_peaks import vibratory_verdicts
 
@@ -131,7 +132,7 @@ def _draw(panel: Axes, family: LimitFamily, conventions: Conventions) -> None:
     for number, (other, some) in enumerate(others):
         label = f"{len(others)} other condition{'s' * (len(others) > 1)}" if not number else None
         panel.plot(other.rpm, some[0].values * scale, color="#b3b3b3", linewidth=0.8, label=label, zorder=1.8)
-    name = check.configuration or "all orders together"
+    name = condition_words(check.configuration) or "all orders together"
     panel.plot(check.rpm, first.values * scale, color=style.INK, linewidth=1.8, label=name, zorder=2.5)
     for one in verdicts:
         _limit_line(panel, check, one, scale, top)

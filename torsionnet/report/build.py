@@ -143,7 +143,7 @@ def _facts(subject: ReportData, version: str) -> Iterator[tuple[str, Text]]:
     if model.source:
         yield "Source of data", (model.source.strip(),)
     names = [case.configuration for case in subject.cases if case.configuration]
-    if names:
+    if names and not request.is_of_kind("conditions"):
         yield "Configurations", (first_names(names, len(names)) + _others(subject),)
     if request.settings:
         yield "Changed", ("; ".join(f"{name} = {value}" for name, value in request.settings),)

@@ -148,14 +148,3 @@ def choices_of_some(some: Sequence[str], names: Sequence[str]) -> str:
     if shared and [name for name in names if set(shared) <= set(name.split(","))] == list(some):
         return ",".join(shared)
     return first_names(some) if not any("," in name for name in some) else "; ".join(some)
-
-
-def condition_words(name: str) -> str:
-    """Name of a configuration as words: its choices without the names of what is chosen.
-
-    Examples
-    --------
-    >>> condition_words("water=wet,firing=gas_off"), condition_words("misfire_2")
-    ('wet, gas off', 'misfire 2')
-    """
-    return ", ".join(as_words(part.rpartition("=")[2]) for part in name.split(","))

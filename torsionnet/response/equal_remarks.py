@@ -72,3 +72,14 @@ def _alternatives(names: Sequence[str]) -> dict[str, dict[str, None]]:
 def _choice(name: str) -> dict[str, str]:
     pairs = (part.partition("=") for part in name.split(","))
     return {axis: alternative for axis, _, alternative in pairs}
+
+
+def condition_words(name: str) -> str:
+    """Name of a configuration as words: its choices without the names of what is chosen.
+
+    Examples
+    --------
+    >>> condition_words("water=wet,firing=gas_off"), condition_words("misfire_2")
+    ('wet, gas off', 'misfire 2')
+    """
+    return ", ".join(part.rpartition("=")[2].replace("_", " ") for part in name.split(","))

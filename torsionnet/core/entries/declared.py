@@ -184,7 +184,7 @@ class Declared:
         head |= dict.fromkeys(cls.head, VERSION_SCHEMA)
         properties = {declared.name: _with_default(declared) for declared in cls.declared()}
         return {
-            "title": cls.kind,
+            "title": cls.kind or cls.article,
             "description": summary,
             "type": "object",
             "properties": head | properties,

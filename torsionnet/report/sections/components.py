@@ -28,7 +28,8 @@ from torsionnet.report.document_tree import (
 from torsionnet.report.engineering_units import FACTOR_UNITS, engineering_unit
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_text import as_words, capital, condition_words, unit
+from torsionnet.report.report_text import as_words, capital, unit
+from torsionnet.response.equal_remarks import condition_words
 from torsionnet.response.limits.limit_conclusion import LimitConclusion, WorstLimit
 from torsionnet.response.limits.rule_factors import RuleFactor
 

@@ -20,6 +20,7 @@ from torsionnet.report.document_tree import (
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import readable_torque, results_table, table
 from torsionnet.report.report_text import as_words, capital, unit
+from torsionnet.response.equal_remarks import condition_words
 from torsionnet.response.limits.limit_check import listed_names
 from torsionnet.response.limits.limit_conclusion import LimitConclusion, WorstLimit
 from torsionnet.response.limits.operating_instructions import instruction_table
@@ -69,7 +70,7 @@ def _components(subject: ReportData, found: LimitConclusion) -> TableBlock:
         [_component(one) for one in worst],
         [as_words(one.verdict.criterion) for one in worst],
         [one.gravest for one in worst],
-        [one.check.configuration for one in worst],
+        [condition_words(one.check.configuration) for one in worst],
         list(aligned_numbers([one.rpm for one in worst], 3)),
         list(aligned_numbers([value for value, _, _ in sizes], 3)),
         list(aligned_numbers([allowed for _, allowed, _ in sizes], 3)),

@@ -13,6 +13,7 @@ from torsionnet.report.document_tree import TableGroup as Group
 from torsionnet.report.limit_values import DIGITS, component, limit_number, limit_unit, order_list
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_text import as_words, symbol_or_words
+from torsionnet.response.equal_remarks import condition_words
 from torsionnet.response.limits.governing_peaks import GoverningPeaks, line_name
 from torsionnet.response.limits.limit_check import LimitCheck, LimitVerdict
 from torsionnet.response.limits.limit_conclusion import LimitConclusion
@@ -108,7 +109,7 @@ def _worst_row(subject: ReportData, check: LimitCheck, one: LimitVerdict) -> tup
     assert at is not None
     return (
         (component(one), " ", symbol_or_words(one.criterion)),
-        as_words(check.configuration),
+        condition_words(check.configuration),
         NumberText(float(check.rpm[at]), 4),
         limit_number(float(one.values[at]), one.unit, subject.conventions),
         limit_number(float(one.allowed[at]), one.unit, subject.conventions),
@@ -122,7 +123,7 @@ def _free_end(subject: ReportData) -> Picture:
     """Picture of the amplitude at the free end of the engine over speed, as a torsiograph there measures it."""
     from torsionnet.plot.order_response import order_response
 
-    run, condition = subject.free_end_response, as_words(subject.judged_cases[0].configuration)
+    run, condition = subject.free_end_response, condition_words(subject.judged_cases[0].configuration)
     node = run.outputs[0].name
     where = f" in condition {condition}" if condition else ""
     drawn = order_response(run, most=5, conventions=subject.conventions, title="", milli=True)
@@ -140,7 +141,7 @@ def _at_critical_speeds(subject: ReportData, found: GoverningPeaks) -> TableBloc
         alike = [list(those) for _, those in groupby(peaks, key=lambda one: (one.at, one.verdict.limit))]
         speeds = aligned_numbers([those[0].rpm for those in alike])
         rows = [_critical_row(subject, speed, those) for speed, those in zip(speeds, alike, strict=True)]
-        groups.append(Group(tuple(rows), as_words(configuration) if len(subject.judged_cases) > 1 else ""))
+        groups.append(Group(tuple(rows), condition_words(configuration) if len(subject.judged_cases) > 1 else ""))
     notes = (("Speeds of the peaks, which damping moves off the critical speeds.",),)
     return TableBlock(("Orders at the critical speeds that matter",), CRITICAL_COLUMNS, tuple(groups), notes)
 

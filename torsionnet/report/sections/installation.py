@@ -12,6 +12,7 @@ from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_machines import machines, quantity_text
 from torsionnet.report.report_tables import results_table, table
 from torsionnet.report.report_text import as_words, capital, first_names
+from torsionnet.response.equal_remarks import condition_words
 from torsionnet.response.power_balance import PowerBalance
 
 MOST_LOADS = 3
@@ -35,7 +36,10 @@ def installation_section(subject: ReportData) -> Section | None:
     blocks: list[Block] = [table("Machines, couplings and dampers", columns, rows, notes)] if rows else []
     for case, found in _balances(subject):
         several = len(subject.cases) > 1 and case.configuration
-        blocks += [_rated(found), _line(subject, case, found, f", {case.configuration}" if several else "")]
+        blocks += [
+            _rated(found),
+            _line(subject, case, found, f", {condition_words(case.configuration)}" if several else ""),
+        ]
     blocks += _ratings(subject)
     return Section("installation", ("Installation",), tuple(blocks)) if blocks else None
 

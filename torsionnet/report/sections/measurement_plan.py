@@ -22,7 +22,8 @@ from torsionnet.report.measurement_places import (
 )
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import results_table, table
-from torsionnet.report.report_text import as_words, capital, condition_words, unit
+from torsionnet.report.report_text import as_words, capital, unit
+from torsionnet.response.equal_remarks import condition_words
 from torsionnet.response.limits.speed_spans import joined_spans
 from torsionnet.response.order_comparison import MeasuredOrder, order_comparison
 from torsionnet.response.order_response import OrderResponse
@@ -152,13 +153,13 @@ def _table(
         _once([capital(row.reason) for row in rows], first),
         [f"{row.order:.4g}" for row in rows],
         [as_words(row.name) for row in rows],
-        list(aligned_numbers([row.amplitude * scale for row in rows])),
-        list(aligned_numbers([None if one is None else one * scale for one in tests]))
+        list(aligned_numbers([row.amplitude * scale for row in rows], 3)),
+        list(aligned_numbers([None if one is None else one * scale for one in tests], 3))
         if measured
         else [""] * len(rows),
         [_deviation(row, one) for row, one in zip(rows, tests, strict=True)] if measured else [""] * len(rows),
-        _once(aligned_numbers([row.half_range * scale for row in rows]), first),
-        _once(aligned_numbers(stress), first) if len(run.outputs) > 1 else [""] * len(rows),
+        _once(aligned_numbers([row.half_range * scale for row in rows], 3), first),
+        _once(aligned_numbers(stress, 3), first) if len(run.outputs) > 1 else [""] * len(rows),
     ]
     return table(f"{capital(place.means)}{_where(case)}", columns, list(zip(*cells, strict=True)))
 

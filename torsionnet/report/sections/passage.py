@@ -9,6 +9,7 @@ from torsionnet.report.document_tree import Block, Paragraph, Picture, Section, 
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import results_table
 from torsionnet.report.report_text import as_words, capital
+from torsionnet.response.equal_remarks import condition_words
 from torsionnet.response.frequency_response import Channel
 from torsionnet.response.limits.operating_instructions import PassedRange, passed_ranges
 from torsionnet.response.limits.range_passage import EXCEEDED, KEPT, RangePassage, passage_table
@@ -59,7 +60,7 @@ def _range(subject: ReportData, barred: PassedRange, number: int) -> Iterator[Bl
     if not passages:
         return
     low, high = barred.span.rpm_outward
-    where = f", {check.configuration}" if check.configuration else ""
+    where = f", {condition_words(check.configuration)}" if check.configuration else ""
     yield Paragraph((Strong(f"{low} to {high} rpm{where}:"), *_finding(passages, asked)))
     shown = passage_table(passages, subject.conventions)
     yield results_table(shown, f"Passage of {low} to {high} rpm{where}")

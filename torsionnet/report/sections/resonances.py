@@ -15,6 +15,7 @@ from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_text import as_words, first_names, symbol_or_words
 from torsionnet.report.sections.separation_margins import separation_margins
 from torsionnet.response.critical_speeds import CriticalSpeed
+from torsionnet.response.equal_remarks import condition_words
 from torsionnet.response.limits.governing_peaks import GoverningPeaks, line_name
 from torsionnet.response.limits.order_peaks import LEAST_SHARE, OrderPeak
 from torsionnet.solve.running.damping_shares import damping_shares
@@ -85,7 +86,7 @@ def _with_limits(subject: ReportData, found: GoverningPeaks) -> list[Block]:
         mode_cells = _mode_cells([one.critical for one in peaks], subject.judged_case(peaks[0].check))
         limit_cells = (_limit_cells(subject, one) for one in peaks)
         rows = tuple((*left, *right) for left, right in zip(mode_cells, limit_cells, strict=True))
-        groups.append(Group(rows, as_words(configuration) if len(subject.judged_cases) > 1 else ""))
+        groups.append(Group(rows, condition_words(configuration) if len(subject.judged_cases) > 1 else ""))
     notes = (
         ("Peak: amplitude of this order alone. In per cent of the value allowed there: this order, and all together.",),
         *([("A critical speed outside the speed range has the values of its nearer end.",)] if _beyond(found) else []),
@@ -149,7 +150,7 @@ def _without_limits(case: Case) -> TableBlock:
     more = len(found.crossings) - len(kept)
     which = f"Excited critical speeds up to 20 % outside {low:g} to {high:g} rpm, the largest at resonance"
     notes = [(f"{more} further crossings of a mode and an order are smaller or not excited.",)] if more else []
-    caption = "Critical speeds" + (f", {as_words(case.configuration)}" if case.configuration else "")
+    caption = "Critical speeds" + (f", {condition_words(case.configuration)}" if case.configuration else "")
     return TableBlock((caption,), MODE_COLUMNS, (Group(tuple(_mode_cells(kept, case))),), ((f"{which}.",), *notes))
 
 
@@ -158,7 +159,7 @@ def _diagram(case: Case, lines: list[str] | None) -> Picture:
     from torsionnet.plot.interference_diagram import interference_diagram
 
     found = case.drivetrain.critical_speeds(lines=lines)
-    where = f", {as_words(case.configuration)}" if case.configuration else ""
+    where = f", {condition_words(case.configuration)}" if case.configuration else ""
     orders = "orders" if lines is None else "the orders listed"
     caption = (f"Interference diagram{where}: natural frequencies and {orders} over speed.",)
     return Picture("resonances", interference_diagram(found, title=""), caption, f"Interference diagram{where}")
