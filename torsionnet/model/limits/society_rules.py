@@ -99,7 +99,6 @@ SOCIETIES: dict[str, Society] = {
         name="IACS UR M68",
         edition="as carried by KR Part 5 Chapter 4 (2025); of M68 itself the scope",
         shafts=SOURCE,
-        remark="the text of M68 itself was at hand for its scope (M68.1) alone",
     ),
     "kr": Society(
         name="Korean Register (KR)",
