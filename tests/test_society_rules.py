@@ -338,3 +338,10 @@ def test_generator_shaft_by_hand():
         element="s", shaft="generator", material="alloy", tensile_strength=660e6, yield_strength=450e6
     )
     assert shaft.permitted == pytest.approx((31e6 * 4 / 3, 236e6))
+
+
+def test_reports_know_every_society():
+    from torsionnet.model.limits.society_rules import SOCIETIES
+    from torsionnet.model.report.report_plan import SOCIETY_NAMES
+
+    assert tuple(SOCIETIES) == SOCIETY_NAMES

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
@@ -11,74 +12,42 @@ from torsionnet.model.report import SECTIONS
 from torsionnet.report.document_tree import Facts, Report, Section, Text
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_text import first_names, sentence
-from torsionnet.report.sections.checks import checks_section
-from torsionnet.report.sections.comparison import comparison_section
-from torsionnet.report.sections.components import components_section
-from torsionnet.report.sections.conclusion import conclusion_section
-from torsionnet.report.sections.conditions import conditions_section
-from torsionnet.report.sections.critical_speeds import critical_speeds_section
-from torsionnet.report.sections.elements import elements_section
-from torsionnet.report.sections.equations import equations_section
-from torsionnet.report.sections.excitations import excitations_section
-from torsionnet.report.sections.fits import fit_section
-from torsionnet.report.sections.forced_response import forced_response_section
-from torsionnet.report.sections.formulas import formulas_section
-from torsionnet.report.sections.installation import installation_section
-from torsionnet.report.sections.kinematics import kinematics_section
-from torsionnet.report.sections.limits import limits_section
-from torsionnet.report.sections.mass_elastic import mass_elastic_section
-from torsionnet.report.sections.mean_torques import mean_torques_section
-from torsionnet.report.sections.measurement_plan import measurement_plan_section
-from torsionnet.report.sections.modes import modes_section
-from torsionnet.report.sections.natural_frequencies import natural_frequencies_section
-from torsionnet.report.sections.orders import orders_section
-from torsionnet.report.sections.parameters import parameters_section
-from torsionnet.report.sections.passage import passage_section
-from torsionnet.report.sections.resonances import resonances_section
-from torsionnet.report.sections.responses import responses_section
-from torsionnet.report.sections.schematic import schematic_section
-from torsionnet.report.sections.simplified import simplified_section
-from torsionnet.report.sections.studies import studies_section
-from torsionnet.report.sections.summary import summary_section
-from torsionnet.report.sections.torque_harmonics import harmonics_section
-from torsionnet.report.sections.validity import validity_section
 from torsionnet.report.title_table import TITLE_FACTS, title_table
 
-BUILDERS: dict[str, Callable[[ReportData], Section | None]] = {
-    "conclusion": conclusion_section,
-    "summary": summary_section,
-    "conditions": conditions_section,
-    "installation": installation_section,
-    "schematic": schematic_section,
-    "elements": elements_section,
-    "parameters": parameters_section,
-    "kinematics": kinematics_section,
-    "equations": equations_section,
-    "mass_elastic": mass_elastic_section,
-    "modes": modes_section,
-    "natural_frequencies": natural_frequencies_section,
-    "formulas": formulas_section,
-    "simplified": simplified_section,
-    "responses": responses_section,
-    "excitations": excitations_section,
-    "harmonics": harmonics_section,
-    "mean_torques": mean_torques_section,
-    "critical_speeds": critical_speeds_section,
-    "resonances": resonances_section,
-    "orders": orders_section,
-    "forced_response": forced_response_section,
-    "limits": limits_section,
-    "components": components_section,
-    "passage": passage_section,
-    "measurement_plan": measurement_plan_section,
-    "test": comparison_section,
-    "fit": fit_section,
-    "study": studies_section,
-    "checks": checks_section,
-    "validity": validity_section,
+BUILDERS = {
+    "conclusion": "conclusion.conclusion_section",
+    "summary": "summary.summary_section",
+    "conditions": "conditions.conditions_section",
+    "installation": "installation.installation_section",
+    "schematic": "schematic.schematic_section",
+    "elements": "elements.elements_section",
+    "parameters": "parameters.parameters_section",
+    "kinematics": "kinematics.kinematics_section",
+    "equations": "equations.equations_section",
+    "mass_elastic": "mass_elastic.mass_elastic_section",
+    "modes": "modes.modes_section",
+    "natural_frequencies": "natural_frequencies.natural_frequencies_section",
+    "formulas": "formulas.formulas_section",
+    "simplified": "simplified.simplified_section",
+    "responses": "responses.responses_section",
+    "excitations": "excitations.excitations_section",
+    "harmonics": "torque_harmonics.harmonics_section",
+    "mean_torques": "mean_torques.mean_torques_section",
+    "critical_speeds": "critical_speeds.critical_speeds_section",
+    "resonances": "resonances.resonances_section",
+    "orders": "orders.orders_section",
+    "forced_response": "forced_response.forced_response_section",
+    "limits": "limits.limits_section",
+    "components": "components.components_section",
+    "passage": "passage.passage_section",
+    "measurement_plan": "measurement_plan.measurement_plan_section",
+    "test": "comparison.comparison_section",
+    "fit": "fits.fit_section",
+    "study": "studies.studies_section",
+    "checks": "checks.checks_section",
+    "validity": "validity.validity_section",
 }
-"""Function that builds each section of a report, by the section's name; None is a section with nothing to say on this
-model."""
+"""Module and function that build each section of a report, by the section's name: a document loads what it needs."""
 
 
 SUBTITLES = {"rig": "Torsional vibration report", "approval": "Torsional vibration calculation"}
@@ -111,7 +80,7 @@ def build(subject: ReportData, version: str, progress: Callable[[str, int, int],
         made = {}
         for done, name in enumerate(wanted):
             progress(name, done, len(wanted))
-            made[name] = BUILDERS[name](subject.by_drivetrain if name in DRIVETRAIN_SECTIONS else subject)
+            made[name] = _builder(name)(subject.by_drivetrain if name in DRIVETRAIN_SECTIONS else subject)
     title_block = title_table(subject, version)
     facts = _facts(subject, version)
     return Report(
@@ -124,6 +93,15 @@ def build(subject: ReportData, version: str, progress: Callable[[str, int, int],
         date=subject.request.date.isoformat() if subject.request.date else "",
         title_block=title_block,
     )
+
+
+def _builder(name: str) -> Callable[[ReportData], Section | None]:
+    """Function that builds a section of a report; None of it is a section with nothing to say on a model."""
+    module, _, function = BUILDERS[name].partition(".")
+    found: Callable[[ReportData], Section | None] = getattr(
+        importlib.import_module(f"torsionnet.report.sections.{module}"), function
+    )
+    return found
 
 
 def _with_appendix(subject: ReportData, made: Mapping[str, Section]) -> tuple[Section, ...]:

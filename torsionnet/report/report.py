@@ -14,7 +14,6 @@ from torsionnet.core.errors import ModelError, UsageError, did_you_mean
 from torsionnet.core.version import __version__
 from torsionnet.loading import load
 from torsionnet.model.files.reader import find_model
-from torsionnet.model.limits.society_rules import SOCIETIES
 from torsionnet.model.report import KINDS, LANGUAGES, Pair, ReportPlan, TitleBlock, parse_band
 from torsionnet.model.report.report_plan import section_fault
 from torsionnet.report.document_tree import Report
@@ -214,6 +213,7 @@ def make_report(
     cases = cases_of(drivetrain, plan.configurations)
     subject = ReportData(drivetrain, cases, request, file.name, digest_of(data))
     require_answers(subject)
+    from torsionnet.model.limits.society_rules import SOCIETIES
     from torsionnet.report.build import build
     from torsionnet.report.languages import in_language
     from torsionnet.report.report_text import as_words

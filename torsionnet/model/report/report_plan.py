@@ -13,13 +13,14 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
 from torsionnet.core.entries.words import Count, Flag, OneOf, Text
 from torsionnet.core.errors import suggestion_or
-from torsionnet.model.limits.society_rules import SOCIETIES
 from torsionnet.model.report.report_pair import Pair, PairEntry
 from torsionnet.model.report.sections import KINDS, SECTIONS
 from torsionnet.model.report.title_block import TITLE_BLOCK, TitleBlock
 
 ANGLES = ("rad", "deg")
 """Names of the units of angle that a report may use."""
+SOCIETY_NAMES = ("m68", "kr", "lr")
+"""Short names of the societies whose words a report can have, as rows of data on them stand in the room of limits."""
 LANGUAGES = ("en", "de")
 """Codes of the languages in which a report can be written: English and German."""
 
@@ -72,7 +73,7 @@ _ORDERS = Listed(
 )
 _RULES = OneOf(
     "society whose words and list of particulars the document has, or standard of the separation margins of a train",
-    (*SOCIETIES, "api610", "api617", "api618", "api684"),
+    (*SOCIETY_NAMES, "api610", "api617", "api618", "api684"),
 )
 _NOT_EXAMINED = Named(
     "conditions that no configuration stands for -> why they were not examined",
