@@ -210,7 +210,7 @@ def make_report(
         measured_files(measured, drivetrain),
     )
     _require_plan(request, drivetrain)
-    cases = cases_of(drivetrain, plan.configurations)
+    cases = cases_of(drivetrain, plan.configurations, plan.kind)
     subject = ReportData(drivetrain, cases, request, file.name, digest_of(data))
     require_answers(subject)
     from torsionnet.model.limits.society_rules import SOCIETIES

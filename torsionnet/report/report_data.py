@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsionnet.core.errors import UsageError
+from torsionnet.model.configurations import parse_choice
 from torsionnet.model.report import Pair
 from torsionnet.report.report_request import ReportRequest
 from torsionnet.report.report_text import shared_choices
@@ -179,7 +180,7 @@ class ReportData:
         if self.request.plan.configurations or not self.left_out:
             return self.cases
         known = {case.configuration: case for case in self.cases}
-        names = self.model.configurations[:MOST_JUDGED_CASES]
+        names = ordered_configurations(self.model, self.request.plan.kind)[:MOST_JUDGED_CASES]
         return tuple(known.get(name) or Case(name, self.model.configured(name)) for name in names)
 
     @cached_property
@@ -405,14 +406,30 @@ def document_kind(model: Drivetrain) -> str:
     return "approval" if definition.speeds is not None and definition.excitations and definition.limits else "rig"
 
 
-def cases_of(model: Drivetrain, names: tuple[str, ...]) -> tuple[Case, ...]:
+def ordered_configurations(model: Drivetrain, kind: str | None) -> tuple[str, ...]:
+    """Names of the model's configurations in the order of a report.
+
+    A calculation for approval begins with the one that changes least of the model as it is written.
+    """
+    names, axes = model.configurations, model.definition.configurations
+    if kind != "approval" or not names:
+        return names
+
+    def changes(name: str) -> int:
+        return sum(bool(axes[axis][chosen].to_data()) for axis, chosen in parse_choice(name, axes).items())
+
+    first = min(names, key=changes)
+    return (first, *(name for name in names if name != first))
+
+
+def cases_of(model: Drivetrain, names: tuple[str, ...], kind: str | None = None) -> tuple[Case, ...]:
     """Configurations of a model that a report shows, each with its drivetrain.
 
     The model in these configurations, else in all it has, else as it is.
     """
     if model.configuration and not names:
         return (Case(model.configuration, model),)
-    chosen = names or model.configurations[:MOST_CASES]
+    chosen = names or ordered_configurations(model, kind)[:MOST_CASES]
     if not chosen:
         return (Case("", model),)
     found = [model.configured(name) for name in chosen]

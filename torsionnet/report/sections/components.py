@@ -33,6 +33,8 @@ from torsionnet.response.equal_remarks import condition_words
 from torsionnet.response.limits.limit_conclusion import LimitConclusion, WorstLimit
 from torsionnet.response.limits.rule_factors import RuleFactor
 
+SAME_TORQUE = 1e-3
+"""Share by which the torque of a throw is larger than the torque compared, so that it is another throw's."""
 MOST_SHAFTS = 4
 """Largest number of shafts side by side in one table of factors, as a page has no room for more."""
 M68_TEXT: Text = (
@@ -220,7 +222,9 @@ def _throws(subject: ReportData, rows: Sequence[ComponentRow]) -> Iterator[Block
     ]
     where = f" in condition {condition_words(case.configuration)}" if case.configuration else ""
     most = as_words(elements[int(np.argmax(sizes))])
-    notes = [f"The largest is in {most}; the maker's limit is for {as_words(worst.of)}."]
+    compared = as_words(worst.of)
+    beyond = worst.value is not None and float(sizes.max()) * scale > (1 + SAME_TORQUE) * worst.value
+    notes = [f"The largest is in {most}; the maker's limit is for {compared}."] if beyond else []
     yield table(f"Vibratory torque by throw{where}", columns, list(zip(*cells, strict=True)), notes)
 
 

@@ -38,8 +38,10 @@ MOST_PLACES = 4
 FREQUENCY_DECIMALS, PER_MINUTE_DECIMALS, DAMPING_DECIMALS = 2, 1, 2
 """Decimals of frequencies in Hz and per minute, and of damping ratios in percent: finer ones are known of no plant."""
 COUNTING = (
-    "Mode 1 is the lowest vibration; rigid-body motion and overdamped modes have no number. The numbers are the same "
-    "in all sections. Nodes are counted in the undamped shape, that of the Holzer table."
+    "Mode 1 is the lowest vibration; rigid-body motion has no number, overdamped modes count behind all others. The "
+    "numbers are the same in all sections. Nodes are counted in the undamped shape, that of the Holzer table. Damping "
+    "that follows the speed is that of the operating point here, and that of each critical speed where those are "
+    "listed."
 )
 PICTURE_TEXT = (
     "Relative amplitudes referred to {node}, the first mass 1; lines as in the Holzer tables, gears dotted. Rings are "

@@ -52,7 +52,9 @@ def resonances_section(subject: ReportData) -> Section | None:
     blocks: list[Block] = [Paragraph((INTRODUCTION,))]
     case, lines = subject.judged_cases[0], None
     if found is None:
-        blocks.append(_without_limits(case))
+        kept, listed = _without_limits(case)
+        blocks.append(listed)
+        lines = list(dict.fromkeys(f"{one.excitation} {one.line}" for one in kept))
     else:
         blocks += _with_limits(subject, found)
         if found.peaks:
@@ -140,8 +142,8 @@ def _limit_cells(subject: ReportData, one: OrderPeak) -> tuple[Cell, ...]:
     )
 
 
-def _without_limits(case: Case) -> TableBlock:
-    """Table of the critical speeds with the largest amplitudes at resonance, of a model without limits."""
+def _without_limits(case: Case) -> tuple[list[CriticalSpeed], TableBlock]:
+    """Critical speeds of a model without limits, those with the largest amplitudes at resonance, and their table."""
     found = case.drivetrain.critical_speeds(reach=0.2)
     acting = [one for one in found.crossings if one.excited and math.isfinite(one.resonant_amplitude)]
     largest = sorted(acting, key=lambda one: -one.resonant_amplitude)[:MOST_UNJUDGED]
@@ -151,7 +153,8 @@ def _without_limits(case: Case) -> TableBlock:
     which = f"Excited critical speeds up to 20 % outside {low:g} to {high:g} rpm, the largest at resonance"
     notes = [(f"{more} further crossings of a mode and an order are smaller or not excited.",)] if more else []
     caption = "Critical speeds" + (f", {condition_words(case.configuration)}" if case.configuration else "")
-    return TableBlock((caption,), MODE_COLUMNS, (Group(tuple(_mode_cells(kept, case))),), ((f"{which}.",), *notes))
+    groups = (Group(tuple(_mode_cells(kept, case))),)
+    return kept, TableBlock((caption,), MODE_COLUMNS, groups, ((f"{which}.",), *notes))
 
 
 def _diagram(case: Case, lines: list[str] | None) -> Picture:

@@ -187,7 +187,8 @@ def _instruction(places: Sequence[_Place], low: int, high: int | None, action: s
     worst = max(places, key=lambda place: place.utilisation)
     check, one, at = worst.check, worst.verdict, worst.at
     conditions = tuple(dict.fromkeys(place.check.configuration for place in places))
-    passing = [float(other.allowed[at]) for other in check.verdicts if other.limit == one.limit and other.in_passing]
+    same = [other for other in check.verdicts if (other.limit, other.quantity) == (one.limit, one.quantity)]
+    passing = [float(other.allowed[at]) for other in same if other.in_passing]
     return Instruction(
         conditions, listed_names([name or "as written" for name in conditions]), check.reference,
         max(place.verdict.tolerance for place in places), low, high, one.limit, one.criterion,
