@@ -17,7 +17,7 @@ MOST_DIGITS = 4
 PREFIX_FROM = 100
 """Multiple of a unit from which on its prefix is used: k from 100 kN*m, M from 100 MN*m."""
 KILO_FROM = 1e3
-"""Torque in N m from which on a single number is given in kN m, as on the drawings of engines."""
+"""Torque in N m and power in W from which on a single number is given in kN m or kW, as on the drawings of engines."""
 HEADING_SYMBOLS: dict[str, Cell] = {
     "J": Math("J"),
     "J referred": (Math("J"), " referred"),
@@ -86,16 +86,16 @@ def results_table(
     return table(caption, columns, rows, [as_words(note) for note in found.notes] if notes else [], most)
 
 
-def readable_torque(shown: str, size: float) -> tuple[str, float]:
-    """Unit of a torque with the prefix that suits its size, and the factor by which its numbers are divided.
+def readable_unit(shown: str, size: float) -> tuple[str, float]:
+    """Unit of a torque or power with the prefix that suits its size, and the factor by which its numbers are divided.
 
     Examples
     --------
-    >>> readable_torque("N*m", 25e3), readable_torque("N*m", 250.0), readable_torque("N/mm^2", 8e4)
-    (('kN*m', 1000.0), ('N*m', 1.0), ('N/mm^2', 1.0))
+    >>> readable_unit("N*m", 25e3), readable_unit("W", 250.0), readable_unit("N/mm^2", 8e4)
+    (('kN*m', 1000.0), ('W', 1.0), ('N/mm^2', 1.0))
     """
-    if shown == "N*m" and size >= KILO_FROM:
-        return "kN*m", 1e3
+    if shown in ("N*m", "W") and size >= KILO_FROM:
+        return f"k{shown}", 1e3
     return shown, 1.0
 
 

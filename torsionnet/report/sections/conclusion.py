@@ -18,7 +18,7 @@ from torsionnet.report.document_tree import (
     Text,
 )
 from torsionnet.report.report_data import ReportData
-from torsionnet.report.report_tables import readable_torque, results_table, table
+from torsionnet.report.report_tables import readable_unit, results_table, table
 from torsionnet.report.report_text import as_words, capital, unit
 from torsionnet.response.equal_remarks import condition_words
 from torsionnet.response.limits.limit_check import listed_names
@@ -92,7 +92,7 @@ def _sizes(subject: ReportData, worst: WorstLimit) -> tuple[float | None, float 
     if at is None:
         return None, None, ""
     scale = subject.conventions.scale(one.unit)
-    shown, factor = readable_torque(subject.conventions.unit(one.unit), float(one.allowed[at]) * scale)
+    shown, factor = readable_unit(subject.conventions.unit(one.unit), float(one.allowed[at]) * scale)
     return float(one.values[at]) * scale / factor, float(one.allowed[at]) * scale / factor, shown
 
 
