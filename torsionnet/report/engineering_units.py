@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from torsionnet.report.report_tables import readable_torque
+from torsionnet.report.report_tables import readable_unit
 from torsionnet.response import Conventions
 
 KILO = {"W": "kW", "W/m^2": "kW/m^2"}
@@ -29,5 +29,5 @@ def engineering_unit(unit: str, conventions: Conventions, size: float = 1e3) -> 
         return 1e-3, KILO[unit]
     if unit == "rad" and conventions.angle == "rad":
         return 1e3, "mrad"
-    shown, divisor = readable_torque(conventions.unit(unit), size)
+    shown, divisor = readable_unit(conventions.unit(unit), size)
     return conventions.scale(unit) / divisor, shown
