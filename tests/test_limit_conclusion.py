@@ -51,7 +51,7 @@ def file(strict, tmp_path):
 def test_a_report_judges_the_configurations_it_does_not_show(strict):
     rig = tn.loads(json.dumps(strict))
     assert LOUD not in rig.configurations[:12]
-    report = make_report(rig, sections=["summary", "limits"], date=None)
+    report = make_report(rig, kind="rig", sections=["summary", "limits"], date=None)
     for section in report.sections:
         lead = section.blocks[0].text
         assert lead[0] == Strong("Verdict on stresses and limits: barred range.")

@@ -323,9 +323,8 @@ class TestForms:
 
     @pytest.mark.slow
     def test_report_in_the_words_of_lr(self):
-        ship = tn.loads(
-            (Path(__file__).parents[1] / "library" / "two_stroke_ship.yaml").read_text() + "\nreport: {rules: lr}\n"
-        )
+        text = (Path(__file__).parents[1] / "library" / "two_stroke_ship.yaml").read_text(encoding="utf-8")
+        ship = tn.loads(text.replace("report:\n", "report:\n  rules: lr\n"))
         report = make_report(ship, sections=["conclusion"], date=None, configurations=["normal"])
         text = repr(report.sections)
         assert "tau c" in text

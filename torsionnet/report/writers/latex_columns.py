@@ -31,7 +31,7 @@ LONGEST_WORD = 20
 """Largest number of letters of a word in a LaTeX table that stays in one piece."""
 
 _MARKUP = re.compile(r"(begin|end)\{bmatrix\}|\\[a-zA-Z]+|[{}_^~\\ &]")
-_BREAKS = re.compile(r"(?<=[=,/_+])|(?<=\S)\s+")
+_BREAKS = re.compile(r"(?<=[=,/_+])|(?<=\S)[ \n\t]+")
 
 
 @dataclass(frozen=True)
