@@ -112,7 +112,7 @@ def test_several_files(folder):
         ),
         ({"order": 7}, "rough:T=test.csv", ("test.csv: none of the measured orders of m (7)",)),
         ({}, "rough:w=test.csv", ("test.csv: w is no place", "measure: [phi, T, w]")),
-        ({}, "test.csv", ("a measurement is of one configuration", "CONFIGURATION=test.csv", "weak, rough")),
+        ({}, "test.csv", ("a measurement is of one configuration", "CONFIGURATION=test.csv", "rough, weak")),
         ({}, "calm=test.csv", ('measured orders "calm=test.csv"', "write CONFIGURATION=FILE")),
         ({}, "rough=none.csv", ("cannot read", "none.csv")),
     ],

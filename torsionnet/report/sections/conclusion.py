@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from torsionnet.core.number_text import aligned_numbers
+from torsionnet.model.elements import Shaft
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -48,7 +49,7 @@ def _judged(subject: ReportData, found: LimitConclusion) -> Iterator[Block]:
     else:
         yield Paragraph((Strong("Operating instructions:"), " ", *instructions.notes))
     yield Paragraph(("Not covered:",))
-    yield Listing(tuple(_not_covered(found)))
+    yield Listing(tuple(_not_covered(subject, found)))
 
 
 def _components(subject: ReportData, found: LimitConclusion) -> TableBlock:
@@ -96,12 +97,17 @@ def _sizes(subject: ReportData, worst: WorstLimit) -> tuple[float | None, float 
     return float(one.values[at]) * scale / factor, float(one.allowed[at]) * scale / factor, shown
 
 
-def _not_covered(found: LimitConclusion) -> Iterator[Text]:
+def _not_covered(subject: ReportData, found: LimitConclusion) -> Iterator[Text]:
     """Points that the verdict does not cover: conditions, excitations, and what each rule leaves out."""
     if found.not_examined:
         yield (f"Conditions not examined: {listed_names(found.not_examined)}.",)
     for words in found.left_out:
         yield (f"{capital(as_words(words))}.",)
+    definition = subject.model.definition
+    judged = {getattr(limit, "element", "") for limit in definition.limits.values()}
+    open_shafts = [name for name, one in definition.elements.items() if isinstance(one, Shaft) and name not in judged]
+    if open_shafts:
+        yield (f"Shafts without a limit, which are not judged: {listed_names([*map(as_words, open_shafts)])}.",)
     of_rules: dict[str, dict[str, None]] = {}
     for check in found.checks:
         for text, names in check.texts().items():

@@ -37,7 +37,7 @@ from torsionnet.response.planned_amplitudes import (
 )
 
 INTRODUCTION = (
-    "Expected values for a measurement on board: peak amplitudes of single orders, and half the range of the sum of "
+    "Expected values for a measurement: peak amplitudes of single orders, and half the range of the sum of "
     "all orders. Orders and speeds are those of {reference}."
 )
 """Paragraph before the tables of a measurement plan."""

@@ -92,8 +92,26 @@ def _with_limits(subject: ReportData, found: GoverningPeaks) -> list[Block]:
     notes = (
         ("Peak: amplitude of this order alone. In per cent of the value allowed there: this order, and all together.",),
         *([("A critical speed outside the speed range has the values of its nearer end.",)] if _beyond(found) else []),
+        *_distances(subject, found),
     )
     return [*blocks, TableBlock(("Critical speeds that matter",), columns, tuple(groups), notes)]
+
+
+def _distances(subject: ReportData, found: GoverningPeaks) -> list[tuple[str]]:
+    """Sentence on how far the critical speeds listed lie from rated speed, the nearest of each order; or nothing."""
+    speeds = subject.model.definition.speeds
+    if speeds is None or not speeds.rated:
+        return []
+    nearest: dict[str, float] = {}
+    for one in found.peaks:
+        off = one.critical.speed("natural") / speeds.rated - 1
+        name = line_name(one)
+        if abs(off) < abs(nearest.get(name, math.inf)):
+            nearest[name] = off
+    closest = sorted(nearest.items(), key=lambda pair: abs(pair[1]))
+    shares = [f"{100 * off:+.1f}".replace("-", "\N{MINUS SIGN}") for _, off in closest]
+    each = [f"{as_words(name)} {share} %" for (name, _), share in zip(closest, shares, strict=True)]
+    return [(f"Distance of the critical speeds from rated speed, {speeds.rated * RPM:.6g} rpm: {', '.join(each)}.",)]
 
 
 def _beyond(found: GoverningPeaks) -> bool:

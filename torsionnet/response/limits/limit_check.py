@@ -277,9 +277,14 @@ class LimitCheck(NotebookResult):
     @property
     def conclusion(self) -> str:
         """Sentence that concludes from all verdicts on limits in one configuration, with what was not examined."""
-        missing = [*unexamined_sentence(self.others, self.configurations, [self.configuration]), *self.left_out]
+        return "; ".join(self.findings)
+
+    @property
+    def findings(self) -> tuple[str, ...]:
+        """Conclusion from all verdicts on limits, a text for what was not examined and one for what was found."""
+        missing = unexamined_sentence(self.others, self.configurations, [self.configuration])
         where = f" in {self.configuration or 'the model as written'}" if self.others else ""
-        return "; ".join([*missing, self.finding(where)])
+        return (*missing, *self.left_out, self.finding(where))
 
     def finding(self, where: str = "") -> str:
         """Sentence that concludes on the limits in one configuration, in which ``where`` names the configuration."""

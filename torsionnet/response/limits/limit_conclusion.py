@@ -189,7 +189,7 @@ class LimitConclusion:
     def findings(self) -> tuple[str, ...]:
         """Texts that conclude from all checks of limits, one for what was not examined and one for each finding."""
         if len(self.checks) == 1:
-            return (self.checks[0].conclusion,)
+            return self.checks[0].findings
         examined = [one.configuration for one in self.checks]
         missing = unexamined_sentence(self.not_examined, self.configurations, examined)
         return (*missing, *self.left_out, *self._found())

@@ -1,0 +1,106 @@
+"""Conclusion of the calculation for approval: worst condition of every limit, instructions, what is not covered."""
+
+import numpy as np
+import pytest
+from test_document import blocks, of, rows
+
+import torsionnet as tn
+from torsionnet.report import make_report
+from torsionnet.report.document_tree import Listing, Paragraph, TableBlock
+from torsionnet.response.limits.limit_check import GRAVITY
+from torsionnet.response.limits.limit_conclusion import LimitConclusion
+
+SHIP = """torsionnet: 1
+name: ship
+elements:
+  engine: {type: inertia, node: e, inertia: 5000}
+  front: {type: shaft, nodes: [e, f], outer_diameter: 300 mm, length: 3 m, inertia: none}
+  flange: {type: inertia, node: f, inertia: 100}
+  tail: {type: shaft, nodes: [f, p], outer_diameter: 300 mm, length: 4 m, inertia: none}
+  screw: {type: inertia, node: p, inertia: 3000}
+  water: {type: damper, nodes: [p, ground], damping: 4000}
+  slip: {type: damper, nodes: [f, p], damping: 20000}
+speeds: {of: e, range: 40..120 rpm, step: 4 rpm, rated: 110 rpm}
+excitations:
+  gas: {type: harmonic, node: e, orders: {6: {amplitude: 9 kN*m}}}
+limits:
+  tail: {rule: curve, output: torque(tail), value: 60 kN*m, source: own}
+  front_torque: {rule: curve, output: torque(front), value: 90 kN*m, source: own}
+configurations:
+  firing:
+    normal: {}
+    weak: {gas.orders: {6: {amplitude: 5 kN*m}}}
+"""
+
+
+@pytest.fixture(scope="module")
+def ship():
+    return tn.loads(SHIP)
+
+
+@pytest.fixture(scope="module")
+def report(ship):
+    return make_report(ship, kind="approval", sections=["conclusion"], date=None)
+
+
+def largest(ship, limit):
+    """Largest utilisation over all conditions with its condition and speed in rpm, from the checks' own arrays."""
+    found = []
+    for name in ship.configurations:
+        check = ship.configured(name).check_limits(limit)
+        (verdict,) = check.verdicts
+        share = verdict.values / verdict.allowed
+        at = int(np.argmax(share))
+        found.append((float(share[at]), name, float(check.rpm[at]), float(verdict.values[at])))
+    return max(found)
+
+
+def test_each_component_has_its_worst_condition(ship, report):
+    table = of(TableBlock, blocks(report, "conclusion"))[0]
+    heads = [str(column.text) for column in table.columns]
+    for row in rows(table):
+        cells = dict(zip(heads, row, strict=True))
+        share, name, rpm, value = largest(ship, "tail" if cells["Component"].startswith("tail") else "front_torque")
+        assert cells["Worst condition"] == name == "normal"
+        assert float(cells["Speed"]) == pytest.approx(rpm, rel=1e-2)
+        assert float(cells["Value"]) == pytest.approx(value / 1e3, rel=1e-2)
+        assert float(cells["Utilisation"]) == pytest.approx(100 * share, rel=1e-2)
+
+
+def test_verdict_is_the_gravest_of_any_condition(ship):
+    checks = tuple(ship.configured(name).check_limits() for name in ship.configurations)
+    for worst in LimitConclusion(checks).worst():
+        those = [one.verdict for check in checks for one in check.verdicts if one.limit == worst.verdict.limit]
+        assert worst.gravest == max(those, key=GRAVITY.index)
+
+
+def test_what_is_not_covered_names_shafts_without_a_limit():
+    limited = tn.loads(
+        SHIP.replace(
+            "  front_torque:",
+            "  shaft: {rule: iacs_m68, element: tail, shaft: propeller, feature: keyless, material: carbon, "
+            "tensile_strength: 560 MPa}\n  front_torque:",
+        )
+    )
+    (listed,) = of(
+        Listing, blocks(make_report(limited, kind="approval", sections=["conclusion"], date=None), "conclusion")
+    )[1:]
+    assert ("Shafts without a limit, which are not judged: front.",) in listed.items
+
+
+def test_conditions_left_out_are_no_pass(ship):
+    found = make_report(ship, kind="approval", sections=["conclusion"], configurations=["weak"], date=None)
+    assert "1 of 2 configurations not examined: normal" in str(of(Listing, blocks(found, "conclusion"))[0].items)
+    assert "incomplete" in str(of(Paragraph, blocks(found, "conclusion"))[0])
+
+
+def test_distances_from_rated_speed(ship):
+    found = make_report(ship, kind="approval", sections=["resonances"], date=None)
+    (text,) = [
+        note[0] for table in of(TableBlock, blocks(found, "resonances")) for note in table.notes if "rated" in str(note)
+    ]
+    critical = next(
+        one for one in ship.configured("normal").critical_speeds().crossings if one.order == 6 and one.mode.number == 1
+    )
+    share = 100 * (critical.speed("natural") * 30 / np.pi / 110 - 1)
+    assert f"gas 6 {share:+.1f} %".replace("-", "\N{MINUS SIGN}") in text
