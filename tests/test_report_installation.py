@@ -128,7 +128,7 @@ class TestMassElastic:
         assert [row[1] for row in lines[:-1]] == [row.node.replace("_", " ") for row in found.rows]
         assert f"{found.total_inertia:.5g}" in lines[-1]
         notes = " ".join(str(note) for note in shown.notes)
-        assert "k of rubber: 20 kN·m/rad in rubber=warm." in notes
+        assert "k of rubber: 26 kN·m/rad in rubber=cold." in notes
         assert "Without pump in pump=off" in notes
 
     def test_columns_of_speed_only_where_speeds_differ(self):
