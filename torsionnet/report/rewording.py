@@ -47,8 +47,10 @@ REWORDED_COLUMNS = {
     "Of",
     "Property",
     "Quantity",
+    "Speeds not permitted",
     "Type",
     "Verdict",
+    "What it sets",
 }
 """Headings of columns whose cells hold words of the report, not of the model."""
 

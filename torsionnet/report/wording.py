@@ -32,6 +32,10 @@ from torsionnet.model.given_values import has_own_column
 
 PLACEHOLDER = re.compile(r"\{(\w+)\}")
 """Regular expression of the place in a text at which something is inserted, such as ``{name}``."""
+CONTINUED = r"(?:(?:[,;:]| in | of | at | for | \().*?)?"
+"""Regular expression of what continues a sentence right behind a name that is inserted, or of nothing."""
+FEWEST_WORDS = 2
+"""Number of words from which on an inserted text is a phrase of the report; names of a model are mostly one word."""
 REPORTED_ENTRIES = (QuantityKind, Value, Teeth, Count, OneOf, TableEntry, Characteristic, LookupCurve)
 """Kinds of entries that a report on a model has a row for; an entry of several values has a row for each."""
 LIST_OF_TEXTS = 'the page "A report in your own words" lists them'
@@ -109,16 +113,31 @@ class Wording:
         return [(_pattern(text), self.texts[text]) for text in found]
 
     def _inserted(self, text: str) -> str:
-        """Inserted text in other words where it continues the sentence of the report.
+        """Inserted text in other words where it continues the sentence of the report, or is a phrase of it.
 
-        A name from the model stays as it is.
+        A name from the model stays as it is: a phrase has several words of its own.
         """
-        return self(text) if text[:1] in (" ", ",", ";") else text
+        if text[:1] in (" ", ",", ";"):
+            return self(text)
+        if text in self.texts:
+            return self.texts[text] if _is_phrase(text) else text
+        for pattern, said in self._patterns:
+            if _is_phrase(pattern.pattern) and (found := pattern.fullmatch(text)):
+                return self._filled(said, found.groupdict())
+        return text
+
+
+def _is_phrase(text: str) -> bool:
+    """Whether a text, or the regular expression of one, has at least two words beside what is inserted."""
+    return len(re.findall(r"[^\W\d_]{2,}", re.sub(r"\(\?P<\w+>\.\*\?\)", "", text))) >= FEWEST_WORDS
 
 
 def _pattern(text: str) -> re.Pattern[str]:
     literal, *rest = PLACEHOLDER.split(text)
-    parts = (f"(?P<{name}>.*?){re.escape(after)}" for name, after in zip(rest[::2], rest[1::2], strict=True))
+    # What is inserted right behind another place begins with a sign, as " in ..." does, or is not there.
+    any_text = [".*?" if before else CONTINUED for before in ["-", *rest[1:-1:2]]]
+    places = zip(rest[::2], any_text, rest[1::2], strict=True)
+    parts = (f"(?P<{name}>{some}){re.escape(after)}" for name, some, after in places)
     return re.compile(re.escape(literal) + "".join(parts), re.DOTALL)
 
 

@@ -72,7 +72,7 @@ def _with_limits(subject: ReportData, found: GoverningPeaks) -> list[Block]:
         "misfire only orders that are larger there. "
     )
     rest = f"Every other order uses less at all speeds: {first_names(list(map(as_words, found.others)), 30)}."
-    blocks: list[Block] = [Paragraph((rule + (rest if found.others else ""),))]
+    blocks: list[Block] = [Paragraph((rule, *([rest] if found.others else [])))]
     if not found.peaks:
         return blocks
     columns = (
