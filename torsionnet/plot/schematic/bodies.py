@@ -17,7 +17,7 @@ WALL, LEADER = 18.0, 14.0  # points: half height of a wall or disc at the end of
 
 
 def draw_body(line: PlannedRow, disc: Element | None, hanging: Element | None) -> None:
-    """Draw a disc, an element to ground, or the element below the disc."""
+    """Draw a disc on the shaft and the element that hangs below it, either of which may be missing."""
     above = line.plan.texts(disc) if disc else []
     below = line.plan.texts(hanging) if hanging else []
     scale, piece = line.plan.scale, Piece()
@@ -52,7 +52,7 @@ def _hang(line: PlannedRow, piece: Piece, element: Element, y: float, texts: Tex
 
 
 def _tapped(line: PlannedRow, piece: Piece, element: Element, y: float) -> float:
-    """Draw the torque marks of an element one below the other, and return the y where the element begins."""
+    """Draw torque marks of an element one below the other, and return the y in points where the element begins."""
     for tap in line.plan.sensors_on(element):
         mark = tap.mark(alone=True)
         texts = mark.texts

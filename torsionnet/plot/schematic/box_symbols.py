@@ -34,7 +34,7 @@ def box_symbol(element: BoxElement, x: float, y: float) -> list[Stroke]:
 
 
 def gearbox_symbol() -> list[Stroke]:
-    """Symbol of a gearbox: two shafts with three pairs of wheels."""
+    """Strokes of the symbol of a gearbox: two shafts with three pairs of wheels."""
     shafts = [Stroke(((-22, y), (22, y)), "part") for y in (9, -9)]
     pairs = ((-13, 6.5), (0, 9.0), (13, 11.5))
     wheels = []
@@ -47,7 +47,7 @@ def gearbox_symbol() -> list[Stroke]:
 
 
 def belt_symbol() -> list[Stroke]:
-    """Symbol of a belt: two pulleys with the belt around them, seen along their axes."""
+    """Strokes of the symbol of a belt: two pulleys with the belt around them, seen along their axes."""
     (left, big), (right, small) = (-11.0, 11.0), (14.0, 7.0)
     tilt = math.degrees(math.asin((big - small) / (right - left)))
     around = (
@@ -60,7 +60,7 @@ def belt_symbol() -> list[Stroke]:
 
 
 def hydrodynamic_symbol() -> list[Stroke]:
-    """Symbol of a fluid coupling or torque converter: two half shells face to face, with blades."""
+    """Strokes of the symbol of a fluid coupling or torque converter: two half shells face to face, with blades."""
     found: list[Stroke] = []
     for sign in (-1, 1):
         shell = tuple((sign * (x + 2), y) for x, y in arc(0, 0, 14, 18, -90, 90, 20))
@@ -74,11 +74,14 @@ SHARED_SYMBOLS: dict[str, Callable[[], list[Stroke]]] = {
     "belt": belt_symbol,
     "hydrodynamic": hydrodynamic_symbol,
 }
-"""Symbols that are used in boxes and in elements between two ends, by the element's ``glyph``."""
+"""Functions that draw symbols used in boxes and between two ends, by the element's ``glyph``."""
 
 
 def planetary_symbol(x: float, y: float, planets: int = 3) -> list[Stroke]:
-    """Symbol of a planetary set seen along the axis; the carrier is the star that joins the planets' axles."""
+    """Strokes of the symbol of a planetary set seen along the axis, around (x, y) in points.
+
+    The carrier is the star that joins the planets' axles.
+    """
     count = max(1, min(planets, MOST_PLANETS))
     orbit = (ROOT + SUN) / 2
     angles = [math.pi / 2 + 2 * math.pi * i / count for i in range(count)]
@@ -93,7 +96,10 @@ def planetary_symbol(x: float, y: float, planets: int = 3) -> list[Stroke]:
 
 
 def differential_symbol(x: float, y: float, *, locked: bool = False) -> list[Stroke]:
-    """Symbol of a differential: side gears and pinions in a cage, with a bar between the side gears if locked."""
+    """Strokes of the symbol of a differential, around (x, y) in points.
+
+    Side gears and pinions in a cage, with a bar between the side gears if locked.
+    """
     cage = Stroke(_rectangle(x, y, 23, 21), "part", closed=True, fill="#ffffff")
     sides = [_bevel(x, y, sign, level=True) for sign in (-1, 1)]
     pinions = [_bevel(x, y, sign, level=False) for sign in (-1, 1)]

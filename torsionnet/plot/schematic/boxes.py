@@ -52,7 +52,7 @@ def draw_box(
 def _ports_below(
     line: PlannedRow, vertex: Vertex, element: BoxElement, leaving: Sequence[tuple[Link, Vertex]]
 ) -> dict[str, Any]:
-    """Ports at the lower edge of a box with what is drawn there: another line, a loop, or None for ground."""
+    """Target of each port at the lower edge of a box, by name of the port: another line, a loop, or None for ground."""
     below: dict[str, Any] = {link.port: child for link, child in leaving}
     below |= {link.port: (number, link, end) for number, link, end in line.plan.loops.get(vertex, ())}
     return below | {port: None for port, node in element.ports.items() if node == "ground"}
@@ -72,7 +72,7 @@ def _port(line: PlannedRow, x: float, use: Any) -> None:
 
 
 def _loop(line: PlannedRow, number: int, link: Link, end: Vertex) -> Piece:
-    """Piece of shaft with a loose end, for a port in a loop."""
+    """Drawing of the piece of shaft with a loose end at the port of a box whose link closes a loop."""
     piece = type(line)(line.plan, wall=6.0)
     piece.block.line((0, 0), (STUB, 0))
     piece.x = STUB

@@ -20,29 +20,33 @@ SMALLEST_WHEEL_RATIO = 0.45
 """Least radius of a drawn wheel over that of its mate, whatever the gear ratio; below, it would be a dot."""
 
 UP_IF = 0.6
-"""Way up over way down below which a branch goes up; a larger value moves more branches above their line."""
+"""Ratio of the distance upwards to that downwards below which a branch is drawn above its line; a larger value moves
+more branches above their line."""
 
 
 @dataclass(frozen=True)
 class GearPair:
-    """Gear pair between a line and a branch that leaves it."""
+    """Gear pair of a schematic, between a line and a branch that leaves the line."""
 
     element: Element
     offset: float
-    """Points from the start of the branch to the middle of the wheels."""
+    """Horizontal distance in points (1/72 inch) from the start of a branch to the middle of its gear wheels."""
     texts: Sequence[tuple[str, str]]
     child_over_parent: float
-    """Radius of the wheel on the branch over that of its mate."""
+    """Radius of the gear wheel on the branch over that of the wheel on the parent line."""
 
     @property
     def compliant(self) -> bool:
-        """Whether the mesh of the gears has a stiffness."""
+        """Whether the mesh of the gear pair has a stiffness."""
         return getattr(self.element, "stiffness", None) is not None
 
 
 @dataclass(frozen=True)
 class BranchStart:
-    """Branch to be placed that leaves a line at (x, y): a line, given by its first vertex, or a finished piece."""
+    """Branch still to be placed, with the point (x, y) in points at which it leaves its line.
+
+    A line, given by its first vertex, or a finished piece.
+    """
 
     x: float
     y: float
@@ -51,23 +55,23 @@ class BranchStart:
 
     @property
     def last(self) -> float:
-        """Horizontal place, in points, of the last gear pair, or of the wire."""
+        """Horizontal place in points of the last gear pair of the branch, or of its wire if it has no gears."""
         return self.x + (self.stages[-1].offset if self.stages else 0.0)
 
 
 @dataclass(frozen=True)
 class Branch:
-    """Branch with its finished piece that leaves a line at (x, y)."""
+    """Branch with its finished drawing, and the point (x, y) in points at which it leaves its line."""
 
     x: float
     y: float
     block: Piece
     stages: tuple[GearPair, ...] = ()
     up_if: float = UP_IF
-    """Way up over way down up to which the branch goes up; 0: never up."""
+    """Ratio of the distance upwards to that downwards up to which the branch is drawn above its line; 0: never up."""
 
     def connector(self, distance: float) -> Piece:
-        """Wire or gear wheels that join the line with its branch at a distance below, above if negative."""
+        """Drawing of the wire or gear wheels between a line and its branch at a distance in points, negative above."""
         block = Piece()
         if not self.stages:
             block.line((self.x, self.y), (self.x, -distance))
@@ -111,7 +115,7 @@ def _wheels(block: Piece, stage: GearPair, x: float, distance: float) -> None:
 
 
 def place_branches(base: Piece, drops: Sequence[Branch], *, may_rise: bool) -> None:
-    """Add branches to a line at the nearest free places, the rightmost first, so that others pass to its left."""
+    """Add branches to the drawing of a line at the nearest free places, from the rightmost to the leftmost."""
     for drop in reversed(drops):
         down = _distance(base, drop, 1)
         up = _distance(base, drop, -1) if may_rise and drop.up_if and drop.y == 0 else FARTHEST
@@ -123,7 +127,7 @@ def place_branches(base: Piece, drops: Sequence[Branch], *, may_rise: bool) -> N
 
 
 def _distance(base: Piece, drop: Branch, sign: int) -> float:
-    """Least distance at which neither a branch nor its connector meets anything, in points."""
+    """Least distance in points at which neither a branch nor its connector meets anything drawn before."""
     taken = box_array([*base.boxes, *base.wires])
     # The line itself lies between the wheels and below the start of a wire: that is no collision.
     own = [box for box in base.wires if box[2] < drop.y < box[3] or box[2] < 0 < box[3]]
@@ -147,7 +151,7 @@ def _distance(base: Piece, drop: Branch, sign: int) -> float:
 
 
 def _below(base: Piece, drop: Branch) -> float:
-    """Distance of a branch below everything else, for a connector that has to cross something."""
+    """Distance in points of a branch placed below all that is drawn, for a connector that has to cross something."""
     _, _, bottom, _ = base.extent
     _, _, _, top = drop.block.extent
     return top - bottom + STEP

@@ -31,7 +31,10 @@ TALLEST_FIGURE = 24.0
 
 
 def figure_of_drawing(block: Piece, extent: Box) -> Figure:
-    """Figure of a drawing within the extent: one axes without ticks whose unit is a point."""
+    """Figure of a drawing, as large as its extent, edges x0, x1, y0, y1 in points.
+
+    One axes without ticks whose unit is a point.
+    """
     figure, axes, scale = _canvas(extent)
     for order, stroke in enumerate(block.strokes):
         _draw(axes, stroke, scale, order)

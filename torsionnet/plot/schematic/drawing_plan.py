@@ -23,11 +23,12 @@ if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
 
 MOST_NAMED_NODES = 40
-"""Nodes up to which elements have names and values; above, only nodes are named, in smaller symbols."""
+"""Largest number of nodes with which the elements of a schematic have names and values; above, only nodes are named, in
+smaller symbols."""
 
 SMALL_DISC, LARGE_DISC = 15.0, 34.0  # points: half heights of the discs of the smallest and largest inertia
 COMPACT_SCALE = 0.6
-"""Size of the symbols in a drawing of many nodes over the usual size."""
+"""Size of the symbols in a drawing of many nodes, as a multiple of the usual size."""
 
 Pairs: TypeAlias = list[tuple[Element | None, Element | None]]
 
@@ -46,16 +47,16 @@ class DrawingPlan:
     loops: dict[Vertex, list[tuple[int, Link, Vertex]]] = field(default_factory=dict)
     """Links that close loops as (number, link, other end), by the vertex from which they are drawn."""
     targets: dict[str, list[int]] = field(default_factory=dict)
-    """Numbers of the loops that end at a node."""
+    """Numbers of the loops that end at a node, by node."""
 
     @property
     def scale(self) -> float:
-        """Size of the symbols over the usual size."""
+        """Size of the symbols as a multiple of the usual size."""
         return COMPACT_SCALE if self.compact else 1.0
 
     @cached_property
     def homes(self) -> dict[str, str]:
-        """Drawn node at which the inputs and sensors of each hidden node stand, by hidden node.
+        """Name of the drawn node at which inputs and sensors of a hidden node stand, by hidden node.
 
         Stations within a shaft go to the shaft's first end, planets to the carrier.
         """
@@ -80,12 +81,12 @@ class DrawingPlan:
 
     @cached_property
     def inputs(self) -> dict[str, list[tuple[str, str]]]:
-        """Name and description of the inputs on a node, by node."""
+        """Pairs (name, description) of the inputs on each node, by node."""
         return self._by_node((name, _input_words(given), given.of) for name, given in self.drivetrain.inputs.items())
 
     @cached_property
     def reactions(self) -> dict[str, list[tuple[str, str]]]:
-        """Name and description of the inputs between two nodes, by their second node."""
+        """Pairs (name, description) of the inputs between two nodes, by the second node."""
         return self._by_node(
             (name, f"of {given.of}", given.against)
             for name, given in self.drivetrain.inputs.items()
@@ -94,7 +95,7 @@ class DrawingPlan:
 
     @cached_property
     def motions(self) -> dict[str, list[tuple[str, str]]]:
-        """Name and quantity of the sensors of a node's motion, by node."""
+        """Pairs (name, quantity) of the sensors of a node's motion, by node."""
         return self._by_node(
             (name, f"{sensor.quantity}{f' against {sensor.against}' if sensor.against else ''}", sensor.of)
             for name, sensor in self.drivetrain.sensors.items()
@@ -102,7 +103,10 @@ class DrawingPlan:
         )
 
     def _by_node(self, channels: Iterable[tuple[str, str, str]]) -> dict[str, list[tuple[str, str]]]:
-        """Names and descriptions of channels by drawn node; the description names a node that is hidden."""
+        """Pairs (name, description) of inputs or sensors, by the drawn node at which they stand.
+
+        The description names a node that is hidden.
+        """
         found: dict[str, list[tuple[str, str]]] = {}
         for name, what, node in channels:
             text = f"{what} at {node}" if node in self.homes else what
@@ -126,7 +130,7 @@ class DrawingPlan:
         return [tap for taps in self.taps.values() for tap in taps if tap.element == element.name]
 
     def is_drawn_beside(self, tap: Tap, node: str) -> bool:
-        """Whether a sensor is on an element that leads on from a node, and is drawn beside that element."""
+        """Whether a sensor belongs to an element that leads on from a node, and is drawn beside that element."""
         return any(is_on_link(tap, link) for link in self._links[node])
 
     @cached_property
@@ -139,7 +143,7 @@ class DrawingPlan:
         return found
 
     def bodies(self, node: str, *, at_end: bool) -> tuple[Pairs, Element | None]:
-        """Discs at a node with the elements that hang below them, and the element to ground that ends the line."""
+        """Pairs of a disc at a node and the element hanging below it, and the element to ground that ends the line."""
         attached = self.found.attached[node]
         discs = [element for element in attached if element.glyph == "disc"]
         others = [element for element in attached if element.glyph != "disc"]
@@ -148,12 +152,12 @@ class DrawingPlan:
         return list(zip_longest(discs, hanging)), last
 
     def node_texts(self, node: str) -> Texts:
-        """Label of a node: its name, with the gears whose housing it is."""
+        """Lines of the label of a node: its name, with the gears whose housing it is."""
         gears = self.housings.get(node, []) if not self.compact else []
         return break_lines([*([(f"housing of {', '.join(gears)}", "what")] if gears else []), (node, "node")])
 
     def texts(self, element: BoxElement) -> Texts:
-        """Label of an element: its name and main values."""
+        """Lines of the label of an element: its name and main values."""
         if self.compact:
             return []
         if isinstance(element, PartBox):
@@ -170,7 +174,7 @@ class DrawingPlan:
 
 
 def _taken(element: Element, at: str | None) -> tuple[str, str]:
-    """Port and node at which a torque sensor is drawn: its own, unless that is the ground."""
+    """Names of the port and the node at which a torque sensor is drawn: its own, unless that is the ground."""
     ports = list(element.ports.items())
     return next(((port, node) for port, node in ports if at in (port, node) and node != GROUND),
                 next(pair for pair in ports if pair[1] != GROUND))  # fmt: skip
@@ -191,7 +195,7 @@ def make_plan(drivetrain: Drivetrain, page: float) -> tuple[DrawingPlan, list[Tr
 
 
 def disc_sizes(drivetrain: Drivetrain, scale: float) -> dict[str, float]:
-    """Half heights of discs in points, by name of the element, between two limits by the logarithm of the inertia."""
+    """Half heights of discs in points by name of the element, which grow with the logarithm of the inertia."""
     discs = [element for element in drivetrain.elements.values() if element.glyph == "disc"]
     values = {element.name: inertia_of(element, drivetrain.exact_values) for element in discs}
     logs = {name: math.log10(value) for name, value in values.items() if value > 0}
@@ -212,6 +216,6 @@ def inertia_of(element: Element, values: Mapping[str, Any]) -> float:
 
 
 def _input_words(channel: Input) -> str:
-    """Description of an input beside its arrow, as "torque against motor"."""
+    """Words beside the arrow of an input in a schematic, such as "torque against motor"."""
     what = {"torque": "torque", "angle": "imposed angle"}[channel.quantity]
     return what if channel.against is None else f"{what} against {channel.against}"

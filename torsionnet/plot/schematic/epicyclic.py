@@ -33,12 +33,12 @@ class EpicyclicSet:
 
     @property
     def internal_nodes(self) -> tuple[str, ...]:
-        """Nodes inside the box, which are not drawn: the planets."""
+        """Names of the nodes inside the box of a planetary set, which are not drawn: the planets."""
         return self.planets
 
     @property
     def elements(self) -> tuple[Element, ...]:
-        """Elements inside the box: meshes, and bodies of the planets."""
+        """Elements inside the box of a planetary set: meshes, and bodies of the planets."""
         return (*self.sun_meshes, *self.ring_meshes, *self.bodies)
 
 
@@ -82,7 +82,7 @@ def _at_nodes(elements: Iterable[Element]) -> dict[str, list[Element]]:
 
 
 def _meshes(node: str, elements: list[Element], values: Mapping[str, Any]) -> tuple[Element, Element] | None:
-    """Meshes of a planet with its sun (external) and its ring (internal); None if the node is no planet."""
+    """Gear pairs of a planet with its sun (external) and with its ring (internal); None if the node is no planet."""
     gears = [element for element in elements if isinstance(element, Gear)]
     alone = all(element in gears or _is_alone(element) for element in elements)
     if len(gears) != MESHES_OF_PLANET or not alone or len({gear.housing for gear in gears}) > 1:
@@ -97,7 +97,7 @@ def _meshes(node: str, elements: list[Element], values: Mapping[str, Any]) -> tu
 
 
 def _is_alone(element: Element) -> bool:
-    """Whether an element is on a single node."""
+    """Whether an element acts on a single node."""
     return len([node for node in dict.fromkeys(element.ports.values()) if node != GROUND]) == 1
 
 

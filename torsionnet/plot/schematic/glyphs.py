@@ -152,7 +152,7 @@ _MACHINES: dict[str, Callable[[], Glyph]] = {
     "controller": _controller,
     "sheet": _sheet,
 }
-"""Symbols that depend on no value of the element, by its ``glyph``."""
+"""Functions that draw the symbols of elements whatever their values, by the element's ``glyph``."""
 _INLINE: dict[str, Callable[[Element, Mapping[str, Any]], Glyph]] = {
     "disc": _disc,
     "spring": _spring,
@@ -168,7 +168,7 @@ _INLINE: dict[str, Callable[[Element, Mapping[str, Any]], Glyph]] = {
 
 
 def inline_glyph(element: Element, values: Mapping[str, Any]) -> Glyph:
-    """Symbol of an element between two ends."""
+    """Symbol of an element as a schematic draws it between two ends."""
     if element.glyph in _MACHINES:
         return _MACHINES[element.glyph]()
     return _INLINE.get(element.glyph, _other)(element, values)

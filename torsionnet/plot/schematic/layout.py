@@ -34,27 +34,29 @@ PAGE_WIDTH = 545.0
 """Width of a drawing in points unless another is asked for."""
 
 MARGIN = 24.0
-"""Points at the sides for the lines that lead from one piece of a cut line to the next."""
+"""Width in points at each side for the lines that lead from one piece of a cut line to the next."""
 
 WIRE_ROOM = 30.0
-"""Points at the sides for wires that close loops."""
+"""Width in points kept free at the sides for wires that close loops."""
 
 NARROWEST_BRANCH = 0.45
-"""Share of the page's width below which a branch that has to be cut begins a band of its own instead."""
+"""Least room beside a line, as a share of the page's width, for a branch that has to be cut into pieces."""
 
 UP_IF_CUT = 1.5
-"""``UP_IF`` of loops on a line that goes on below: a larger value leads more of them above the line, out of its way."""
+"""Ratio of ways up and down below which a loop on a line that goes on below is drawn above the line: a larger value
+leads more of them above the line, out of its way."""
 INDENT = 26.0
-"""Points by which the pieces of a line behind gears are indented, to stay clear of the wheels."""
+"""Width in points by which the pieces of a line behind gears are indented, to stay clear of the wheels."""
 
 
 TIP, HALF, PAD = 5.0, 7.0, 10.0  # points: tip of a flag, half its height, room beside its text
 LONGEST_FLAG = 24
-"""Characters of a name on a flag; the rest is cut off."""
+"""Largest number of characters of a node's name on a flag, the sign where a branch is drawn elsewhere; the rest is cut
+off."""
 
 
 def layout_bands(drivetrain: Drivetrain, page: float = PAGE_WIDTH) -> list[list[Piece]]:
-    """Bands of drawing of each connected part, from top to bottom, for a page width in points."""
+    """Drawings of the lines of each connected part, from top to bottom, for a page width in points."""
     plan, grown = make_plan(drivetrain, page)
     if plan.loops:
         plan.page -= WIRE_ROOM
@@ -62,7 +64,10 @@ def layout_bands(drivetrain: Drivetrain, page: float = PAGE_WIDTH) -> list[list[
 
 
 class PartLayout:
-    """Layout of one connected part: its lines, their widths, and the lines that wait for a band of their own."""
+    """Layout of one connected part of a drivetrain in a schematic.
+
+    Its lines, their widths, and the lines that wait for a band of their own.
+    """
 
     def __init__(self, tree: Tree, plan: DrawingPlan) -> None:
         self.tree: Tree = tree
@@ -76,7 +81,7 @@ class PartLayout:
             self._measure(head)
 
     def _measure(self, head: Vertex) -> None:
-        """Measure the widths of a line whose branches have been measured before."""
+        """Measure the widths of a line of the schematic, after those of its branches."""
         self._steps(head)
         room = self.plan.page - MARGIN - INDENT
         wide = zip(self.routes[head].vertices, self.steps[head], strict=True)
@@ -94,7 +99,7 @@ class PartLayout:
         self.steps[head] = [self._step(line, route.cut(place, place + 1)) for place in range(len(route.vertices))]
 
     def _step(self, line: ShaftLine, route: LineRoute) -> RouteStep:
-        """Draw one vertex of a line, and return the room it took."""
+        """Draw one node or box of a line, and return the widths in points that it takes."""
         start, boxes, columns, exits = line.x, len(line.block.boxes), len(line.columns), len(line.exits)
         self._fill(line, route)
         taken = [*line.block.boxes[boxes:], *line.columns[columns:]]
@@ -105,7 +110,7 @@ class PartLayout:
         return RouteStep(line.x - start, max(0.0, left), max(0.0, right), tuple(leaving))
 
     def bands(self) -> list[Piece]:
-        """Drawings of the main line and of the branches that had no room beside it."""
+        """Drawings of the main line, and of each branch for which there was no room beside its own line."""
         found = []
         while self.waiting:
             head = self.waiting.popleft()
@@ -125,7 +130,7 @@ class PartLayout:
         return self._route(head, self.plan.page, top=True, begun=line)
 
     def _route(self, head: Vertex, room: float, *, top: bool = False, begun: ShaftLine | None = None) -> Piece:
-        """Drawing of a line with all its branches, cut into pieces if it is wider than the room."""
+        """Drawing of a line with all its branches, cut into pieces if it is wider than a room in points."""
         route = self.routes[head]
         start = begun.x if begun is not None else self.starts[head]
         indent = INDENT if begun is None and route.incoming is not None and route.incoming.is_gear else 0.0
@@ -164,7 +169,7 @@ class PartLayout:
         )
 
     def _settled(self, leaving: BranchStart, room: float, loops_up_if: float) -> Branch:
-        """Branch with its drawing: the line itself, or a flag if there is no room for the line."""
+        """Branch with its finished drawing: the line itself, or a flag if there is no room for the line."""
         x, y, what, stages = leaving.x, leaving.y, leaving.what, leaving.stages
         if isinstance(what, Piece):
             return Branch(x, y, what, stages, up_if=loops_up_if)
@@ -178,13 +183,13 @@ class PartLayout:
         return Branch(x, y, block, stages)
 
     def _shared_node(self, head: Vertex) -> str:
-        """Node named on the flags of a line that begins a band of its own."""
+        """Name of the node on the flags that mark where a branch leaves its line and where it is drawn instead."""
         route = self.routes[head]
         shaft = route.incoming is not None and route.incoming.elements and not route.incoming.is_gear
         return route.parent.name if shaft and route.parent is not None else head.name
 
     def _may_be_cut(self, head: Vertex, room: float) -> bool:
-        """Whether a line has to be cut even on a page of its own, and needs no more pieces in the room given."""
+        """Whether a line too wide for a page needs no more pieces in a room, in points, than on a whole page."""
         steps, start = self.steps[head], self.starts[head]
         if room < max(NARROWEST_BRANCH * self.plan.page, start, *(step.whole + MARGIN + INDENT for step in steps)):
             return False
@@ -196,7 +201,7 @@ class PartLayout:
 
 
 def _stacked(built: list[Piece], indent: float) -> Piece:
-    """Drawing of the pieces of a line below each other, joined by wires."""
+    """Drawing of the pieces of a cut line one below the other, joined by wires."""
     whole = built[0]
     for before, piece in pairwise(built):
         bottom = whole.extent[2]
@@ -211,7 +216,7 @@ def _stacked(built: list[Piece], indent: float) -> Piece:
 
 
 def _flag(block: Piece, x: float, text: str) -> float:
-    """Draw a flag with a text on the shaft at (x, 0), pointing to the right, and return the x where it ends."""
+    """Draw a flag with a text on the shaft from (x, 0) to the right, and return the x in points at its tip."""
     shown = text if len(text) <= LONGEST_FLAG else text[: LONGEST_FLAG - 1] + "…"
     end = x + text_width(shown, "what") + 2 * TIP + PAD
     outline = ((x, -HALF), (end - TIP, -HALF), (end, 0.0), (end - TIP, HALF), (x, HALF))

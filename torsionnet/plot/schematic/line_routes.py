@@ -15,31 +15,32 @@ PIECE, MISPLACED, LATE = 2e4, 1e6, 30.0
 
 @dataclass(frozen=True)
 class LineRoute:
-    """Vertices and links of a line, and the link by which it leaves its parent."""
+    """Nodes and boxes (vertices) and links of one line of a schematic, and the link by which it leaves its parent."""
 
     incoming: Link | None
     parent: Vertex | None
     vertices: tuple[Vertex, ...]
     links: tuple[Link, ...]
-    """Links between the vertices, and the link at which the line is cut, if it goes on."""
+    """Links between the vertices of the line, and, if it is cut behind the last one, the link at the cut."""
     before: Link | None = None
-    """Link at the cut before the first vertex."""
+    """Link at which the line is cut before its first vertex, None if it begins there."""
     shares: tuple[tuple[int, int], ...] = ()
-    """Number and count of the parts of each vertex that is split over several; empty: all are whole."""
+    """Share of each vertex drawn at its place, as index of the part from 0 and number of parts; empty: all are
+    whole."""
 
     def share(self, place: int) -> tuple[int, int]:
-        """Number of the part at a place of the line, and count of parts of its vertex."""
+        """Share of a node drawn at a place of the line, as index of the part from 0 and number of parts."""
         return self.shares[place] if self.shares else (0, 1)
 
     def cut(self, first: int, last: int) -> LineRoute:
-        """Piece of the route from vertex ``first`` up to ``last``, with the link after it."""
+        """Route of a piece of the line, from the vertex with index ``first`` to the one before ``last``."""
         before = self.links[first - 1] if first else self.before
         incoming = None if first else self.incoming
         shares = self.shares[first:last]
         return LineRoute(incoming, self.parent, self.vertices[first:last], self.links[first:last], before, shares)
 
     def split(self, crowded: Mapping[Vertex, int]) -> LineRoute:
-        """Copy of the route with crowded vertices split into several parts with a piece of shaft between them."""
+        """Copy of the route in which crowded nodes are split into several parts with a piece of shaft between them."""
         vertices: list[Vertex] = []
         links: list[Link] = []
         shares: list[tuple[int, int]] = []
@@ -52,14 +53,14 @@ class LineRoute:
 
 
 class BranchWidth(NamedTuple):
-    """Distance of a branch from the start of its step, and its width with all its own branches, in points."""
+    """Distance of a branch from the start of the node it leaves, and width with its own branches, in points."""
 
     x: float
     need: float
 
 
 class RouteStep(NamedTuple):
-    """Widths in points of one vertex of a line with the elements after it, and of texts beyond both sides."""
+    """Widths in points of one node of a line with the elements after it, and of texts beyond both sides."""
 
     width: float
     left: float
@@ -68,12 +69,12 @@ class RouteStep(NamedTuple):
 
     @property
     def whole(self) -> float:
-        """Width with the texts beyond both sides."""
+        """Width in points of a node of a line, with the texts beyond both sides."""
         return self.left + self.width + self.right
 
 
 def line_routes(tree: Tree) -> dict[Vertex, LineRoute]:
-    """Routes of the lines of a tree by their first vertex, those nearer to the root first."""
+    """Routes of the lines of a tree by the first vertex of each, lines nearer to the root first."""
     height = heights(tree)
     found: dict[Vertex, LineRoute] = {}
     heads: list[tuple[Link | None, Vertex | None, Vertex]] = [(None, None, tree.root)]
@@ -103,7 +104,10 @@ def line_width(start: float, steps: Sequence[RouteStep]) -> float:
 
 
 def piece_starts(start: float, steps: Sequence[RouteStep], room: float, margin: float) -> list[int]:
-    """Numbers of the steps at which the pieces of a cut line begin: few, of like width, with room for branches."""
+    """Indices of the nodes of a line (steps) at which the pieces of a cut line begin.
+
+    Few, of like width, with room for branches.
+    """
     if line_width(start, steps) <= room:
         return [0]
     narrow = room - margin
@@ -122,7 +126,10 @@ def piece_starts(start: float, steps: Sequence[RouteStep], room: float, margin: 
 
 
 def _firsts(steps: Sequence[RouteStep], end: int, room: float) -> list[int]:
-    """Numbers of the steps at which a piece that ends at ``end`` may begin to fit the room; at least one step."""
+    """Indices of the steps at which a piece that ends before step ``end`` may begin to fit a room in points.
+
+    At least one step.
+    """
     found = [end - 1]
     width = steps[end - 1].width + steps[end - 1].right
     for first in range(end - 2, -1, -1):
@@ -134,7 +141,7 @@ def _firsts(steps: Sequence[RouteStep], end: int, room: float) -> list[int]:
 
 
 def _cost(piece: Sequence[RouteStep], start: float, room: float) -> float:
-    """Cost of a piece of a line: empty room, squared, and branches that do not fit."""
+    """Cost in squared points of a piece of a cut line: empty room, squared, and branches that do not fit."""
     x, cost = max(start, piece[0].left), PIECE
     for step in piece:
         for leaving in step.leaving:

@@ -9,7 +9,7 @@ from torsionnet.plot.drawing.pieces import Piece, Stroke, Texts
 from torsionnet.plot.schematic.texts import break_lines
 
 TOPS = {"input": 19.0, "reaction": 19.0, "motion": 20.0, "torque": 20.0}
-"""Points above the shaft where the name of each kind of mark begins."""
+"""Heights in points above the shaft at which the name of a mark begins, by kind of mark."""
 
 ARROW = 17.0
 """Half the height of a torque arrow in points."""
@@ -46,5 +46,5 @@ class Mark:
 
     @property
     def texts(self) -> Texts:
-        """Label of the mark: name and description."""
+        """Lines of the label of the mark: name and description."""
         return break_lines([(self.name, "input" if self._is_arrow else "sensor"), (self.what, "what")])

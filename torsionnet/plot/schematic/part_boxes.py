@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PartBox(Element):
-    """Element that stands for the elements of a part in a schematic; it has no laws."""
+    """Box in a schematic that stands for all elements of one copy of a part; it has no laws."""
 
     glyph: ClassVar[str] = "part"
 

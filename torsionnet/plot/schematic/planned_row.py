@@ -16,16 +16,17 @@ if TYPE_CHECKING:
 
 
 MANY_MARKS, MARK_LIFT = 4, 22.0
-"""Marks in a row from which every other one is lifted, and points by which it is."""
+"""Number of marks in a row from which on every other one is raised, and the points by which it is raised."""
 
 
 FAR_OUT = 1e5
-"""Points beyond any drawing."""
+"""Coordinate in points beyond any drawing."""
 SIDE_GAP, VERTICAL_GAP = 7.0, 3.0
-"""Least points between neighbours, sideways and up or down."""
+"""Least distances in points between neighbouring pieces, sideways and up or down."""
 
 RECENT_BOXES = 120
-"""Last boxes that a new piece is checked against: more take time, fewer may let pieces overlap."""
+"""Number of last boxes of a row against which a new piece is checked for overlap: more take time, fewer may let pieces
+overlap."""
 
 
 class Row:
@@ -35,12 +36,12 @@ class Row:
         self.block = Piece()
         self.x = 0.0
         self.columns: list[Box] = []
-        """Areas kept free for branches: wires and wheels."""
+        """Areas of the row kept free for branches, as edges x0, x1, y0, y1 in points: wires and wheels."""
         self.wall = wall
         self.named_until = -FAR_OUT
 
     def put(self, piece: Piece, left: float, right: float, columns: Sequence[Box] = ()) -> float:
-        """Place a piece drawn around x = 0 behind the others, and return the x of its middle.
+        """Place a piece drawn around x = 0 behind the others, and return the x in points of its middle.
 
         ``left`` and ``right`` are the extents of its symbol, ``columns`` areas to be kept free around it.
         """
@@ -56,11 +57,11 @@ class Row:
         return x
 
     def keep_free(self, width: float) -> float:
-        """Keep a column of a width free above and below the row, and return the x of its middle."""
+        """Keep a column free above and below the row, its width in points, and return the x of its middle."""
         return self.put(Piece(), width / 2, width / 2, [(-width / 2, width / 2, -FAR_OUT, FAR_OUT)])
 
     def name(self, start: float, texts: Texts) -> float:
-        """Keep room above the row for the name of the symbols since ``start``, and return the x where it ends."""
+        """Keep room above the row for a name over the symbols from ``start``, and return the x in points behind it."""
         half = label_width(texts) / 2
         end = max(self.x, start + 14, 2 * (self.named_until + SIDE_GAP + half) - start, 2 * (self.wall + half) - start)
         middle = (start + end) / 2
@@ -93,14 +94,17 @@ class PlannedRow(Row):
         return marks_beside(self.plan.taps.get(node, ()), link, alone=alone) if link is not None else []
 
     def draw_marks_on_shaft(self, marks: Sequence[Mark]) -> None:
-        """Draw marks with the piece of shaft they stand on."""
+        """Draw marks of inputs and sensors, with the piece of shaft that they stand on."""
         start = self.x
         self.draw_marks(marks)
         if marks:
             self.block.line((start, 0), (self.x, 0))
 
     def draw_marks(self, marks: Iterable[Mark]) -> None:
-        """Draw marks on the shaft with their names above; of many, every other name stands higher."""
+        """Draw marks of inputs and sensors on the shaft, with their names above.
+
+        Of many, every other name stands higher.
+        """
         ordered = list(marks)
         for place, mark in enumerate(ordered):
             lift = MARK_LIFT if len(ordered) >= MANY_MARKS and place % 2 else 0.0

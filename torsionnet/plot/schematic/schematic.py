@@ -90,7 +90,7 @@ def _page(width: float) -> float:
 
 
 def _arranged(drivetrain: Drivetrain, page: float) -> Piece:
-    """Drawing of all connected parts, with the wires that close loops."""
+    """Drawing of all connected parts of a drivetrain, with the wires that close loops."""
     parts = []
     for bands in layout_bands(drivetrain, page):
         part = _packed(bands, page)

@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 
 
 GAP = 9.0
-"""Points between the texts of gears beside each other."""
+"""Distance in points between the texts of gears side by side."""
 
 
 Leaving: TypeAlias = Sequence[tuple[Link, Vertex]]
 NodeSymbol: TypeAlias = "Mark | tuple[Element | None, Element | None]"
-"""Mark on the shaft, or disc with the element that hangs below it."""
+"""Symbol at a node, a mark on the shaft or a disc with the element that hangs below it."""
 
 DrawBranch: TypeAlias = Callable[[BranchStart], Branch]
 """Function that returns the drawing of a branch."""
@@ -196,7 +196,7 @@ class ShaftLine(PlannedRow):
 
 
 def _between(plan: DrawingPlan, link: Link) -> tuple[Piece, float, list[Box]]:
-    """Drawing of the elements of a link around x = 0, its width, and the areas to be kept free."""
+    """Drawing of the elements of a link around x = 0, its width in points, and the areas to be kept free."""
     drawn = [inline_glyph(element, plan.drivetrain.exact_values).scaled(plan.scale) for element in link.elements]
     texts = [plan.texts(element) for element in link.elements]
     rails = 12.0 if len(drawn) > 1 else 0.0

@@ -39,7 +39,7 @@ def _ends(element: Element, values: Mapping[str, Any]) -> tuple[str, str]:
 
 
 def far_end(element: Element, values: Mapping[str, Any]) -> str:
-    """Node to which an element on one node leads: ground, its own mass, or empty if it leads nowhere."""
+    """Name of the node to which an element on one node leads: ground, its own mass, or empty if it leads nowhere."""
     parts = element.parts(Values(values))
     if GROUND in element.ports.values() or any(map(_resists_turning, parts)):
         return GROUND
@@ -56,7 +56,7 @@ def _resists_turning(part: Part) -> bool:
 
 
 def _edges(element: Element, values: Mapping[str, Any]) -> list[tuple[set[str], str]]:
-    """Pairs of nodes with "spring" or "damper" for each law that acts on the difference of two angles."""
+    """Pairs (two nodes, "spring" or "damper") for each law of an element on the difference of two angles."""
     found: list[tuple[set[str], str]] = []
     for part in element.parts(Values(values)):
         if isinstance(part, Law) and part.acts and len(part.row) in (1, 2) and not sum(_with_ground(part.row).values()):
@@ -67,12 +67,15 @@ def _edges(element: Element, values: Mapping[str, Any]) -> list[tuple[set[str], 
 
 
 def _with_ground(row: Mapping[str, Any]) -> dict[str, Any]:
-    """Coefficients of a twist by node, with that of ground, which rows of laws leave out."""
+    """Coefficients of a twist by node, with the coefficient of ground, which rows of laws leave out."""
     return dict(row) if len(row) > 1 else dict(row) | {GROUND: -next(iter(row.values()))}
 
 
 def _chain(node: str, first: str, second: str, edges: list[tuple[set[str], str]]) -> SeriesChain:
-    """Chain of two elements in series through an inner node; empty if more than two meet there."""
+    """Words for the two springs or dashpots in series, from one end of an element by an inner node to the other.
+
+    Empty if more than two meet there.
+    """
     ways = [[what for ends, what in edges if ends == {node, end}] for end in (first, second)]
     if any(len(way) != 1 for way in ways) or sum(node in ends for ends, _ in edges) != len(ways):
         return ()
@@ -80,7 +83,7 @@ def _chain(node: str, first: str, second: str, edges: list[tuple[set[str], str]]
 
 
 def chain_symbol(element: Element, values: Mapping[str, Any], plain: str) -> Glyph:
-    """Symbol of an element's chains between two rails, at least with a chain of the kind ``plain``."""
+    """Symbol of an element's springs and dashpots between two rails, with a chain of kind ``plain`` in any case."""
     found = parallel_chains(element, values)
     if not any(plain in chain for chain in found):
         found = [(plain,), *found]

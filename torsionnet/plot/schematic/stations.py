@@ -17,14 +17,17 @@ if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
 
 BRANCHING_ELEMENTS = 3
-"""Elements that lead on from a node from which it is a branching point."""
+"""Least number of elements leading on from a node that make it a branching point."""
 BRANCH_GAP = 0.7
-"""Additional distance between two branches, over the distance between nodes."""
+"""Additional distance between two branches, as a multiple of the distance between nodes."""
 
 
 @dataclass(frozen=True)
 class Station:
-    """Node at a place of the axis; ``again`` if a branch begins with the node of the main line repeated."""
+    """Node at a place x on the axis of a mode shape plot.
+
+    ``again`` if a branch begins with the node of the main line repeated.
+    """
 
     x: float
     node: str
@@ -33,7 +36,10 @@ class Station:
 
 @dataclass(frozen=True)
 class Join:
-    """Two stations beside each other joined by an element: a shaft, a gear (label: its ratio), or a box."""
+    """Connection of two neighbouring stations of a mode shape plot by an element.
+
+    A shaft, a gear (label: its ratio), or a box.
+    """
 
     first: int
     second: int
@@ -43,7 +49,7 @@ class Join:
 
 @dataclass
 class Axis:
-    """Stations from left to right, the elements that join them, and the borders between branches."""
+    """Axis of a mode shape plot, with stations from left to right, connections and borders between branches."""
 
     stations: list[Station] = field(default_factory=list)
     joins: list[Join] = field(default_factory=list)
@@ -53,11 +59,11 @@ class Axis:
 
     @property
     def end(self) -> float:
-        """Place of the last station."""
+        """Place of the last station on the axis, in distances between nodes."""
         return self.stations[-1].x if self.stations else 0.0
 
     def add(self, node: str, kind: str = "", label: str = "", *, again: bool = False) -> None:
-        """Add a station behind the last one, joined with it by an element of a kind, if given."""
+        """Add a station to the axis behind the last one, joined with it by an element of a kind, if given."""
         x = self.end + 1.0 if self.stations else 0.0
         self.stations.append(Station(x + (BRANCH_GAP if self.begins else 0.0), node, again))
         if kind:
@@ -96,7 +102,7 @@ def node_axis(drivetrain: Drivetrain, without: Collection[str] = ()) -> Axis:
 
 
 def _in_depth(found: Mapping[Vertex, LineRoute]) -> Iterator[LineRoute]:
-    """Routes of lines, each followed by its branches, those at its end first."""
+    """Yield the routes of lines, each followed by its branches, from the branches at its end to the first."""
     leaving: dict[Vertex | None, list[LineRoute]] = {}
     for route in found.values():
         leaving.setdefault(route.parent, []).append(route)
@@ -163,9 +169,9 @@ class Ratios:
 
     of: dict[str, float]
     free: tuple[str, ...]
-    """Nodes that turn independently of the reference; their ratio is that of the shaft beside them."""
+    """Nodes whose mean speed is independent of the reference node's; their ratio is that of the shaft beside them."""
     standing: tuple[str, ...]
-    """Nodes that stand still while the reference turns; their ratio is 1."""
+    """Nodes that stand still on average while the reference node turns; their ratio is 1."""
 
 
 def ratios(drivetrain: Drivetrain, reference: str) -> Ratios:
@@ -195,8 +201,9 @@ def _spread(drivetrain: Drivetrain, known: dict[str, float], free: Iterable[str]
 
 
 def idle_nodes(drivetrain: Drivetrain) -> set[str]:
-    """Nodes of idle gear wheels: a rigid gear leads there from a branching node, and no element leads on.
+    """Names of the nodes of idle gear wheels, behind which no element leads on.
 
+    A rigid gear leads to an idle wheel from a branching node.
     A node with an input, a sensor, a load or a given speed is no idler.
     """
     channels: tuple[Input | Sensor, ...] = (*drivetrain.inputs.values(), *drivetrain.sensors.values())
@@ -220,7 +227,10 @@ def idle_nodes(drivetrain: Drivetrain) -> set[str]:
 
 
 def _ways(drivetrain: Drivetrain) -> dict[str, list[str]]:
-    """Names of the elements that lead on from each node or hold it, by node; inertia and drag do neither."""
+    """Names of the elements that lead on from each node or hold the node still, by node.
+
+    Inertia and drag do neither.
+    """
     found: dict[str, list[str]] = {node: [] for node in drivetrain.nodes}
     for element in drivetrain.elements.values():
         ends = set(element.ports.values())

@@ -24,7 +24,10 @@ class Tap:
     port: str
 
     def mark(self, *, alone: bool) -> Mark:
-        """Mark of the sensor; ``alone`` if the shaft there carries this element only, so that its name is left out."""
+        """Mark of the torque or twist sensor in a schematic.
+
+        ``alone`` if the shaft there carries this element only, so that its name is left out.
+        """
         what = self.quantity if alone else f"{self.quantity} of {self.element}"
         return Mark("torque", symbol(self.name), what)
 

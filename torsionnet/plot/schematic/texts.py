@@ -17,7 +17,7 @@ WIDEST_OTHER, WIDEST_SET = 104.0, 150.0  # points, of other roles and of planeta
 
 
 def break_lines(lines: Iterable[tuple[str, str]]) -> Texts:
-    """Lines of a label, those too wide broken behind underscores, commas and spaces.
+    """Lines of a label, of which wide ones are broken behind underscores, commas and spaces.
 
     >>> break_lines([("speed", "sensor"), ("angular_velocity_of_the_rotor", "sensor")])
     [('speed', 'sensor'), ('angular_', 'sensor'), ('velocity_of_', 'sensor'), ('the_rotor', 'sensor')]
@@ -46,21 +46,21 @@ def _pieces(text: str, role: str, limit: float) -> list[str]:
 
 
 def _parts(text: str, mark: str) -> list[str]:
-    """Parts of a text, cut behind every mark except one at the end."""
+    """Parts of a text, cut behind each occurrence of ``mark``, but not at the end of the text."""
     *parts, last = text.split(mark)
     whole = [part + mark for part in parts]
     return whole if whole and not last else [*whole, last]
 
 
 def planetary_set_lines(drawn: EpicyclicSet, values: Mapping[str, Any]) -> Texts:
-    """Label of a planetary set: names and values of its meshes, equal ones together, and its planets."""
+    """Lines of the label of a planetary set: names and values of its meshes, equal ones together, and its planets."""
     lines = [*_alike(drawn.sun_meshes, values), *_alike(drawn.ring_meshes, values), *_alike(drawn.bodies, values)]
     planets = f"{'planets' if len(drawn.planets) > 1 else 'planet'}: {', '.join(drawn.planets)}"
     return [(piece, role) for text, role in [*lines, (planets, "node")] for piece in _pieces(text, role, WIDEST_SET)]
 
 
 def _alike(elements: Sequence[Element], values: Mapping[str, Any]) -> Texts:
-    """Lines with the names of elements that have equal values, then these values."""
+    """Lines with the names of some elements of equal values, and then with these values."""
     groups: dict[tuple[str, ...], list[str]] = {}
     for element in elements:
         groups.setdefault(tuple(value_lines(element, values)), []).append(element.name)

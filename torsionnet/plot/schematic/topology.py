@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Vertex(NamedTuple):
-    """Node of the drivetrain, or an element with three ports drawn as a box."""
+    """Vertex of a schematic's graph, a node of the drivetrain or an element with three ports drawn as a box."""
 
     name: str
     is_box: bool = False
@@ -43,7 +43,10 @@ class Link:
 
     @property
     def rank(self) -> int:
-        """Rank in the walk that gives the lines of a drawing: 0 shafts, 1 gears and ports, 2 dampers (close loops)."""
+        """Rank of the link, the lower the sooner a line of the drawing follows it.
+
+        0 shafts, 1 gears and ports, 2 dampers (close loops).
+        """
         if not self.elements:
             return 1
         return 2 if all(element.glyph == "damper" for element in self.elements) else 1 if self.is_gear else 0
@@ -60,12 +63,12 @@ class Connections:
 
 @dataclass
 class Tree:
-    """Spanning tree of one connected part, with children in the order of the walk."""
+    """Spanning tree of one connected part of a drivetrain, with children in the order of a depth-first walk."""
 
     root: Vertex
     children: dict[Vertex, list[tuple[Link, Vertex]]]
     order: list[Vertex]
-    """All vertices, parents before children."""
+    """All vertices of the tree, parents before children."""
 
 
 def _steps(element: Element) -> bool:
@@ -106,13 +109,16 @@ def _is_box(element: Element) -> bool:
 
 
 def _ends(element: Element) -> list[str]:
-    """Nodes between which an element lies, without ground; a gear's moving housing counts only if a shaft is held."""
+    """Names of the nodes between which an element lies, without ground.
+
+    A gear's moving housing counts only if a shaft is held.
+    """
     nodes = [node for node in dict.fromkeys(element.ports.values()) if node != GROUND]
     return nodes[:2]
 
 
 def trees(found: Connections, nodes: Iterable[str]) -> tuple[list[Tree], list[Link]]:
-    """Spanning tree of each connected part, and the links that close loops."""
+    """Spanning tree of each connected part of a drivetrain, and the links outside the trees, which close loops."""
     table: dict[Vertex, list[Link]] = {Vertex(node): [] for node in nodes}
     table |= {Vertex(name, is_box=True): [] for name in found.boxes}
     for link in sorted(found.links, key=lambda link: link.rank):
@@ -134,7 +140,7 @@ def trees(found: Connections, nodes: Iterable[str]) -> tuple[list[Tree], list[Li
 def _walk(
     start: Vertex, table: Mapping[Vertex, list[Link]], seen: set[Vertex]
 ) -> dict[Vertex, list[tuple[Link, Vertex]]]:
-    """Links of the tree by vertex, in both directions, of a depth-first walk, which makes lines long."""
+    """Links of a spanning tree by vertex, in both directions, from a depth-first walk, which makes lines long."""
     joined: dict[Vertex, list[tuple[Link, Vertex]]] = {start: []}
     seen.add(start)
     stack = [(start, iter(table[start]))]
@@ -167,18 +173,24 @@ def _open_at_shafts(links: Iterable[Link], joined: dict[Vertex, list[tuple[Link,
 
 
 def _loose(link: Link) -> int:
-    """Order in which links are opened: dampers first, then single shafts."""
+    """Priority of a link for being taken out of a loop of the drivetrain, where the smallest number goes first.
+
+    Dampers first, then single shafts.
+    """
     return len(link.elements) - 10 * (link.rank > 0)
 
 
 def _way(joined: Mapping[Vertex, list[tuple[Link, Vertex]]], start: Vertex, end: Vertex) -> list[Link]:
-    """Links of the tree between two vertices, from the end backwards."""
+    """Links of the tree on the way between two vertices, from the end backwards."""
     tree = nx.Graph((vertex, other, {"link": link}) for vertex, links in joined.items() for link, other in links)
     return [tree.edges[step]["link"] for step in pairwise(nx.shortest_path(tree, end, start))]
 
 
 def _best_root(start: Vertex, joined: Mapping[Vertex, list[tuple[Link, Vertex]]]) -> Vertex:
-    """Root of a tree: the first node, or, if it is within a line, the nearer end of the longest way."""
+    """Vertex that is the best root of a tree.
+
+    The first node, or, if it is within a line, the nearer end of the longest way.
+    """
     tree = _rooted(start, joined)
     height = heights(tree)
     ways = sorted((height[child] + 1 for link, child in tree.children[start] if not link.is_gear), reverse=True)
@@ -218,7 +230,7 @@ def _rooted(root: Vertex, joined: Mapping[Vertex, list[tuple[Link, Vertex]]]) ->
 
 
 def heights(tree: Tree) -> dict[Vertex, int]:
-    """Number of links on the longest way from each vertex to an end, by vertex."""
+    """Number of links on the longest way from each vertex of the tree away from the root, by vertex."""
     found: dict[Vertex, int] = {}
     for vertex in reversed(tree.order):
         found[vertex] = 1 + max((found[child] for _, child in tree.children[vertex]), default=-1)

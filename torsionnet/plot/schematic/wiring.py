@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from torsionnet.plot.drawing.pieces import Box, LooseEnd, Piece, Point, Stroke, arc
 
 CELL = 5.0
-"""Points of a cell of the grid; smaller ones find more ways and take more time."""
+"""Width in points of a cell of the grid along which wires are led; smaller ones find more ways and take more time."""
 CORNER, CROSSING, CROWD = 6, 12, 2  # costs in cells: of a corner, of crossing a line, of a cell close to a symbol
 MOST_LOOPS = 8
-"""Loops up to which wires are drawn; more wires could not be followed, and all loops are tagged instead."""
+"""Largest number of loops that are closed by drawn wires; more wires could not be followed, and all loops are tagged
+instead."""
 
 MOST_CORNERS = 4
-"""Corners of a wire above which the loop is tagged instead, as it is if the wire has to cross a shaft."""
+"""Largest number of corners of a wire, above which a tag closes the loop instead."""
 
 END_CELLS = 3
 """Number of grid cells at each end of a wire within which it may cross the lines that it joins."""
@@ -27,18 +28,18 @@ MOVES = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 @dataclass(frozen=True)
 class Grid:
-    """Grid over a drawing with the cost of a step onto each cell, -1 where none is possible."""
+    """Grid over a drawing with the cost of a wire's step onto each cell, -1 where no step is possible."""
 
     left: float
     bottom: float
     cost: NDArray[np.int64]
 
     def cell(self, point: Point) -> tuple[int, int]:
-        """Column and row of the cell at a point."""
+        """Column and row of the grid cell at a point."""
         return round((point[0] - self.left) / CELL), round((point[1] - self.bottom) / CELL)
 
     def point(self, cell: tuple[int, int]) -> Point:
-        """Coordinates of a cell in points."""
+        """Coordinates (x, y) in points of a grid cell."""
         return self.left + CELL * cell[0], self.bottom + CELL * cell[1]
 
 
@@ -103,7 +104,7 @@ def _cells(grid: Grid, box: Box, margin: float) -> tuple[slice, slice]:
 
 
 def _shortest(grid: Grid, start: tuple[int, int], goal: tuple[int, int]) -> list[tuple[int, int]] | None:
-    """Cells of the cheapest way from start to goal, leaving to the right and arriving up or down (Dijkstra)."""
+    """Cells of the cheapest way of a wire from start to goal, leaving to the right and arriving up or down."""
     begin = (*start, 0)
     best = {begin: 0}
     came: dict[tuple[int, int, int], tuple[int, int, int]] = {}
@@ -128,7 +129,7 @@ def _shortest(grid: Grid, start: tuple[int, int], goal: tuple[int, int]) -> list
 
 
 def _winds(grid: Grid, way: list[tuple[int, int]]) -> bool:
-    """Whether a way has too many corners, or crosses a line other than those at its ends."""
+    """Whether the way of a wire has too many corners, or crosses a line other than those at its ends."""
     turns = sum((a[0] == b[0]) != (b[0] == c[0]) for a, b, c in zip(way, way[1:], way[2:], strict=False))
     return turns > MOST_CORNERS or any(grid.cost[cell] >= CROSSING for cell in way[END_CELLS:-END_CELLS])
 
@@ -149,7 +150,7 @@ def _traced(
 
 
 def _cornered(points: list[Point], start: Point, end: Point) -> list[Point]:
-    """Corners of a way, moved so that its first piece meets the start and its last one, a vertical one, the end."""
+    """Corners of a wire as points (x, y), moved so that the wire meets the start and the end."""
     corners = [points[0]]
     for before, here, after in zip(points, points[1:], points[2:], strict=False):
         if (before[0] == here[0]) != (here[0] == after[0]):
