@@ -39,15 +39,15 @@ if TYPE_CHECKING:
     from torsionnet.study.answers.map_answer import MapResult, ParameterMap
 
 MOST_CONTOUR_LINES = 9
-"""Contour lines at most; more would hide the colours."""
+"""Largest number of contour lines in a panel; more would hide the colours."""
 COLOURS = 64
-"""Steps of colour, fine enough to appear continuous."""
+"""Number of steps of colour, fine enough to appear continuous."""
 WIDE_RANGE = 100.0
 """Ratio of the largest to the smallest value from which colours and contour lines have equal factors."""
 HEIGHTS = {1: 2.9, 2: 2.1, 3: 1.6, 4: 1.25}
 """Height in inches of a panel without its labels, by the number of panels in a row."""
 HEADING, TICKS, BAR, GAP = 0.5, 0.35, 0.75, 0.15
-"""Title of the figure, numbers along an axis, bar of colours with its numbers, gap between panels, in inches."""
+"""Sizes in inches of the title, the numbers along an axis, the bar of colours with numbers, and the gap of panels."""
 LABEL_LINE = 0.155
 """Height in inches of a line of a label."""
 
@@ -100,7 +100,10 @@ def contour_map(result: MapResult, *, units: ShownUnits = IN_SI, title: str | No
 
 @dataclass(frozen=True)
 class _Labels:
-    """Labels of axes and bar of colours in lines that fit; width of a panel and height of the figure in inches."""
+    """Labels of the axes and the bar of colours of a contour map, broken into lines that fit.
+
+    Width of a panel and height of the figure in inches.
+    """
 
     x: str
     y: str
@@ -110,7 +113,10 @@ class _Labels:
 
     @classmethod
     def within(cls, result: MapResult, units: ShownUnits, columns: int, rows: int, *, apart: float) -> _Labels:
-        """Labels for panels in columns and rows; ``apart`` inches are kept for numbers along y between panels."""
+        """Labels of a contour map whose panels stand in columns and rows.
+
+        ``apart`` inches are kept for numbers along y between panels.
+        """
         high = HEIGHTS[columns]
         y = axis_label(result.y[0], units.unit(*result.y), high)
         bar = label_with_remark(result.quantity[0], units.unit(*result.quantity), _besides(result), 0.8 * rows * high)
@@ -124,14 +130,17 @@ class _Labels:
 
 
 def _besides(result: MapResult) -> str:
-    """Remark at the bar of colours: the choice of the other parameters, and the meaning of blank fields."""
+    """Remark beside the bar of colours of a contour map.
+
+    The choice of the other parameters, and the meaning of blank fields.
+    """
     over = "" if result.others == "fixed" else f"{result.others} over the others"
     blank = "" if all(np.isfinite(one.values).all() for one in result.maps.values()) else "blank where there is none"
     return ", ".join(filter(None, (over, blank)))
 
 
 def _alike(points: Iterable[FloatArray]) -> bool:
-    """Whether an axis has the same values in all configurations, which values in per cent have not."""
+    """Whether the values of a parameter's axis are the same in all configurations."""
     first, *others = points
     return all(np.array_equal(first, one) for one in others)
 
@@ -177,7 +186,10 @@ def _panel(
 
 
 def _lines(here: FloatArray) -> Any:
-    """Values of the contour lines: round numbers, or powers of ten."""
+    """Values of the quantity at which contour lines run, in the unit of the values given.
+
+    Round numbers, or powers of ten.
+    """
     if not is_wide(here, WIDE_RANGE):
         return MaxNLocator(MOST_CONTOUR_LINES).tick_values(float(here.min()), float(here.max()))
     first, last = math.floor(math.log10(here.min())), math.ceil(math.log10(here.max()))

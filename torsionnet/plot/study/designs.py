@@ -20,11 +20,11 @@ from torsionnet.study.design.robust_design import RobustOptimum
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 WIDE_BOUNDS = 3.0
-"""Ratio of the bounds of a parameter above which its place between them is logarithmic."""
+"""Ratio of a parameter's upper to its lower bound above which its place between them is logarithmic."""
 LABEL_WIDTH = 2.6
 """Width in inches of the label of an axis."""
 NEAR_BOUND = 0.2
-"""Distance from a bound, over that of the bounds, below which the text of a value is moved inwards."""
+"""Distance of a value from a bound, as a share of the range, below which its text is moved inwards."""
 LABELLED: dict[str, Any] = {"fontsize": style.SMALL, "color": style.INK}
 
 
@@ -62,7 +62,7 @@ def design_optimum(result: DesignOptimum, *, units: ShownUnits = IN_SI, title: s
 
 
 def _draw_places(axes: Axes, parameters: tuple[DesignParameter, ...], units: ShownUnits) -> None:
-    """Draw each parameter on a line from its lower to its upper bound."""
+    """Draw each parameter, as given and optimal, on a line from its lower to its upper bound."""
     style.style_axes(axes)
     for row, one in enumerate(parameters):
         axes.plot([0, 1], [row, row], color=style.FAINT, linewidth=5, solid_capstyle="round", zorder=1)
@@ -91,13 +91,13 @@ def _value(one: DesignParameter, units: ShownUnits) -> str:
 
 
 def _shown(objective: DesignObjective, units: ShownUnits) -> tuple[float, str]:
-    """Factor from SI, and label, of an objective."""
+    """Factor from SI to the unit shown, and axis label, of an objective."""
     first = objective.quantities[0]
     return units.scale(first), axis_label(objective.name, units.unit(first), LABEL_WIDTH)
 
 
 def _place(one: DesignParameter, value: float) -> float:
-    """Place of a value between the bounds of its parameter, 0 to 1."""
+    """Place of a value between the bounds of its parameter, from 0 at the lower to 1 at the upper one."""
     is_log = one.lower > 0 and one.upper > WIDE_BOUNDS * one.lower
     low, high, at = np.log([one.lower, one.upper, value]) if is_log else (one.lower, one.upper, value)
     return float(np.clip((at - low) / (high - low), -0.04, 1.04))
@@ -106,7 +106,7 @@ def _place(one: DesignParameter, value: float) -> float:
 def damper_over_conditions(
     result: DamperOverConditions, *, units: ShownUnits = IN_SI, title: str | None = None
 ) -> Figure:
-    """Largest level in every condition as given, with one damper for all, and with a damper for this condition alone.
+    """Largest vibration level in every condition with the damper as given, one for all, and one for each condition.
 
     Parameters
     ----------

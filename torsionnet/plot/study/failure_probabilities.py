@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from torsionnet.study.answers.rare_event import RareEvent
 
 LEAST_LOG_RATIO = 4.0
-"""Ratio of the ends of an axis below which it stays linear, as it would have hardly a number on a log scale."""
+"""Ratio of the ends of an axis below which the axis stays linear, as a log scale would have hardly a number."""
 
 
 def failure_probabilities(

@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from torsionnet.study.answers.yield_answer import YieldResult
 
 SIDE_MARGIN = 0.05
-"""Margin at the sides over the range of all values and near limits."""
+"""Margin at each side of an axis, as a share of the range of all values and near limits."""
 MOST_NAMES_INSIDE = 2
-"""Configurations up to which the legend stands within the axes; of more it stands beside them."""
+"""Largest number of configurations with which the legend stands within the axes; of more it stands beside them."""
 LEGEND_LINE = 0.165
 """Height in inches of a line of the legend."""
 
@@ -83,7 +83,7 @@ def _label(result: YieldResult, one: LimitedValues) -> str:
 
 
 def _drawn(axes: Axes, one: LimitedValues, scale: float, number: int, label: str) -> None:
-    """Draw a histogram, or a line at the value if all variants have the same."""
+    """Draw a histogram of the variants' values, or a line at the value if all variants have the same."""
     look = style.line_style(number)
     if not one.counts.any():
         axes.plot([], [], label=label, **look)

@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 WIDE_RANGE = 100.0
 """Ratio of the largest to the smallest value from which an axis is logarithmic."""
 TITLE_PAD = 15.0
-"""Points between the axes and a title, room for the values at the upper ends of the axes."""
+"""Distance in points between the axes and a title, room for the values at the upper ends of the axes."""
 AXIS_DISTANCE, TALL_PANEL, LOW_PANEL, MOST_TALL = 0.95, 2.6, 1.5, 4
-"""Inches between two axes, of a tall and of a low panel; configurations up to which panels are tall."""
+"""Distance of axes, heights of a tall and a low panel, in inches, and most configurations with tall panels."""
 
 
 def parallel_coordinates(
@@ -82,7 +82,10 @@ def parallel_coordinates(
 
 
 def _shares(values: FloatArray, every: FloatArray) -> FloatArray:
-    """Heights of values on an axis, 0 to 1; logarithmic if values are decades apart."""
+    """Heights of values on one of the parallel axes, from 0 to 1, in the shape of the values.
+
+    Logarithmic if values are decades apart.
+    """
     low, high = axis_ends(every)
     if is_wide(every, WIDE_RANGE):
         return np.asarray(np.log(values / low) / np.log(high / low))

@@ -13,14 +13,14 @@ from torsionnet.plot.study.study_axes import break_text, panel_title, parameter_
 from torsionnet.response.frequency_response import FloatArray
 
 FIELD_WIDTH, FIELD_HEIGHT = 0.3, 0.24
-"""Size of a field in inches."""
+"""Width and height in inches of a field of the matrix, for one parameter in one configuration."""
 NAMES_WIDTH = 2.6
 """Width in inches of the names of parameters and the bar of colours together."""
 
 
 @dataclass(frozen=True)
 class ColourScale:
-    """Scale of colours: label, name of matplotlib's colour map, and values at its ends."""
+    """Scale of the colours of a matrix: label, name of matplotlib's colour map, and values at its ends."""
 
     label: str
     colours: str
@@ -34,7 +34,7 @@ def parameter_matrix(
     cases: Sequence[str],
     scales: Mapping[str, ColourScale],
 ) -> Figure:
-    """Matrix of colours for each quantity: parameters below each other, configurations side by side.
+    """Figure with a matrix of colours for each quantity: parameters below each other, configurations side by side.
 
     Parameters
     ----------

@@ -26,13 +26,15 @@ if TYPE_CHECKING:
     from torsionnet.study.answers.percentile_bands_answer import PercentileBandsResult
 
 MOST_COLUMNS = 3
-"""Panels side by side at most; narrower ones have no room for numbers along the axis."""
+"""Largest number of panels side by side; narrower ones have no room for numbers along the axis."""
 PANEL_HEIGHT = 2.3
 """Height of a panel in inches."""
 
 
 def percentile_bands(result: PercentileBandsResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
-    """Percentiles of curves as bands, one within the other, the middle one as a line; a panel for each configuration.
+    """Figure of percentiles of curves as bands, one within the other, and the middle percentile as a line.
+
+    A panel for each configuration.
 
     Parameters
     ----------

@@ -27,11 +27,11 @@ if TYPE_CHECKING:
     from torsionnet.study.answers.scatter_answer import ScatterResult
 
 MANY_POINTS = 3000
-"""Points from which their density is drawn, as single points would cover each other."""
+"""Number of points from which on their density is drawn, as single points would cover each other."""
 DENSITY_CELLS = 40
-"""Cells of a density along each axis; more are finer and noisier."""
+"""Number of cells of a density plot along each axis; more are finer and noisier."""
 MOST_PARAMETERS = 8
-"""Parameters drawn, those with the largest rank correlations; more panels would be too small."""
+"""Largest number of parameters drawn, those with the largest rank correlations; more panels would be too small."""
 PANEL_WIDTH, PANEL_HEIGHT = 1.4, 1.6
 """Size of a panel in inches."""
 WIDE_RANGE = 30.0
@@ -118,7 +118,7 @@ def _points(axes: Axes, x: dict[str, FloatArray], y: dict[str, FloatArray]) -> N
 
 
 _MARKS = "o^s"
-"""Markers of configurations; the next one is used when all colours are."""
+"""Marker letters of matplotlib by which configurations are told apart; the next one is used when all colours are."""
 
 
 def _bins(values: FloatArray) -> FloatArray:

@@ -18,15 +18,17 @@ if TYPE_CHECKING:
     from torsionnet.study.answers.sobol_indices import SobolEstimates, SobolResult
 
 BAR_HEIGHT = 0.36
-"""Height of a bar over that of a row: two bars with a gap to the next row."""
+"""Height of a bar as a share of the height of its row: two bars with a gap to the next row."""
 MOST_PARAMETERS = 12
-"""Parameters in a panel, those with the largest total indices."""
+"""Largest number of parameters in a panel, those with the largest total Sobol indices."""
 AXIS_ENDS = -0.1, 1.15
-"""Ends of the axis of indices, at which wider intervals are cut off: indices lie between 0 and 1."""
+"""Ends of the axis of Sobol indices, at which wider confidence intervals are cut off: indices lie between 0 and 1."""
 
 
 def sobol_indices(result: SobolResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
-    """Sobol indices (first-order and total) of every parameter; a panel for each quantity and configuration.
+    """Figure with bars of the first-order and total Sobol indices of every parameter.
+
+    A panel for each quantity and configuration.
 
     Parameters
     ----------
@@ -60,7 +62,7 @@ def sobol_indices(result: SobolResult, *, units: ShownUnits = IN_SI, title: str 
 
 
 def _matrix(result: SobolResult, cases: list[str]) -> Figure:
-    """Figure with a matrix of the total indices, without first-order indices."""
+    """Figure with a matrix of the total Sobol indices by parameter and configuration, first-order ones left out."""
     quantities = list(dict.fromkeys(name for _, name in result.indices))
     totals = {name: np.column_stack([result.indices[case, name].total for case in cases]) for name in quantities}
     scale = ColourScale("total index [-]", "Blues", 0.0, 1.0)

@@ -26,7 +26,8 @@ DECADE = 10.0
 EQUAL_VALUES = 1e-9
 """Relative difference up to which values are equal but for rounding errors."""
 EQUAL_FACTORS = 1e-6
-"""Relative difference of steps up to which values have equal factors; texts of values are rounded that far."""
+"""Relative difference of logarithmic steps up to which ascending values have equal factors; texts of values are rounded
+that far."""
 AXIS_TEXT_ROLE = "sensor"
 """Role of texts in schematics whose font is as large as that of an axis, to measure labels with."""
 WORD_BREAKS = "=.-/"
@@ -71,7 +72,7 @@ def label_with_remark(name: str, unit: str, more: str, inches: float) -> str:
 
 
 def line_count(texts: Iterable[str]) -> int:
-    """Number of lines of the longest of several labels."""
+    """Largest number of lines that any of several labels has."""
     return max((text.count("\n") + 1 for text in texts if text), default=0)
 
 
@@ -169,7 +170,7 @@ def is_wide(values: NDArray[np.float64], ratio: float = DECADE) -> bool:
 
 
 def has_equal_factors(values: NDArray[np.float64]) -> bool:
-    """Whether ascending values have equal factors, and not equal steps.
+    """Whether neighbours in ascending values differ by equal factors, and not by equal steps.
 
     >>> [has_equal_factors(np.array(values)) for values in ([1.0, 2.0, 4.0, 8.0], [1.0, 2.0, 3.0], [1.0, 8.0])]
     [True, False, False]

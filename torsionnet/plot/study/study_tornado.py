@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from torsionnet.study.answers.tornado_answer import Swings, TornadoResult
 
 MOST_PARAMETERS = 12
-"""Parameters in a panel, those with the widest bars."""
+"""Largest number of parameters in a panel, those with the widest bars."""
 
 
 def study_tornado(result: TornadoResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:

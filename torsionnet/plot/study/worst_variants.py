@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 COLORS = {"largest": style.PALETTE[1], "smallest": style.PALETTE[0]}
 MOST_PANELS = 4
-"""Configurations up to which each has a panel of its own; more share one table of places."""
+"""Largest number of configurations that each have a panel of their own; more share one table of places."""
 ROW = 0.26
 """Height of a row in inches."""
 PLACES = {"v": "at the lower bound", "^": "at the upper bound", "o": "between"}
@@ -57,7 +57,7 @@ def worst_variants(result: WorstCaseResult, *, units: ShownUnits = IN_SI, title:
 
 
 def _panels(result: WorstCaseResult, cases: list[str], names: list[str], units: ShownUnits) -> Figure:
-    """Figure with a row of panels for each configuration."""
+    """Figure of worst cases with a row of panels for each configuration."""
     lines = max(axis_label(name, "", HALF_WIDTH / 2).count("\n") + 1 for name in names)
     height = max(1.0, 0.5 + ROW * (lines + 1) / 2 * len(names))
     figure = style.new_figure(style.WIDTH, 1.1 + len(cases) * height)
@@ -75,7 +75,10 @@ def _panels(result: WorstCaseResult, cases: list[str], names: list[str], units: 
 
 
 def _table(result: WorstCaseResult, cases: list[str], names: list[str], units: ShownUnits) -> Figure:
-    """Figure with a row for each configuration and direction: the value, and marks for the places of parameters."""
+    """Figure of worst cases with a row for each configuration and direction.
+
+    The value, and marks for the places of parameters.
+    """
     figure = style.new_figure(max(style.WIDTH, HALF_WIDTH + 0.45 * len(names)), 1.9 + 0.38 * len(cases))
     values, places = figure.subplots(1, 2, sharey=True)
     for number, case in enumerate(cases):
@@ -103,7 +106,7 @@ def _strip(axes: Axes, shares: list[float], level: float, direction: str) -> Non
 
 
 AT_BOUND = 1e-3
-"""Distance from a bound over the tolerance below which a value is at the bound."""
+"""Distance of a value from a bound, as a share of the tolerance, below which the value is at the bound."""
 
 
 def _values(axes: Axes, here: list[WorstVariant], row: int, scale: float, *, texts: bool = True) -> None:
@@ -127,7 +130,7 @@ def _values(axes: Axes, here: list[WorstVariant], row: int, scale: float, *, tex
 
 
 def _shares(one: WorstVariant, names: list[str]) -> list[float]:
-    """Places of the parameters within their tolerances, 0 to 1."""
+    """Places of the parameters within their tolerances, from 0 at the lower to 1 at the upper end."""
     ends = [(one.variant[name], *one.tolerance[name]) for name in names]
     return [(value - low) / (high - low) if high > low else 0.5 for value, low, high in ends]
 
