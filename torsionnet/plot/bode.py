@@ -21,17 +21,18 @@ from torsionnet.response.phase import HALF_TURN, unwrapped_phase
 from torsionnet.signals.advice import above_noise_up_to, is_coherent
 
 LEAST_CONDITIONING = 1e-10
-"""Conditioning of a measured input below which its ranges are shaded as not to be trusted."""
+"""Least conditioning of a measured input, below which frequency ranges are shaded as not to be trusted."""
 
 AXIS_BEYOND_COHERENCE = 1.5
-"""End of the frequency axis of an estimate over the highest usable or coherent frequency; beyond is only noise."""
+"""Factor from the highest usable or coherent frequency of an estimate to the end of the frequency axis; beyond is only
+noise."""
 CONSTANT_MAGNITUDE = 1e-9
-"""Relative range of magnitudes up to which they are constant and their differences rounding errors."""
+"""Relative range of magnitudes below which they count as constant, with rounding errors only."""
 TOO_SMALL, NOT_COHERENT = "motion too small for its sensor, or beyond decimation", "not coherent with the input"
 SHORT_LABEL = 14
-"""Letters of labels below which five of them fit beside each other in the legend."""
+"""Number of letters of a label below which five labels fit side by side in the legend."""
 LONGEST_LABEL = 32
-"""Letters of the label of the magnitude axis that fit at full size; a longer one is set smaller."""
+"""Largest number of letters with which the label of the magnitude axis has full size; a longer one is set smaller."""
 FloatArray = NDArray[np.float64]
 
 
@@ -50,13 +51,14 @@ class Curve:
     poor: NDArray[np.bool_]
     is_usable: NDArray[np.bool_]
     is_meant: NDArray[np.bool_]
-    """Frequencies at which the response is usable or at least coherent, for which the axes have room."""
+    """Flags (n,) of the frequencies at which the response is usable or at least coherent, for which the axes have
+    room."""
     why_faint: str = ""
     """Reason in the legend why the faint part of the curve is not usable."""
     pair: str = ""
     """Name of the transfer function, as ``theta_1/T_T``."""
     name: str = ""
-    """Label of the response that the curve belongs to, if there are several."""
+    """Label of the frequency response that a curve belongs to, where several are drawn."""
 
 
 def bode(
@@ -145,7 +147,7 @@ def _common_unit(responses: Sequence[FrequencyResponse], conventions: Convention
 
 
 def _labels(responses: Sequence[FrequencyResponse], labels: Sequence[str] | None) -> tuple[str, list[str]]:
-    """Common part of the titles, and a label for each response."""
+    """Common part of the titles of several frequency responses, and a label for each response."""
     titles = [response.title for response in responses]
     models = {title.partition(" (")[0] for title in titles}
     common = titles[0] if len(set(titles)) == 1 else models.pop() if len(models) == 1 else ""
@@ -197,7 +199,7 @@ def _curves(response: FrequencyResponse, label: str, conventions: Conventions, *
 
 
 def _where_meant(response: FrequencyResponse, output: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Frequencies at which an output is usable, and those at which it is usable or coherent (all if there are none)."""
+    """Flags (n_f,) of frequencies where an output is usable, and where usable or coherent (all if none is)."""
     is_usable = np.asarray(response.frequencies <= above_noise_up_to(response, output))
     found = is_usable | is_coherent(response, output)
     return is_usable, found if found.any() else np.ones_like(found)
@@ -254,7 +256,10 @@ def _is_constant(sizes: FloatArray) -> bool:
 
 
 def _looks(curves: Sequence[Curve]) -> list[dict[str, Any]]:
-    """Colour and dashes of each curve: by output and input, or by transfer function and response of several ones."""
+    """Colour and dashes of each curve of a Bode plot, as keyword arguments of matplotlib.
+
+    By output and input, or by transfer function and response of several ones.
+    """
     sides = [(curve.pair, curve.name) for curve in curves]
     if len({name for _, name in sides}) == 1:
         sides = [(output, into) for output, _, into in (curve.pair.rpartition("/") for curve in curves)]
@@ -273,7 +278,7 @@ def _make_room(panel: Axes, sizes: FloatArray, *, decibels: bool, conventions: C
 
 
 def _line(panel: Axes, curve: Curve, data: FloatArray, look: dict[str, Any]) -> None:
-    """Draw a curve, faint where it is not usable."""
+    """Draw a curve in a panel, faint at frequencies where the response is not usable."""
     marker = "." if np.count_nonzero(np.isfinite(data)) == 1 else ""
     panel.plot(curve.frequency, np.where(curve.is_usable, data, np.nan), label=curve.label, marker=marker, **look)
     if not curve.is_usable.all():
@@ -283,7 +288,7 @@ def _line(panel: Axes, curve: Curve, data: FloatArray, look: dict[str, Any]) -> 
 
 
 def _stretches(curve: Curve) -> list[tuple[float, float]]:
-    """Frequency ranges in which the measured input is too small to divide by, widened by half a step at both ends."""
+    """Ends of the frequency ranges in which the measured input is too small to divide by, widened by half a step."""
     if not curve.poor.any():
         return []
     f = curve.frequency
@@ -305,7 +310,7 @@ def _dress_frequency(axes: Sequence[Axes], curves: Sequence[Curve], conventions:
 
 
 def _shown_frequencies(curve: Curve) -> FloatArray:
-    """Frequencies of a curve up to a little beyond the last usable or coherent one."""
+    """Frequencies of a curve in the unit shown, shape (n,), up to a little beyond the last coherent one."""
     if curve.coherence is None:
         return curve.frequency
     highest = float(curve.frequency[curve.is_meant].max(initial=0.0))

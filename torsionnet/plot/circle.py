@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def circle(fit: CircleFit, *, title: str | None = None) -> Figure:
-    """Circle of a mode in Nyquist's plane, and damping ratios over the distance of each pair of points in Hz.
+    """Figure of the circle fitted to a mode in Nyquist's plane, and of damping ratios by distance of points in Hz.
 
     If the damping ratios on the right are level, a single mode with this law of damping explains the circle; a slope
     means that it does not.

@@ -103,7 +103,10 @@ def _nonzero(response: FrequencyResponse) -> FrequencyResponse:
 
 
 def _end(test: FrequencyResponse) -> float:
-    """End of the frequency axis in Hz; inf, for all frequencies, if the test is nowhere usable or coherent."""
+    """End of the frequency axis of the comparison in Hz.
+
+    Inf, for all frequencies, if the test is nowhere usable or coherent.
+    """
     meant = _is_coherent(test) if test.usable_up_to is None else _is_coherent(test) | _is_usable(test)
     return AXIS_BEYOND_COHERENCE * float(test.frequencies[meant].max()) if meant.any() else np.inf
 
@@ -120,7 +123,7 @@ def _is_usable(test: FrequencyResponse) -> NDArray[np.bool_]:
 
 
 def _reliable(test: FrequencyResponse) -> FloatArray:
-    """Magnitudes of the test at usable, coherent frequencies."""
+    """Magnitudes of the test in SI units at usable, coherent frequencies, shape (n,)."""
     return np.asarray(test.magnitude[_is_usable(test) & _is_coherent(test), 0, 0])
 
 
@@ -163,7 +166,7 @@ def _points(panel: Axes, f: FloatArray, values: FloatArray, good: NDArray[np.boo
 
 
 def _limit_to(panel: Axes, values: FloatArray) -> None:
-    """Set the limits of a panel to the reliable values, whatever the others are."""
+    """Set the limits of a panel, equal above and below 0, so that the reliable values fit."""
     finite = values[np.isfinite(values)]
     limit = max(1.25 * float(np.abs(finite).max()) if finite.size else 1.0, 1e-3)
     panel.set_ylim(-limit, limit)

@@ -1,4 +1,4 @@
-"""Plot of a damper design: level over frequency or speed with and without damper, largest level over each value."""
+"""Plot of a damper design, vibration level over frequency or speed, and largest level over each damper value."""
 
 from __future__ import annotations
 
@@ -16,16 +16,18 @@ from torsionnet.response.conventions import SI
 from torsionnet.response.damper_optimum import DamperOptimum
 
 TOP_FACTOR, BOTTOM_FACTOR = 3.0, 300.0
-"""Factors from the largest level, as given or optimal, to the upper end of the level axis and down to its lower end."""
+"""Factors from the largest vibration level, as given or optimal, up and down to the ends of the level axis."""
 WIDE_RANGE = 3.0
-"""Ratio of the ends of a range above which its axis is logarithmic."""
+"""Ratio of the largest to the smallest value of a range above which its axis is logarithmic."""
 
 
 MARK: dict[str, Any] = {"markersize": 6, "zorder": 5, "clip_on": False}
 
 
 def damper_design(result: DamperOptimum, *, conventions: Conventions = SI, title: str | None = None) -> Figure:
-    """Level with the values as given, with the optimal ones, without damping and locked; below, its maximum by value.
+    """Figure of vibration levels with damper values as given and optimal, without damping, and locked.
+
+    Below, the largest level over each value.
 
     Parameters
     ----------
@@ -79,7 +81,7 @@ def _draw_levels(axes: Axes, result: DamperOptimum, scale: float, unit: str) -> 
 
 
 def _draw_effect(axes: Axes, result: DamperOptimum, number: int, scale: float) -> Axes:
-    """Draw the maximum over one value, with the value as given as a vertical line."""
+    """Draw the largest vibration level over one damper value, with a vertical line at the value as given."""
     style.style_axes(axes)
     one = result.parameters[number]
     values, sizes = result.effects[one.name].T

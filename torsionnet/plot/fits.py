@@ -1,4 +1,7 @@
-"""Plots of a fit: test, fitted model and residuals, and the correlation of the parameters."""
+"""Plots of the fit of a model to measurements.
+
+Test, fitted model and residuals, and the correlation of the parameters.
+"""
 
 from __future__ import annotations
 
@@ -18,12 +21,12 @@ if TYPE_CHECKING:
     from torsionnet.identification import Compared, Fit  # loads scipy.optimize, which pictures can do without
 
 MOST_MEASUREMENTS = 6
-"""Measurements drawn side by side; with more, the panels would be too narrow to read."""
+"""Largest number of measurements drawn side by side; with more, the panels would be too narrow to read."""
 HEIGHTS = (3.0, 2.2, 1.5)  # ratios of magnitude, phase and residuals
 
 
 def fit(result: Fit, *, conventions: Conventions = SI, title: str | None = None) -> Figure:
-    """Magnitude and phase of test and model, and residuals in units of their noise, a column for each measurement.
+    """Figure of test and model after a fit, magnitude, phase and residuals in units of noise, a column per measurement.
 
     The model explains the test if the residuals scatter about zero within two; a pattern in them shows what the model
     lacks.

@@ -15,7 +15,7 @@ from torsionnet.response.conventions import SI
 from torsionnet.response.recording import FloatArray, Recording
 
 MOST_POINTS = 4000
-"""Points of a curve above which a signal is thinned: more than the width of a page in dots."""
+"""Number of points of a curve above which a signal is thinned out: more than the width of a page in dots."""
 
 
 def time_histories(
@@ -70,7 +70,9 @@ def time_histories(
 
 
 def thin_out(time: FloatArray, values: FloatArray, most: int = MOST_POINTS) -> tuple[FloatArray, FloatArray]:
-    """Times and values of a signal reduced to about ``most`` points: smallest and largest value of every section.
+    """Times in s, and values in the signal's unit, of a signal reduced to about ``most`` points.
+
+    Smallest and largest value of every section.
 
     >>> thin_out(np.arange(8.0), np.array([0, 1, 0, -1, 0, 0, 5, 0.0]), most=4)[1].tolist()
     [-1.0, 1.0, 0.0, 5.0]

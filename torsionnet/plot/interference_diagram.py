@@ -19,12 +19,12 @@ SMALLEST_DOT, LARGEST_DOT = 14.0, 150.0
 """Areas in points squared of the marks of crossings with the smallest and the largest generalised force."""
 HALO = withStroke(linewidth=2.5, foreground=style.PAPER)
 LEADER = {"arrowstyle": "-", "color": style.MUTED, "linewidth": 0.6, "relpos": (0, 0.4), "shrinkA": 0, "shrinkB": 0}
-"""Line from a label that stands apart to the line of its mode."""
+"""Arrow style of matplotlib for the line from a label that stands apart to the line of its mode."""
 SPEED_POINTS = 601
-"""Points of the line of an order over speed: steps well below the width of a line on paper."""
+"""Number of speeds from which the line of an order is drawn: steps well below the width of a line on paper."""
 HEADROOM, NEAREST, NARROWEST = 1.12, 0.03, 0.036
-"""Upper end of the axis over the highest crossing, and least distances of two labels: one above the other over the
-height of the axes, side by side over their width."""
+"""Factor from the highest crossing to the end of the frequency axis, and least distances of two labels: one above the
+other over the height of the axes, side by side over their width."""
 INDENT = 0.035
 """Distance from the left edge, over the width of the axes, of a label that stands apart from the line of its mode."""
 
@@ -66,7 +66,7 @@ def interference_diagram(result: CriticalSpeeds, *, highest: float | None = None
 
 
 def _names(result: CriticalSpeeds) -> list[str]:
-    """Names of the excitations in the order of their colours."""
+    """Names of the excitations of an interference diagram, in the order of their colours."""
     return list(dict.fromkeys(one.excitation for one in result.lines))
 
 
@@ -111,7 +111,7 @@ def _modes(axes: Axes, result: CriticalSpeeds, top: float, end: float) -> None:
 
 
 def _apart(values: Sequence[float], gap: float) -> list[float]:
-    """Positions of labels at rising values, moved up so far that none is nearer to the one below than ``gap``."""
+    """Positions of labels for rising values, in their unit, moved up until neighbours are ``gap`` apart."""
     found: list[float] = []
     for value in values:
         found.append(max(value, found[-1] + gap) if found else value)
@@ -119,7 +119,7 @@ def _apart(values: Sequence[float], gap: float) -> list[float]:
 
 
 def _orders(axes: Axes, result: CriticalSpeeds, top: float, end: float) -> None:
-    """Draw the line of each order in the colour of its excitation, with the order where the line leaves the axes."""
+    """Draw the line of each order over speed in the colour of its excitation, and its name where it leaves the axes."""
     names = _names(result)
     labelled: list[tuple[float, float]] = []
     speeds = np.linspace(0, end, SPEED_POINTS)

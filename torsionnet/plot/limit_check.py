@@ -17,9 +17,9 @@ from torsionnet.response.conventions import SI
 from torsionnet.response.limits.limit_check import LimitCheck, LimitVerdict
 
 MOST_LINES = 4
-"""Orders drawn in a panel, the largest; more would not fit beside it in the legend."""
+"""Largest number of orders drawn in a panel, those of largest amplitude; more would not fit beside it in the legend."""
 LABEL_WIDTH = 34
-"""Characters of a line of the label of an axis: as many as fit the height of a panel."""
+"""Largest number of characters in a line of an axis label: as many as fit the height of a panel."""
 LIMIT_DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)))
 
 
@@ -31,7 +31,7 @@ def limit_check(
     conventions: Conventions = SI,
     title: str | None = None,
 ) -> Figure:
-    """Quantities judged by limits over speed, with the sum of all orders in black, the largest orders, limits in red.
+    """Figure of quantities over speed against their limits in red, with the largest orders, and their sum in black.
 
     Ranges to be barred are shaded.
 
@@ -70,7 +70,7 @@ def limit_check(
 
 
 def _panels(check: LimitCheck, names: Sequence[str] | None) -> list[list[LimitVerdict]]:
-    """Verdicts by panel, those of one limit on one quantity together."""
+    """Verdicts on limits grouped by panel, all verdicts of one limit on one quantity together."""
     known = {one.limit for one in check.verdicts}
     for name in names or ():
         if name not in known:
@@ -121,6 +121,6 @@ def _draw(
 
 
 def quantity_label(one: LimitVerdict) -> str:
-    """Name of the quantity that a limit compares, with its output where the quantity alone does not say of what."""
+    """Name of the quantity that a limit compares, with the output where the name alone does not tell it."""
     says = any(word in one.quantity for word in ("torque", "stress", "angle", "power"))
     return one.quantity if says else f"{one.of}, {one.quantity}"

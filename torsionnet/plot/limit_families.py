@@ -25,12 +25,12 @@ from torsionnet.response.limits.order_peaks import vibratory_verdicts
 PANEL_HEIGHT = 2.1
 """Height of a panel in inches: three rows of panels leave room for another picture on the page."""
 LABEL_WIDTH = 30
-"""Characters of a line of the label of an axis: as many as fit the height of a panel."""
+"""Largest number of characters in a line of an axis label: as many as fit the height of a panel."""
 HEADROOM = 1.12
-"""Upper end of an axis over the largest value or limit drawn."""
+"""Factor from the largest value or limit drawn to the upper end of the axis."""
 FARTHEST_LIMIT = 2.5
-"""Limit over the largest value, or over the lowest limit, up to which a limit line is in the picture; one further
-away would flatten the curves, and its value stands at the upper edge instead."""
+"""Ratio of a limit to the largest value, or to the lowest limit, up to which the limit line is in the picture; one
+further away would flatten the curves, and its value stands at the upper edge instead."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ class LimitFamily:
 
     @property
     def worst(self) -> int:
-        """Index of the condition with the largest utilisation."""
+        """Index of the condition with the largest utilisation of the limit."""
         return int(np.argmax([max(map(_use, verdicts)) for _, verdicts in self.members]))
 
 
@@ -149,7 +149,7 @@ def _draw(panel: Axes, family: LimitFamily, conventions: Conventions) -> None:
 
 
 def _limit_line(panel: Axes, check: LimitCheck, one: LimitVerdict, scale: float, top: float) -> None:
-    """Line of a limit with its symbol at the speed where most room is between the line and the curve."""
+    """Draw the line of a limit, with its symbol where most room is between the line and the curve."""
     allowed = one.allowed * scale
     panel.plot(check.rpm, allowed, color=style.LIMIT_COLOR, linewidth=1.3, zorder=2.2)
     shown = np.flatnonzero(np.isfinite(allowed) & (allowed < top))

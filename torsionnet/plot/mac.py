@@ -12,7 +12,8 @@ import torsionnet.plot.drawing.style as style
 from torsionnet.core.errors import UsageError
 
 MOST_NUMBERS = 14
-"""Modes up to which the fields have numbers; in more, the fields are too small for them."""
+"""Largest number of modes with which the fields of a MAC matrix have numbers; in more, the fields are too small for
+them."""
 WHITE_TEXT_MAC = 0.55
 """MAC above which a field is so dark that its number is white."""
 

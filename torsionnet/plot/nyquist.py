@@ -16,9 +16,11 @@ if TYPE_CHECKING:
     from torsionnet.response.loop_margins import LoopMargins
 
 SMALLEST_LOOP = 0.01
-"""Loop gain |L| (over its maximum if below 1) at which the frequencies shown begin; they end at its reciprocal."""
+"""Smallest loop gain |L| of the frequencies shown, relative to its maximum if that is below 1; they end at its
+reciprocal."""
 LARGEST_LOOP = 3.0
-"""Magnitude up to which L is drawn to scale; a larger L is drawn at this distance, so that -1 stays visible."""
+"""Loop gain |L| up to which the loop is drawn to scale in the complex plane; a larger L is drawn at this distance, so
+that -1 stays visible."""
 
 
 def nyquist(margins: LoopMargins, *, title: str | None = None) -> Figure:
@@ -102,6 +104,6 @@ def _shown_range(margins: LoopMargins) -> slice:
 
 
 def _broken(f: FloatArray, degrees: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Frequencies and phases within -180 to 180 degrees, with a gap (nan) at each jump of the phase."""
+    """Frequencies, and phases in degrees from -180 to 180, with a gap (nan) at each jump of the phase."""
     jumps = np.flatnonzero(np.abs(np.diff(degrees)) > 180) + 1
     return np.insert(f, jumps, np.nan), np.insert(degrees, jumps, np.nan)

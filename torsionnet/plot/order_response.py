@@ -16,9 +16,10 @@ from torsionnet.response.conventions import SI
 from torsionnet.response.order_response import OrderResponse
 
 MOST_LINES = 6
-"""Orders drawn in a panel, the largest; more could not be told apart by colour and dashes."""
+"""Largest number of orders drawn in a panel, those of largest amplitude; more could not be told apart by colour and
+dashes."""
 HALF_WIDTH_LABEL = 45
-"""Letters of a label up to which two fit beside each other in the legend."""
+"""Number of letters of a label up to which two labels fit side by side in the legend."""
 
 
 def order_response(
@@ -30,7 +31,7 @@ def order_response(
     title: str | None = None,
     milli: bool = False,
 ) -> Figure:
-    """Amplitudes of the largest orders over speed, and the half range of all orders together in black.
+    """Figure of the amplitudes of the largest orders over speed, with the half range of their sum in black.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ from torsionnet.response.conventions import SI
 from torsionnet.response.passage_response import PassageResponse
 
 LIMIT_DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)))
-"""Dashes of the lines of limits, in their order."""
+"""Line styles of the limits drawn over a passage, in the order of the limits."""
 
 
 def passage_response(

@@ -13,7 +13,7 @@ from torsionnet.response.excitation.vector_sums import VectorSums, order_names
 PANEL = 1.05
 """Height in inches of the panel of a star."""
 MOST_ORDERS_NAMED = 3
-"""Orders of a group named above its column; the others are in the table."""
+"""Largest number of orders of a group that are named above its column; the others are in the table."""
 
 
 def phase_stars(

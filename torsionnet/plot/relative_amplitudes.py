@@ -16,9 +16,9 @@ from torsionnet.response.vibrations.vibration_nodes import vibration_nodes
 PANEL_HEIGHT, NAMES_HEIGHT = 1.15, 0.75
 """Height in inches of the panel of a mode, and of the names of the masses below the last one."""
 BRANCH_STEP = 1.6
-"""Distance of a branch from the line before it, over the distance of two masses."""
+"""Distance of a branch from the line before it, as a multiple of the distance of two masses."""
 MOST_NAMES = 40
-"""Masses up to which each has its name below the panels; of more every second or third has."""
+"""Largest number of masses with which each mass has its name below the panels; of more every second or third has."""
 NODE_COLOR = style.PALETTE[1]
 
 

@@ -34,11 +34,11 @@ if TYPE_CHECKING:
     from torsionnet.response import Modes
 
 MOST_COLUMNS, WRAPPED = 4, 3
-"""Panels side by side at most, and if the modes of a single configuration fill several rows."""
+"""Largest number of panels side by side, and number of panels if modes of one configuration fill several rows."""
 TALL, LOW, TITLES, LABEL, LETTER, NAME = 0.5, 0.36, 0.42, 0.2, 0.062, 0.17
 """Half heights of tall and low panels, title of a panel, label of a row, letter of a name, node's name, in inches."""
 MOST_TALL_ROWS = 3
-"""Rows of panels up to which panels are tall; more low ones still fit a page."""
+"""Largest number of rows of panels with which the panels are tall; more low ones still fit a page."""
 LEFT, RIGHT, BETWEEN, EDGE = 0.32, 0.1, 0.22, 0.2
 """Margins of the figure, gap between panels, and gap between a panel's edge and its first node, in inches."""
 TINY = style.SMALL - 1  # points
@@ -46,7 +46,7 @@ TINY = style.SMALL - 1  # points
 
 @dataclass(frozen=True)
 class Panel:
-    """Panel of a mode, with numbers of case and mode, row and column, and its place and size in inches."""
+    """Panel of one mode, with indices of configuration and mode, row and column, and place and size in inches."""
 
     case: int
     mode: int
@@ -104,7 +104,7 @@ def shape_grid(modes: Sequence[Modes], drivetrains: Sequence[Drivetrain], labels
 
 
 def _panels(modes: Sequence[Modes], below: float) -> tuple[list[Panel], float]:
-    """Panels, and height of the figure in inches."""
+    """Panels of a grid of mode shapes, and height of the figure in inches."""
     drawn = _drawn(modes)
     if len(modes) == 1:
         count = len(drawn[0])
@@ -145,7 +145,7 @@ def _frame(axes: Axes, panel: Panel) -> None:
 
 
 def _places(panel: Panel, view: ShapeView) -> FloatArray:
-    """Places of the stations in a panel, in inches, shape (n_stations,)."""
+    """Horizontal places of the stations of a panel in inches, shape (n_stations,)."""
     edge = min(EDGE, panel.width / 4)
     x = np.array([station.x for station in view.axis.stations])
     return np.asarray(panel.x + edge + x * (panel.width - 2 * edge) / max(view.axis.end, 1.0))

@@ -24,19 +24,20 @@ if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
 
 MODES_SHOWN = 12
-"""Modes shown unless others are asked for: as many panels as fit a page."""
+"""Largest number of modes shown unless others are asked for: as many panels as fit a page."""
 
 COLUMNS, PAGE_HEIGHT = 2, 10.0
-"""Panels beside each other, and the largest height of the figure in inches."""
+"""Number of panels side by side, and largest height of the figure in inches."""
 
 MOST_LETTERS, HANDLE = 105, 8
-"""Letters of a line of the legend, and letters whose room the sample of a line takes."""
+"""Number of letters in a line of the legend, and number of letters as wide as the sample of a line."""
 MANY_NODES, FEW_LETTERS, FEW_NAMES = 24, 22, 4
-"""Nodes up to which all have names, letters of names up to which they stand level, names in a remark of the legend."""
+"""Numbers of nodes up to which all have names, of letters up to which names are level, and of names in a remark."""
 STANDING_AMPLITUDE = 1e-9
-"""Amplitude over the largest of the mode up to which a node stands still: rounding errors are smaller."""
+"""Amplitude, relative to the largest of the mode, up to which a node counts as standing still: rounding errors are
+smaller."""
 LIMIT, CLOSE_GEARS = 1.45, 2.2
-"""End of the axis of amplitudes, and distance of gears, over that of nodes, below which their labels alternate."""
+"""End of the amplitude axis, and distance of gears, in distances of nodes, below which their labels alternate."""
 OUT_OF_PHASE = 10.0
 """Scatter of the phase of the nodes in degrees, weighted by amplitude, from which imaginary parts are shown."""
 
@@ -50,14 +51,14 @@ class ShapeView:
 
     axis: Axis
     factors: NDArray[np.float64]
-    """Factors on the angles of the nodes of the modes, shape (n_nodes,)."""
+    """Factors that refer the angles of the nodes to one shaft, shape (n_nodes,)."""
     label: str
     free: tuple[str, ...] = ()
-    """Moving nodes without a fixed ratio to the reference."""
+    """Names of the moving nodes without a fixed ratio of speed to the reference node."""
     standing: tuple[str, ...] = ()
-    """Moving nodes of shafts that stand still on average, whose own angle is shown."""
+    """Names of the moving nodes of shafts that stand still on average, whose own angle is shown."""
     idle: tuple[str, ...] = ()
-    """Nodes of idle gear wheels, which are left out."""
+    """Names of the nodes of idle gear wheels, which the plot leaves out."""
 
 
 def mode_shapes(

@@ -20,11 +20,11 @@ MARKS = (
     ("stable", "P", style.PALETTE[2], "and in shape"),
 )
 MOST_CURVES = 3
-"""Singular values drawn of the mode indicator; further ones are mostly noise."""
+"""Largest number of singular values of the mode indicator that are drawn; further ones are mostly noise."""
 ROUND_OFF = 1e-12
-"""Relative margin of the band, so that rounding does not cut off its first or last line."""
+"""Relative margin of the frequency band, so that rounding does not cut off its first or last line."""
 LABEL_DISTANCE = 0.022
-"""Least distance of the labels of modes over the width of the axes: a line of text."""
+"""Least distance of two neighbouring labels of modes, as a share of the width of the axes: a line of text."""
 
 
 def stabilisation(
@@ -135,7 +135,7 @@ def _modes(axes: Axes, estimate: ModalEstimate, band: tuple[float, float], conve
 
 
 def _apart(places: FloatArray, distance: float, end: float) -> list[float]:
-    """Places in ascending order, moved as little as needed to keep a distance and stay below the end."""
+    """Places of labels in ascending order, moved as little as needed to keep a distance and not pass the axis's end."""
     moved: list[float] = []
     for place in places:
         moved.append(max(float(place), moved[-1] + distance) if moved else float(place))

@@ -15,10 +15,10 @@ from torsionnet.core.errors import UsageError
 from torsionnet.response.star_diagram import StarDiagram
 
 PANELS_PER_ROW = 4
-"""Star diagrams side by side; more would be too small for the numbers of the cylinders."""
+"""Number of star diagrams side by side; more would be too small for the numbers of the cylinders."""
 LEGEND = "numbers: cylinders; black: their sum; circle: one cylinder"
 LONGEST_TITLE = 80
-"""Letters of a line of the title."""
+"""Largest number of letters in a line of the title."""
 COVERING_COSINE = 0.95
 """Cosine of the angle between vector and sum above which the sum would cover the label, which is then moved."""
 

@@ -19,7 +19,7 @@ from torsionnet.signals.spectrogram import Spectrogram
 
 COLOURS = "viridis"
 HEADROOM = 1.1
-"""Upper end of the frequency axis over the highest frequency whose level the colours show."""
+"""Factor from the highest frequency whose level the colours show to the upper end of the axis."""
 
 
 def spectrogram(
@@ -71,7 +71,7 @@ def spectrogram(
 
 
 def _last_shown(frequencies: FloatArray, levels: FloatArray, span: float) -> float:
-    """Upper end of the frequency axis in Hz: a tenth above the last level that the colours show."""
+    """Upper end of the frequency axis of a spectrogram in Hz: a tenth above the last level that the colours show."""
     top = levels[np.isfinite(levels)].max(initial=-np.inf)
     carrying = np.flatnonzero((levels > top - span).any(axis=1))
     return float(HEADROOM * frequencies[carrying[-1]]) if len(carrying) and frequencies[carrying[-1]] else np.inf

@@ -1,4 +1,7 @@
-"""Tornado plot: sensitivities of natural frequencies and damping ratios to parameters, the largest on top."""
+"""Tornado plot of the sensitivity of natural frequencies and damping ratios to parameters, the largest on top.
+
+Sensitivities of natural frequencies and damping ratios to parameters, the largest on top.
+"""
 
 from __future__ import annotations
 
@@ -17,9 +20,9 @@ if TYPE_CHECKING:
     from torsionnet.solve.sensitivity import ModeSensitivities
 
 MOST_MODES, MOST_PARAMETERS = 4, 12
-"""Modes drawn unless others are asked for, and bars in a panel: as many as fit a page."""
+"""Number of modes drawn unless others are asked for, and largest number of bars in a panel: as many as fit a page."""
 SHORTEST_BAR = 5e-3
-"""Sensitivity over the largest one up to which a parameter is left out: its bar would not be seen."""
+"""Sensitivity, relative to the largest one, up to which a parameter has no bar: its bar would not be seen."""
 ROUNDING = 1e-9
 """Sensitivity in percent per percent up to which it is a rounding error of zero."""
 
@@ -83,7 +86,10 @@ def _title(result: ModeSensitivities, mode: int) -> str:
 
 
 def _damping(axes: Axes, result: ModeSensitivities, mode: int, shown: list[int]) -> None:
-    """Draw the bars of the damping ratio; remove the panel of a real pole or a mode without damping."""
+    """Draw bars with the sensitivity of the damping ratio of a mode to each parameter, in percent per percent.
+
+    Remove the panel of a real pole or a mode without damping.
+    """
     slopes = result.relative_dampings[mode]
     if np.abs(slopes[shown]).max(initial=0.0) <= ROUNDING:
         axes.remove()
@@ -93,7 +99,7 @@ def _damping(axes: Axes, result: ModeSensitivities, mode: int, shown: list[int])
 
 
 def _lowest(panels: Any) -> list[Axes]:
-    """Lowest panel of each column that was not removed."""
+    """Lowest panel of each column of the figure that was not removed."""
     return [[axes for axes in column if axes.figure is not None][-1] for column in panels.T]
 
 

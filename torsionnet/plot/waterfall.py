@@ -1,4 +1,4 @@
-"""Waterfall plot: spectra of an output at many speeds, one behind the other."""
+"""Waterfall plot of line spectra of an output at many speeds, one behind the other."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import OrderResponse
 
 MOST_SPECTRA = 30
-"""Spectra drawn of all speeds, evenly chosen; more would hide each other."""
+"""Largest number of spectra drawn, evenly chosen from those of all speeds; more would hide each other."""
 LINE_HEIGHT, LINE_HALF_WIDTH = 0.15, 0.004
 """Height of the highest line over the range of speeds, and half the width of a line's foot over that of frequencies."""
 SMALLEST_ORDER = 0.02
-"""Amplitude over the largest one from which an order is named and the frequency axis has room for it."""
+"""Amplitude, relative to the largest one, from which on an order is named and has room on the frequency axis."""
 NAME_DISTANCE = 0.025
-"""Least distance of the names of two orders over the range of frequencies."""
+"""Least distance of the names of two orders, as a share of the range of frequencies."""
 
 
 def waterfall(
@@ -90,7 +90,7 @@ def waterfall(
 
 
 def _spectrum(hertz: FloatArray, sizes: FloatArray, right: float) -> tuple[FloatArray, FloatArray]:
-    """Frequencies and heights of a curve with a narrow triangle at each frequency of the spectrum."""
+    """Frequencies in Hz, and heights in the unit of ``sizes``, of a curve with a narrow triangle at each frequency."""
     half = LINE_HALF_WIDTH * right
     order = np.argsort(hertz, kind="stable")
     f = (hertz[order, None] + np.array([-half, 0.0, half])).ravel()

@@ -15,7 +15,8 @@ import torsionnet.plot.drawing.style as style
 BARS, ROW = 1.5, 0.26
 """Width in inches of the bars of a panel beside their names, and height in inches of a row."""
 FEW_PANELS, MOST_BARS = 6, 100
-"""Panels that are always drawn together, and rows of bars up to which more panels are: about one page."""
+"""Number of panels that always make one picture, and number of rows of bars up to which more panels do: about one
+page."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class Bars:
 
 
 def draw_bars(axes: Axes, rows: int, bars: Sequence[Bars], *, line: str = style.MUTED, width: float = 0.8) -> None:
-    """Draw bars in ``rows`` rows, and the vertical line at which they begin."""
+    """Draw bars in ``rows`` rows, and a vertical line at which the bars begin."""
     for one in bars:
         places = [row + one.below for row in range(rows)]
         axes.barh(

@@ -19,14 +19,15 @@ from torsionnet.symbolic.symbol_names import GREEK
 
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
 MOST_LINES = 3
-"""Lines of values below the name of an element; more would crowd the drawing."""
+"""Largest number of lines of values below the name of an element; more would crowd the drawing."""
 LONGEST_SYMBOL = 14
-"""Letters up to which a name is set as a symbol; a longer one may have to be broken, which mathtext cannot be."""
+"""Largest number of letters of a name that is set as a symbol; a longer one may have to be broken, which mathtext
+cannot be."""
 
 LONGEST_EXPRESSION = 14
-"""Characters up to which the expression of a ratio is shown; of a longer one only the value."""
+"""Largest number of characters of a ratio's expression that is shown; of a longer one only the value."""
 STATES = ("state", "engaged")
-"""Entries of elements whose word is shown as it is, as "slipping" of a clutch."""
+"""Names of the entries of elements whose word a schematic shows as it is, as "slipping" of a clutch."""
 
 
 def symbol(name: str) -> str:
@@ -99,7 +100,7 @@ def _line(spec: Spec[object], raw: Any, values: Mapping[str, Any]) -> str:
 
 
 def expression(text: str) -> str:
-    r"""Text of an expression with its names as symbols.
+    r"""Text of an expression in which the names of parameters are symbols.
 
     >>> expression("-z_b/z_a")
     '−$z_{\\mathrm{b}}$/$z_{\\mathrm{a}}$'
@@ -109,7 +110,7 @@ def expression(text: str) -> str:
 
 
 def _ratio_line(element: Element, teeth: tuple[int, int]) -> str:
-    """Text of a ratio as the quotient of the numbers of teeth."""
+    """Text of a gear's ratio as the quotient of the numbers of teeth."""
     ratio = next((spec_of(declared) for declared in element.declared() if declared.name == "ratio"), None)
     name = ratio.symbol if isinstance(ratio, QuantityKind) else "tau"
     sign = "−" if teeth[0] * teeth[1] < 0 else ""

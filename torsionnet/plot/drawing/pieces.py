@@ -1,4 +1,4 @@
-"""Pieces of a drawing: strokes and texts with the boxes they occupy, in points, put together without overlaps."""
+"""Pieces of a drawing, strokes and texts with the boxes they occupy, in points, put together without overlaps."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Texts = list[tuple[str, str]]
 """Lines of a label as (text, role), in reading order."""
 
 MARGIN = 6.0
-"""Points between boxes below which they count as overlapping."""
+"""Distance between two boxes in points below which they count as overlapping."""
 
 
 @dataclass(frozen=True)
@@ -47,12 +47,12 @@ ROLES = {
     "title": TextStyle(13.0, style.INK, bold=True),
 }
 LEADING = 1.3
-"""Distance of lines over the size of the font."""
+"""Distance of lines of text as a multiple of the size of the font."""
 
 
 @dataclass(frozen=True)
 class Stroke:
-    """Line or filled shape; ``look`` is a name in the table of pens (``PENS``)."""
+    """Line or filled shape of a drawing, through points; ``look`` is a name in the table of pens (``PENS``)."""
 
     points: tuple[Point, ...]
     look: str = "part"
@@ -66,7 +66,7 @@ class Stroke:
 
 @dataclass(frozen=True)
 class Label:
-    """Text centred at x, or beginning there, with its base line at y."""
+    """Text of a drawing, centred at x or beginning at x, with its base line at y, in points."""
 
     x: float
     y: float
@@ -96,7 +96,10 @@ class LooseEnd:
 
 @dataclass
 class Piece:
-    """Part of a drawing. ``boxes`` are areas that nothing else may take, ``wires`` lines that others may cross."""
+    """Part of a drawing, with its strokes, labels, boxes and loose ends.
+
+    ``boxes`` are areas that nothing else may take, ``wires`` lines that others may cross.
+    """
 
     strokes: list[Stroke] = field(default_factory=list)
     labels: list[Label] = field(default_factory=list)
@@ -132,7 +135,7 @@ class Piece:
             self.wires.append((min(x0, x1) - 3, max(x0, x1) + 3, min(y0, y1) - 3, max(y0, y1) + 3))
 
     def write(self, x: float, y: float, lines: Iterable[tuple[str, str]], *, upward: bool = True) -> float:
-        """Write lines of (text, role) above y, or below it, and return the y where they end."""
+        """Write lines of (text, role) above or below y, and return the y in points at which the lines end."""
         ordered = list(lines)
         labels: list[Label] = []
         for text, role in reversed(ordered) if upward else ordered:
@@ -148,7 +151,7 @@ class Piece:
 
     @property
     def extent(self) -> Box:
-        """Smallest rectangle around all boxes, wires and the origin."""
+        """Edges x0, x1, y0, y1 in points of the smallest rectangle around all boxes, wires and the origin."""
         boxes = np.array([*self.boxes, *self.wires, (0, 0, 0, 0)])
         return (
             float(boxes[:, 0].min()),
@@ -193,7 +196,7 @@ def label_width(lines: Iterable[tuple[str, str]]) -> float:
 
 
 def overlap(boxes: NDArray[np.float64], others: NDArray[np.float64], margin: float = MARGIN) -> bool:
-    """Whether any box, rows of shape (n, 4), comes closer than the margin in points to any of the others."""
+    """Whether any of some boxes (n, 4) comes closer than a margin in points to any of some other boxes (m, 4)."""
     if not len(boxes) or not len(others):
         return False
     a, b = boxes[:, None, :], others[None, :, :]
@@ -207,7 +210,7 @@ def overlap(boxes: NDArray[np.float64], others: NDArray[np.float64], margin: flo
 
 
 def box_array(boxes: Sequence[Box]) -> NDArray[np.float64]:
-    """Boxes as an array of shape (n, 4)."""
+    """Boxes as an array of their edges x0, x1, y0, y1 in points, shape (n, 4)."""
     return np.array(boxes, dtype=float).reshape(-1, 4)
 
 

@@ -16,7 +16,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullFo
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#444444", "#56B4E9", "#E69F00")
 DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (7, 2, 1.5, 2)), (0, (7, 2, 1.5, 2, 1.5, 2)))
 LIMIT_COLOR = "#B00020"
-"""Red of limits, which is none of the colours of curves."""
+"""Red in which limits are drawn, and no curve."""
 INK, MUTED, FAINT, PAPER = "#222222", "#6b6b6b", "#dddddd", "#ffffff"
 FONT, SMALL, TITLE = 9.0, 8.0, 11.0
 WIDTH = 7.2
@@ -34,13 +34,14 @@ STYLE: dict[str, Any] = {
 """Settings of matplotlib with the style of the pictures, for a user's own figures: ``plt.style.use(plot.STYLE)``."""
 
 FEW_DECADES = 2.5
-"""Decades of a log axis below which it has ticks at 1, 2 and 5; over more they would overlap."""
+"""Number of decades of a log axis below which the axis has ticks at 1, 2 and 5 times powers of ten; over more they
+would overlap."""
 FEW_PHASES, MANY_PHASES = 270, 900
-"""Degrees of phase up to which an axis has ticks every 45 and every 90 degrees; beyond, every 180."""
+"""Ranges of phase in degrees up to which an axis has ticks every 45, and every 90 degrees; beyond, every 180."""
 
 
 WIDEST_TITLE = 84
-"""Characters of a line of a title: as many as fit the width of a figure."""
+"""Largest number of characters in a line of a figure's title: as many as fit the width of a figure."""
 
 
 def panel_columns(count: int, most: int = 4) -> int:

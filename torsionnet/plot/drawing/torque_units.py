@@ -1,4 +1,4 @@
-"""Units and labels of axes: large torques in kN m or MN m, stresses in N/mm2, speeds in rpm."""
+"""Units and labels of the axes of plots: large torques in kN m or MN m, stresses in N/mm2, speeds in rpm."""
 
 from __future__ import annotations
 
