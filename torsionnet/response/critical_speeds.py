@@ -23,7 +23,8 @@ from torsionnet.response.table import Column, Table, result_table
 from torsionnet.response.vibrations.vibration_mode import VibrationMode
 
 NEGLIGIBLE_FORCE = 1e-9
-"""Generalised force over that of one cylinder below which tables show 0: what rounding leaves of a sum of zero."""
+"""Generalised force, relative to that of one cylinder, below which tables show 0: what rounding leaves of a sum of
+zero."""
 SAME_MODE_DISTANCE = 0.02
 """Relative difference of natural frequencies up to which modes of two conditions count as the same mode."""
 OVERDAMPED_NOTE = "undamped modes that damping leaves no vibration are counted behind all others"

@@ -40,7 +40,10 @@ def engine_blocks(lines: Sequence[OrderLine]) -> list[EngineBlock]:
 
 
 def blocks_by_speed(lines: Sequence[OrderLine]) -> list[list[EngineBlock]]:
-    """Blocks of order lines grouped by the speed of their engines: within a group an angle changes the sum."""
+    """Lists of blocks of order lines, one list for all engines that turn at one speed.
+
+    Within a group an angle changes the sum.
+    """
     found: list[tuple[set[Fraction], list[EngineBlock]]] = []
     for block in engine_blocks(lines):
         ratios = {lines[place].ratio for place in block.places if lines[place].engine == block.engine}

@@ -16,7 +16,7 @@ from torsionnet.response.order_sums import lines_of_one_frequency, sum_name
 MOST_CRITICAL, MOST_ORDERS = 5, 3
 """Largest number of critical speeds of a place, and of orders at each speed, as a measurement notes them."""
 SMALLEST_SHARE = 0.05
-"""Amplitude of an order over the largest half range, or that at the same speed, below which it is left out: it would
+"""Amplitude of an order, as a share of the half range at its speed or the largest, below which it is left out: it would
 drown in what a torsiograph resolves."""
 SAME_SPEED = 0.005
 """Relative difference up to which two speeds are one: a tachometer shows no more."""
@@ -32,7 +32,7 @@ class PlannedSpeed:
 
 @dataclass(frozen=True)
 class PlannedAmplitude:
-    """Expected peak amplitude of one order at one speed beside the half range there, SI units of the output.
+    """Expected peak amplitude of one order at one speed, and half range at that speed, SI units of the output.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ def critical_peaks(run: OrderResponse, output: str | None = None) -> tuple[Plann
 
 
 def merged_speeds(speeds: Sequence[PlannedSpeed]) -> tuple[PlannedSpeed, ...]:
-    """Speeds by rising value in rad/s, those that a tachometer cannot tell apart put together with all reasons.
+    """Speeds by rising value in rad/s, where those that a tachometer cannot tell apart are one with all reasons.
 
     Examples
     --------
@@ -132,7 +132,7 @@ def planned_amplitudes(
 
 
 def measured_at(planned: PlannedAmplitude, measured: Sequence[MeasuredOrder]) -> float | None:
-    """Measured peak amplitude in SI units at the speed and order of a planned one; None where none was measured.
+    """Measured peak amplitude in SI units at the speed and order of a planned amplitude; None where none was measured.
 
     Between measured speeds it is linear.
 

@@ -13,7 +13,8 @@ from torsionnet.response.star_diagram import StarDiagram
 from torsionnet.response.table import Column, Table
 
 EQUAL_SUMS = 1e-6
-"""Difference of relative vector sums up to which orders have the same; far above rounding, far below what is shown."""
+"""Difference of relative vector sums up to which orders count as having equal sums; far above rounding, far below what
+is shown."""
 ROUNDED_SUM = 1e-9
 """Relative vector sum below which a table shows 0: what rounding leaves of vectors that cancel."""
 

@@ -83,7 +83,7 @@ def line_name(peak: OrderPeak) -> str:
 
 
 def _worst_conditions(checks: Sequence[LimitCheck], least: float) -> dict[str, tuple[float, int]]:
-    """Largest share of a limit by order line, of those that use at least ``least``, and the condition where it does.
+    """Largest share of a limit and index of the condition with it, by order line, for shares of ``least`` or more.
 
     Conditions taken for a larger order are taken again where they are as bad within ``SAME_SHARE``.
     """

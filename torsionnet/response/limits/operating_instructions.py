@@ -106,14 +106,14 @@ class PassedRange:
 
     @property
     def verdicts(self) -> tuple[LimitVerdict, ...]:
-        """Verdicts that bar the speed range in the condition of the worst one, which is the first."""
+        """Verdicts that bar the speed range in its worst condition, the one of largest utilisation first."""
         check, first = self.worst
         others = (one.verdict for one in self.places if one.check is check)
         return (first, *dict.fromkeys(one for one in others if one is not first))
 
     @property
     def utilisation(self) -> float:
-        """Largest value over value allowed in the speed range."""
+        """Largest utilisation in the speed range, value over value allowed, without unit."""
         return max(place.utilisation for place in self.places)
 
     @property

@@ -1,4 +1,4 @@
-"""Peaks of single orders at critical speeds, over what a limit allows there."""
+"""Peaks of single orders at critical speeds, each as a ratio to the value that a limit allows."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ LEAST_SHARE = 0.1
 """Amplitude of one order over the value allowed from which on a critical speed matters: ten such orders at one speed
 would use the limit up. A smaller value lists more critical speeds that nobody feels."""
 PEAK_WINDOW = 0.1
-"""Distance from a critical speed, over that speed, within which the peak of its order is looked for: damping moves
-peaks by less, unless it leaves none."""
+"""Distance from a critical speed, as a share of that speed, within which the peak of its order is looked for: damping
+moves peaks by less, unless it leaves none."""
 RANGE_REACH = 0.2
-"""Distance from the ends of the speed range, over the speed there, up to which critical speeds are looked at: a usual
+"""Distance beyond an end of the speed range, as a share of that speed, up to which critical speeds count: a usual
 barred range does not reach further."""
 
 
 @dataclass(frozen=True, eq=False)
 class OrderPeak:
-    """Peak of one order near a critical speed in the limit that the order uses most there.
+    """Peak of one order near a critical speed, in the limit of which the order uses the largest share.
 
     Attributes
     ----------
@@ -47,12 +47,12 @@ class OrderPeak:
 
     @property
     def share(self) -> float:
-        """Amplitude of the order alone over the value allowed at the peak."""
+        """Amplitude of the order alone over the value allowed at the peak, without unit."""
         return self.amplitude / float(self.verdict.allowed[self.at])
 
     @property
     def utilisation(self) -> float:
-        """Value of all orders together over the value allowed at the peak."""
+        """Value of all orders together over the value allowed at the peak, without unit."""
         return float(self.verdict.utilisation[self.at])
 
     @property
@@ -62,7 +62,7 @@ class OrderPeak:
 
 
 def order_peaks(check: LimitCheck, found: CriticalSpeeds) -> tuple[OrderPeak, ...]:
-    """Peak of every order at each of its critical speeds in or near the speed range, in the limit used most there.
+    """Peak of every order at each of its critical speeds in or near the speed range, in the limit it uses most.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def largest_orders(check: LimitCheck, verdict: LimitVerdict, at: int, most: int 
 
 
 def _counts(one: LimitVerdict) -> FloatArray:
-    """Whether the limit has a value above 0 to compare with, by speed."""
+    """Flags (n_speeds,) of the speeds at which a limit allows a value above 0 to compare with."""
     return np.asarray(np.isfinite(one.allowed) & (one.allowed > 0))
 
 
@@ -139,7 +139,7 @@ def _peak(check: LimitCheck, found: CriticalSpeeds, critical: CriticalSpeed) -> 
 
 
 def _in_limits(check: LimitCheck, critical: CriticalSpeed, line: int, near: list[int]) -> Iterator[OrderPeak]:
-    """Peak of an order line in each limit, at one of the speeds with the indices ``near``."""
+    """Yield the peak of an order line in each limit, at one of the speeds with the indices ``near``."""
     nearest = min(near, key=lambda place: abs(check.speeds[place] - critical.speed("natural")))
     for one in vibratory_verdicts(check):
         assert one.orders is not None
@@ -174,5 +174,5 @@ def _window(speeds: FloatArray, critical: CriticalSpeed, crossings: Sequence[Cri
 
 
 def _is_of(one: object, other: object) -> bool:
-    """Whether two are of the same excitation, order and fixed frequency."""
+    """Whether two order lines or critical speeds have the same excitation, order and fixed frequency."""
     return all(getattr(one, name) == getattr(other, name) for name in ("excitation", "order", "fixed"))

@@ -18,7 +18,8 @@ from torsionnet.response.passage_response import PassageResponse
 from torsionnet.response.table import Table, result_table
 
 KEPT, EXCEEDED, NOT_LIMITED = "kept", "exceeded", "no limit"
-"""Names of what a passage says on the limit in passing; the last where the rule has none."""
+"""Words for the outcome of a passage, limit in passing kept, limit in passing exceeded, no such limit; the last where
+the rule has none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +104,7 @@ class RangePassage:
 
     @property
     def _in_passing(self) -> list[LimitVerdict]:
-        """Verdicts of the same limit on the same quantity that no speed may exceed."""
+        """Verdicts of the barring limit on the value not to be exceeded even while the barred range is passed."""
         own = self.verdict
         return [
             one
