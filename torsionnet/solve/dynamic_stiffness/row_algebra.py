@@ -78,7 +78,7 @@ def equivalent_links(
 
 
 def common_motion(rows: Iterable[Mapping[int, float]]) -> dict[int, float]:
-    """Values by coordinate of a motion that links between two coordinates do not resist, along a forest of links.
+    """Amplitude by coordinate of a motion that two-coordinate links do not resist, where they form no closed loops.
 
     Links whose ends turn the same way come first: those of the opposite kind may be the inertia of a shaft.
     """

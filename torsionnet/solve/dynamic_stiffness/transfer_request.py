@@ -47,7 +47,7 @@ class TransferRequest:
 
     @cached_property
     def reading_problem(self) -> ReadingProblem:
-        """Response problem in rows for the outputs and measured inputs of the request, made once and kept."""
+        """Equations of the request's outputs and measured inputs, with the map from their solution to each reading."""
         return make_reading_problem(
             self.assembly, self.outputs, self.measured if self.is_measured else (), self.excitations
         )

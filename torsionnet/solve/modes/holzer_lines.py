@@ -33,7 +33,7 @@ class HolzerLine:
 def holzer_lines(
     nodes: Sequence[str], loads: Iterable[NodeLoad], first: str | None
 ) -> tuple[list[HolzerLine], Neighbours]:
-    """Main lines and branches of a Holzer table, each branch after its line, and torques between neighbours."""
+    """Main lines and branches of a Holzer table, by names of nodes, and the torque laws between neighbouring nodes."""
     tree = _tree(nodes, loads)
     found: list[HolzerLine] = []
     seen: set[str] = set()

@@ -132,7 +132,7 @@ class _Walk:
         return replace(found, section=self._section(loads), material=self._material(loads))
 
     def _section(self, loads: Sequence[NodeLoad]) -> StationSection | None:
-        """Diameters and section modulus of the shaft that a connection is, None of others and of several."""
+        """Outer and inner diameter in m and section modulus in m^3 of a connection that is one shaft, else None."""
         element = self.drivetrain.elements[loads[0].element]
         if len(loads) > 1 or element.diameters is None:
             return None
@@ -151,7 +151,7 @@ class _Walk:
         return ""
 
     def left_over(self, lines: Sequence[MassElasticLine]) -> Iterator[str]:
-        """Sentences on connections that no row of the table has."""
+        """Sentences on connections that no row of the mass-elastic table has."""
         followed = {id(load) for ends in self.tree.values() for loads in ends.values() for load in loads}
         for load in self.balance.loads:
             if id(load) in followed:

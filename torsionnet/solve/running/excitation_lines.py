@@ -15,7 +15,7 @@ EQUAL_AMPLITUDES = 1e-9
 
 
 def excitation_lines(drivetrain: AssembledModel, excitation: str) -> tuple[ExcitationLine, ...]:
-    """Torques in N m, or motions in rad, of an excitation by order at the rated speed, else at the highest.
+    """Torques in N m, or motions in rad, of an excitation by order at the rated speed, or the highest if none is rated.
 
     Examples
     --------

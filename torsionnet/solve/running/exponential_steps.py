@@ -21,12 +21,13 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.solve.dynamic_stiffness.triangular import DiagonalBlock, blocks
 
 NEGLIGIBLE_CHANGE, ROUNDING = 1e-6, 1e-12
-"""Singular value of the relative change of the state matrices, over the largest and as it is, below which it counts as
+"""Singular values of the state matrices' relative change, relative to the largest and absolute, below which they are
 rounding."""
 CORRECTION_TOLERANCE = 1e-8
 """Size of a correction for the change of the state matrix, over the motion, at which no further one follows."""
 MOST_CORRECTIONS = 20
-"""Most such corrections: each is smaller by the share by which damping changes in a section, a few per cent."""
+"""Largest number of corrections for the change of the state matrix in a section: each is smaller by the share by which
+damping changes in a section, a few per cent."""
 
 Matrices: TypeAlias = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 """Matrices A, B, C and D of a state space x' = A x + B u, y = C x + D u in SI units."""
@@ -59,7 +60,7 @@ class SteppedForm:
 
     @classmethod
     def between(cls, first: Matrices, last: Matrices) -> SteppedForm:
-        """Form of a section from the matrices of the state space at both of its ends."""
+        """State space of a section of time in SI units, from its matrices at both ends."""
         A, B, C, _ = middle = _matrices((one + other) / 2 for one, other in zip(first, last, strict=True))
         change = _matrices(other - one for one, other in zip(first, last, strict=True))
         rows = np.vstack([change[0], change[2]])
@@ -129,7 +130,7 @@ class _Steps:
     weights: ComplexArray
 
     def run(self, start: FloatArray, torques: FloatArray, columns: slice, n_x: int) -> tuple[FloatArray, FloatArray]:
-        """Contribution (n_rows, n + 1) to outputs and what is sensed, and to the states (n_x,) at the end.
+        """Contribution of a block to output rows (n_rows, n + 1) at the ends of n steps, and to the last states (n_x,).
 
         Parameters
         ----------

@@ -397,7 +397,7 @@ def _forward(gains: ComplexArray, hertz: FloatArray) -> ComplexArray:
 
 
 def _require_moving(drivetrain: AssembledModel, name: str, excitation: OrderExcitation) -> None:
-    """Raise UsageError for an excitation on a node or element that is locked or switched off here."""
+    """Raise UsageError for an excitation on a node or element that is locked or switched off in the drivetrain."""
     if excitation.element_entry is not None and excitation.element_entry[1] not in drivetrain.elements:
         off = f"{excitation.element_entry[1]}, which is switched off in this configuration"
         raise UsageError(f"{name} acts in {off}; leave this excitation out")

@@ -31,28 +31,33 @@ from torsionnet.solve.running.order_response import OrderRequest, order_response
 from torsionnet.solve.running.passage_torques import ExcitationCase, PassageTorques, highest_rate, lines_that_matter
 
 STEPS_PER_PERIOD = 16
-"""Steps in a period of the highest order: parabolas through three of them miss a crest of it by up to 2e-4."""
+"""Number of time steps in a period of the highest order: parabolas through three of them miss a crest of it by up to
+2e-4."""
 SECTION_SHARE = 0.08
-"""Share of the speed by which it changes within a section at first; a larger one needs more corrections."""
+"""Largest relative change of the speed within a section of a passage, before sections are halved; a larger one needs
+more corrections."""
 MOST_HALVINGS = 3
-"""Halvings of the sections after which the result is taken as it is, with its error."""
+"""Number of halvings of the sections after which the result is taken as it is, with its error."""
 ERROR_TOLERANCE = 1e-4
-"""Estimated error, over the largest value, at which sections are halved no more."""
+"""Estimated error, relative to the largest value, below which the sections are not halved any more."""
 LEAST_ERROR = 1e-6
-"""Least error that is stated, over the largest value: that of crests between two steps is not estimated."""
+"""Least error of a passage that is stated, relative to the largest value: that of crests between two steps is not
+estimated."""
 FEWEST_NODES = 4
-"""Gauss points in a step at first: with 16 steps in a period of the highest order they are right to about 1e-9."""
+"""Number of Gauss points in a time step before sections are halved: with 16 steps in a period of the highest order they
+are right to about 1e-9."""
 NEGLIGIBLE_ORDERS = 1e-4
 """Share of the largest half range that the highest orders may have together to be left out: most have next to nothing
 and would take the shortest steps."""
 FEWEST_STEPS = 4
-"""Fewest steps in a section, so that a cubic fits into it."""
+"""Least number of time steps in a section, so that a cubic fits into it."""
 MOST_STEPS = 2_000_000
-"""Most steps, which bounds memory and time: a minute of order 12 at 1000 rpm takes a fifth of them."""
+"""Largest number of time steps of a passage, which bounds memory and time: a minute of order 12 at 1000 rpm takes a
+fifth of them."""
 MOST_SPEED_POINTS = 2000
-"""Most points of the speed over time, as each stretch between two takes a section of its own."""
+"""Largest number of points of the speed over time, as each stretch between two takes a section of its own."""
 STEADY_SPEEDS = 61
-"""Speeds at which the steady response shows the worst case of excitation and the resonance of laws over frequency."""
+"""Number of speeds of the steady response that shows the worst case and the resonance of laws over frequency."""
 
 
 def passage_response(
@@ -132,7 +137,7 @@ class _Section:
         )
 
     def moments(self, shares: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Times in s, angles in rad and speeds in rad/s at shares of the section."""
+        """Times in s, angles in rad and speeds in rad/s at places of the section, as shares of its duration."""
         t = shares * self.duration
         slope = (self.last - self.first) / self.duration
         return self.start + t, self.angle + self.first * t + slope * t**2 / 2, self.first + slope * t
@@ -176,7 +181,7 @@ class _Passage:
         return found
 
     def along(self, sections: Sequence[_Section], halvings: int) -> FloatArray:
-        """Outputs (n_t, n_out) in SI units at all steps of sections halved so many times, from a steady start."""
+        """Outputs (n_t, n_out) in SI at all steps, with sections halved ``halvings`` times, from a steady start."""
         nodes, parts = FEWEST_NODES + halvings, 2**halvings
         firsts = [replace(one, last=other.last) for one, other in
                   zip(sections[::parts], sections[parts - 1 :: parts], strict=True)]  # fmt: skip
@@ -196,7 +201,7 @@ class _Passage:
         return np.asarray(np.concatenate(whole, axis=1).T)
 
     def _forms(self, ends: Sequence[float]) -> Callable[[float, float], SteppedForm]:
-        """Function that gives the form of a section from the speeds in rad/s at its ends."""
+        """Function that gives the state space of a section in SI from the speeds in rad/s at its ends."""
         if not self.request.drivetrain.definition.following:
             matrices = self._matrices(self.request.drivetrain)
             only = SteppedForm.between(matrices, matrices)

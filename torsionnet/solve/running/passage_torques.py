@@ -18,7 +18,9 @@ from torsionnet.solve.running.order_response import OrderLoads, OrderRequest
 
 @dataclass(frozen=True)
 class ExcitationCase:
-    """Choice among the cases of excitation: misfire, values that scatter, and angles between engines in rad.
+    """Choice of one of the cases of excitation of running machinery.
+
+    Misfire, values that scatter, and angles between engines in rad.
 
     Attributes
     ----------
@@ -93,7 +95,7 @@ class PassageTorques:
         return with_engines_delayed(values, loads.lines, late), loads
 
     def sections(self, ranges: Sequence[tuple[float, float]], count: int) -> list[SectionTorques]:
-        """Torques in each of some ranges of speed in rad/s, of amplitudes interpolated between ``count`` speeds."""
+        """Torques in each of some ranges of speed in rad/s, with amplitudes interpolated between ``count`` speeds."""
         share = (1 - np.cos(np.pi * np.arange(count) / (count - 1))) / 2
         speeds = np.array([low + (high - low) * share for low, high in ranges])
         values, loads = self.amplitudes(speeds.ravel())

@@ -8,7 +8,7 @@ from torsionnet.solve.running.static_state import static_state
 
 
 def power_balance(drivetrain: AssembledModel, speed: float | None = None) -> PowerBalance:
-    """Balance of mean powers of a drivetrain at one speed in rad/s.
+    """Balance of the mean powers in W given and absorbed in a drivetrain at one speed in rad/s.
 
     See :meth:`torsionnet.Drivetrain.power_balance`.
     """

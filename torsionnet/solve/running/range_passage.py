@@ -21,7 +21,7 @@ and steady."""
 def range_passages(
     drivetrain: AssembledModel, barred: PassedRange, seconds: Sequence[float]
 ) -> tuple[RangePassage, ...]:
-    """Passages of a barred range up and down in times in s, against every limit that bars it in the worst condition.
+    """Passages of a barred range up and down in given times in s, judged in its worst condition by each barring limit.
 
     Speeds run evenly, and begin and end a quarter of the range outside of it, as far as speeds are examined there.
     Empty where no limit judges a vibratory value, as those of heat.
