@@ -53,7 +53,7 @@ CRITERIA = {
 
 @dataclass(frozen=True)
 class ComponentRow:
-    """Value of a component against what it may be, in units of engineers, at the worst speed and condition.
+    """Value of a component beside the value allowed, in units of engineers, at the worst speed and condition.
 
     Attributes
     ----------

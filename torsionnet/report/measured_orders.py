@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from torsionnet.response.order_comparison import MeasuredOrder
 
 FORM = "CONFIGURATION=FILE, or CONFIGURATION:SENSOR=FILE"
-"""Form in which the condition and the place of a file with measured orders are written."""
+"""Pattern, for error messages, of the text that names a file of measured orders, its condition and its sensor."""
 
 
 @dataclass(frozen=True)
 class MeasuredFile:
-    """File with measured orders, the configuration they were measured in, and the place if it is said.
+    """Path of a file with measured orders, the configuration they were measured in, and the sensor, empty if not said.
 
     Both names are empty where they are not said.
     """

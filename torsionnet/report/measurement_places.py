@@ -37,7 +37,10 @@ class MeasuringPlace:
 
 
 def measuring_places(subject: ReportData) -> tuple[MeasuringPlace, ...]:
-    """Places to measure at: those named, else the free end of the engine and the shaft used most."""
+    """Places of the measurement plan of a report, each with the sensor to measure with.
+
+    Those named, else the free end of the engine and the shaft used most.
+    """
     definition = subject.model.definition
     named = {sensor: name for name, sensor in definition.sensors.items()}
     asked = subject.request.plan.measure

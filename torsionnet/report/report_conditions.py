@@ -23,7 +23,7 @@ FIRING = {"misfire": "without ignition", "gas_off": "without gas torque"}
 
 
 def alternative_words(model: Drivetrain, overlay: Overlay) -> str:
-    """Text of what an alternative of the configurations changes of the model, in words of its file.
+    """Text of what an alternative of the configurations changes in the model, in words of the model's file.
 
     Examples
     --------

@@ -61,7 +61,7 @@ UNITS = {
 }
 """Unit of engineers and its factor over SI, by dimension."""
 PREFIXES = (("M", 1e7, 1e6), ("k", 1e3, 1e3))
-"""Prefixes of N m and what contains it: from which size on each is used, and what it stands for.
+"""Prefixes of N m and units that begin with it, the size in SI from which each is used, and its factor.
 
 Torques of ships are told in kN m.
 """

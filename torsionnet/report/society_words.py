@@ -9,9 +9,9 @@ from torsionnet.model.limits.society_rules import Society
 from torsionnet.report.document_tree import BreakableMath, Code, Equations, Formula, Math, NumberText
 
 AS_THEY_ARE = (Math, BreakableMath, Code, NumberText, Formula, Equations)
-"""Parts of a report whose texts are no words."""
+"""Classes of report parts, such as formulas and code, in which a society's words replace nothing."""
 KEPT_FIELDS = frozenset({"name", "figure", "unit", "kind"})
-"""Names of fields of a report's parts that are no words."""
+"""Names of fields of a report's parts in which a society's words replace nothing."""
 
 
 def in_society_words(part: Any, society: Society) -> Any:

@@ -32,7 +32,7 @@ PRECISIONS = (40, 80, 160, 320)
 
 
 def evaluate(function: SymbolicFraction, frequencies: ArrayLike, given: Mapping[Any, Any]) -> FrequencyResponse:
-    """Frequency response of a symbolic transfer function at frequencies in Hz, for numbers in place of parameters."""
+    """Frequency response, values (n_f, 1, 1) in SI, of a symbolic transfer function with numbers for its parameters."""
     f = np.atleast_1d(np.asarray(frequencies, dtype=float))
     if f.ndim != 1 or not np.isfinite(f).all() or (f < 0).any():
         raise UsageError("frequencies must be a list of finite numbers >= 0, in Hz")

@@ -175,7 +175,7 @@ class TransferFunction(SymbolicFraction):
         return known[str(name)]
 
     def evaluate(self, frequencies: ArrayLike, **parameters: float) -> FrequencyResponse:
-        """Frequency response at frequencies in Hz, with the model's values for parameters that are not given.
+        """Frequency response, values (n_f, 1, 1) in SI, at frequencies in Hz, by default with the model's parameters.
 
         Examples
         --------

@@ -106,7 +106,7 @@ class ContinuedFraction:
         return total if law is None else self.element(law) * total
 
     def _torque(self, block: GraphBlock[Stiffness], scale: Any, law: Any) -> Any:
-        """Torque of one edge of the network over the motion at the root, times ``scale``, law times twist."""
+        """Torque of ``law`` on an edge (twist without law) over the root motion, times ``scale``, as expression."""
         (child,), (member,) = block.below, block.members
         if child not in self.flexibility:
             return self.element(0)

@@ -11,7 +11,7 @@ from torsionnet.model.kinematics import Kinematics, exact_row, pseudo_node
 
 
 def free_motions(kinematics: Kinematics, answers: Callable[[Law], bool]) -> Reduction:
-    """Reduction of the drivetrain to the motions in which every law that ``answers`` chooses stays at rest.
+    """Reduction of the drivetrain to the motions that leave every law chosen by the function ``answers`` without twist.
 
     Imposed angles stand still.
     """

@@ -118,7 +118,7 @@ class Hydrodynamic(Element):
         return difference(self.pump, self.turbine)
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """Row of node speeds that couples pump and turbine at the speed ratio of the operating point."""
+        """Tuple of one row of node speeds, which couples pump and turbine at the speed ratio of the operating point."""
         ratio = value(self.speed_ratio)
         return (make_row([(self.turbine, 1), (self.pump, -ratio), (self.housing, ratio - 1)]),)
 

@@ -115,7 +115,7 @@ class GridGenerator(Element):
         return (field, Law(make_row([(self.node, 1)]), inertia=2 * value(self.inertia_constant) * unit))
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """Row of node speeds that couples the rotor to the grid on average.
+        """Tuple of at most one row of node speeds, which couples the rotor to the grid on average.
 
         Ground stands for the steadily turning field.
         """

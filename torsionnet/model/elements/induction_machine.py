@@ -118,7 +118,10 @@ class InductionMachine(Element):
         return (spring, Law(difference(field, self.housing), damping=damping), *own)
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """Row of node speeds that couples rotor and inner node on average, seen from the synchronous speed."""
+        """Tuple of at most one row of node speeds, which couples rotor and inner node on average.
+
+        Speeds are seen from the synchronous speed.
+        """
         return () if self.time_constant is None else (self.parts(value)[0].row,)
 
     def _slope(self, value: Values) -> Any:

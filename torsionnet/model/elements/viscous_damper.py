@@ -146,7 +146,7 @@ class ViscousDamper(Element):
         return film if self.scale is None else ScaledStiffness(film, value(self.scale))
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """Row of node speeds that ties the ring to the hub on average.
+        """Tuple of one row of node speeds, which ties the ring to the hub on average.
 
         On average both turn at one speed, whatever the film.
         """

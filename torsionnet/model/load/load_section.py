@@ -24,7 +24,7 @@ SHARE_ROUNDING = 1e-6
 
 @dataclass(frozen=True, kw_only=True)
 class Load(Absorber):
-    """Power through a drivetrain: absorbed at one node or several, given by one driver or several.
+    """Mean power in W absorbed at nodes of a drivetrain over the speed, and the drivers that give the power.
 
     Examples
     --------

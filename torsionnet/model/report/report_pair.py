@@ -51,7 +51,10 @@ class Pair:
 
 
 class PairEntry(Spec[Pair]):
-    """Entry of a transfer function for the report of a model: ``OUTPUT/INPUT``, or its parts by name."""
+    """Entry of a pair of output and input, whose transfer function the report of a model shows.
+
+    Written as ``OUTPUT/INPUT``, or in parts by name.
+    """
 
     def coerce(self, raw: object) -> Pair:
         if isinstance(raw, Pair):

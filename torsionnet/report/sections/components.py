@@ -34,7 +34,7 @@ from torsionnet.response.limits.limit_conclusion import LimitConclusion, WorstLi
 from torsionnet.response.limits.rule_factors import RuleFactor
 
 SAME_TORQUE = 1e-3
-"""Share by which the torque of a throw is larger than the torque compared, so that it is another throw's."""
+"""Relative excess of the largest torque of a throw over the torque compared above which it is another throw's."""
 MOST_SHAFTS = 4
 """Largest number of shafts side by side in one table of factors, as a page has no room for more."""
 M68_TEXT: Text = (

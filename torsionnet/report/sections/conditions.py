@@ -102,7 +102,7 @@ def _conditions(subject: ReportData) -> TableBlock:
 
 
 def _choice(case: Case, axes: tuple[str, ...]) -> dict[str, str]:
-    """Alternative on each axis, by axis, of a configuration."""
+    """Names of the alternatives that make up a configuration, by axis."""
     if len(axes) == 1:
         return {axes[0]: case.configuration}
     return dict(part.split("=", 1) for part in case.configuration.split(",") if "=" in part)

@@ -22,7 +22,7 @@ LEAST_TORQUE_SHARE = 1e-9
 LEAST_POWER_SHARE = 1e-6
 """Share of the power below which a difference is rounding: of six digits, as files give them."""
 COLUMNS = ("element", "at", "speed", "torque", "stress", "power")
-"""Names of the columns of mean torques that the line is shown with."""
+"""Names of the columns of mean torques that the table along the line shows."""
 
 
 def installation_section(subject: ReportData) -> Section | None:

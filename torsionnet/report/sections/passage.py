@@ -41,7 +41,7 @@ def passage_section(subject: ReportData) -> Section | None:
 
 
 def _covers(one: PassedRange, other: PassedRange) -> bool:
-    """Whether a barred range holds another one, whose limits are used no more."""
+    """Whether a barred range contains another one, whose limits are used no more than its own."""
     holds = (
         one.span.rpm_outward[0] <= other.span.rpm_outward[0] and other.span.rpm_outward[1] <= one.span.rpm_outward[1]
     )

@@ -89,7 +89,10 @@ class TextFormat:
     images: tuple[str, ...]
 
     def shown(self, value: Any) -> Markup:
-        """Value of a template as text of the file format; what a template has rendered is that already."""
+        """Text, in the report's file format, of a value that a template inserts.
+
+        What a template has rendered is that already.
+        """
         if isinstance(value, Markup):
             return value
         return Markup(self.inline(value if isinstance(value, Inline | tuple) else str(value)))
@@ -97,7 +100,7 @@ class TextFormat:
 
 @dataclass(frozen=True)
 class Illustrations:
-    """Functions that give the text by which figures and images stand in a report's file.
+    """Functions that return the markup by which a report's file shows a figure, or an image of the template folder.
 
     Attributes
     ----------

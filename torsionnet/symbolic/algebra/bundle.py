@@ -101,7 +101,10 @@ class Bundle:
         return total
 
     def _pairs(self) -> ProgramNode:
-        """Sum over pairs of laws of both stiffnesses times their rows' squared determinant, times all denominators."""
+        """Program node of the sum over pairs of parallel laws of both stiffnesses times a squared determinant.
+
+        The determinant is that of the rows of both laws; the sum is multiplied by all denominators.
+        """
         total, top, child = self.program.leaf(0), self.block.top, self._child
         for (i, one), (j, other) in combinations(enumerate(self.block.members), 2):
             across = one.row[top] * other.row[child] - other.row[top] * one.row[child]

@@ -123,7 +123,7 @@ class Monomials:
 
 
 def monomials_for(payloads: Iterable[Any]) -> Monomials:
-    """Algebra of sparse polynomials in which the payloads of all inputs of a program can be written."""
+    """Algebra of sparse polynomials in which all given stiffnesses and expressions can be written."""
     names: dict[Any, None] = {}
     scale = 1
     for payload in payloads:
