@@ -30,14 +30,14 @@ SAME_MODE_DISTANCE = 0.02
 OVERDAMPED_NOTE = "undamped modes that damping leaves no vibration are counted behind all others"
 """Text of the note below tables of modes on how overdamped modes are counted."""
 EXCITED: Schema = {"type": ["boolean", "null"], "description": "null where nothing says what acts"}
-"""JSON Schema of whether a mode is excited, null where no torques are known."""
+"""JSON Schema of the flag whether a mode is excited, null where no torques are known."""
 FREQUENCY_FIELDS = {"undamped": "undamped_frequency", "natural": "natural_frequency", "damped": "damped_frequency"}
-"""Field of :class:`VibrationMode` that holds each kind of frequency of a mode in Hz, by name of the kind."""
+"""Name of the :class:`VibrationMode` field that holds a mode's frequency in Hz, by kind of frequency such as damped."""
 
 
 @dataclass(frozen=True)
 class SpeedPeak:
-    """Largest amplitude (SI) of one order of an output near a critical speed, and the speed where it occurs in rad/s.
+    """Largest amplitude (SI) of one order of an output near a critical speed, and the speed in rad/s where it occurs.
 
     ``speed`` in rad/s of the reference shaft, ``amplitude`` a peak value in SI units.
     """
@@ -49,7 +49,7 @@ class SpeedPeak:
 
 @dataclass(frozen=True)
 class StarVector:
-    """Complex vector of a star diagram, without unit, with what acts and the node it acts on."""
+    """Complex vector of a star diagram, without unit, with the names of the cylinder and of the node it acts on."""
 
     label: str
     node: str
@@ -58,7 +58,7 @@ class StarVector:
 
 @dataclass(frozen=True, eq=False)
 class CriticalSpeedRow:
-    """Critical speed of one excitation line and one mode as plain data, in rad/s of the reference shaft."""
+    """Critical speed of a mode and an order or fixed frequency of an excitation as plain data, in rad/s."""
 
     mode: int
     excitation: str
@@ -152,7 +152,9 @@ class CriticalSpeed:
 
     @property
     def equilibrium_amplitude(self) -> float:
-        """Equilibrium amplitude in rad at the node that moves most: the twist of the mode if the order acted at rest.
+        """Equilibrium amplitude in rad of a mode excited by one order, at the node that moves most.
+
+        The twist of the mode if the order acted at rest.
 
         Generalised force over modal inertia and square of the undamped natural frequency,
         ``Q / (omega^2 sum_n J_n |phi_n|^2)``; nan where no torque is given or the mode exists with damping only.
@@ -178,7 +180,9 @@ class CriticalSpeed:
 
     @property
     def resonant_amplitude(self) -> float:
-        """Amplitude in rad at resonance of the node that moves most: equilibrium amplitude times ``1/(2 zeta)``.
+        """Resonant amplitude in rad of a mode excited by one order, at the node that moves most.
+
+        Equilibrium amplitude times ``1/(2 zeta)``.
 
         An estimate by one mode alone, without the deflections of the others; infinite without damping.
         """
@@ -200,11 +204,11 @@ class CriticalSpeed:
         return next((speed for speed in found if speed > 0), math.nan)
 
     def own_speed(self, which: str = "undamped") -> float:
-        """Critical speed of the shaft of the excitation in rad/s, nan where there is none."""
+        """Critical speed in rad/s of the shaft that bears the excitation, nan where there is none."""
         return self.speed(which) * float(self.ratio)
 
     def row(self) -> CriticalSpeedRow:
-        """Critical speed of one excitation line and one mode as plain data for JSON, in rad/s."""
+        """Critical speed with its mode, excitation and order as plain data for JSON, speeds in rad/s."""
         star = self.star
         vectors = [] if star is None else zip(star.labels, star.nodes, star.vectors.tolist(), strict=True)
         return CriticalSpeedRow(
@@ -235,7 +239,7 @@ class CriticalSpeed:
 
     @property
     def line(self) -> str:
-        """Excitation line of a critical speed as a text, its order or frequency, such as '4.5' or '100 Hz'."""
+        """Order or fixed frequency of the excitation at a critical speed as a text, such as '4.5' or '100 Hz'."""
         if not self.order:
             return f"{self.fixed:g} Hz"
         return f"{self.order:g}" + (f" {self.fixed:+g} Hz" if self.fixed else "")
@@ -291,7 +295,7 @@ class CriticalSpeeds(NotebookResult):
     notes: tuple[str, ...] = ()
 
     def of(self, mode: int, order: float, excitation: str | None = None) -> CriticalSpeed:
-        """Critical speed at which a mode, by its number, meets an excitation order.
+        """Critical speed (:class:`CriticalSpeed`) at which a mode, by its number, meets an excitation order.
 
         Raises
         ------
@@ -399,12 +403,12 @@ class CriticalSpeeds(NotebookResult):
         )  # fmt: skip
 
     def shape(self, mode: int) -> Mapping[str, complex]:
-        """Shape of a mode, by its number, as complex angles by node, without unit, 1 where it moves most."""
+        """Complex angles by node of the mode of a number, without unit, 1 at the node that moves most."""
         return dict(zip(self.nodes, self.mode(mode).shape.tolist(), strict=True))
 
 
 def _excites(other: CriticalSpeeds, one: CriticalSpeed) -> bool:
-    """Whether another condition excites the mode of a critical speed by the same excitation line."""
+    """Whether another condition excites the mode of a critical speed by the same order of the same excitation."""
     for crossing in other.crossings:
         same = (crossing.excitation, crossing.order, crossing.fixed) == (one.excitation, one.order, one.fixed)
         if same and crossing.excited and _is_same_mode(crossing.mode, one.mode):

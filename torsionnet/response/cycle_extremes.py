@@ -24,7 +24,7 @@ flat, five less than 1e-9."""
 
 
 def cycle_extremes(amplitudes: ComplexArray, periods: Sequence[int]) -> FloatArray:
-    """Highest and lowest Re sum_l X_l exp(j c_l phi) over a cycle of phi, in the unit of X, shape (2, n_speeds, n_out).
+    """Highest and lowest sum of orders Re sum_l X_l exp(j c_l phi), in the unit of X, shape (2, n_speeds, n_out).
 
     Between two points h apart a wave exceeds the nearer one by at most h^2/8 sum |X_l| c_l^2, so that few maxima of
     a coarse grid have to be refined.
@@ -52,7 +52,7 @@ def cycle_extremes(amplitudes: ComplexArray, periods: Sequence[int]) -> FloatArr
 
 
 def _of_part(amplitudes: ComplexArray, counts: NDArray[np.int64]) -> FloatArray:
-    """Maxima and minima (2, n_speeds, n_out) of waves in the unit of their amplitudes (n_speeds, n_out, n_counts)."""
+    """Highest and lowest values (2, n_speeds, n_out) of waves in the unit of their amplitudes (n_speeds, n_out, n)."""
     spectrum = np.zeros((len(amplitudes), int(counts[-1]) + 1, amplitudes.shape[1]), dtype=complex)
     spectrum[:, counts] = amplitudes.transpose(0, 2, 1)
     waves = waveforms(spectrum, max(POINTS_PER_PERIOD * int(counts[-1]), 1))

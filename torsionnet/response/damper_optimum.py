@@ -19,7 +19,7 @@ EQUAL_PEAK_DIFFERENCE = 1e-3
 """Relative difference up to which peaks of vibration count as equally high, so that all of them determine the optimal
 damper."""
 AT_BOUND_SHARE = 1e-4
-"""Distance to a bound, as a share of the range, within which a design parameter is at the bound."""
+"""Distance of a design parameter from a bound, as a share of its range, up to which it counts as at the bound."""
 INDIFFERENT_LEVEL_RATIO = 1.01
 """Ratio of largest to smallest vibration level over a design parameter's range below which the parameter hardly
 matters."""
@@ -52,7 +52,7 @@ class DesignParameter:
 
 @dataclass(frozen=True)
 class LevelPeak:
-    """Local maximum of the vibration level in SI units of the output over frequency (Hz) or speed (r/min)."""
+    """Local maximum of an output's vibration level in its SI unit, and its frequency (Hz) or speed (r/min)."""
 
     point: Annotated[float, Out(json="at")]
     level: float
@@ -81,7 +81,7 @@ class LevelCurve:
 
 @dataclass(frozen=True, eq=False)
 class DesignParameterRow:
-    """Design parameter of a damper, and the largest vibration level over its range, others at their optimum, in SI."""
+    """Design parameter of a damper, and the largest vibration level (SI) over its range, other parameters optimal."""
 
     name: str
     unit: str

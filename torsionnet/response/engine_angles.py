@@ -1,4 +1,4 @@
-"""Order amplitudes with engines on unconnected crankshafts at the angle with the largest, or smallest, half range."""
+"""Order amplitudes with engines on unconnected crankshafts at angles of largest or smallest half range of their sum."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from torsionnet.response.worst_angle import Shares, worst_angles
 SPEEDS_PER_SEARCH = 50
 """Number of speeds that are searched for engine angles together, which limits the memory."""
 EQUAL_ANGLE = 1e-5
-"""Angle difference in rad, and as a share of a period, below which angles between engines are equal: at an extremum
-the half range varies too little to determine the angle any better."""
+"""Angle difference in rad, and as a share of a period, below which angles between engines count as equal: at an
+extremum the half range varies too little to determine the angle any better."""
 NEGLIGIBLE_AMPLITUDE = 1e-6
 """Share of an engine's largest amplitude below which an order does not count for the period of the engine angle."""
 
@@ -54,25 +54,25 @@ class EngineAngle:
         return np.degrees(self.angle)
 
     def at(self, speed: int, output: int) -> str:
-        """Sentence on an engine angle for indices of a speed and an output, 'port fires 30 deg after starboard'."""
+        """Sentence on an engine's angle at a speed and an output, by index, 'port fires 30 deg after starboard'."""
         period = round(math.degrees(self.period[speed, output]), 1)
         degrees = round(float(self.degrees[speed, output]), 1) % period
         return f"{self.engine} fires {degrees:g} deg after {self.after}"
 
     def part(self, speeds: Sequence[int], outputs: Sequence[int]) -> EngineAngle:
-        """Engine angles in rad at some speeds and outputs only, given by their indices."""
+        """Engine angle in rad at some speeds and outputs only, given by their indices."""
         angle, period = (of[list(speeds)][:, list(outputs)] for of in (self.angle, self.period))
         return replace(self, angle=angle, period=period)
 
     def joined(self, others: Sequence[EngineAngle], order: NDArray[np.intp]) -> EngineAngle:
-        """Engine angles in rad joined with ``others`` at other speeds, in the order of the indices ``order``."""
+        """Engine angle in rad at all speeds, joined from parts at some speeds and sorted by the indices ``order``."""
         angles, periods = ([getattr(one, name) for one in (self, *others)] for name in ("angle", "period"))
         return replace(self, angle=np.concatenate(angles)[order], period=np.concatenate(periods)[order])
 
 
 @dataclass(frozen=True, eq=False)
 class AmplitudesAtAngles:
-    """Complex order amplitudes in SI units of the outputs with all engine angles decided, by speed and output.
+    """Complex order amplitudes (SI) by speed, order line and output, with all engine angles decided.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class AmplitudesAtAngles:
 
 
 def at_worst_angles(values: ComplexArray, lines: Sequence[OrderLine], shares: Shares = ()) -> AmplitudesAtAngles:
-    """Order amplitudes (SI) with the largest half range over all engine angles and signs of scattered contributions."""
+    """Order amplitudes (SI) at engine angles and signs of contributions that give their sum the largest half range."""
     signs = [np.ones((len(values), values.shape[2], len(own)), dtype=np.int8) for _, own in shares]
     delays: dict[EngineBlock, FloatArray] = {}
     for blocks in blocks_by_speed(lines):
@@ -120,7 +120,7 @@ def at_engine_angles(
     delays: Mapping[EngineBlock, FloatArray],
     signs: tuple[NDArray[np.int8], ...] = (),
 ) -> AmplitudesAtAngles:
-    """Order amplitudes (SI) with engines delayed by angles (n_speeds, n_out) in rad of the reference shaft."""
+    """Order amplitudes (SI) with engines delayed by given angles in rad of the reference shaft."""
     angles = []
     for blocks in blocks_by_speed(lines):
         for block in blocks[1:]:
@@ -133,7 +133,7 @@ def at_engine_angles(
 
 
 def _period(values: ComplexArray, lines: Sequence[OrderLine], blocks: Sequence[EngineBlock]) -> FloatArray:
-    """Angle of the reference shaft in rad, (n_speeds, n_out), after which the vibration of two engines repeats.
+    """Period in rad of the reference shaft after which an angle between engines repeats, shape (n_speeds, n_out).
 
     It is the largest angle of which the periods of both are multiples; orders of negligible amplitude are ignored.
     """
@@ -156,7 +156,7 @@ def _ratio(lines: Sequence[OrderLine], block: EngineBlock) -> float:
 def with_engines_delayed(
     values: ComplexArray, lines: Sequence[OrderLine], angles: Sequence[EngineAngle], sense: float = 1.0
 ) -> ComplexArray:
-    """Order amplitudes (n_speeds, n_lines, n_out), SI, engines delayed by angles in rad, advanced with ``sense=-1``."""
+    """Order amplitudes (n_speeds, n_lines, n_out), SI, engines delayed by angles (rad) or advanced (``sense=-1``)."""
     found = values.copy()
     known = {one.engine: one.angle for one in angles}
     for block in engine_blocks(lines):
@@ -167,6 +167,6 @@ def with_engines_delayed(
 
 
 def engines_as_one(lines: Sequence[OrderLine]) -> tuple[OrderLine, ...]:
-    """Order lines in which engines of one speed bear the name of the first, as their angles are decided."""
+    """Order lines in which all engines of one speed have the name of the first, as their angles are decided."""
     first = {block.engine: blocks[0].engine for blocks in blocks_by_speed(lines) for block in blocks}
     return tuple(replace(line, engine=first[line.engine]) if line.engine else line for line in lines)

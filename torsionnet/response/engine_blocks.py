@@ -1,4 +1,4 @@
-"""Blocks of order lines with known phases between them, for engines whose angle to each other is not given."""
+"""Groups of order lines with known phases between them, one for each engine whose angle to others is not given."""
 
 from __future__ import annotations
 
@@ -18,14 +18,16 @@ out."""
 
 @dataclass(frozen=True)
 class EngineBlock:
-    """Block of order lines, by their indices, whose phases to each other are known, and the first engine among them."""
+    """Name of an engine of unknown angle, and the indices of the order lines with known phases to it."""
 
     engine: str
     places: tuple[int, ...]
 
 
 def engine_blocks(lines: Sequence[OrderLine]) -> list[EngineBlock]:
-    """Blocks of order lines, one for each engine of unknown angle; lines of other excitations are in the first block.
+    """List of engine blocks (indices of order lines of known phases), one for each engine of unknown angle.
+
+    Lines of other excitations are in the first block.
 
     Examples
     --------
@@ -40,7 +42,7 @@ def engine_blocks(lines: Sequence[OrderLine]) -> list[EngineBlock]:
 
 
 def blocks_by_speed(lines: Sequence[OrderLine]) -> list[list[EngineBlock]]:
-    """Lists of blocks of order lines, one list for all engines that turn at one speed.
+    """List of lists of engine blocks (indices of order lines), one inner list for all engines that turn at one speed.
 
     Within a group an angle changes the sum.
     """
@@ -56,13 +58,13 @@ def blocks_by_speed(lines: Sequence[OrderLine]) -> list[list[EngineBlock]]:
 
 
 def has_unknown_angles(lines: Sequence[OrderLine]) -> bool:
-    """Whether engines of one speed are at unknown angles to each other, so that the worst have to be searched."""
+    """Whether engines of one speed are at unknown angles to each other, so that the worst ones have to be searched."""
     return any(len(blocks) > 1 for blocks in blocks_by_speed(lines))
 
 
 @dataclass(frozen=True)
 class BlockGrid:
-    """Grid of even angle steps over the common cycle of some blocks of order lines, for the search of engine angles.
+    """Grid of even angle steps over the common cycle of engines of unknown angle, with their order lines by index.
 
     Attributes
     ----------
@@ -83,7 +85,7 @@ class BlockGrid:
 
     @classmethod
     def of(cls, lines: Sequence[OrderLine], blocks: Sequence[EngineBlock]) -> BlockGrid:
-        """Angle grid of order lines that follow the speed, if too fine only of those that repeat in two revolutions."""
+        """Angle grid for order lines that follow the speed, if too fine for those that repeat in two revolutions."""
         moving = [tuple(at for at in block.places if not lines[at].fixed and lines[at].order) for block in blocks]
         found = cls._through(lines, moving)
         if found.points <= MOST_GRID_POINTS:

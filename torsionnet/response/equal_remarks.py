@@ -10,7 +10,7 @@ MOST_LISTED_CONFIGURATIONS = 3
 
 
 def grouped_remarks(said: Iterable[tuple[str, str, str]]) -> Iterator[tuple[list[str], list[str], str]]:
-    """Groups (subjects, configurations, text) of equal remarks, from triples (subject, configuration, text).
+    """Yield groups (subjects, configurations, text) of equal remarks, from triples (subject, configuration, text).
 
     A text occurs once for all subjects that it concerns in the same configurations.
 
@@ -52,7 +52,7 @@ def configurations_in_words(names: Sequence[str], known: Sequence[str]) -> str:
 
 
 def _by_axes(names: Sequence[str], known: Sequence[str]) -> str:
-    """Text such as 'firing=misfire or off' if alternatives on axes identify the configurations, else an empty text."""
+    """Text such as 'firing=misfire or off' if choices on each axis identify the configurations, else an empty text."""
     if not all("=" in part for name in known for part in name.split(",")):
         return ""
     every = _alternatives(known)
@@ -62,7 +62,7 @@ def _by_axes(names: Sequence[str], known: Sequence[str]) -> str:
 
 
 def _alternatives(names: Sequence[str]) -> dict[str, dict[str, None]]:
-    """Alternatives that occur in names of configurations, by axis, each once and in the order of the names."""
+    """Alternatives that occur in configurations' names, such as misfire, by axis, such as firing, each once."""
     found: dict[str, dict[str, None]] = {}
     for axis, alternative in (pair for name in names for pair in _choice(name).items()):
         found.setdefault(axis, {})[alternative] = None
@@ -75,7 +75,9 @@ def _choice(name: str) -> dict[str, str]:
 
 
 def condition_words(name: str) -> str:
-    """Name of a configuration as words: its choices without the names of what is chosen.
+    """Text of a configuration as words, such as 'misfire, wet' for 'firing=misfire,water=wet'.
+
+    Its choices without the names of what is chosen.
 
     Examples
     --------

@@ -61,7 +61,7 @@ class Estimation:
     references: tuple[str, ...] = ()
 
     def to_data(self) -> dict[str, Any]:
-        """Averaging data of an estimated response that are written to files, by name of the field."""
+        """Averaging data of an estimated response as plain values for files, by name of the field."""
         return {
             one.name: getattr(self, one.name)
             for one in fields(self)

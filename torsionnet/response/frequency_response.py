@@ -149,7 +149,10 @@ class FrequencyResponse(NotebookResult):
         return conventions.scale(above) / conventions.scale(below)
 
     def unit(self, output: int = 0, input: int = 0, conventions: Conventions = SI) -> str:
-        """Unit in which the transfer function of an output over an input is shown; ``1`` for like signals."""
+        """Text of the unit in which the transfer function of an output over an input is shown.
+
+        ``1`` for like signals.
+        """
         above, below = conventions.unit(self.outputs[output].unit), conventions.unit(self.inputs[input].unit)
         return quotient_unit(above, below)
 
@@ -199,7 +202,7 @@ class FrequencyResponse(NotebookResult):
         )
 
     def receptance(self) -> FrequencyResponse:
-        """Receptance (angle per torque, rad/(N m)) over frequency, with velocities and accelerations integrated."""
+        """Receptance (angle per torque, rad/(N m)) over frequency, integrated from velocity or acceleration outputs."""
         return self._of_order("rad")
 
     def mobility(self) -> FrequencyResponse:

@@ -22,7 +22,7 @@ TRIAL_OR_MODE: Schema = {"type": ["integer", "null"], "description": "null for a
 MPA_PER_PA = 1e-6
 """Factor from stresses in Pa to MPa, as Holzer tables show them."""
 NEGLIGIBLE_TORQUE = 1e-9
-"""Torque over the largest one of a Holzer table below which the table shows 0: it is what rounding leaves."""
+"""Ratio of a torque to the largest one of a Holzer table below which the table shows 0: it is what rounding leaves."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class HolzerLink:
 
 @dataclass(frozen=True)
 class HolzerStation:
-    """Station of a Holzer table, one node, with real quantities of its own shaft, SI units, peak values.
+    """Station of a Holzer table, a node with inertia, amplitude and torques of its own shaft, SI units, peak values.
 
     Attributes
     ----------
@@ -122,7 +122,7 @@ class HolzerRecord:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HolzerTable(NotebookResult):
-    """Holzer table of a drivetrain at one frequency in Hz, with its branches of stations, main lines first.
+    """Holzer table of a drivetrain at one frequency in Hz, a list of branches, those that join no other branch first.
 
     Attributes
     ----------
@@ -155,12 +155,15 @@ class HolzerTable(NotebookResult):
 
     @property
     def remainder(self) -> float:
-        """Torque in N m left over at the last station of the first main line; 0 at a natural frequency."""
+        """Torque in N m left over at the last station of the first branch of a Holzer table.
+
+        0 at a natural frequency.
+        """
         return self.branches[0].stations[-1].torque
 
     @property
     def relative_remainder(self) -> float:
-        """Largest torque left over on a main line over the largest torque in a link, without unit.
+        """Ratio of the largest torque left over at the end of a line to the largest between stations, without unit.
 
         At a natural frequency it is only rounding.
         """
@@ -169,7 +172,7 @@ class HolzerTable(NotebookResult):
 
     @property
     def _largest(self) -> float:
-        """Largest torque in any link of a Holzer table in N m."""
+        """Largest torque in N m in any connection between two stations of a Holzer table."""
         return max((abs(one.torque) for one in self._stations() if one.link is not None), default=0.0)
 
     def station(self, node: str) -> HolzerStation:
@@ -177,11 +180,14 @@ class HolzerTable(NotebookResult):
         return next(one for one in self._stations() if one.node == node)
 
     def tables(self, *, referred: bool = False) -> tuple[Table, ...]:
-        """Tables of a Holzer table's stations, one per branch; with ``referred`` all quantities are of one shaft."""
+        """One table for each branch of a Holzer table, with a row per station.
+
+        With ``referred`` all quantities are of one shaft.
+        """
         return tuple(self._table(number, branch, referred=referred) for number, branch in enumerate(self.branches, 1))
 
     def table(self, *, referred: bool = False) -> Table:
-        """Table of the stations of all branches, with the number of the branch in the first column."""
+        """Table with a row for each station of a Holzer table, with the number of its branch in the first column."""
         tables = self.tables(referred=referred)
         rows = tuple((number, *row) for number, table in enumerate(tables, 1) for row in table.rows)
         return Table(self.heading, (Column("branch"), *tables[0].columns), rows, self._notes())

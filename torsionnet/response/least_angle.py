@@ -16,17 +16,17 @@ from torsionnet.response.synthesis import extremes
 from torsionnet.response.worst_angle import EQUAL_SHARE, highest_maxima
 
 REFINED_MINIMA = {2: 3, 3: 1}
-"""Number of smallest minima on the grid of engine angles that are refined, by number of engines, 3 for three or
-more."""
+"""Number of smallest minima of the half range on the grid of engine angles that are refined, by number of engines, 3
+for three or more."""
 ENGINE_SWEEPS, START_POSITIONS = 2, 5
-"""Numbers of sweeps over more than two engines and of their start positions; more find the smallest minimum more
-surely."""
+"""Number of sweeps in which more than two engines are moved in turn, and number of positions from which sweeps start;
+more find the smallest minimum more surely."""
 STEP_REFINEMENTS, STEP_DIVISOR = 4, 4
 """Number of refinements of the engine angle step, and the factor by which each divides the step."""
 
 
 def at_least_range_angles(case: OrderResponse) -> AmplitudesAtAngles:
-    """Order amplitudes (SI) of one case at the engine angles with the smallest half range, by speed and output.
+    """Order amplitudes (SI) of one firing condition at engine angles that give their sum the smallest half range.
 
     For two engines it is the global minimum; for more the smallest that the search finds.
     """
@@ -40,11 +40,11 @@ def at_least_range_angles(case: OrderResponse) -> AmplitudesAtAngles:
 
 
 Delays: TypeAlias = dict[EngineBlock, FloatArray]
-"""Delay (n_speeds, n_out) in rad of the reference shaft by engine block."""
+"""Mapping of engine block to its delay in rad of the reference shaft, shape (n_speeds, n_out)."""
 
 
 def _from_several(case: OrderResponse, blocks: Sequence[EngineBlock]) -> Delays:
-    """Engine delays in rad, by block, of smallest half range among sweeps from several start positions."""
+    """Delays in rad by engine with the smallest half range of the sum of orders, of sweeps from several positions."""
     turn = 2 * np.pi * float(BlockGrid.of(case.lines, blocks).cycle)
     found = []
     for number in range(START_POSITIONS):
@@ -60,7 +60,7 @@ def _from_several(case: OrderResponse, blocks: Sequence[EngineBlock]) -> Delays:
 
 
 def _swept(case: OrderResponse, blocks: Sequence[EngineBlock], start: Delays, sweeps: int) -> Delays:
-    """Engine delays in rad, by block, after sweeps in which each engine in turn is moved to the smallest half range."""
+    """Delays in rad by engine after sweeps that give each in turn the smallest half range of the sum of orders."""
     delays, grid = {**start}, BlockGrid.of(case.lines, blocks)
     still = np.zeros((len(case.speeds), len(case.outputs)))
     for _ in range(sweeps):
@@ -76,7 +76,7 @@ def _half_range(case: OrderResponse, delays: Mapping[EngineBlock, FloatArray]) -
 def _least(
     case: OrderResponse, delays: Mapping[EngineBlock, FloatArray], block: EngineBlock, grid: BlockGrid, number: int
 ) -> FloatArray:
-    """Delay (n_speeds, n_out) in rad of one engine block with the smallest half range while the others are fixed."""
+    """Delay (n_speeds, n_out) in rad of one engine, others fixed, with the smallest half range of the sum of orders."""
     step = 2 * np.pi * float(grid.cycle) / grid.points
     values = _later(case, {**delays, block: np.zeros_like(delays[block])})
     waves = [_wave(case, values, places, np.asarray(step * np.arange(grid.points))) for places in grid.places]
@@ -91,7 +91,7 @@ def _least(
 
 
 def _later(case: OrderResponse, delays: Mapping[EngineBlock, FloatArray]) -> ComplexArray:
-    """Order amplitudes (SI) with engine blocks delayed by angles (n_speeds, n_out) in rad of the reference shaft."""
+    """Order amplitudes (n_speeds, n_lines, n_out) in SI with engines delayed by angles of the reference shaft (rad)."""
     found = case.values.copy()
     for block, delay in delays.items():
         rates = np.array([float(case.lines[at].relative) for at in block.places])
@@ -108,7 +108,7 @@ def _wave(case: OrderResponse, values: ComplexArray, places: Sequence[int], angl
 def _refined(
     case: OrderResponse, delays: Mapping[EngineBlock, FloatArray], block: EngineBlock, start: FloatArray, step: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Delay (rad) near a start that gives the smallest half range (SI), and this half range, both (n_speeds, n_out)."""
+    """Delay (rad) near a start, and with it the least half range of the sum of orders (SI), both (n_speeds, n_out)."""
     best, size = start, np.full(start.shape, np.inf)
     for _ in range(STEP_REFINEMENTS):
         for place in range(-STEP_DIVISOR, STEP_DIVISOR + 1):

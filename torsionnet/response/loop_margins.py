@@ -95,7 +95,7 @@ class LoopMargins(NotebookResult):
         )  # fmt: skip
 
     def table(self) -> Table:
-        """Table of a loop's stability margins, or if unstable where a pole reaches the axis, and frequencies in Hz."""
+        """Table of stability margins of a loop, if unstable of changes to a pole on the axis, and frequencies in Hz."""
         names, what, note = (
             (_STABLE_ROWS, "margin", STABLE_NOTE)
             if self.stable

@@ -15,7 +15,7 @@ LARGEST_MARGIN = 1.0
 
 @dataclass(frozen=True)
 class MarginClause:
-    """Separation margin, a share of excitation frequency, for orders, all or whole, from ``lowest`` to ``highest``."""
+    """Separation margin, as a share of the excitation frequency, for (whole) orders from ``lowest`` to ``highest``."""
 
     lowest: float
     highest: float

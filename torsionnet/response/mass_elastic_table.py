@@ -1,4 +1,7 @@
-"""Mass-elastic table of a drivetrain: masses and the shafts between them, as they are and referred to one shaft."""
+"""Mass-elastic table of a drivetrain, inertias of masses with stiffness, damping and section of shafts between them.
+
+Masses and the shafts between them, as they are and referred to one shaft.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ from torsionnet.core.notebook import NotebookResult
 from torsionnet.response.table import Column, Table
 
 SAME_SPEED_SHARE = 1e-9
-"""Relative difference of two speed ratios up to which they are one, as rounding of ratios is smaller."""
+"""Relative difference of two speed ratios up to which they count as equal, as rounding of ratios is smaller."""
 MM_PER_M, CM3_PER_M3 = 1e3, 1e6
 """Factors from m to mm and from m^3 to cm^3, in which diameters and section moduli are given."""
 
@@ -26,7 +29,7 @@ class StationSection:
 
 @dataclass(frozen=True)
 class MassElasticShaft:
-    """Connection of a mass with the next one, with values in SI at the speed of the first of both.
+    """Stiffness, damping and section (SI) of the connection of a mass to the next, referred to the first one's shaft.
 
     Attributes
     ----------
@@ -55,7 +58,7 @@ class MassElasticShaft:
 
     @property
     def is_elastic(self) -> bool:
-        """Whether the connection twists under a constant torque, neither rigid nor a damper alone."""
+        """Whether the connection of two masses twists under a constant torque, neither rigid nor a damper alone."""
         return 0 < self.stiffness < math.inf
 
 
@@ -87,18 +90,21 @@ class MassElasticRow:
 
     @property
     def referred_inertia(self) -> float:
-        """Inertia in kg m^2 referred to the reference shaft, J n^2."""
+        """Inertia J n^2 of a mass in kg m^2, referred to the reference shaft by its speed ratio n."""
         return self.inertia * self.ratio**2
 
     @property
     def referred_stiffness(self) -> float:
-        """Stiffness in N m/rad to the next mass referred to the reference shaft, k n^2; nan without a shaft."""
+        """Stiffness k n^2 in N m/rad of the shaft to the next mass, referred to the reference shaft.
+
+        It is nan without a shaft.
+        """
         return math.nan if self.shaft is None else self.shaft.stiffness * self.ratio**2
 
 
 @dataclass(frozen=True)
 class MassElasticLine:
-    """Line of masses from a free end to its last mass, or, of a branch, to the mass that it ``joins``."""
+    """Masses in line from a free end to the last mass or, in a branch, to the mass of another line that it joins."""
 
     joins: str | None
     rows: tuple[MassElasticRow, ...]
@@ -118,7 +124,9 @@ class MassElasticLine:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MassElasticTable(NotebookResult):
-    """Mass-elastic table of a drivetrain: its lines of masses and shafts, main lines first.
+    """Mass-elastic table of a drivetrain in SI units, its lines of masses with the shafts between them.
+
+    Main lines come first.
 
     Attributes
     ----------
@@ -148,7 +156,7 @@ class MassElasticTable(NotebookResult):
 
     @property
     def rows(self) -> tuple[MassElasticRow, ...]:
-        """Masses of all lines in the order of their numbers."""
+        """Masses of all lines of a mass-elastic table, in the order of their numbers."""
         return tuple(row for line in self.lines for row in line.rows)
 
     @property
@@ -162,7 +170,7 @@ class MassElasticTable(NotebookResult):
         return sum(row.referred_inertia for row in self.rows if not math.isnan(row.ratio))
 
     def table(self) -> Table:
-        """Table of the masses of all lines with their shafts, units of machine drawings, sums as notes."""
+        """Table with a row per mass and its shaft to the next, in units of machine drawings, with sums as notes."""
         columns = (
             Column("no."),
             Column("mass"),

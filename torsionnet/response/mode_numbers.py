@@ -19,7 +19,7 @@ COUNTING_NOTE = "mode 1 is the lowest vibration; rigid bodies and real poles hav
 
 
 def mode_numbers(kinds: Sequence[str]) -> tuple[int | None, ...]:
-    """Numbers of modes by rising ``|lambda|``, those that vibrate are counted from 1, others have none.
+    """Number of every mode by rising ``|lambda|``, counted from 1 for those that vibrate, None for the others.
 
     Examples
     --------
@@ -35,7 +35,7 @@ def mode_numbers(kinds: Sequence[str]) -> tuple[int | None, ...]:
 
 
 def mode_names(kinds: Sequence[str]) -> tuple[str, ...]:
-    """Names of modes in headings, their number, or their kind, with a letter if there are several of it.
+    """Name of every mode for headings, its number or its kind, with a letter if several modes are of that kind.
 
     Examples
     --------

@@ -161,14 +161,17 @@ class Modes(NotebookResult):
 
     @cached_property
     def damping_ratios(self) -> FloatArray:
-        """Damping ratios ``-Re lambda / |lambda|``, shape (n_modes,); 1 for a stable real pole, nan for a rigid one."""
+        """Damping ratios ``-Re lambda / |lambda|`` of the modes, without unit, shape (n_modes,).
+
+        1 for a stable real pole, nan for a rigid one.
+        """
         size = np.abs(self.eigenvalues)
         ratios = np.full(len(size), np.nan)
         np.divide(-self.eigenvalues.real, size, out=ratios, where=size > 0)
         return ratios + 0.0
 
     def first(self, count: int | None) -> Modes:
-        """Copy with the first ``count`` modes and as many undamped natural frequencies only."""
+        """Copy of the modes cut to the first ``count`` modes and as many undamped natural frequencies."""
         cut = {
             name: getattr(self, name)[..., :count]
             for name in ("eigenvalues", "shapes", "kinetic", "strain", "dissipated", "converged")
@@ -191,7 +194,7 @@ class Modes(NotebookResult):
         return np.asarray(self.shapes[self.nodes.index(node)])
 
     def energy_shares(self, mode: int) -> Mapping[str, tuple[float, float, float]]:
-        """Shares (kinetic, strain, dissipated), without unit, by element in the energies of the mode of an index."""
+        """Triples of shares (kinetic, strain, dissipated) in the energies of one mode, by name of element."""
         shares = np.stack([self.kinetic[:, mode], self.strain[:, mode], self.dissipated[:, mode]], axis=1)
         return {name: (float(k), float(s), float(d)) for name, (k, s, d) in zip(self.elements, shares, strict=True)}
 

@@ -22,17 +22,18 @@ from torsionnet.response.table import Column, Table
 from torsionnet.response.worst_response import WorstResponse
 
 SAME_ORDER_DIFFERENCE = 1e-3
-"""Relative difference up to which a measured and a calculated order are the same: a tracked order has few digits."""
+"""Relative difference up to which a measured and a calculated order count as the same: a tracked order has few
+digits."""
 
 
 NUMBERS_BY_NAME: Schema = {"type": "object", "additionalProperties": NUMBERS}
-"""JSON Schema of lists of numbers over speed, by name."""
+"""JSON Schema of lists of numbers over speed by name, such as angles in degrees by engine."""
 LARGEST_ANGLES: Schema = {
     **NUMBERS_BY_NAME,
     "description": "of engines that are not fixed to the first one, where the half range is "
     "largest: by how much of its crank angle each fires later",
 }
-"""JSON Schema of the angles in degrees between engines with the largest half range, over speed by engine."""
+"""JSON Schema of the angles in degrees between engines at which the half range is largest, over speed by engine."""
 SMALLEST_RANGE: Schema = {**NUMBERS, "description": "with these engines at the best angles"}
 """JSON Schema of the smallest half range over speed, at the engine angles that give it, in SI units of the output."""
 WORST_CASES: Schema = {

@@ -98,12 +98,18 @@ class OrderResponse(NotebookResult):
 
     @property
     def case_values(self) -> tuple[ComplexArray, ...]:
-        """Complex amplitudes (n_speeds, n_lines, n_out) in SI of each firing condition; empty if there is one only."""
+        """Arrays (n_speeds, n_lines, n_out) of complex amplitudes in SI, one for each firing condition.
+
+        Empty if there is one only.
+        """
         return ()
 
     @cached_property
     def revolutions(self) -> int | None:
-        """Revolutions of the reference shaft after which the sum of all order lines repeats; None without a cycle."""
+        """Number of revolutions of the reference shaft after which the sum of all order lines repeats.
+
+        None without a cycle.
+        """
         if any(line.fixed for line in self.lines) or len(engine_blocks(self.lines)) > 1:
             return None
         return common_cycle([line.relative for line in self.lines])
@@ -147,7 +153,7 @@ class OrderResponse(NotebookResult):
         return np.asarray(self.values[:, found, self.output(output)].sum(axis=1))
 
     def amplitude_of_order(self, order: float, output: str | None = None) -> FloatArray:
-        """Largest possible amplitude of an order in SI units of the output, shape (n_speeds,), of all excitations.
+        """Largest possible amplitude of an order of all excitations in SI units of the output, shape (n_speeds,).
 
         Excitations are added with their phases, engines without a known angle between them by their magnitudes.
 
@@ -183,7 +189,7 @@ class OrderResponse(NotebookResult):
         return np.asarray(self.values[:, found, self.output(output)].sum(axis=1))
 
     def waveform(self, output: str | None = None, points: int | None = None) -> tuple[FloatArray, FloatArray]:
-        """Waveform of an output in SI, the sum of all orders with their phases, over angles in rad of a common cycle.
+        """Angles in rad over a common cycle (n,), and at them the sum of all orders of an output in SI, (n_speeds, n).
 
         Returns
         -------
@@ -220,7 +226,7 @@ class OrderResponse(NotebookResult):
         return found
 
     def _families(self) -> Iterator[tuple[list[int], list[int] | None]]:
-        """Yield groups of order lines, by index, with fixed phases, and the periods of each in a common cycle, or None.
+        """Yield indices of order lines of fixed phases to each other, and their periods in a common cycle, or None.
 
         A group holds all lines of engines at known angles if these have a cycle; otherwise the lines of each shaft,
         those of all fixed frequencies (assumed to come from one electrical line), and each slip alone.
@@ -397,7 +403,7 @@ class OrderResponse(NotebookResult):
         return self.revolutions
 
     def by_frequency(self) -> ComplexArray:
-        """Complex amplitudes in SI with lines of one frequency summed, shape (n_speeds, n_frequencies, n_out)."""
+        """Complex amplitudes in SI, order lines of one frequency summed, shape (n_speeds, n_frequencies, n_out)."""
         frequencies = [(line.relative, line.fixed) for line in self.lines]
         places = {one: number for number, one in enumerate(dict.fromkeys(frequencies))}
         found = np.zeros((len(self.speeds), len(places), len(self.outputs)), dtype=complex)
@@ -406,7 +412,7 @@ class OrderResponse(NotebookResult):
         return found
 
     def _spectrum(self, places: Sequence[int], counts: Sequence[int]) -> ComplexArray:
-        """Amplitudes (SI) of order lines by their periods in a cycle, shape (n_speeds, highest count + 1, n_out)."""
+        """Complex amplitudes (SI) by number of periods in a cycle, shape (n_speeds, highest count + 1, n_out)."""
         shape = (len(self.speeds), max(counts, default=0) + 1, len(self.outputs))
         found = np.zeros(shape, dtype=complex)
         for place, count in zip(places, counts, strict=True):

@@ -32,7 +32,7 @@ class LinesWithCases(Protocol):
 
 
 def lines_of_one_frequency(lines: Sequence[OrderLine]) -> list[list[int]]:
-    """Groups of the indices of order lines of one frequency, sorted by the first line of each.
+    """Lists of the indices of order lines that share a frequency, sorted by the first index of each list.
 
     Examples
     --------
@@ -70,7 +70,7 @@ class LineSum:
 
 
 def sums_of_lines(lines: Sequence[OrderLine]) -> tuple[LineSum, ...]:
-    """Sums of the order lines that share a frequency, for each frequency of more than one line.
+    """Name, order and line indices of each sum of order lines, one for every frequency that several lines share.
 
     Examples
     --------
@@ -97,7 +97,7 @@ def is_sum_name(name: str) -> bool:
 
 
 def summed_sizes(run: LinesWithCases) -> FloatArray:
-    """Largest amplitude in any case in SI, lines of one frequency added, shape (n_speeds, n_frequencies, n_out).
+    """Largest amplitude (SI) over all cases with lines of one frequency added, shape (n_speeds, n_frequencies, n_out).
 
     The largest of several cases.
     """

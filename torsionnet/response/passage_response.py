@@ -22,7 +22,7 @@ from torsionnet.response.vibrations.vibration_cycles import cycles_above, half_r
 
 @dataclass(frozen=True, eq=False)
 class PassagePeak:
-    """Largest half range of an output along a speed over time, in the output's SI unit, with time in s and speed."""
+    """Largest half range of an output along a speed over time, in its SI unit, with time in s and speed in r/min."""
 
     output: Annotated[str, Out("output")]
     half_range: Annotated[float, Out("largest half range")]
@@ -33,7 +33,9 @@ class PassagePeak:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PassageResponse(NotebookResult):
-    """Response to all orders along a speed over time: vibratory values in SI of outputs, without the mean.
+    """Vibration of outputs (SI) due to all orders along a speed (rad/s) over time (s), shape (n_t, n_out).
+
+    The mean values are not part of it.
 
     Attributes
     ----------
@@ -97,7 +99,7 @@ class PassageResponse(NotebookResult):
         return np.asarray(self.values[:, self.output(output)])
 
     def envelope(self, output: str | None = None) -> tuple[FloatArray, FloatArray]:
-        """Times in s, and half ranges (max - min)/2 in SI of an output within one cycle around them, each (n,).
+        """Times in s, and half ranges (max - min)/2 in SI of an output within a cycle around each time, both (n,).
 
         At constant speed this is the half range of the order response, which limits judge.
         """
@@ -105,14 +107,14 @@ class PassageResponse(NotebookResult):
         return np.interp(middle, self.angles, self.times), found
 
     def peak(self, output: str | None = None) -> PassagePeak:
-        """Largest half range of an output along the speed, with its time and speed."""
+        """Largest half range (SI) of an output along the speed, with its time in s and speed in r/min."""
         times, found = self.envelope(output)
         at, channel = int(np.argmax(found)), self.outputs[self.output(output)]
         rpm = float(np.interp(times[at], self.times, self.rpm))
         return PassagePeak(channel.name, float(found[at]), channel.unit, float(times[at]), rpm)
 
     def cycles_above(self, level: ArrayLike, output: str | None = None) -> float:
-        """Number of vibration cycles of an output whose amplitude exceeds a level in its SI unit, in half cycles.
+        """Number of vibration cycles of an output whose amplitude exceeds a level in SI, counted in half cycles.
 
         The level is one number or one for each time, above 0. Between two crossings of zero the largest value counts
         ("mean crossing peak counting", ASTM E1049-85, 5.2).
@@ -120,13 +122,13 @@ class PassageResponse(NotebookResult):
         return cycles_above(self.of(output) / np.asarray(level), 1.0)
 
     def seconds_above(self, level: ArrayLike, output: str | None = None) -> float:
-        """Time in s in which the half range of an output exceeds a level in its SI unit, one or (n_t,)."""
+        """Time in s in which the half range of an output exceeds a level (SI), a number or an array (n_t,)."""
         times, found = self.envelope(output)
         levels = np.interp(times, self.times, np.broadcast_to(np.asarray(level, dtype=float), self.times.shape))
         return sum((span.high - span.low for span in spans_above(times, found, levels)), 0.0)
 
     def rows(self) -> list[PassagePeak]:
-        """Largest half range of every output along the speed, in the order of the outputs."""
+        """Largest half range (SI) of every output along the speed, with time in s and speed in r/min."""
         return [self.peak(channel.name) for channel in self.outputs]
 
     def table(self, conventions: Conventions = SI) -> Table:
@@ -145,7 +147,7 @@ class PassageResponse(NotebookResult):
         return Table(f"{self.title}: {self._words}", columns, rows, (f"speeds of {self.reference}", *self.notes))
 
     def long_table(self, conventions: Conventions = SI) -> Table:
-        """Table of all outputs over time in s, with the speed in rpm."""
+        """Table of the values of all outputs with a row for each time in s, and the speed in rpm."""
         columns = [Column("time", "s"), Column("speed", "rpm")]
         columns += [Column(channel.name, conventions.unit(channel.unit)) for channel in self.outputs]
         scales = np.array([conventions.scale(channel.unit) for channel in self.outputs])

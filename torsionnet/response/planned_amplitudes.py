@@ -1,4 +1,4 @@
-"""Amplitudes that a measurement on board is to find: by speed and order at one place."""
+"""Amplitudes of single orders that a calculation expects at speeds planned for a measurement on board."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.order_sums import lines_of_one_frequency, sum_name
 
 MOST_CRITICAL, MOST_ORDERS = 5, 3
-"""Largest number of critical speeds of a place, and of orders at each speed, as a measurement notes them."""
+"""Largest numbers of critical speeds of an output, and of orders at each speed, in a list for a measurement."""
 SMALLEST_SHARE = 0.05
-"""Amplitude of an order, as a share of the half range at its speed or the largest, below which it is left out: it would
-drown in what a torsiograph resolves."""
+"""Ratio of an order's amplitude to the half range at its speed, or to the largest half range, below which it is left
+out: it would drown in what a torsiograph resolves."""
 SAME_SPEED = 0.005
-"""Relative difference up to which two speeds are one: a tachometer shows no more."""
+"""Relative difference up to which two speeds count as one: a tachometer shows no more."""
 
 
 @dataclass(frozen=True)
 class PlannedSpeed:
-    """Speed at which a place is measured, in rad/s of the reference shaft, and why."""
+    """Speed in rad/s of the reference shaft at which vibration is to be measured, and the reason as a text."""
 
     speed: float
     reason: str
@@ -59,12 +59,12 @@ class PlannedAmplitude:
 
     @property
     def rpm(self) -> float:
-        """Speed of the reference shaft in r/min."""
+        """Speed of the reference shaft in r/min at which an amplitude is planned to be measured."""
         return self.speed * RPM
 
 
 def critical_peaks(run: OrderResponse, output: str | None = None) -> tuple[PlannedSpeed, ...]:
-    """Speeds in rad/s at which an order of an output has a peak inside the range, the largest peaks, by rising speed.
+    """Speeds in rad/s of the largest peaks of single orders of an output inside the speed range, by rising speed.
 
     Examples
     --------
@@ -90,7 +90,7 @@ def critical_peaks(run: OrderResponse, output: str | None = None) -> tuple[Plann
 
 
 def merged_speeds(speeds: Sequence[PlannedSpeed]) -> tuple[PlannedSpeed, ...]:
-    """Speeds by rising value in rad/s, where those that a tachometer cannot tell apart are one with all reasons.
+    """Planned speeds in rad/s, rising, those that a tachometer cannot tell apart merged into one with all reasons.
 
     Examples
     --------

@@ -10,7 +10,7 @@ from torsionnet.response.static_state import StaticState
 
 @dataclass(frozen=True, eq=False)
 class PowerBalance:
-    """Balance of mean powers in W at one speed.
+    """Mean power in W from outside into each node at one speed, above zero where it drives, else below zero.
 
     Attributes
     ----------
@@ -35,12 +35,12 @@ class PowerBalance:
 
     @property
     def torque(self) -> float:
-        """Torque in N m of all the absorbed power at the speed of the reference shaft, T = P/omega."""
+        """Torque T = P/omega in N m that all absorbed power P would have at the speed of the reference shaft."""
         return self.taken / abs(self.state.speed)
 
     @property
     def largest_loss(self) -> float:
-        """Largest difference in W of the power into an element at its first port and out of it at the others.
+        """Largest difference in W between the power into an element at its first port and out of it at other ports.
 
         Zero but for rounding, as gears and shafts pass on what they get; 0 without elements of several ports.
         """

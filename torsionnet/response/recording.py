@@ -126,7 +126,7 @@ class Recording(NotebookResult):
 
     @property
     def time(self) -> FloatArray:
-        """Time of every sample of a recording in s, shape (n,)."""
+        """Times of all samples of a recording in s, shape (n,)."""
         return self.start + np.arange(len(self)) / self.sampling_rate if self.times is None else self.times
 
     def select(self, names: Iterable[str]) -> Recording:

@@ -31,15 +31,18 @@ HIDDEN_RISE_SHARE = 0.5
 WIDEST_START_STEP = 0.02
 """Largest relative step between speeds at the start of their refinement."""
 MOST_REFINEMENTS = 10
-"""Largest number of refinements of the calculated speeds; each shortens the intervals around maxima and crossings
-several times."""
+"""Largest number of times that speeds are added to the calculated ones; each shortens the intervals around maxima and
+crossings several times."""
 
 T = TypeVar("T")
 S = TypeVar("S", bound=Sized)
 
 
 def refine_speeds(first: T, wanted: Callable[[T], S], looked: Callable[[T, S], T]) -> T:
-    """Result over speed refined until ``wanted`` gives no more speeds; ``looked`` adds the values at wanted speeds."""
+    """Result over speed with values at further speeds added until ``wanted`` gives no more speeds.
+
+    The values at wanted speeds come from ``looked``.
+    """
     found = first
     for _ in range(MOST_REFINEMENTS):
         more = wanted(found)
@@ -50,7 +53,7 @@ def refine_speeds(first: T, wanted: Callable[[T], S], looked: Callable[[T, S], T
 
 
 def fill_speed_gaps(speeds: FloatArray) -> FloatArray:
-    """Rising speeds, in the unit given, shape (n,), with more of them in gaps of more than 2 %.
+    """Speeds in rising order, in the unit given, shape (n,), with further speeds in gaps of more than 2 %.
 
     Examples
     --------
@@ -66,7 +69,7 @@ def fill_speed_gaps(speeds: FloatArray) -> FloatArray:
 
 
 def new_speeds(speeds: FloatArray, more: FloatArray) -> FloatArray:
-    """Speeds of ``more``, rising, in their unit, inside the range of ``speeds`` and different from all of them."""
+    """Rising speeds (n,) of ``more``, in their unit, inside the range of ``speeds`` and different from all of them."""
     inside = np.unique(more[(more > speeds[0]) & (more < speeds[-1])])
     if not len(inside):
         return inside
@@ -77,7 +80,9 @@ def new_speeds(speeds: FloatArray, more: FloatArray) -> FloatArray:
 
 
 def speeds_to_refine(speeds: FloatArray, curves: FloatArray, level: float | None = None) -> FloatArray:
-    """Speeds, in the unit given, at which curves have to be calculated next; none once maxima and crossings are known.
+    """Speeds (n,), in the unit of ``speeds``, at which curves have to be calculated next.
+
+    There are none once maxima and crossings are known.
 
     Parameters
     ----------
@@ -101,7 +106,7 @@ def speeds_to_refine(speeds: FloatArray, curves: FloatArray, level: float | None
 
 
 def vertex_speed(speeds: FloatArray, values: FloatArray, at: int) -> float:
-    """Speed, in the unit given, of the maximum near a curve's highest value, by a parabola through its neighbours."""
+    """Speed, in the unit given, of the maximum at a curve's highest value, by a parabola through three points."""
     if not 0 < at < len(speeds) - 1:
         return float(speeds[at])
     with np.errstate(all="ignore"):
@@ -140,7 +145,7 @@ def _around_maxima(x: FloatArray, u: FloatArray, best: float, level: float | Non
 
 
 def _around_minima(x: FloatArray, u: FloatArray, level: float) -> Iterator[float]:
-    """Yield speeds to calculate around minima of a curve that are above the level but may truly fall below it."""
+    """Yield speeds, in the unit of ``x``, around minima of a curve above a level that may truly fall below it."""
     for at in _maxima(-u):
         if not 0 < at < len(x) - 1 or u[at] <= level:
             continue
@@ -170,7 +175,7 @@ def _around_crossings(x: FloatArray, u: FloatArray, level: float) -> Iterator[fl
 
 
 def _in_bracket(x: FloatArray, at: int, place: float, half_width: float) -> Iterator[float]:
-    """Yield speeds to calculate next to an extremum of a curve, around the vertex of the parabola, else halfway."""
+    """Yield speeds in the unit of ``x``, around an extremum expected at ``place`` or midway to neighbouring speeds."""
     low, high = float(x[max(at - 1, 0)]), float(x[min(at + 1, len(x) - 1)])
     is_end = at in (0, len(x) - 1)
     if half_width and low < place < high:
@@ -189,7 +194,10 @@ def _maxima(u: FloatArray) -> NDArray[np.intp]:
 
 
 def _parabola(x: FloatArray, g: FloatArray) -> tuple[float, float, float]:
-    """Position, value and half curvature of the minimum of the parabola through three points; NaN if it has none."""
+    """Position, value and half the curvature of the minimum of a parabola through three given points.
+
+    NaN if it has none.
+    """
     h, k = float(x[1] - x[0]), float(x[2] - x[1])
     left, right = float(g[1] - g[0]) / h, float(g[2] - g[1]) / k
     bend = (right - left) / (h + k)

@@ -12,7 +12,7 @@ from torsionnet.response.table import Column, Table
 
 @dataclass(frozen=True, eq=False)
 class StarDiagram:
-    """Star diagram of one order, vectors ``a_i exp(-j h alpha_i)`` of relative amplitude a_i and firing angle alpha_i.
+    """Star diagram of one order h, complex vectors ``a_i exp(-j h alpha_i)`` of relative amplitude and firing angle.
 
     Attributes
     ----------

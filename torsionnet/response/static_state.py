@@ -90,7 +90,7 @@ class StaticState(NotebookResult):
     notes: tuple[str, ...] = ()
 
     def of(self, element: str) -> ElementLoad:
-        """Mean load in SI units of an element, by its name, at its first port."""
+        """Mean speed, torque, twist and stress (SI) of an element, by its name, at its first port."""
         return next(one for one in self.loads if one.element == element)
 
     def table(self, conventions: Conventions = SI) -> Table:

@@ -16,21 +16,24 @@ from torsionnet.response.frequency_response import ComplexArray, FloatArray
 POINTS_PER_PERIOD = 64
 """Number of points of a waveform for each period of its highest order."""
 MOST_PERIODS_BY_PRODUCT = 40
-"""Number of periods in a cycle up to which a product with cosines is faster than the Fourier transform."""
+"""Number of periods in a cycle up to which a product with a matrix of cosines is faster than the Fourier transform."""
 MOST_REVOLUTIONS, MOST_PERIODS = 1000, 5000
-"""Largest numbers of revolutions of a common cycle and of periods in it; a longer one is too long to occur or to
-calculate."""
+"""Largest number of shaft revolutions in a common cycle, and largest number of periods in one; a longer one is too long
+to occur or to calculate."""
 
 
 def common_cycle(relatives: Sequence[Fraction]) -> int | None:
-    """Revolutions of the reference shaft with a whole number of periods of each order; None if there are too many."""
+    """Smallest number of revolutions of the reference shaft with a whole number of periods of each order.
+
+    None if there are too many.
+    """
     cycle = math.lcm(*(relative.denominator for relative in relatives))
     highest = max(relatives, default=Fraction(0))
     return cycle if cycle <= MOST_REVOLUTIONS and cycle * highest <= MOST_PERIODS else None
 
 
 def waveforms(spectrum: ComplexArray, points: int | None = None) -> FloatArray:
-    """Waveforms Re sum_k X_k exp(j k phi) at even steps of phi, in the unit of X, shape (n_speeds, n_out, n)."""
+    """Waveforms Re sum_k X_k exp(j k phi) at even steps of phi over a cycle, in the unit of X, (n_speeds, n_out, n)."""
     highest = spectrum.shape[1] - 1
     n = points or _even_steps(POINTS_PER_PERIOD * max(highest, 1))
     if n <= 2 * highest:
@@ -57,7 +60,7 @@ def _even_steps(least: int) -> int:
 
 
 def extremes(waves: FloatArray) -> FloatArray:
-    """Largest and smallest values of waveforms, in their unit, by parabolas, shape (2, n_speeds, n_out)."""
+    """Largest and smallest values of waveforms, in their unit, by parabolas through points, (2, n_speeds, n_out)."""
     return np.array([_outermost(waves, np.argmax(waves, axis=-1)), _outermost(waves, np.argmin(waves, axis=-1))])
 
 

@@ -19,11 +19,12 @@ from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.order_line import OrderLine
 
 REFINED_MAXIMA = 4
-"""Number of the highest maxima of the rise between two instants, over their distance, that Newton's method refines."""
+"""Number of the highest maxima that Newton's method refines, of a wave's largest rise as a function of the time it
+takes."""
 NEWTON_STEPS = 5
 """Number of steps of Newton's method to a maximum, enough from within a sixteenth of a period."""
 EQUAL_SHARE = 1e-9
-"""Relative difference up to which maxima of vibration are equal, so that the first is taken on every machine."""
+"""Relative difference up to which maxima of vibration count as equal, so that the first is taken on every machine."""
 
 Shares: TypeAlias = Sequence[tuple[slice, ComplexArray]]
 """Pairs of a slice of order lines and contributions to their amplitudes (SI), shape (n_shares, n_speeds, n_lines,
@@ -33,7 +34,7 @@ IntArray: TypeAlias = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class WorstAngles:
-    """Delays in rad of engine blocks, and signs of scattered contributions, that give the sum's largest half range.
+    """Delays in rad by engine, and signs of scattered contributions, with the largest half range of the sum of orders.
 
     Attributes
     ----------
@@ -108,7 +109,7 @@ class _Motion:
         return cls(amplitudes, free, rates, wave, waves, _rises(wave, waves), of_shares)
 
     def at(self, lag: IntArray) -> tuple[IntArray, NDArray[np.int8]]:
-        """Grid step (n_speeds, n_out) where the largest rise over ``lag`` steps begins, and signs of contributions."""
+        """Index (n_speeds, n_out) of the grid step where the largest rise over ``lag`` steps begins, and signs."""
         period = self.wave.shape[2]
         later = (np.arange(period) + lag[..., None]) % period
         changes = [np.take_along_axis(one, later, axis=2) - one for one in self.waves]
@@ -124,7 +125,7 @@ class _Motion:
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    """Largest range (n_speeds, n_out) in SI, its start in each engine block in rad, and the signs of contributions."""
+    """Largest range (max - min) of the sum of orders (SI), its start angles in rad by engine, and signs."""
 
     size: FloatArray
     starts: tuple[FloatArray, ...]
@@ -154,7 +155,7 @@ def _rises(wave: FloatArray, waves: FloatArray) -> FloatArray:
 
 
 def highest_maxima(rises: FloatArray) -> list[IntArray]:
-    """Grid steps (n_speeds, n_out) of the highest local maxima of rises along the last axis, the highest first."""
+    """List of the grid steps (n_speeds, n_out) of highest local maxima of rises along the last axis, highest first."""
     top = rises.max(axis=2, keepdims=True)
     level = np.round(rises / np.where(top > 0, top, 1) / EQUAL_SHARE) * EQUAL_SHARE
     is_crest = (level >= np.roll(level, 1, axis=2)) & (level >= np.roll(level, -1, axis=2))
@@ -163,13 +164,13 @@ def highest_maxima(rises: FloatArray) -> list[IntArray]:
 
 
 def _first_of_largest(values: FloatArray) -> IntArray:
-    """Index along the last axis of the first value that is the largest within rounding."""
+    """Index along an array's last axis of the first value that is the largest within rounding."""
     top, bottom = values.max(axis=-1, keepdims=True), values.min(axis=-1, keepdims=True)
     return np.asarray(np.argmax(values >= top - EQUAL_SHARE * (top - bottom), axis=-1))
 
 
 def _followed(motions: Sequence[_Motion], lag: IntArray, step: float) -> _Found:
-    """Largest range (SI) refined from the grid by Newton's method, with start angles (rad) and signs by engine."""
+    """Largest range (max - min) of the sum of orders (SI) after Newton's method, with start angles (rad) and signs."""
     found = [one.at(lag) for one in motions]
     amplitudes = [one.with_signs(signs) for one, (_, signs) in zip(motions, found, strict=True)]
     starts: list[FloatArray] = [np.asarray(step * start) for start, _ in found]
@@ -201,7 +202,7 @@ def _newton(
     tau: FloatArray,
     step: float,
 ) -> tuple[list[FloatArray], FloatArray]:
-    """Start angles of engine blocks, and the angle tau from one instant to the other, in rad after one Newton step.
+    """Start angles by engine, and angle tau from the lowest to the highest instant, in rad after one Newton step.
 
     The Hessian couples the start angles only through tau.
     """

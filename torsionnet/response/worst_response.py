@@ -115,7 +115,7 @@ class WorstResponse(OrderResponse):
         return f"largest where {words}; smallest, {share:.3g} of that, where {fewest}"
 
     def cases(self, output: str | None = None) -> tuple[str, ...]:
-        """Name of the case (firing condition) with the largest half range of an output, at each speed."""
+        """Names of the cases (firing conditions) with the largest half range of an output, one for each speed."""
         place = self.output(output)
         return tuple(self._case(at, place) for at in range(len(self.speeds)))
 
@@ -197,7 +197,7 @@ def join_responses(
 
 
 def _bounded(whole: OrderResponse, parts: Sequence[OrderResponse], order: NDArray[np.intp]) -> OrderResponse:
-    """Order response whose cached largest and smallest sums are joined from its parts', if all parts have them."""
+    """Order response with the largest and smallest sums over a cycle that its parts have cached, if all parts have."""
     known = [vars(part)["bounds"] for part in parts if "bounds" in vars(part)]
     if len(known) == len(parts):
         vars(whole)["bounds"] = np.concatenate(known, axis=1)[:, order]

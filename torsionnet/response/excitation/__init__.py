@@ -1,1 +1,1 @@
-"""Results on what excites a drivetrain: harmonics of engines, vector sums of cylinders, torques by order."""
+"""Results on what excites a drivetrain, harmonics of a cylinder, orders at one speed and vector sums."""

@@ -14,7 +14,7 @@ MPA_PER_PA, BAR_PER_PA, KILO = 1e-6, 1e-5, 1e-3
 
 @dataclass(frozen=True)
 class CylinderHarmonic:
-    """Harmonic of the torque of a cylinder, one order, as tangential pressure over piston area and crank radius.
+    """One order of a cylinder's torque, as torque (N m) and as that divided by piston area and crank radius (Pa).
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class CylinderHarmonic:
 
 @dataclass(frozen=True)
 class IndicatedPressure:
-    """Mean indicated pressure of an engine at one speed, with indicated torque and power of all its cylinders.
+    """Mean indicated pressure (Pa) of an engine at one speed (rad/s), with indicated torque (N m) of all its cylinders.
 
     ``speed`` in rad/s of the crankshaft, ``pressure`` in Pa, ``torque`` in N m, ``power`` in W; negative for a machine
     that takes work.

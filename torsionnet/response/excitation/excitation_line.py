@@ -10,7 +10,7 @@ from torsionnet.core.result_rows import Out
 
 @dataclass(frozen=True)
 class ExcitationLine:
-    """Line of an excitation, one order or one fixed frequency, at one speed.
+    """Amplitude (N m or rad) and phase (rad) of one order or fixed frequency of an excitation at one speed.
 
     Attributes
     ----------

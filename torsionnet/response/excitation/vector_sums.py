@@ -21,7 +21,10 @@ ROUNDED_SUM = 1e-9
 
 @dataclass(frozen=True)
 class VectorSum:
-    """Relative vector sum of one order on one mode: ``|sum_z theta_z exp(-j h alpha_z)| / max theta``."""
+    """Relative vector sum of one order on one mode, as a number of cylinders at the largest amplitude.
+
+    ``|sum_z theta_z exp(-j h alpha_z)| / max theta``.
+    """
 
     mode: Annotated[int, Out("mode")]
     order: Annotated[float, Out("order")]
@@ -51,11 +54,11 @@ class VectorSums:
         return abs(self.stars[mode, order].sum)
 
     def rows(self) -> tuple[VectorSum, ...]:
-        """Relative vector sums as plain data, by mode, then by order."""
+        """Relative vector sums of an engine as plain rows, sorted by mode, then by order."""
         return tuple(VectorSum(mode, order, self.of(mode, order)) for mode in self.modes for order in self.orders)
 
     def groups(self) -> tuple[tuple[float, ...], ...]:
-        """Orders with equal vector sums on all modes together, by the first order of each group.
+        """Groups (tuples) of orders whose vector sums are equal on all modes, sorted by the first order of each group.
 
         In-line engines that fire evenly repeat their stars: order h has that of order h plus half the number of
         cylinders (four-stroke) or plus all of them (two-stroke), and the mirror image has the same sum.
@@ -85,5 +88,5 @@ def _shown(value: float) -> float:
 
 
 def order_names(orders: Sequence[float]) -> str:
-    """Text of orders, separated by commas."""
+    """Text of the numbers of orders, separated by commas."""
     return ", ".join(f"{order:g}" for order in orders)

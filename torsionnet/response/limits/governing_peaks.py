@@ -1,4 +1,4 @@
-"""Critical speeds that matter in all conditions: each order in the condition in which it uses a limit most."""
+"""Peaks of single orders at critical speeds that matter for limits, each order in the worst of all conditions."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from torsionnet.response.limits.limit_check import LimitCheck
 from torsionnet.response.limits.order_peaks import LEAST_SHARE, OrderPeak, order_peaks, order_shares
 
 SAME_SHARE = 0.05
-"""Relative difference up to which an order is as bad in two conditions, so that one of them stands for both: a smaller
-value spreads the orders over conditions that hardly differ."""
+"""Relative difference of an order's shares of a limit in two conditions up to which one condition stands for both: a
+smaller value spreads the orders over conditions that hardly differ."""
 
 
 @dataclass(frozen=True, eq=False)
 class GoverningPeaks:
-    """Peaks at critical speeds that use at least a share of a limit, each order in its worst condition.
+    """Peaks at critical speeds where one order uses at least a given share of a limit, each in its worst condition.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ def governing_peaks(
     critical_speeds: Callable[[LimitCheck, Sequence[str]], CriticalSpeeds],
     least: float = LEAST_SHARE,
 ) -> GoverningPeaks:
-    """Critical speeds whose order alone uses at least a share of a limit, each order in its worst condition.
+    """Peaks at critical speeds where one order uses at least the share ``least`` of a limit, in its worst condition.
 
     Conditions with a misfiring cylinder are looked at for themselves, for orders that are larger there.
     Critical speeds are asked for only in those
@@ -78,12 +78,12 @@ def governing_peaks(
 
 
 def line_name(peak: OrderPeak) -> str:
-    """Name of the order line of a peak, such as ``engine 6``, as in the check of limits."""
+    """Name of the excitation and the order of a peak, such as ``engine 6``, as in the check of limits."""
     return f"{peak.critical.excitation} {peak.critical.line}"
 
 
 def _worst_conditions(checks: Sequence[LimitCheck], least: float) -> dict[str, tuple[float, int]]:
-    """Largest share of a limit and index of the condition with it, by order line, for shares of ``least`` or more.
+    """Largest share of a limit and index of the condition with it, by name of the order, where at least ``least``.
 
     Conditions taken for a larger order are taken again where they are as bad within ``SAME_SHARE``.
     """

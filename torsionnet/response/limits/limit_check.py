@@ -43,7 +43,7 @@ MOST_NAMES = 6
 
 
 def gravest(verdicts: Iterable[str]) -> str:
-    """Gravest of some verdicts on limits, "pass" if there are none.
+    """Name of the gravest of some verdicts on limits, "pass" if there are none.
 
     Examples
     --------
@@ -54,7 +54,7 @@ def gravest(verdicts: Iterable[str]) -> str:
 
 
 def unexamined_sentence(missing: Sequence[str], known: Sequence[str], examined: Sequence[str]) -> list[str]:
-    """Sentence on the configurations that were not examined, as a list of one; empty if none is missing.
+    """List with one sentence on the configurations that were not examined; empty if none is missing.
 
     Examples
     --------
@@ -76,7 +76,10 @@ def listed_names(names: Sequence[str]) -> str:
 
 
 def utilisation_of(values: FloatArray, allowed: FloatArray) -> FloatArray:
-    """Utilisation of a limit, value over allowed value, in the shape of both; NaN where no value is allowed."""
+    """Utilisation of a limit, the ratio of value to allowed value, without unit, in the shape of both.
+
+    NaN where no value is allowed.
+    """
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(np.where(np.isfinite(allowed), values / allowed, np.nan))
 
@@ -158,7 +161,10 @@ class LimitVerdict:
 
     @property
     def utilisation(self) -> FloatArray:
-        """Utilisation of a limit, value over value allowed, shape (n_speeds,); NaN where no value is allowed."""
+        """Utilisation of a limit, the ratio of value to value allowed, without unit, shape (n_speeds,).
+
+        NaN where no value is allowed.
+        """
         return utilisation_of(self.values, self.allowed)
 
     @property
@@ -208,7 +214,7 @@ class LimitPoint:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LimitCheck(NotebookResult):
-    """Check of all limits of a model in one configuration, with their verdicts.
+    """Verdicts on all limits of a model in one configuration, over speeds in rad/s.
 
     Attributes
     ----------
@@ -281,7 +287,7 @@ class LimitCheck(NotebookResult):
 
     @property
     def findings(self) -> tuple[str, ...]:
-        """Conclusion from all verdicts on limits, a text for what was not examined and one for what was found."""
+        """Texts that conclude from all verdicts on limits, on what was not examined and on what was found."""
         missing = unexamined_sentence(self.others, self.configurations, [self.configuration])
         where = f" in {self.configuration or 'the model as written'}" if self.others else ""
         return (*missing, *self.left_out, self.finding(where))
@@ -345,7 +351,7 @@ class LimitCheck(NotebookResult):
         return Table(f"{self.title}: limits", columns, rows, tuple(dict.fromkeys(notes)))
 
     def texts(self) -> dict[RuleText, list[str]]:
-        """Names of the limits, grouped by the text of their rule."""
+        """Lists of the names of the limits, by the text of their rule."""
         found: dict[RuleText, list[str]] = {}
         for one in self.verdicts:
             names = found.setdefault(one.text, [])

@@ -78,13 +78,13 @@ class WorstLimit:
 
     @property
     def utilisation(self) -> float | None:
-        """Largest value over allowed value of a limit in all configurations and speeds, None if it was not judged."""
+        """Largest ratio of value to allowed value of a limit over configurations and speeds, None if not judged."""
         return None if self.verdict.worst is None else float(self.verdict.utilisation[self.verdict.worst])
 
 
 @dataclass(frozen=True, eq=False)
 class LimitConclusion:
-    """Conclusion on the limits of a model from checks in its configurations.
+    """Overall verdict on the limits of a model, with barred speeds and worst values, from checks of its configurations.
 
     Attributes
     ----------
@@ -195,7 +195,7 @@ class LimitConclusion:
         return (*missing, *self.left_out, *self._found())
 
     def _verdicts(self) -> Iterator[tuple[LimitCheck, LimitVerdict]]:
-        """Yield each verdict with its check, but none on a switched-off element whose limit another check judges."""
+        """Yield pairs of check and verdict, none on a switched-off element whose limit another check judges."""
         judged = {one.limit for check in self.checks for one in check.verdicts if one.verdict != OPEN}
         for check in self.checks:
             yield from ((check, one) for one in check.verdicts if not (one.absent and one.limit in judged))
@@ -221,7 +221,7 @@ class LimitConclusion:
         return self.checks[0].reference
 
     def _of(self, verdict: str) -> dict[str, str]:
-        """Text on the configurations in which a limit has the given verdict, by name of the limit."""
+        """Text that names the configurations in which a limit has the given verdict, by name of the limit."""
         found: dict[str, list[str]] = {}
         for check, one in self._verdicts():
             if one.verdict == verdict:

@@ -71,7 +71,7 @@ class Instruction:
 
 @dataclass(frozen=True, eq=False)
 class _Place:
-    """Limit in one configuration, a speed range in rad/s, and the index of the speed in it of largest utilisation."""
+    """Verdict on a limit, a speed range (rad/s) that it bars, and index of the speed there of largest utilisation."""
 
     check: LimitCheck
     verdict: LimitVerdict
@@ -85,7 +85,7 @@ class _Place:
 
 @dataclass(frozen=True, eq=False)
 class PassedRange:
-    """Speed range that the crew passes without stopping, and the limits that bar it in several conditions.
+    """Speed range (rad/s) that the crew passes without stopping, with the verdicts that bar it in several conditions.
 
     Attributes
     ----------
@@ -100,20 +100,20 @@ class PassedRange:
 
     @property
     def worst(self) -> tuple[LimitCheck, LimitVerdict]:
-        """Check and verdict with the largest utilisation in the speed range."""
+        """Check of limits, and its verdict, with the largest utilisation in a speed range to be passed."""
         found = max(self.places, key=lambda place: place.utilisation)
         return found.check, found.verdict
 
     @property
     def verdicts(self) -> tuple[LimitVerdict, ...]:
-        """Verdicts that bar the speed range in its worst condition, the one of largest utilisation first."""
+        """Verdicts that bar a speed range in its worst condition, sorted so that the most used limit comes first."""
         check, first = self.worst
         others = (one.verdict for one in self.places if one.check is check)
         return (first, *dict.fromkeys(one for one in others if one is not first))
 
     @property
     def utilisation(self) -> float:
-        """Largest utilisation in the speed range, value over value allowed, without unit."""
+        """Largest utilisation of a limit in a speed range, ratio of value to value allowed, without unit."""
         return max(place.utilisation for place in self.places)
 
     @property
@@ -123,7 +123,7 @@ class PassedRange:
 
 
 def passed_ranges(checks: Sequence[LimitCheck]) -> tuple[PassedRange, ...]:
-    """Speed ranges to be passed without stopping, joined where those of several limits and conditions overlap."""
+    """Speed ranges (rad/s) to be passed without stopping, joined where those of limits and conditions overlap."""
     passed = [place for one in checks for place in _passed(one)]
     return tuple(
         PassedRange(span, tuple(place for place in passed if span.low <= place.span.low <= span.high))

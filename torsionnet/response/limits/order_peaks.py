@@ -13,8 +13,8 @@ from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.limits.limit_check import LimitCheck, LimitVerdict
 
 LEAST_SHARE = 0.1
-"""Amplitude of one order over the value allowed from which on a critical speed matters: ten such orders at one speed
-would use the limit up. A smaller value lists more critical speeds that nobody feels."""
+"""Ratio of the amplitude of one order to the value that a limit allows, from which on a critical speed matters: ten
+such orders at one speed would use the limit up. A smaller value lists more critical speeds that nobody feels."""
 PEAK_WINDOW = 0.1
 """Distance from a critical speed, as a share of that speed, within which the peak of its order is looked for: damping
 moves peaks by less, unless it leaves none."""
@@ -25,7 +25,7 @@ barred range does not reach further."""
 
 @dataclass(frozen=True, eq=False)
 class OrderPeak:
-    """Peak of one order near a critical speed, in the limit of which the order uses the largest share.
+    """Amplitude (SI) of one order at its peak near a critical speed, with the limit of which it uses the largest share.
 
     Attributes
     ----------
@@ -47,22 +47,22 @@ class OrderPeak:
 
     @property
     def share(self) -> float:
-        """Amplitude of the order alone over the value allowed at the peak, without unit."""
+        """Ratio of one order's amplitude to the value that the limit allows at its peak, without unit."""
         return self.amplitude / float(self.verdict.allowed[self.at])
 
     @property
     def utilisation(self) -> float:
-        """Value of all orders together over the value allowed at the peak, without unit."""
+        """Ratio of the value of all orders together to the value that the limit allows at a peak, without unit."""
         return float(self.verdict.utilisation[self.at])
 
     @property
     def rpm(self) -> float:
-        """Speed of the peak in r/min of the reference shaft."""
+        """Speed of the peak of an order in r/min of the reference shaft."""
         return float(self.check.rpm[self.at])
 
 
 def order_peaks(check: LimitCheck, found: CriticalSpeeds) -> tuple[OrderPeak, ...]:
-    """Peak of every order at each of its critical speeds in or near the speed range, in the limit it uses most.
+    """Peak amplitudes (SI) of each order at its critical speeds near the speed range, each with the limit used most.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def order_peaks(check: LimitCheck, found: CriticalSpeeds) -> tuple[OrderPeak, ..
 
 
 def order_shares(check: LimitCheck) -> FloatArray:
-    """Largest amplitude over the value allowed of each order line in any limit and speed, shape (n_lines,)."""
+    """Largest ratio of amplitude to value allowed over all limits and speeds, by order line, shape (n_lines,)."""
     found = [np.zeros(len(check.lines))]
     for one in vibratory_verdicts(check):
         assert one.orders is not None
@@ -107,12 +107,12 @@ def order_shares(check: LimitCheck) -> FloatArray:
 
 
 def vibratory_verdicts(check: LimitCheck) -> list[LimitVerdict]:
-    """Verdicts on the limits of vibration that could be judged, with the amplitudes of their orders."""
+    """Verdicts on the limits of vibration that could be judged, with the amplitudes (SI) of their orders."""
     return [one for one in check.verdicts if one.orders is not None and len(one.values)]
 
 
 def largest_orders(check: LimitCheck, verdict: LimitVerdict, at: int, most: int = 3) -> list[tuple[str, float]]:
-    """Names and amplitudes in SI units of the largest orders of a limit at a speed, given by its index."""
+    """Pairs of name and amplitude (SI) of the largest orders of a limit's value at a speed, given by its index."""
     if verdict.orders is None:
         return []
     sizes = verdict.orders[at]
@@ -120,7 +120,7 @@ def largest_orders(check: LimitCheck, verdict: LimitVerdict, at: int, most: int 
 
 
 def _counts(one: LimitVerdict) -> FloatArray:
-    """Flags (n_speeds,) of the speeds at which a limit allows a value above 0 to compare with."""
+    """Flags (n_speeds,) whether a limit allows a finite value above 0 at each speed."""
     return np.asarray(np.isfinite(one.allowed) & (one.allowed > 0))
 
 

@@ -81,17 +81,20 @@ class RangePassage:
 
     @property
     def values(self) -> FloatArray:
-        """Vibratory value of the limit over time, SI, shape (n_t,)."""
+        """Vibration that the limit judges, in its SI unit, over the time of the passage, shape (n_t,)."""
         return np.asarray(self.factor * self.response.of(self.output))
 
     @property
     def allowed(self) -> FloatArray:
-        """Value allowed in continuous operation at the speed of each time, SI, shape (n_t,)."""
+        """Value that the limit allows in continuous operation, in SI, at each time of the passage, shape (n_t,)."""
         return self._at_speeds(self.verdict.allowed)
 
     @property
     def allowed_in_passing(self) -> FloatArray:
-        """Value allowed in passing at the speed of each time, SI, shape (n_t,); NaN where the limit says none."""
+        """Value that the limit allows during a passage, in SI, at each time of the passage, shape (n_t,).
+
+        NaN where the limit says none.
+        """
         others = [one.allowed for one in self._in_passing]
         if not others:
             return np.full(len(self.response.times), math.nan)
@@ -104,7 +107,7 @@ class RangePassage:
 
     @property
     def _in_passing(self) -> list[LimitVerdict]:
-        """Verdicts of the barring limit on the value not to be exceeded even while the barred range is passed."""
+        """Verdicts on those criteria of the barring limit that hold even while its barred range is passed."""
         own = self.verdict
         return [
             one
@@ -117,7 +120,7 @@ class RangePassage:
 
     @property
     def row(self) -> PassageRow:
-        """Largest value of the passage in SI, with cycles and time above the value allowed."""
+        """Plain data of a passage, with its largest value in SI, and cycles and time in s above the value allowed."""
         run, name = self.response, self.output
         peak = run.peak(name)
         times, sizes = run.envelope(name)

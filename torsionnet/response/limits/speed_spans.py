@@ -18,7 +18,7 @@ WHOLE_RPM_RELATIVE = 1e-9
 
 
 def whole_rpm(speed: float, rounded: Callable[[float], int]) -> int:
-    """Speed in rad/s as whole rpm, rounded up or down (``math.ceil``, ``math.floor``) where it is not one.
+    """Whole number of rpm of a speed in rad/s, rounded up or down (``math.ceil``, ``math.floor``) if not whole.
 
     Examples
     --------
@@ -52,11 +52,11 @@ class SpeedSpan:
         return any(speed is not None and self.holds(speed) for speed in speeds)
 
     def widened(self, tolerance: float) -> SpeedSpan:
-        """Speed range in rad/s, widened at both ends by the share ``tolerance`` of the speed there."""
+        """Speed range in rad/s, each end moved outward by the share ``tolerance`` of its speed."""
         return SpeedSpan(self.low * (1 - tolerance), self.high * (1 + tolerance))
 
     def within(self, other: SpeedSpan) -> SpeedSpan:
-        """Part of the speed range in rad/s that lies in another speed range."""
+        """Part of a speed range in rad/s that lies in another speed range."""
         return SpeedSpan(max(self.low, other.low), min(self.high, other.high))
 
     def __str__(self) -> str:
@@ -65,7 +65,7 @@ class SpeedSpan:
 
     @property
     def rpm_outward(self) -> tuple[int, int]:
-        """Ends of the speed range in rpm, rounded outward to 1 rpm, as a tachometer is marked."""
+        """Lowest and highest speed of a range in whole rpm, rounded outward, as a tachometer is marked."""
         return whole_rpm(self.low, math.floor), whole_rpm(self.high, math.ceil)
 
 
@@ -87,7 +87,9 @@ def joined_spans(spans: Sequence[SpeedSpan]) -> tuple[SpeedSpan, ...]:
 
 
 def spans_above(speeds: FloatArray, values: FloatArray, allowed: FloatArray) -> tuple[SpeedSpan, ...]:
-    """Speed ranges in rad/s in which values exceed the allowed ones, linear between the speeds; NaN exceeds nothing.
+    """Speed ranges in rad/s in which values exceed the allowed ones, both taken as linear between the speeds.
+
+    NaN exceeds nothing.
 
     Examples
     --------
@@ -121,7 +123,7 @@ def range_end_remarks(span: SpeedSpan, limits: SpeedSpan, below: str, above: str
 
 
 def _runs(places: NDArray[np.integer[Any]]) -> list[tuple[int, int]]:
-    """First and last index of each run of consecutive indices."""
+    """Pairs of first and last index, one for each run of consecutive indices."""
     pieces = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
     return [(int(piece[0]), int(piece[-1])) for piece in pieces if len(piece)]
 
@@ -140,7 +142,7 @@ def rpm_spans(spans: Iterable[SpeedSpan]) -> tuple[tuple[float, float], ...]:
 
 
 def spans_below(spans: Iterable[SpeedSpan], highest: float | None) -> tuple[SpeedSpan, ...]:
-    """Speed ranges (rad/s) that begin below the highest speed permitted (rad/s), all of them where it is None."""
+    """Speed ranges (rad/s) that begin below the highest speed permitted (rad/s), all ranges if that is None."""
     return tuple(span for span in spans if highest is None or span.low < highest)
 
 

@@ -1,1 +1,1 @@
-"""Results on vibrations: natural frequencies counted from 1, and their nodes."""
+"""Results on vibrations, modes with their frequencies in Hz, nodes at rest, and cycles over time."""

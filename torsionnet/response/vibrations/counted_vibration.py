@@ -10,7 +10,7 @@ from torsionnet.core.result_rows import Out
 from torsionnet.response.table import Table, result_table
 
 SECONDS_PER_MINUTE = 60.0
-"""Vibrations per minute over frequency in Hz."""
+"""Factor from a frequency in Hz to vibrations per minute."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class CountedVibration:
 
     @property
     def per_minute(self) -> Annotated[float, Out("undamped", "1/min", None, digits=5, after="undamped_frequency")]:
-        """Undamped vibrations of a mode per minute."""
+        """Undamped natural frequency of a mode in vibrations per minute."""
         return SECONDS_PER_MINUTE * self.undamped_frequency
 
     @property
@@ -55,7 +55,7 @@ class CountedVibration:
 
     @property
     def lowest(self) -> float:
-        """Lower of the frequencies of a mode in Hz without and with damping, of those that it has."""
+        """Lower one of a mode's natural frequencies in Hz without and with damping, or the only one it has."""
         both = (self.undamped_frequency, self.natural_frequency)
         return min(one for one in both if not math.isnan(one))
 

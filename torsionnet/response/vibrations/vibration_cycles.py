@@ -1,4 +1,7 @@
-"""Cycles of a vibration over time: half range of each, crests between samples, and how many exceed a level."""
+"""Half ranges of a vibration over time in windows of one cycle, and number of its cycles above a level.
+
+Half range of each, crests between samples, and how many exceed a level.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +10,12 @@ import numpy as np
 from torsionnet.response.frequency_response import FloatArray
 
 WINDOWS_PER_CYCLE = 8
-"""Number of windows of one cycle that begin within a cycle: a shorter step than this changes a half range by less
-than the growth of vibration in an eighth of a cycle."""
+"""Number of overlapping windows, each one cycle long, that begin within each cycle: a shorter step than this changes a
+half range by less than the growth of vibration in an eighth of a cycle."""
 
 
 def crests(values: FloatArray) -> FloatArray:
-    """Values over time in which local extremes are replaced by those of parabolas through three samples, shape (n,).
+    """Values over time (n,), in their unit, with local extremes replaced by those of parabolas through three samples.
 
     Examples
     --------
@@ -33,7 +36,7 @@ def crests(values: FloatArray) -> FloatArray:
 
 
 def half_ranges(angles: FloatArray, values: FloatArray, cycle: float) -> tuple[FloatArray, FloatArray]:
-    """Middle angles in rad, and half ranges (max - min)/2 there in the unit of ``values``, of windows one cycle long.
+    """Middle angles in rad of windows one cycle long, and half ranges in the unit of ``values`` in them, both (n,).
 
     Parameters
     ----------

@@ -55,7 +55,7 @@ class VibrationMode:
 
     @property
     def remark(self) -> Annotated[str, Out("remark", json=None, after="shape")]:
-        """Remark on why a frequency of a mode is missing (overdamped, or only with damping); empty if none is."""
+        """Text on why a frequency of a mode is missing (overdamped, or only with damping); empty if none is."""
         if math.isnan(self.natural_frequency):
             return "overdamped: none with damping"
         return "exists with damping only" if math.isnan(self.undamped_frequency) else ""

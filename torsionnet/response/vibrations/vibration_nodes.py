@@ -11,16 +11,16 @@ from torsionnet.core.result_rows import Out
 from torsionnet.response.holzer_table import HolzerStation, HolzerTable
 
 STANDING_SHARE = 1e-6
-"""Amplitude of a mass, over that of its neighbour, up to which the mass itself is the node: what rounding leaves of a
-mode that is symmetric about a mass."""
+"""Ratio of a mass's amplitude to that of its neighbour up to which the mass itself counts as the node: what rounding
+leaves of a mode that is symmetric about a mass."""
 
 ROUNDED_SHARE = 1e-10
-"""Amplitude of a mass, over the largest of the mode, below which it is rounding and has no sign."""
+"""Ratio of a mass's amplitude to the largest one of the mode below which it is rounding and has no sign."""
 
 
 @dataclass(frozen=True)
 class VibrationNode:
-    """Place at rest in a mode, between two masses or at one.
+    """Place at rest in a mode, as a share of the compliance between two masses, with the names of both masses.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ def vibration_nodes(holzer: HolzerTable) -> tuple[VibrationNode, ...]:
 
 
 def _links(holzer: HolzerTable) -> Iterator[tuple[HolzerStation, HolzerStation]]:
-    """Yield the neighbouring stations of every link of a Holzer table, those of branches up to where they join."""
+    """Yield pairs of neighbouring stations of a Holzer table, in a branch up to the station that it joins."""
     for branch in holzer.branches:
         stations = list(branch.stations)
         if branch.joins:
