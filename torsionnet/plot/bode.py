@@ -1,4 +1,4 @@
-"""Bode plot of frequency responses, magnitude and phase over frequency."""
+"""Bode plot of frequency responses, with panels of magnitude, phase and coherence over frequency."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from torsionnet.response.phase import HALF_TURN, unwrapped_phase
 from torsionnet.signals.advice import above_noise_up_to, is_coherent
 
 LEAST_CONDITIONING = 1e-10
-"""Least conditioning of a measured input, below which frequency ranges are shaded as not to be trusted."""
+"""Least conditioning of a measured input at a frequency, below which a Bode plot is shaded as not to be trusted."""
 
 AXIS_BEYOND_COHERENCE = 1.5
 """Factor from the highest usable or coherent frequency of an estimate to the end of the frequency axis; beyond is only
 noise."""
 CONSTANT_MAGNITUDE = 1e-9
-"""Relative range of magnitudes below which they count as constant, with rounding errors only."""
+"""Range of magnitudes divided by the largest one, below which a curve counts as constant but for rounding errors."""
 TOO_SMALL, NOT_COHERENT = "motion too small for its sensor, or beyond decimation", "not coherent with the input"
 SHORT_LABEL = 14
 """Number of letters of a label below which five labels fit side by side in the legend."""
@@ -38,7 +38,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Curve:
-    """Transfer function in the units shown, with its coherence and the frequencies where it is usable.
+    """Curve of a Bode plot, with arrays of frequency, magnitude, phase in degrees, coherence, and flags where usable.
 
     Arrays have shape (n_f,); the magnitude is nan where it is infinite or zero.
     """
@@ -51,14 +51,14 @@ class Curve:
     poor: NDArray[np.bool_]
     is_usable: NDArray[np.bool_]
     is_meant: NDArray[np.bool_]
-    """Flags (n,) of the frequencies at which the response is usable or at least coherent, for which the axes have
-    room."""
+    """Flags (n_f,), true at frequencies at which the response is usable or at least coherent and has to fit the
+    axes."""
     why_faint: str = ""
-    """Reason in the legend why the faint part of the curve is not usable."""
+    """Text of the legend that says why the faint part of the curve is not usable."""
     pair: str = ""
-    """Name of the transfer function, as ``theta_1/T_T``."""
+    """Name of the transfer function of the curve, output over input, as ``theta_1/T_T``."""
     name: str = ""
-    """Label of the frequency response that a curve belongs to, where several are drawn."""
+    """Label of the frequency response to which the curve belongs, where several responses are drawn."""
 
 
 def bode(
@@ -73,7 +73,9 @@ def bode(
     labels: Sequence[str] | None = None,
     title: str | None = None,
 ) -> Figure:
-    """Magnitude and phase of one or several frequency responses, overlaid: configurations, or a model and a test.
+    """Figure of magnitude and phase of one or several frequency responses over frequency, overlaid.
+
+    They belong to several configurations, or to a model and a test.
 
     Parameters
     ----------
@@ -147,7 +149,7 @@ def _common_unit(responses: Sequence[FrequencyResponse], conventions: Convention
 
 
 def _labels(responses: Sequence[FrequencyResponse], labels: Sequence[str] | None) -> tuple[str, list[str]]:
-    """Common part of the titles of several frequency responses, and a label for each response."""
+    """Text common to the titles of several frequency responses, and list with a label for each response."""
     titles = [response.title for response in responses]
     models = {title.partition(" (")[0] for title in titles}
     common = titles[0] if len(set(titles)) == 1 else models.pop() if len(models) == 1 else ""
@@ -199,7 +201,10 @@ def _curves(response: FrequencyResponse, label: str, conventions: Conventions, *
 
 
 def _where_meant(response: FrequencyResponse, output: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Flags (n_f,) of frequencies where an output is usable, and where usable or coherent (all if none is)."""
+    """Flags (n_f,), true at frequencies where an output is usable, and flags (n_f,) where it is usable or coherent.
+
+    All are true in the second if none is.
+    """
     is_usable = np.asarray(response.frequencies <= above_noise_up_to(response, output))
     found = is_usable | is_coherent(response, output)
     return is_usable, found if found.any() else np.ones_like(found)
@@ -256,7 +261,7 @@ def _is_constant(sizes: FloatArray) -> bool:
 
 
 def _looks(curves: Sequence[Curve]) -> list[dict[str, Any]]:
-    """Colour and dashes of each curve of a Bode plot, as keyword arguments of matplotlib.
+    """List of the colours and dashes of the curves of a Bode plot, as keyword arguments of matplotlib.
 
     By output and input, or by transfer function and response of several ones.
     """
@@ -278,7 +283,7 @@ def _make_room(panel: Axes, sizes: FloatArray, *, decibels: bool, conventions: C
 
 
 def _line(panel: Axes, curve: Curve, data: FloatArray, look: dict[str, Any]) -> None:
-    """Draw a curve in a panel, faint at frequencies where the response is not usable."""
+    """Draw a curve in a panel of a Bode plot, faint at frequencies where the response is not usable."""
     marker = "." if np.count_nonzero(np.isfinite(data)) == 1 else ""
     panel.plot(curve.frequency, np.where(curve.is_usable, data, np.nan), label=curve.label, marker=marker, **look)
     if not curve.is_usable.all():
@@ -288,7 +293,10 @@ def _line(panel: Axes, curve: Curve, data: FloatArray, look: dict[str, Any]) -> 
 
 
 def _stretches(curve: Curve) -> list[tuple[float, float]]:
-    """Ends of the frequency ranges in which the measured input is too small to divide by, widened by half a step."""
+    """Pairs of ends, in the unit shown, of the frequency ranges where the measured input is too small to divide by.
+
+    Ranges are widened by half a step.
+    """
     if not curve.poor.any():
         return []
     f = curve.frequency
@@ -310,7 +318,7 @@ def _dress_frequency(axes: Sequence[Axes], curves: Sequence[Curve], conventions:
 
 
 def _shown_frequencies(curve: Curve) -> FloatArray:
-    """Frequencies of a curve in the unit shown, shape (n,), up to a little beyond the last coherent one."""
+    """Frequencies of a curve in the unit shown, shape (n,), up to a little beyond the last coherent frequency."""
     if curve.coherence is None:
         return curve.frequency
     highest = float(curve.frequency[curve.is_meant].max(initial=0.0))
@@ -318,7 +326,7 @@ def _shown_frequencies(curve: Curve) -> FloatArray:
 
 
 def _pair(responses: Sequence[FrequencyResponse]) -> str:
-    """Label of the magnitude axis: the transfer function, ``|theta_1/T_T|``, or "magnitude" if there are several."""
+    """Text for the label of a Bode plot's magnitude axis, ``|theta_1/T_T|``, or "magnitude" for several functions."""
     pairs = {
         f"{out.name}/{into.name}" for response in responses for out in response.outputs for into in response.inputs
     }
@@ -338,7 +346,7 @@ def _dress_magnitude(axes: Axes, what: str, unit: str, *, decibels: bool, conven
 
 
 def _legend(figure: Figure, axes: Axes, curves: Sequence[Curve]) -> None:
-    """Draw the legend below the axes, with the meaning of faint and shaded parts."""
+    """Draw the legend below the axes of a Bode plot, with the meaning of faint curves and shaded frequency ranges."""
     handles, names = axes.get_legend_handles_labels()
     if len(curves) == 1 and "/" in curves[0].label:
         handles, names = [], []

@@ -1,4 +1,4 @@
-"""Plot of a circle fit: points and circle in Nyquist's plane, and the damping ratio from every pair of points."""
+"""Plot of the circle fitted to a mode in Nyquist's plane, and of the damping ratio from every pair of points."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def circle(fit: CircleFit, *, title: str | None = None) -> Figure:
-    """Figure of the circle fitted to a mode in Nyquist's plane, and of damping ratios by distance of points in Hz.
+    """Figure of the circle fitted to a mode in Nyquist's plane, and of damping ratios over distances of points in Hz.
 
     If the damping ratios on the right are level, a single mode with this law of damping explains the circle; a slope
     means that it does not.

@@ -1,4 +1,4 @@
-"""Plot of the coherence of estimated frequency responses."""
+"""Plot of the coherence, from 0 to 1, of estimated frequency responses over frequency."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def coherence(
     x_log: bool = False,
     title: str = "",
 ) -> Figure:
-    """Coherence over frequency, of the first output with the first input of each response.
+    """Figure of the coherence (0 to 1) of the first output with the first input of each response, over frequency.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Plot of a test against a model: both responses, and their differences."""
+"""Plot of a test against a model, both frequency responses, and their differences in dB and degrees over frequency."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def comparison(
     x_log: bool = True,
     title: str | None = None,
 ) -> Figure:
-    """Magnitude, phase and coherence of a transfer function of a test over that of a model, and their differences.
+    """Figure of a transfer function of a test and of a model over frequency, with coherence and their differences.
 
     Points at which the coherence is under 0.8 are hollow. Beyond the frequency up to which the test is usable, the
     background is grey. The axis ends a little beyond the last usable or coherent frequency.
@@ -103,7 +103,7 @@ def _nonzero(response: FrequencyResponse) -> FrequencyResponse:
 
 
 def _end(test: FrequencyResponse) -> float:
-    """End of the frequency axis of the comparison in Hz.
+    """Highest frequency in Hz on the axis of a comparison of a test with a model.
 
     Inf, for all frequencies, if the test is nowhere usable or coherent.
     """
@@ -123,7 +123,7 @@ def _is_usable(test: FrequencyResponse) -> NDArray[np.bool_]:
 
 
 def _reliable(test: FrequencyResponse) -> FloatArray:
-    """Magnitudes of the test in SI units at usable, coherent frequencies, shape (n,)."""
+    """Magnitudes of a test's transfer function in SI units at usable, coherent frequencies, shape (n,)."""
     return np.asarray(test.magnitude[_is_usable(test) & _is_coherent(test), 0, 0])
 
 
@@ -166,7 +166,7 @@ def _points(panel: Axes, f: FloatArray, values: FloatArray, good: NDArray[np.boo
 
 
 def _limit_to(panel: Axes, values: FloatArray) -> None:
-    """Set the limits of a panel, equal above and below 0, so that the reliable values fit."""
+    """Set the vertical limits of a panel of differences, equal above and below 0, so that the reliable values fit."""
     finite = values[np.isfinite(values)]
     limit = max(1.25 * float(np.abs(finite).max()) if finite.size else 1.0, 1e-3)
     panel.set_ylim(-limit, limit)

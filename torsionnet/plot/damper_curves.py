@@ -1,4 +1,4 @@
-"""Plot of a damper design, vibration level over frequency or speed, and largest level over each damper value."""
+"""Plot of a damper design, the vibration level over frequency or speed, and its maximum over each damper value."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from torsionnet.response.conventions import SI
 from torsionnet.response.damper_optimum import DamperOptimum
 
 TOP_FACTOR, BOTTOM_FACTOR = 3.0, 300.0
-"""Factors from the largest vibration level, as given or optimal, up and down to the ends of the level axis."""
+"""Ratio of the top of the level axis to the largest vibration level, and largest ratio of that level to the bottom."""
 WIDE_RANGE = 3.0
-"""Ratio of the largest to the smallest value of a range above which its axis is logarithmic."""
+"""Ratio of the largest to the smallest value on an axis of a damper plot above which the axis is logarithmic."""
 
 
 MARK: dict[str, Any] = {"markersize": 6, "zorder": 5, "clip_on": False}
 
 
 def damper_design(result: DamperOptimum, *, conventions: Conventions = SI, title: str | None = None) -> Figure:
-    """Figure of vibration levels with damper values as given and optimal, without damping, and locked.
+    """Figure of vibration levels over frequency or speed with the damper as given, optimal, undamped and locked.
 
     Below, the largest level over each value.
 
@@ -81,7 +81,7 @@ def _draw_levels(axes: Axes, result: DamperOptimum, scale: float, unit: str) -> 
 
 
 def _draw_effect(axes: Axes, result: DamperOptimum, number: int, scale: float) -> Axes:
-    """Draw the largest vibration level over one damper value, with a vertical line at the value as given."""
+    """Draw the largest vibration level over one damper value, with a line at the value given, and return the axes."""
     style.style_axes(axes)
     one = result.parameters[number]
     values, sizes = result.effects[one.name].T

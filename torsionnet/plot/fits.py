@@ -1,4 +1,4 @@
-"""Plots of the fit of a model to measurements.
+"""Plots of a model fitted to measurements, with residuals over frequency, and of the correlations of its parameters.
 
 Test, fitted model and residuals, and the correlation of the parameters.
 """
@@ -21,12 +21,15 @@ if TYPE_CHECKING:
     from torsionnet.identification import Compared, Fit  # loads scipy.optimize, which pictures can do without
 
 MOST_MEASUREMENTS = 6
-"""Largest number of measurements drawn side by side; with more, the panels would be too narrow to read."""
+"""Largest number of measurements drawn side by side in the plot of a fit; with more, the panels would be too narrow to
+read."""
 HEIGHTS = (3.0, 2.2, 1.5)  # ratios of magnitude, phase and residuals
 
 
 def fit(result: Fit, *, conventions: Conventions = SI, title: str | None = None) -> Figure:
-    """Figure of test and model after a fit, magnitude, phase and residuals in units of noise, a column per measurement.
+    """Figure of a test and the fitted model over frequency, magnitude, phase and residuals divided by the noise.
+
+    A column of panels for each measurement.
 
     The model explains the test if the residuals scatter about zero within two; a pattern in them shows what the model
     lacks.
@@ -75,7 +78,10 @@ def fit(result: Fit, *, conventions: Conventions = SI, title: str | None = None)
 
 
 def correlation(result: Fit, *, title: str | None = None) -> Figure:
-    """Matrix of the correlation of fitted parameters; near 1 or -1 the data cannot tell two of them apart."""
+    """Figure of the correlations of fitted parameters in colours from -1 to 1, parameters on rows and on columns.
+
+    Near 1 or -1 the data cannot tell two parameters apart.
+    """
     names = list(result.values)
     side = max(3.0, 0.55 * len(names) + 1.6)
     figure = style.new_figure(side + 0.8, side)

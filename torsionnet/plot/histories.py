@@ -1,4 +1,4 @@
-"""Plot of the signals of a recording over time."""
+"""Plot of the signals of a recording over time, a panel for each signal, with long signals thinned out."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def time_histories(
     conventions: Conventions = SI,
     title: str | None = None,
 ) -> Figure:
-    """Signals of a recording over time, one below the other.
+    """Figure of the signals of a recording over time in s, a panel for each, one below the other.
 
     Of long records the smallest and largest value of every section are drawn, so that no peak is lost.
 
@@ -70,7 +70,7 @@ def time_histories(
 
 
 def thin_out(time: FloatArray, values: FloatArray, most: int = MOST_POINTS) -> tuple[FloatArray, FloatArray]:
-    """Times in s, and values in the signal's unit, of a signal reduced to about ``most`` points.
+    """Arrays of the times in s, and of the values in the signal's unit, of a signal reduced to about ``most`` points.
 
     Smallest and largest value of every section.
 

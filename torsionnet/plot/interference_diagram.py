@@ -1,4 +1,4 @@
-"""Interference (Campbell) diagram: natural frequencies and orders over speed, with their crossings."""
+"""Interference (Campbell) diagram with natural frequencies and orders over speed, and marks at their crossings."""
 
 from __future__ import annotations
 
@@ -16,21 +16,22 @@ from torsionnet.plot.drawing.torque_units import speed_label
 from torsionnet.response.critical_speeds import CriticalSpeed, CriticalSpeeds
 
 SMALLEST_DOT, LARGEST_DOT = 14.0, 150.0
-"""Areas in points squared of the marks of crossings with the smallest and the largest generalised force."""
+"""Areas in square points (1/72 inch) of the marks of crossings with the smallest and the largest generalised force."""
 HALO = withStroke(linewidth=2.5, foreground=style.PAPER)
 LEADER = {"arrowstyle": "-", "color": style.MUTED, "linewidth": 0.6, "relpos": (0, 0.4), "shrinkA": 0, "shrinkB": 0}
-"""Arrow style of matplotlib for the line from a label that stands apart to the line of its mode."""
+"""Arrow style of matplotlib for the thin line that joins a label standing apart with the line of its mode."""
 SPEED_POINTS = 601
-"""Number of speeds from which the line of an order is drawn: steps well below the width of a line on paper."""
+"""Number of speeds at which the frequency of an order is calculated to draw its line: steps well below the width of a
+line on paper."""
 HEADROOM, NEAREST, NARROWEST = 1.12, 0.03, 0.036
-"""Factor from the highest crossing to the end of the frequency axis, and least distances of two labels: one above the
-other over the height of the axes, side by side over their width."""
+"""Factor from the highest crossing to the end of the frequency axis, and least distances of two labels, upright as a
+share of the axes' height and sideways of their width."""
 INDENT = 0.035
-"""Distance from the left edge, over the width of the axes, of a label that stands apart from the line of its mode."""
+"""Distance from the left edge, as a share of the axes' width, of a label that stands apart from its mode's line."""
 
 
 def interference_diagram(result: CriticalSpeeds, *, highest: float | None = None, title: str | None = None) -> Figure:
-    """Interference (Campbell) diagram with modes as horizontal lines over speed, orders as rays, crossings as marks.
+    """Interference (Campbell) diagram, frequency over speed, modes as level lines, orders as rays, crossings marked.
 
     The area of a mark grows with the generalised force of that crossing over the largest one; a cross is a crossing
     that is not excited in this condition. The operating range is shaded, its margins in another colour.
@@ -66,12 +67,12 @@ def interference_diagram(result: CriticalSpeeds, *, highest: float | None = None
 
 
 def _names(result: CriticalSpeeds) -> list[str]:
-    """Names of the excitations of an interference diagram, in the order of their colours."""
+    """List of the names of the excitations of an interference diagram, in the order of their colours."""
     return list(dict.fromkeys(one.excitation for one in result.lines))
 
 
 def _natural(one: CriticalSpeed) -> float:
-    """Natural frequency in Hz at which a crossing is marked: with damping if it is known."""
+    """Natural frequency in Hz of the mode at which an order's crossing is marked: with damping if it is known."""
     mode = one.mode
     return mode.undamped_frequency if math.isnan(mode.natural_frequency) else mode.natural_frequency
 
@@ -111,7 +112,7 @@ def _modes(axes: Axes, result: CriticalSpeeds, top: float, end: float) -> None:
 
 
 def _apart(values: Sequence[float], gap: float) -> list[float]:
-    """Positions of labels for rising values, in their unit, moved up until neighbours are ``gap`` apart."""
+    """List of label positions in the unit of rising values, moved up until neighbours are at least ``gap`` apart."""
     found: list[float] = []
     for value in values:
         found.append(max(value, found[-1] + gap) if found else value)
@@ -119,7 +120,7 @@ def _apart(values: Sequence[float], gap: float) -> list[float]:
 
 
 def _orders(axes: Axes, result: CriticalSpeeds, top: float, end: float) -> None:
-    """Draw the line of each order over speed in the colour of its excitation, and its name where it leaves the axes."""
+    """Draw the line of each order over speed in its excitation's colour, and its name where it leaves the axes."""
     names = _names(result)
     labelled: list[tuple[float, float]] = []
     speeds = np.linspace(0, end, SPEED_POINTS)

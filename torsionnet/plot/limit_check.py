@@ -1,4 +1,4 @@
-"""Plot of a check of limits: orders and their sum over speed, with limits and barred ranges."""
+"""Plot of a check of limits, orders and their sum over speed, with the limits and the speed ranges to be barred."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def limit_check(
     conventions: Conventions = SI,
     title: str | None = None,
 ) -> Figure:
-    """Figure of quantities over speed against their limits in red, with the largest orders, and their sum in black.
+    """Figure of limited quantities over speed, with the largest orders in colours, their sum in black, limits in red.
 
     Ranges to be barred are shaded.
 
@@ -70,7 +70,7 @@ def limit_check(
 
 
 def _panels(check: LimitCheck, names: Sequence[str] | None) -> list[list[LimitVerdict]]:
-    """Verdicts on limits grouped by panel, all verdicts of one limit on one quantity together."""
+    """List with the verdicts on limits of each panel, as a list of all verdicts of one limit on one quantity."""
     known = {one.limit for one in check.verdicts}
     for name in names or ():
         if name not in known:
@@ -121,6 +121,6 @@ def _draw(
 
 
 def quantity_label(one: LimitVerdict) -> str:
-    """Name of the quantity that a limit compares, with the output where the name alone does not tell it."""
+    """Text with the name of the quantity that a limit restricts, with the output if the name does not tell it."""
     says = any(word in one.quantity for word in ("torque", "stress", "angle", "power"))
     return one.quantity if says else f"{one.of}, {one.quantity}"

@@ -1,4 +1,4 @@
-"""Plot of limited quantities over speed in all conditions: the worst condition marked, the others grey, with limits."""
+"""Plot of limited quantities over speed in all conditions, the worst one in black, others in grey, limits in red."""
 
 from __future__ import annotations
 
@@ -23,25 +23,26 @@ from torsionnet.response.limits.limit_check import LimitCheck, LimitVerdict
 from torsionnet.response.limits.order_peaks import vibratory_verdicts
 
 PANEL_HEIGHT = 2.1
-"""Height of a panel in inches: three rows of panels leave room for another picture on the page."""
+"""Height in inches of the panel of one limited quantity: three rows of panels leave room for another picture on the
+page."""
 LABEL_WIDTH = 30
 """Largest number of characters in a line of an axis label: as many as fit the height of a panel."""
 HEADROOM = 1.12
 """Factor from the largest value or limit drawn to the upper end of the axis."""
 FARTHEST_LIMIT = 2.5
-"""Ratio of a limit to the largest value, or to the lowest limit, up to which the limit line is in the picture; one
+"""Ratio of a limit to the largest value, or to the lowest limit if that is higher, up to which its line is drawn; one
 further away would flatten the curves, and its value stands at the upper edge instead."""
 
 
 @dataclass(frozen=True, eq=False)
 class LimitFamily:
-    """Curves of one limited quantity over speed in all conditions, each with its check of limits and its verdicts."""
+    """Limited quantity in all conditions, as pairs of a condition's check of limits and verdicts on the quantity."""
 
     members: tuple[tuple[LimitCheck, tuple[LimitVerdict, ...]], ...]
 
     @property
     def worst(self) -> int:
-        """Index of the condition with the largest utilisation of the limit."""
+        """Index, from 0, of the condition with the largest utilisation of the limit."""
         return int(np.argmax([max(map(_use, verdicts)) for _, verdicts in self.members]))
 
 
@@ -52,7 +53,7 @@ def limit_families(
     conventions: Conventions = SI,
     title: str = "",
 ) -> Figure:
-    """Vibratory stress or torque over speed in every condition against its limit lines, a panel for each component.
+    """Figure of vibratory stress or torque over speed in every condition with limit lines, a panel for each component.
 
     The condition with the largest value over the value allowed is black, the others are grey; limits are those of that
     condition, in red, and speed ranges that it bars are shaded.
@@ -101,7 +102,7 @@ def limit_families(
 
 
 def families_of(checks: Sequence[LimitCheck], names: set[str] | None = None) -> list[LimitFamily]:
-    """Families of curves of the limits on vibration, one for each limit and quantity in the order of the model."""
+    """List of curve families of limits on vibration, one for each limit and quantity, in the order of the model."""
     found: dict[tuple[str, str], dict[int, list[LimitVerdict]]] = {}
     for place, check in enumerate(checks):
         for one in vibratory_verdicts(check):
@@ -149,7 +150,7 @@ def _draw(panel: Axes, family: LimitFamily, conventions: Conventions) -> None:
 
 
 def _limit_line(panel: Axes, check: LimitCheck, one: LimitVerdict, scale: float, top: float) -> None:
-    """Draw the line of a limit, with its symbol where most room is between the line and the curve."""
+    """Draw the line of a limit over speed in red, with its symbol where the line is farthest from the curve."""
     allowed = one.allowed * scale
     panel.plot(check.rpm, allowed, color=style.LIMIT_COLOR, linewidth=1.3, zorder=2.2)
     shown = np.flatnonzero(np.isfinite(allowed) & (allowed < top))

@@ -1,4 +1,4 @@
-"""Plot of a MAC matrix."""
+"""Plot of a matrix of modal assurance criteria (MAC), which compare the mode shapes of two sets."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ import torsionnet.plot.drawing.style as style
 from torsionnet.core.errors import UsageError
 
 MOST_NUMBERS = 14
-"""Largest number of modes with which the fields of a MAC matrix have numbers; in more, the fields are too small for
-them."""
+"""Largest number of modes on a side of a MAC matrix up to which its fields have numbers; in more, the fields are too
+small for them."""
 WHITE_TEXT_MAC = 0.55
 """MAC above which a field is so dark that its number is white."""
 
@@ -27,7 +27,9 @@ def mac_matrix(
     column_label: str = "mode of the model",
     title: str = "",
 ) -> Figure:
-    """Matrix of modal assurance criteria (MAC) in shades from 0 to 1, with numbers if there are not too many modes.
+    """Figure of a matrix of modal assurance criteria (MAC) in shades from 0 to 1, with modes on rows and on columns.
+
+    The fields have numbers if there are not too many modes.
 
     Parameters
     ----------

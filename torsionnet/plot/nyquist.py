@@ -1,4 +1,4 @@
-"""Nyquist plot of a loop opened at a controller, with its stability margins."""
+"""Nyquist plot of a control loop opened at its controller, with the stability margins."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from torsionnet.response.loop_margins import LoopMargins
 
 SMALLEST_LOOP = 0.01
-"""Smallest loop gain |L| of the frequencies shown, relative to its maximum if that is below 1; they end at its
+"""Smallest loop gain |L| of the frequencies shown, as a share of the largest gain if that is below 1; they end at its
 reciprocal."""
 LARGEST_LOOP = 3.0
 """Loop gain |L| up to which the loop is drawn to scale in the complex plane; a larger L is drawn at this distance, so
@@ -24,7 +24,7 @@ that -1 stays visible."""
 
 
 def nyquist(margins: LoopMargins, *, title: str | None = None) -> Figure:
-    """Loop L(j omega) in the complex plane, and its magnitude and phase over frequency.
+    """Figure of the open control loop L(j omega) in the complex plane, and its magnitude and phase over frequency.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def _over_frequency(size: Axes, phase: Axes, margins: LoopMargins) -> None:
 
 
 def _shown_range(margins: LoopMargins) -> slice:
-    """Slice of the frequencies between the first and the last at which the loop gain is within the limits shown."""
+    """Slice of the frequencies from the first to the last at which a control loop's gain |L| is in the range shown."""
     sizes = np.abs(margins.loop)
     low, high = SMALLEST_LOOP * min(1.0, float(sizes.max(initial=0.0))), 1 / SMALLEST_LOOP
     places = np.flatnonzero((sizes >= low) & (sizes <= high))
@@ -104,6 +104,6 @@ def _shown_range(margins: LoopMargins) -> slice:
 
 
 def _broken(f: FloatArray, degrees: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Frequencies, and phases in degrees from -180 to 180, with a gap (nan) at each jump of the phase."""
+    """Arrays of frequencies in Hz, and of phases from -180 to 180 degrees, with a gap (nan) where the phase jumps."""
     jumps = np.flatnonzero(np.abs(np.diff(degrees)) > 180) + 1
     return np.insert(f, jumps, np.nan), np.insert(degrees, jumps, np.nan)

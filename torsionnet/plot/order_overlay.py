@@ -1,4 +1,4 @@
-"""Plot of measured amplitudes of orders over the calculated ones."""
+"""Plot of measured amplitudes of orders as dots over speed, with the calculated amplitudes as lines."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def order_overlay(
     conventions: Conventions = SI,
     title: str | None = None,
 ) -> Figure:
-    """Amplitudes of measured orders as dots over speed, with the calculated order as a line.
+    """Figure of amplitudes of orders over speed, measured as dots, calculated as lines, a panel for each output.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Plots of the response of running machinery: amplitudes of orders over speed, half ranges, waveform."""
+"""Plots of running machinery's response, with orders and half ranges over speed, and the wave at one speed."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def order_response(
     title: str | None = None,
     milli: bool = False,
 ) -> Figure:
-    """Figure of the amplitudes of the largest orders over speed, with the half range of their sum in black.
+    """Figure of amplitudes of the largest orders over speed, and half range of all in black, a panel for each output.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def half_ranges(
     conventions: Conventions = SI,
     title: str | None = None,
 ) -> Figure:
-    """Half range of all orders of an output over speed, in several configurations.
+    """Figure of the half range of all orders of an output over speed, with a curve for each configuration.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def waveform(
     conventions: Conventions = SI,
     title: str | None = None,
 ) -> Figure:
-    """Waveform of an output at one speed, the sum of all orders with their phases over the reference shaft's angle.
+    """Figure of an output over the reference shaft's angle at one speed, the sum of all orders with their phases.
 
     Parameters
     ----------

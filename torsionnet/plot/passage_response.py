@@ -1,4 +1,4 @@
-"""Plot of the response along a speed over time, with the limits that it has to keep."""
+"""Plot of a vibration over time while the speed changes, with the limits that its half range has to keep."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from torsionnet.response.conventions import SI
 from torsionnet.response.passage_response import PassageResponse
 
 LIMIT_DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)))
-"""Line styles of the limits drawn over a passage, in the order of the limits."""
+"""Line styles of matplotlib for the limits drawn over a passage, in the order of the limits."""
 
 
 def passage_response(
@@ -27,7 +27,7 @@ def passage_response(
     conventions: Conventions = SI,
     title: str | None = None,
 ) -> Figure:
-    """Vibration of an output over time along a speed, with its half range, limits in red, and the speed below.
+    """Figure of a vibration over time while the speed changes, with half range, limits in red, and the speed below.
 
     Parameters
     ----------

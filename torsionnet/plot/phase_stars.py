@@ -11,7 +11,7 @@ from torsionnet.plot.star_diagrams import draw_star
 from torsionnet.response.excitation.vector_sums import VectorSums, order_names
 
 PANEL = 1.05
-"""Height in inches of the panel of a star."""
+"""Height in inches of the panel of one phase star."""
 MOST_ORDERS_NAMED = 3
 """Largest number of orders of a group that are named above its column; the others are in the table."""
 
@@ -19,7 +19,7 @@ MOST_ORDERS_NAMED = 3
 def phase_stars(
     sums: VectorSums, *, modes: Sequence[int] | None = None, groups: Sequence[Sequence[float]] | None = None
 ) -> Figure:
-    """Phase stars of the cylinders on the modes, the vector sum in black, for groups of orders with equal sums.
+    """Figure of the cylinders' phase vectors and, in black, their sum, a row per mode, a column per group of orders.
 
     Angles are those of the torques, zero to the right, counter-clockwise; the circle is one cylinder at the largest
     amplitude of the mode. Of a group the star of its first order is drawn.

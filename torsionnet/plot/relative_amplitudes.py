@@ -14,9 +14,9 @@ from torsionnet.response.holzer_table import HolzerTable
 from torsionnet.response.vibrations.vibration_nodes import vibration_nodes
 
 PANEL_HEIGHT, NAMES_HEIGHT = 1.15, 0.75
-"""Height in inches of the panel of a mode, and of the names of the masses below the last one."""
+"""Height in inches of the panel of a mode, and of the names of the masses below the last panel."""
 BRANCH_STEP = 1.6
-"""Distance of a branch from the line before it, as a multiple of the distance of two masses."""
+"""Distance along the axis of a branch from the line before it, as a multiple of the distance of two masses."""
 MOST_NAMES = 40
 """Largest number of masses with which each mass has its name below the panels; of more every second or third has."""
 NODE_COLOR = style.PALETTE[1]
@@ -24,7 +24,7 @@ NODE_COLOR = style.PALETTE[1]
 
 @dataclass
 class _Line:
-    """Places, names and referred amplitudes of the masses on one line, and whether each link to the next is rigid."""
+    """Masses on one line of a Holzer table, with their places, names, amplitudes, and flags of rigid links behind."""
 
     x: list[float] = field(default_factory=list)
     names: list[str] = field(default_factory=list)
@@ -33,7 +33,7 @@ class _Line:
 
 
 def relative_amplitudes(tables: Sequence[HolzerTable], *, title: str = "") -> Figure:
-    """Relative amplitudes of the masses, a panel for each mode, the first mass at 1, the nodes of vibration marked.
+    """Figure of relative amplitudes of the masses, a panel per mode, the first mass at 1, nodes of vibration marked.
 
     Lines follow each other as in the Holzer table; a branch ends with the mass it joins, in brackets. Amplitudes are
     referred to one shaft, so that a gear (dotted) makes no step. The number at a node of vibration says how much of the

@@ -1,4 +1,4 @@
-"""Plot of the mode shapes of several configurations: a row of small panels for each, a column for each mode.
+"""Plot of the mode shapes of several configurations, a row of small panels for each, a column for each mode.
 
 All panels are drawn into one axes, in inches, which is ten times as fast as a dozen axes with ticks of their own.
 """
@@ -34,19 +34,19 @@ if TYPE_CHECKING:
     from torsionnet.response import Modes
 
 MOST_COLUMNS, WRAPPED = 4, 3
-"""Largest number of panels side by side, and number of panels if modes of one configuration fill several rows."""
+"""Largest number of panels side by side, and number in a row if the modes of one configuration fill several rows."""
 TALL, LOW, TITLES, LABEL, LETTER, NAME = 0.5, 0.36, 0.42, 0.2, 0.062, 0.17
-"""Half heights of tall and low panels, title of a panel, label of a row, letter of a name, node's name, in inches."""
+"""Sizes in inches of half a tall and half a low panel, title of a panel, label of a row, letter, and node's name."""
 MOST_TALL_ROWS = 3
 """Largest number of rows of panels with which the panels are tall; more low ones still fit a page."""
 LEFT, RIGHT, BETWEEN, EDGE = 0.32, 0.1, 0.22, 0.2
-"""Margins of the figure, gap between panels, and gap between a panel's edge and its first node, in inches."""
+"""Left and right margins of the figure, gap of panels, and gap from a panel's edge to its first node, in inches."""
 TINY = style.SMALL - 1  # points
 
 
 @dataclass(frozen=True)
 class Panel:
-    """Panel of one mode, with indices of configuration and mode, row and column, and place and size in inches."""
+    """Panel of one mode shape, with indices of configuration and mode, row and column, and place and size in inches."""
 
     case: int
     mode: int
@@ -59,7 +59,7 @@ class Panel:
 
 
 def shape_grid(modes: Sequence[Modes], drivetrains: Sequence[Drivetrain], labels: Sequence[str]) -> Figure:
-    """Mode shapes of several configurations as relative angles of the nodes, referred to one shaft.
+    """Figure of mode shapes, relative angles of the nodes referred to one shaft, a row of panels per configuration.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def shape_grid(modes: Sequence[Modes], drivetrains: Sequence[Drivetrain], labels
 
 
 def _panels(modes: Sequence[Modes], below: float) -> tuple[list[Panel], float]:
-    """Panels of a grid of mode shapes, and height of the figure in inches."""
+    """List of the panels of a grid of mode shapes, and height of the figure in inches."""
     drawn = _drawn(modes)
     if len(modes) == 1:
         count = len(drawn[0])
@@ -128,13 +128,16 @@ def _panels(modes: Sequence[Modes], below: float) -> tuple[list[Panel], float]:
 
 
 def _drawn(modes: Sequence[Modes]) -> list[list[int]]:
-    """Indices of the oscillatory modes of each configuration; of all modes if none oscillates."""
+    """Lists of the indices, from 0, of the oscillatory modes, one list for each configuration.
+
+    Of all modes if none oscillates.
+    """
     vibrations = [[index for index, kind in enumerate(one.kinds) if kind == OSCILLATORY] for one in modes]
     return vibrations if any(vibrations) else [list(range(len(one))) for one in modes]
 
 
 def _frame(axes: Axes, panel: Panel) -> None:
-    """Draw the zero line of a panel, and a scale from -1 to 1 on its left."""
+    """Draw in a grid of mode shapes the zero line of a panel, and a scale from -1 to 1 on its left."""
     x, y, half = panel.x, panel.y, panel.half
     ticks = [[(x - 0.03, y + level), (x, y + level)] for level in (-half, 0.0, half)]
     lines = [[(x, y - half), (x, y + half)], [(x, y), (x + panel.width, y)], *ticks]
@@ -145,7 +148,7 @@ def _frame(axes: Axes, panel: Panel) -> None:
 
 
 def _places(panel: Panel, view: ShapeView) -> FloatArray:
-    """Horizontal places of the stations of a panel in inches, shape (n_stations,)."""
+    """Horizontal places in inches of the stations (nodes along the axis) of a panel, shape (n_stations,)."""
     edge = min(EDGE, panel.width / 4)
     x = np.array([station.x for station in view.axis.stations])
     return np.asarray(panel.x + edge + x * (panel.width - 2 * edge) / max(view.axis.end, 1.0))

@@ -1,4 +1,4 @@
-"""Plot of mode shapes: a panel for each mode, with the nodes of the drivetrain along its axis, branch by branch."""
+"""Plot of mode shapes, a panel for each mode with the relative angles of the drivetrain's nodes, branch by branch."""
 
 from __future__ import annotations
 
@@ -24,20 +24,22 @@ if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
 
 MODES_SHOWN = 12
-"""Largest number of modes shown unless others are asked for: as many panels as fit a page."""
+"""Largest number of mode shapes drawn unless others are asked for: as many panels as fit a page."""
 
 COLUMNS, PAGE_HEIGHT = 2, 10.0
-"""Number of panels side by side, and largest height of the figure in inches."""
+"""Number of panels of mode shapes side by side, and largest height of the figure in inches."""
 
 MOST_LETTERS, HANDLE = 105, 8
-"""Number of letters in a line of the legend, and number of letters as wide as the sample of a line."""
+"""Largest number of letters in a row of the legend, and number of letters as wide as the sample of a curve in it."""
 MANY_NODES, FEW_LETTERS, FEW_NAMES = 24, 22, 4
-"""Numbers of nodes up to which all have names, of letters up to which names are level, and of names in a remark."""
+"""Largest number of nodes that all have names, of letters of names that are set level, and of names in a remark of the
+legend."""
 STANDING_AMPLITUDE = 1e-9
 """Amplitude, relative to the largest of the mode, up to which a node counts as standing still: rounding errors are
 smaller."""
 LIMIT, CLOSE_GEARS = 1.45, 2.2
-"""End of the amplitude axis, and distance of gears, in distances of nodes, below which their labels alternate."""
+"""End of the amplitude axis, on which the largest amplitude is 1, and distance of gears, in distances of nodes, below
+which their labels alternate in height."""
 OUT_OF_PHASE = 10.0
 """Scatter of the phase of the nodes in degrees, weighted by amplitude, from which imaginary parts are shown."""
 
@@ -47,11 +49,11 @@ JOINS: dict[str, Any] = {"shaft": "-", "gear": (0, (1, 1.2)), "box": (0, (4, 2))
 
 @dataclass(frozen=True)
 class ShapeView:
-    """Axis of the nodes of a mode shape plot, and factors that refer the nodes' angles to one shaft."""
+    """Axis of the nodes of a mode shape plot, and factors by which the nodes' angles are referred to one shaft."""
 
     axis: Axis
     factors: NDArray[np.float64]
-    """Factors that refer the angles of the nodes to one shaft, shape (n_nodes,)."""
+    """Factors by which the angles of the nodes are multiplied to refer them to one shaft, shape (n_nodes,)."""
     label: str
     free: tuple[str, ...] = ()
     """Names of the moving nodes without a fixed ratio of speed to the reference node."""
@@ -72,7 +74,7 @@ def mode_shapes(
     own_angles: bool = False,
     idle: bool = False,
 ) -> Figure:
-    """Mode shapes as relative angles of the nodes, referred to one shaft, a panel for each mode.
+    """Figure of mode shapes, the relative angles of the nodes referred to one shaft, a panel for each mode.
 
     The nodes stand in the order of the schematic: the main line, then its branches, each beginning with the node it
     leaves (in brackets). Angles are multiplied by the ratio to one shaft, so that a rigid gear, marked by a dotted
@@ -128,7 +130,7 @@ def shape_view(
     own: bool = False,
     idle: bool = False,
 ) -> ShapeView:
-    """Axis and factors for mode shapes referred to one shaft, or for each node's own angle."""
+    """Axis of the nodes, and factors that refer their angles to one shaft, or factors 1 for each node's own angle."""
     if referred_to is not None and referred_to not in modes.nodes:
         raise UsageError(f'no node is named "{referred_to}"{did_you_mean(referred_to, modes.nodes)}')
     ones = np.ones(len(modes.nodes))
@@ -181,7 +183,7 @@ def _chosen(modes: Modes, which: Sequence[int] | None) -> list[int]:
 
 
 def station_shape(modes: Modes, index: int, view: ShapeView) -> NDArray[np.complex128]:
-    """Mode shape at the stations, shape (n_stations,), rotated and scaled so that its largest value is 1."""
+    """Complex mode shape at the stations (nodes along the axis), shape (n_stations,), its largest value turned to 1."""
     place = {node: index for index, node in enumerate(modes.nodes)}
     referred = modes.shapes[:, index] * view.factors
     shape = np.array([referred[place[station.node]] for station in view.axis.stations], dtype=complex)
@@ -210,7 +212,7 @@ def phase_scatter(shape: NDArray[np.complex128]) -> float:
 
 
 def _panel(axes: Axes, modes: Modes, index: int, view: ShapeView, conventions: Conventions) -> bool:
-    """Draw one mode, and return whether its imaginary part is shown."""
+    """Draw one mode shape in its panel, and return whether its imaginary part is shown."""
     shape = station_shape(modes, index, view)
     x = np.array([station.x for station in view.axis.stations])
     out = phase_scatter(shape)
@@ -243,7 +245,7 @@ def _curve(
 
 
 def _marks(axes: Axes, axis: Axis) -> None:
-    """Draw the borders between branches, and the gears with their ratios."""
+    """Draw in the panel of a mode shape the borders between branches, and the gears with their ratios."""
     for border in axis.borders:
         axes.axvline(border, color=style.FAINT, linewidth=4.0, zorder=0.5)
     before, low = -CLOSE_GEARS, False

@@ -1,4 +1,4 @@
-"""Stabilisation diagram: poles over the order of the fit, with the mode indicator of the responses."""
+"""Stabilisation diagram with poles by the order of the fit over frequency, and the responses' mode indicator."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ MARKS = (
 MOST_CURVES = 3
 """Largest number of singular values of the mode indicator that are drawn; further ones are mostly noise."""
 ROUND_OFF = 1e-12
-"""Relative margin of the frequency band, so that rounding does not cut off its first or last line."""
+"""Relative margin of the frequency band, which keeps rounding from cutting off its first or last frequency."""
 LABEL_DISTANCE = 0.022
 """Least distance of two neighbouring labels of modes, as a share of the width of the axes: a line of text."""
 
@@ -34,7 +34,7 @@ def stabilisation(
     conventions: Conventions = SI,
     title: str | None = None,
 ) -> Figure:
-    """Stabilisation diagram with the poles of every order over their natural frequency, and the mode indicator (CMIF).
+    """Stabilisation diagram, order of the fit over natural frequency of the poles, with the mode indicator (CMIF).
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def _poles(axes: Axes, diagram: Stabilisation, scale: float) -> None:
 
 
 def _modes(axes: Axes, estimate: ModalEstimate, band: tuple[float, float], conventions: Conventions) -> None:
-    """Draw a line at each mode within the band, with natural frequency and damping ratio above the axes."""
+    """Draw a vertical line at each mode in the band, with natural frequency and damping ratio above the axes."""
     scale = conventions.frequency_scale
     low, high = band
     shown = [mode for mode in range(len(estimate)) if estimate.natural_frequencies[mode] * scale <= high]
@@ -135,7 +135,7 @@ def _modes(axes: Axes, estimate: ModalEstimate, band: tuple[float, float], conve
 
 
 def _apart(places: FloatArray, distance: float, end: float) -> list[float]:
-    """Places of labels in ascending order, moved as little as needed to keep a distance and not pass the axis's end."""
+    """Rising places of labels in units of the axis, moved as little as needed to stay apart and within its end."""
     moved: list[float] = []
     for place in places:
         moved.append(max(float(place), moved[-1] + distance) if moved else float(place))

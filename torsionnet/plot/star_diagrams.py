@@ -18,13 +18,13 @@ PANELS_PER_ROW = 4
 """Number of star diagrams side by side; more would be too small for the numbers of the cylinders."""
 LEGEND = "numbers: cylinders; black: their sum; circle: one cylinder"
 LONGEST_TITLE = 80
-"""Largest number of letters in a line of the title."""
+"""Largest number of letters in a line of the title above star diagrams."""
 COVERING_COSINE = 0.95
-"""Cosine of the angle between vector and sum above which the sum would cover the label, which is then moved."""
+"""Cosine of the angle between a cylinder's vector and the sum, above which the sum would cover that vector's label."""
 
 
 def star_diagrams(stars: Sequence[StarDiagram], *, title: str | None = None) -> Figure:
-    """Star diagrams with the phase vectors of the cylinders in colour and their sum in black.
+    """Figure of the cylinders' phase vectors in colour and their sum in black, a diagram for orders of equal vectors.
 
     Orders with equal vectors share a diagram. Angles are those of the torques, zero to the right, counter-clockwise;
     the circle is one cylinder at the largest amplitude.
@@ -66,7 +66,7 @@ def star_diagrams(stars: Sequence[StarDiagram], *, title: str | None = None) -> 
 
 
 def _alike(stars: Sequence[StarDiagram]) -> list[list[StarDiagram]]:
-    """Groups of diagrams of one excitation with equal vectors."""
+    """Lists of star diagrams, each of the diagrams of one excitation with equal vectors."""
     groups: list[list[StarDiagram]] = []
     for star in stars:
         for group in groups:
@@ -80,7 +80,7 @@ def _alike(stars: Sequence[StarDiagram]) -> list[list[StarDiagram]]:
 
 
 def draw_star(axes: Axes, star: StarDiagram) -> None:
-    """Draw the phase vectors of one star diagram with the numbers of the cylinders, and their sum in black."""
+    """Draw in the axes the phase vectors of one star diagram with the cylinders' numbers, and the sum in black."""
     limit = 1.3 * max(1.0, abs(star.sum))
     axes.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal", xticks=[], yticks=[])
     for spine in axes.spines.values():

@@ -1,4 +1,4 @@
-"""Plots of spectrograms, order maps and harmonics of a sweep."""
+"""Plots of spectrograms over time and frequency, order maps over speed and order, and the harmonics of a sweep."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def spectrogram(
     conventions: Conventions = SI,
     title: str | None = None,
 ) -> Figure:
-    """Spectrogram of a signal with the level in colours over time and frequency.
+    """Figure of a signal's spectrogram, with its level in dB in colours over time and frequency.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def spectrogram(
 
 
 def _last_shown(frequencies: FloatArray, levels: FloatArray, span: float) -> float:
-    """Upper end of the frequency axis of a spectrogram in Hz: a tenth above the last level that the colours show."""
+    """Upper end in Hz of the frequency axis of a spectrogram: a tenth above the last level that the colours show."""
     top = levels[np.isfinite(levels)].max(initial=-np.inf)
     carrying = np.flatnonzero((levels > top - span).any(axis=1))
     return float(HEADROOM * frequencies[carrying[-1]]) if len(carrying) and frequencies[carrying[-1]] else np.inf
@@ -80,7 +80,7 @@ def _last_shown(frequencies: FloatArray, levels: FloatArray, span: float) -> flo
 def order_map(
     result: OrderMap, *, span: float = 60.0, conventions: Conventions = SI, title: str | None = None
 ) -> Figure:
-    """Order map of a signal with the level in colours over speed and order.
+    """Figure of a signal's order map, with its level in dB in colours over speed and order.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def order_map(
 
 
 def sweep_harmonics(result: Harmonics, *, conventions: Conventions = SI, title: str | None = None) -> Figure:
-    """Amplitude and phase of every order over the frequency of the sweep.
+    """Figure of the amplitude, and the phase in degrees, of every order of a signal over the frequency of the sweep.
 
     Parameters
     ----------

@@ -1,7 +1,4 @@
-"""Tornado plot of the sensitivity of natural frequencies and damping ratios to parameters, the largest on top.
-
-Sensitivities of natural frequencies and damping ratios to parameters, the largest on top.
-"""
+"""Tornado plot of the sensitivity of natural frequencies and damping ratios to parameters, the largest on top."""
 
 from __future__ import annotations
 
@@ -28,7 +25,7 @@ ROUNDING = 1e-9
 
 
 def tornado(result: ModeSensitivities, *, modes: list[int] | None = None, title: str | None = None) -> Figure:
-    """Bars with the percent of natural frequency and of damping ratio of modes per percent of each parameter.
+    """Figure of bars, the percent of natural frequency and of damping ratio of modes per percent of each parameter.
 
     Parameters
     ----------
@@ -99,12 +96,12 @@ def _damping(axes: Axes, result: ModeSensitivities, mode: int, shown: list[int])
 
 
 def _lowest(panels: Any) -> list[Axes]:
-    """Lowest panel of each column of the figure that was not removed."""
+    """List of the lowest panel left in each column of the figure."""
     return [[axes for axes in column if axes.figure is not None][-1] for column in panels.T]
 
 
 def _bars(axes: Axes, result: ModeSensitivities, slopes: FloatArray, shown: list[int], colour: str) -> None:
-    """Draw the bars of the parameters that move a mode, the longest on top."""
+    """Draw bars with a mode's sensitivity to each parameter that moves it, in percent per percent, longest on top."""
     style.style_axes(axes)
     sizes = np.abs(slopes)
     falling = sorted(shown, key=lambda p: -float(f"{sizes[p]:.6g}"))  # equal ones in the order of the parameters

@@ -16,7 +16,8 @@ from torsionnet.response.order_response import OrderResponse
 MOST_SPECTRA = 30
 """Largest number of spectra drawn, evenly chosen from those of all speeds; more would hide each other."""
 LINE_HEIGHT, LINE_HALF_WIDTH = 0.15, 0.004
-"""Height of the highest line over the range of speeds, and half the width of a line's foot over that of frequencies."""
+"""Height of the highest spectral line as a share of the range of speeds, and half the width of its foot as a share of
+the range of frequencies."""
 SMALLEST_ORDER = 0.02
 """Amplitude, relative to the largest one, from which on an order is named and has room on the frequency axis."""
 NAME_DISTANCE = 0.025
@@ -26,7 +27,7 @@ NAME_DISTANCE = 0.025
 def waterfall(
     response: OrderResponse, output: str | None = None, *, conventions: Conventions = SI, title: str | None = None
 ) -> Figure:
-    """Waterfall of line spectra over frequency, each at the height of its speed, so that orders appear as rays.
+    """Figure of line spectra of an output over frequency, each at the height of its speed, so that orders are rays.
 
     Parameters
     ----------
@@ -90,7 +91,7 @@ def waterfall(
 
 
 def _spectrum(hertz: FloatArray, sizes: FloatArray, right: float) -> tuple[FloatArray, FloatArray]:
-    """Frequencies in Hz, and heights in the unit of ``sizes``, of a curve with a narrow triangle at each frequency."""
+    """Arrays of frequencies in Hz, and of heights in the unit of ``sizes``, of a spectrum drawn as narrow triangles."""
     half = LINE_HALF_WIDTH * right
     order = np.argsort(hertz, kind="stable")
     f = (hertz[order, None] + np.array([-half, 0.0, half])).ravel()
@@ -101,7 +102,7 @@ def _spectrum(hertz: FloatArray, sizes: FloatArray, right: float) -> tuple[Float
 
 
 def _name_orders(axes: Axes, ends: list[tuple[float, float, str]], right: float) -> None:
-    """Write the names of orders above their rays, as many as have room."""
+    """Write the names of orders above their rays in the waterfall, as many as have room."""
     last = -np.inf
     for f, top, name in sorted(ends):
         if f - last >= NAME_DISTANCE * right:

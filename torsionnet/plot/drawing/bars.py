@@ -1,4 +1,4 @@
-"""Panels of horizontal bars, one below the other with names beside them."""
+"""Panels with horizontal bars one below the other, and the names of their rows beside them."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ import torsionnet.plot.drawing.style as style
 BARS, ROW = 1.5, 0.26
 """Width in inches of the bars of a panel beside their names, and height in inches of a row."""
 FEW_PANELS, MOST_BARS = 6, 100
-"""Number of panels that always make one picture, and number of rows of bars up to which more panels do: about one
-page."""
+"""Number of panels up to which they always make one picture, and number of rows of bars up to which more panels do:
+about one page."""
 
 
 @dataclass(frozen=True)
 class Bars:
-    """Bars of one colour, one in every row, with lengths, start value, height and offset in rows."""
+    """Bars of one colour, one in every row, with lengths and start in units of the axis, height and offset in rows."""
 
     lengths: ArrayLike
     color: str
@@ -31,11 +31,11 @@ class Bars:
     below: float = 0.0
     alpha: float | None = None
     intervals: tuple[ArrayLike, ArrayLike] | None = None
-    """Lower and upper ends of the interval lines drawn over the bars."""
+    """Arrays of the lower and of the upper ends, in units of the axis, of the interval lines drawn over the bars."""
 
 
 def draw_bars(axes: Axes, rows: int, bars: Sequence[Bars], *, line: str = style.MUTED, width: float = 0.8) -> None:
-    """Draw bars in ``rows`` rows, and a vertical line at which the bars begin."""
+    """Draw bars in ``rows`` rows of the axes, and a vertical line at which the bars begin."""
     for one in bars:
         places = [row + one.below for row in range(rows)]
         axes.barh(
@@ -48,7 +48,7 @@ def draw_bars(axes: Axes, rows: int, bars: Sequence[Bars], *, line: str = style.
 
 
 def name_rows(axes: Axes, names: Sequence[str]) -> None:
-    """Write names beside the rows of bars, the first on top."""
+    """Write names beside the rows of bars of a panel, the first name on top."""
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(max(len(names), 1) - 0.4, -0.6)
 
@@ -59,7 +59,9 @@ def fills_a_page(count: int, rows: int) -> bool:
 
 
 def bar_panels(count: int, rows: int, longest: float) -> tuple[Figure, list[Axes], float]:
-    """Figure with panels for horizontal bars, as many side by side as leave room for bars and names.
+    """Figure, list of its panels for horizontal bars, and width in inches of a panel with the names of its bars.
+
+    As many panels stand side by side as leave room for bars and names.
 
     Parameters
     ----------

@@ -19,19 +19,20 @@ from torsionnet.symbolic.symbol_names import GREEK
 
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
 MOST_LINES = 3
-"""Largest number of lines of values below the name of an element; more would crowd the drawing."""
+"""Largest number of lines of values below the name of an element in a schematic; more would crowd the drawing."""
 LONGEST_SYMBOL = 14
-"""Largest number of letters of a name that is set as a symbol; a longer one may have to be broken, which mathtext
-cannot be."""
+"""Largest number of letters of a name that is set as a symbol in mathtext; a longer one may have to be broken, which
+mathtext cannot be."""
 
 LONGEST_EXPRESSION = 14
-"""Largest number of characters of a ratio's expression that is shown; of a longer one only the value."""
+"""Largest number of characters of a ratio's expression that a schematic shows before the value; of a longer one only
+the value."""
 STATES = ("state", "engaged")
 """Names of the entries of elements whose word a schematic shows as it is, as "slipping" of a clutch."""
 
 
 def symbol(name: str) -> str:
-    r"""Text of a name, as mathtext if it is a symbol: one letter or a Greek one, perhaps with an index.
+    r"""Text of a name, set as mathtext if the name is a symbol: one letter or a Greek one, perhaps with an index.
 
     >>> symbol("k_1"), symbol("tau"), symbol("speed")
     ('$k_{\\mathrm{1}}$', '$\\tau$', 'speed')
@@ -65,7 +66,7 @@ def quantity(value: float, dimension: str) -> str:
 
 
 def value_lines(element: Element, values: Mapping[str, Any]) -> list[str]:
-    """Texts of the main values of an element, one to a line; zeros are left out."""
+    """List of the texts with the main values of an element, one text to a line; zeros are left out."""
     if element.kind == "shaft":
         return _shaft_lines(element, values)
     given = element.scalars()
@@ -100,7 +101,7 @@ def _line(spec: Spec[object], raw: Any, values: Mapping[str, Any]) -> str:
 
 
 def expression(text: str) -> str:
-    r"""Text of an expression in which the names of parameters are symbols.
+    r"""Text of an expression with the names of its parameters set as symbols in mathtext.
 
     >>> expression("-z_b/z_a")
     '−$z_{\\mathrm{b}}$/$z_{\\mathrm{a}}$'
@@ -110,7 +111,7 @@ def expression(text: str) -> str:
 
 
 def _ratio_line(element: Element, teeth: tuple[int, int]) -> str:
-    """Text of a gear's ratio as the quotient of the numbers of teeth."""
+    """Text of a gear's ratio as the quotient of its numbers of teeth, with the value."""
     ratio = next((spec_of(declared) for declared in element.declared() if declared.name == "ratio"), None)
     name = ratio.symbol if isinstance(ratio, QuantityKind) else "tau"
     sign = "−" if teeth[0] * teeth[1] < 0 else ""

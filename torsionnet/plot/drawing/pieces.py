@@ -1,4 +1,4 @@
-"""Pieces of a drawing, strokes and texts with the boxes they occupy, in points, put together without overlaps."""
+"""Pieces of a schematic drawing, which hold strokes, texts and the rectangles these occupy, in points of 1/72 inch."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ import torsionnet.plot.drawing.style as style
 
 Point = tuple[float, float]
 Box = tuple[float, float, float, float]
-"""Edges x0, x1, y0, y1 of a rectangle in points."""
+"""Edges (x0, x1, y0, y1) of a rectangle of a drawing, in points of 1/72 inch."""
 Texts = list[tuple[str, str]]
-"""Lines of a label as (text, role), in reading order."""
+"""Lines of a label as pairs (text, name of its style in ``ROLES``), from top to bottom."""
 
 MARGIN = 6.0
-"""Distance between two boxes in points below which they count as overlapping."""
+"""Distance in points between two rectangles of a drawing below which they count as overlapping."""
 
 
 @dataclass(frozen=True)
 class TextStyle:
-    """Size in points, colour and font style of the texts of one kind."""
+    """Size in points, colour and font style of the texts of one kind in a drawing."""
 
     size: float
     color: str
@@ -47,12 +47,15 @@ ROLES = {
     "title": TextStyle(13.0, style.INK, bold=True),
 }
 LEADING = 1.3
-"""Distance of lines of text as a multiple of the size of the font."""
+"""Distance from one line of text to the next, as a multiple of the size of the font."""
 
 
 @dataclass(frozen=True)
 class Stroke:
-    """Line or filled shape of a drawing, through points; ``look`` is a name in the table of pens (``PENS``)."""
+    """Line or filled shape of a drawing through positions (x, y) in points of 1/72 inch.
+
+    ``look`` is a name in the table of pens (``PENS``).
+    """
 
     points: tuple[Point, ...]
     look: str = "part"
@@ -60,13 +63,13 @@ class Stroke:
     fill: str = ""
 
     def shifted(self, dx: float, dy: float) -> Stroke:
-        """Copy of the stroke moved by (dx, dy) points."""
+        """Copy of the stroke moved by dx to the right and dy upwards, in points."""
         return Stroke(tuple((x + dx, y + dy) for x, y in self.points), self.look, self.closed, self.fill)
 
 
 @dataclass(frozen=True)
 class Label:
-    """Text of a drawing, centred at x or beginning at x, with its base line at y, in points."""
+    """Text of a drawing at (x, y) in points, centred at x or beginning there, with its base line at y."""
 
     x: float
     y: float
@@ -75,13 +78,13 @@ class Label:
     left: bool = False
 
     def shifted(self, dx: float, dy: float) -> Label:
-        """Copy of the label moved by (dx, dy) points."""
+        """Copy of the label moved by dx to the right and dy upwards, in points."""
         return Label(self.x + dx, self.y + dy, self.text, self.role, self.left)
 
 
 @dataclass(frozen=True)
 class LooseEnd:
-    """Open end of a connection that closes a loop, to be led to the anchor of its number or tagged with its node."""
+    """Open end of a shaft that closes a loop of the schematic, to be joined by a wire or tagged with a node's name."""
 
     loop: int
     node: str
@@ -90,13 +93,13 @@ class LooseEnd:
     tag: Box
 
     def shifted(self, dx: float, dy: float) -> LooseEnd:
-        """Copy of the loose end moved by (dx, dy) points."""
+        """Copy of the loose end moved by dx to the right and dy upwards, in points."""
         return LooseEnd(self.loop, self.node, self.x + dx, self.y + dy, shifted_box(self.tag, dx, dy))
 
 
 @dataclass
 class Piece:
-    """Part of a drawing, with its strokes, labels, boxes and loose ends.
+    """Part of a drawing with strokes, labels, the rectangles they occupy, and loose ends of loops, all in points.
 
     ``boxes`` are areas that nothing else may take, ``wires`` lines that others may cross.
     """
@@ -109,7 +112,7 @@ class Piece:
     anchors: dict[int, Point] = field(default_factory=dict)
 
     def shifted(self, dx: float, dy: float) -> Piece:
-        """Copy of the piece moved by (dx, dy) points."""
+        """Copy of the piece of a drawing moved by dx to the right and dy upwards, in points."""
         return Piece(
             [stroke.shifted(dx, dy) for stroke in self.strokes],
             [label.shifted(dx, dy) for label in self.labels],
@@ -120,7 +123,7 @@ class Piece:
         )
 
     def add(self, other: Piece) -> None:
-        """Add the strokes, labels, boxes, wires, ends and anchors of another piece."""
+        """Add to this piece the strokes, labels, boxes, wires, loose ends and anchors of another piece."""
         self.strokes += other.strokes
         self.labels += other.labels
         self.boxes += other.boxes
@@ -129,13 +132,13 @@ class Piece:
         self.anchors |= other.anchors
 
     def line(self, *points: Point, look: str = "shaft") -> None:
-        """Draw a shaft or wire through points; other lines may cross it."""
+        """Draw a shaft or wire of the drawing through positions (x, y) in points; other lines may cross it."""
         self.strokes.append(Stroke(points, look))
         for (x0, y0), (x1, y1) in pairwise(points):
             self.wires.append((min(x0, x1) - 3, max(x0, x1) + 3, min(y0, y1) - 3, max(y0, y1) + 3))
 
     def write(self, x: float, y: float, lines: Iterable[tuple[str, str]], *, upward: bool = True) -> float:
-        """Write lines of (text, role) above or below y, and return the y in points at which the lines end."""
+        """Write lines of text, pairs (text, role), above or below y, and return the y in points at which they end."""
         ordered = list(lines)
         labels: list[Label] = []
         for text, role in reversed(ordered) if upward else ordered:
@@ -151,7 +154,7 @@ class Piece:
 
     @property
     def extent(self) -> Box:
-        """Edges x0, x1, y0, y1 in points of the smallest rectangle around all boxes, wires and the origin."""
+        """Edges x0, x1, y0, y1 in points of the smallest rectangle around the piece of the drawing and the origin."""
         boxes = np.array([*self.boxes, *self.wires, (0, 0, 0, 0)])
         return (
             float(boxes[:, 0].min()),
@@ -162,20 +165,20 @@ class Piece:
 
 
 def shifted_box(box: Box, dx: float, dy: float) -> Box:
-    """Box shifted by (dx, dy) points."""
+    """Copy of a rectangle (x0, x1, y0, y1) moved by dx to the right and dy upwards, in points."""
     return (box[0] + dx, box[1] + dx, box[2] + dy, box[3] + dy)
 
 
 @lru_cache(maxsize=4096)
 def text_width(text: str, role: str) -> float:
-    """Width in points of a text in the font of its role."""
+    """Width in points of a text in the font of its role, a name in ``ROLES``."""
     look = ROLES[role]
     width, _, _ = text_to_path.get_text_width_height_descent(text, font(role, look.size), is_math(text, role))
     return float(width)
 
 
 def font(role: str, size: float) -> FontProperties:
-    """Font of the texts of a role, in a size in points."""
+    """Font of matplotlib for the texts of a role, a name in ``ROLES``, in a size in points."""
     look = ROLES[role]
     return FontProperties(
         family="DejaVu Sans",
@@ -191,12 +194,12 @@ def is_math(text: str, role: str) -> bool:
 
 
 def label_width(lines: Iterable[tuple[str, str]]) -> float:
-    """Width in points of the widest of the lines of a label."""
+    """Width in points of the widest line of a label."""
     return max((text_width(text, role) for text, role in lines), default=0.0)
 
 
 def overlap(boxes: NDArray[np.float64], others: NDArray[np.float64], margin: float = MARGIN) -> bool:
-    """Whether any of some boxes (n, 4) comes closer than a margin in points to any of some other boxes (m, 4)."""
+    """Whether any rectangle of one array (n, 4) is closer than a margin in points to any of another array (m, 4)."""
     if not len(boxes) or not len(others):
         return False
     a, b = boxes[:, None, :], others[None, :, :]
@@ -210,11 +213,11 @@ def overlap(boxes: NDArray[np.float64], others: NDArray[np.float64], margin: flo
 
 
 def box_array(boxes: Sequence[Box]) -> NDArray[np.float64]:
-    """Boxes as an array of their edges x0, x1, y0, y1 in points, shape (n, 4)."""
+    """Array of rectangles, each a row x0, x1, y0, y1 in points, shape (n, 4)."""
     return np.array(boxes, dtype=float).reshape(-1, 4)
 
 
 def arc(x: float, y: float, a: float, b: float, start: float, end: float, steps: int = 24) -> tuple[Point, ...]:
-    """Points on an arc of an ellipse with half axes a and b; angles in degrees."""
+    """Positions (x, y) on an arc, between two angles in degrees, of the ellipse with a centre and half axes a and b."""
     angles = [math.radians(start + (end - start) * i / steps) for i in range(steps + 1)]
     return tuple((x + a * math.cos(angle), y + b * math.sin(angle)) for angle in angles)

@@ -31,7 +31,10 @@ def _two_decimals(match: re.Match[str]) -> str:
 
 
 def inline_svg(figure: Figure, prefix: str) -> str:
-    """Figure as an ``<svg>`` element for an HTML page; its ids begin with ``prefix``, unused ids are removed."""
+    """Text of the ``<svg>`` element that shows a figure on an HTML page.
+
+    Its ids begin with ``prefix``, unused ids are removed.
+    """
     text = figure_bytes(figure, "svg").decode()
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>\s*", "", text, flags=re.DOTALL)

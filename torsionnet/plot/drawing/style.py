@@ -1,4 +1,7 @@
-"""Style of all pictures: palette, line styles, axes; matplotlib's global settings are left alone."""
+"""Style of all pictures, with the palette, dashes of lines, sizes of texts, and ticks of axes.
+
+Matplotlib's global settings are left alone.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullFo
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#444444", "#56B4E9", "#E69F00")
 DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (7, 2, 1.5, 2)), (0, (7, 2, 1.5, 2, 1.5, 2)))
 LIMIT_COLOR = "#B00020"
-"""Red in which limits are drawn, and no curve."""
+"""Red, as a hexadecimal code, that is kept for limits, so that no curve has it."""
 INK, MUTED, FAINT, PAPER = "#222222", "#6b6b6b", "#dddddd", "#ffffff"
 FONT, SMALL, TITLE = 9.0, 8.0, 11.0
 WIDTH = 7.2
@@ -31,7 +34,8 @@ STYLE: dict[str, Any] = {
     "xtick.labelsize": SMALL, "ytick.labelsize": SMALL, "xtick.color": MUTED, "ytick.color": MUTED,
     "xtick.labelcolor": INK, "ytick.labelcolor": INK, "legend.frameon": False, "legend.fontsize": SMALL,
 }  # fmt: skip
-"""Settings of matplotlib with the style of the pictures, for a user's own figures: ``plt.style.use(plot.STYLE)``."""
+"""Settings of matplotlib by name, with the style of the pictures, for a user's own figures:
+``plt.style.use(plot.STYLE)``."""
 
 FEW_DECADES = 2.5
 """Number of decades of a log axis below which the axis has ticks at 1, 2 and 5 times powers of ten; over more they
@@ -50,26 +54,34 @@ def panel_columns(count: int, most: int = 4) -> int:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Figure of a size in inches with constrained layout, which belongs to no window."""
+    """Empty figure, in no window, of a width and height in inches, with matplotlib's constrained layout."""
     return Figure(figsize=(width, height), layout="constrained", facecolor=PAPER)
 
 
 def bare_figure(width: float, height: float) -> Figure:
-    """Figure of a size in inches without layout engine: axes stay where they are put, whatever a user's settings."""
+    """Empty figure of a width and height in inches without a layout engine.
+
+    Axes stay where they are put, whatever a user's settings.
+    """
     figure = Figure(figsize=(width, height), facecolor=PAPER)
     figure.set_layout_engine("none")
     return figure
 
 
 def line_style(index: int) -> dict[str, Any]:
-    """Colour and dashes of a curve by its number; both change, so that a print in grey can be read."""
+    """Colour, dashes and width of a curve by its number, as keyword arguments of matplotlib.
+
+    Colour and dashes both change, so that a print in grey can be read.
+    """
     styles = [(PALETTE[i % len(PALETTE)], DASHES[(i + i // len(PALETTE)) % len(DASHES)]) for i in range(35)]
     color, dashes = styles[index % len(styles)]
     return {"color": color, "linestyle": dashes, "linewidth": 1.6}
 
 
 def paired_style(first: int, second: int, sizes: tuple[int, int]) -> dict[str, Any]:
-    """Colour and dashes of a curve by two numbers, colour for the first and dashes for the second, or exchanged.
+    """Keyword arguments of matplotlib for a curve with two numbers, one for its colour, the other for its dashes.
+
+    The first number is for the colour and the second for the dashes, or they are exchanged.
 
     ``sizes`` are the counts of both. They are exchanged if there are too few dashes; if one count is 1, colour and
     dashes change together.
@@ -119,12 +131,12 @@ def phase_ticks(axes: Axes, low: float, high: float) -> None:
 
 
 def tick_text(value: float) -> str:
-    """Text of a tick as a short number."""
+    """Text of the number at a tick of an axis, with an exponent below 1e-4 and from 1e5 on."""
     return f"{value:g}" if 1e-4 <= abs(value) < 1e5 or value == 0 else f"{value:.0e}".replace("e-0", "e-")
 
 
 def set_title(figure: Figure, title: str) -> None:
-    """Set the title of a figure, folded to its width."""
+    """Set the title of a figure, folded into lines no wider than the figure."""
     if title:
         lines = [textwrap.fill(line, WIDEST_TITLE) for line in title.splitlines()]
         figure.suptitle("\n".join(lines), fontsize=TITLE, color=INK)

@@ -1,4 +1,4 @@
-"""Units and labels of the axes of plots: large torques in kN m or MN m, stresses in N/mm2, speeds in rpm."""
+"""Units and labels of axes of plots, with large torques in kN m or MN m, stresses in N/mm2 and speeds in rpm."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from torsionnet.core.number_text import typeset_unit
 from torsionnet.response.conventions import SI, Conventions
 
 PREFIXES = (("M", 1e7, 1e-6), ("k", 1e4, 1e-3))
-"""Prefixes of N m with the torque in N m from which each is used, and its factor."""
+"""Prefixes of N m, each as (letter, torque in N m from which it is used, factor from N m to the unit with it)."""
 
 
 def axis_unit(unit: str, largest: float, conventions: Conventions = SI) -> tuple[float, str]:
@@ -26,7 +26,7 @@ def axis_unit(unit: str, largest: float, conventions: Conventions = SI) -> tuple
 
 
 def axis_label(name: str, unit: str, width: int = 60) -> str:
-    """Label of an axis, the name of what it shows with its unit in brackets, folded to ``width`` characters.
+    """Text of the label of an axis, the name of its quantity and the unit in brackets, folded to ``width`` characters.
 
     Examples
     --------
@@ -37,7 +37,7 @@ def axis_label(name: str, unit: str, width: int = 60) -> str:
 
 
 def speed_label(node: str) -> str:
-    """Label of the axis with the speeds of a node in rpm.
+    """Text of the label of an axis that shows the speeds of a node in rpm.
 
     Examples
     --------

@@ -1,1 +1,1 @@
-"""Schematic drawing of a drivetrain: shaft lines, symbols of elements, branches and connecting wires."""
+"""Schematic drawing of a drivetrain, with its layout, symbols, wires that close loops, and labels."""

@@ -1,4 +1,4 @@
-"""Symbols at a node of a shaft line: discs, elements down to ground or a mass, and the element at the line's end."""
+"""Symbols at a node of a schematic, as discs, elements to ground or a mass, and the element at a shaft line's end."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ WALL, LEADER = 18.0, 14.0  # points: half height of a wall or disc at the end of
 
 
 def draw_body(line: PlannedRow, disc: Element | None, hanging: Element | None) -> None:
-    """Draw a disc on the shaft and the element that hangs below it, either of which may be missing."""
+    """Draw at a node of the schematic a disc and the element that hangs below it, either of which may be missing."""
     above = line.plan.texts(disc) if disc else []
     below = line.plan.texts(hanging) if hanging else []
     scale, piece = line.plan.scale, Piece()
@@ -33,7 +33,7 @@ def draw_body(line: PlannedRow, disc: Element | None, hanging: Element | None) -
 
 
 def _hang(line: PlannedRow, piece: Piece, element: Element, y: float, texts: Texts) -> None:
-    """Draw an element from y down to its far end, with its texts below and torque marks above it."""
+    """Draw an element of the schematic downwards from y to its far end, texts below and marks of its sensors above."""
     length, half_width = 14.0, 8.0
     y = _tapped(line, piece, element, y)
     if element.glyph == "clamp":
@@ -52,7 +52,7 @@ def _hang(line: PlannedRow, piece: Piece, element: Element, y: float, texts: Tex
 
 
 def _tapped(line: PlannedRow, piece: Piece, element: Element, y: float) -> float:
-    """Draw torque marks of an element one below the other, and return the y in points where the element begins."""
+    """Draw the marks of an element's torque sensors downwards, and return the y in points where the element begins."""
     for tap in line.plan.sensors_on(element):
         mark = tap.mark(alone=True)
         texts = mark.texts
@@ -65,7 +65,7 @@ def _tapped(line: PlannedRow, piece: Piece, element: Element, y: float) -> float
 
 
 def draw_line_end(line: PlannedRow, element: Element) -> float:
-    """Draw the element to ground or to a mass that ends a shaft line, and return the x where the shaft stops."""
+    """Draw the element to ground or a mass that ends a shaft line, and return the x in points where the shaft stops."""
     texts = line.plan.texts(element)
     glyph = None if element.glyph == "clamp" else inline_glyph(element, line.values).scaled(line.plan.scale)
     length, half_width = (glyph.length, glyph.half_width) if glyph else (0.0, 0.0)

@@ -13,14 +13,17 @@ if TYPE_CHECKING:
     from torsionnet.plot.schematic.epicyclic import BoxElement
 
 HALF_SIZE = 24.0
-"""Half the width and height of a symbol in points."""
+"""Half the width and height in points of a symbol inside a box of the schematic."""
 
 RING, ROOT, SUN, MOST_PLANETS = 23.5, 20.5, 8.0, 6  # radii in points: rim and teeth of the ring, sun
 PLANET = (ROOT - SUN) / 2  # radius in points that fills the gap between sun and ring
 
 
 def box_symbol(element: BoxElement, x: float, y: float) -> list[Stroke]:
-    """Strokes of the symbol of an element in a box, around (x, y); none for elements without a symbol."""
+    """Strokes of the symbol of an element inside a box of the schematic, around (x, y) in points.
+
+    There are none for elements without a symbol.
+    """
     if element.glyph == "planetary":
         given: Any = getattr(element, "planets", 3)
         return planetary_symbol(
@@ -34,7 +37,7 @@ def box_symbol(element: BoxElement, x: float, y: float) -> list[Stroke]:
 
 
 def gearbox_symbol() -> list[Stroke]:
-    """Strokes of the symbol of a gearbox: two shafts with three pairs of wheels."""
+    """Strokes of the symbol of a gearbox around (0, 0) in points, two shafts with three pairs of wheels."""
     shafts = [Stroke(((-22, y), (22, y)), "part") for y in (9, -9)]
     pairs = ((-13, 6.5), (0, 9.0), (13, 11.5))
     wheels = []
@@ -47,7 +50,7 @@ def gearbox_symbol() -> list[Stroke]:
 
 
 def belt_symbol() -> list[Stroke]:
-    """Strokes of the symbol of a belt: two pulleys with the belt around them, seen along their axes."""
+    """Strokes of the symbol of a belt around (0, 0) in points, two pulleys with the belt, seen along their axes."""
     (left, big), (right, small) = (-11.0, 11.0), (14.0, 7.0)
     tilt = math.degrees(math.asin((big - small) / (right - left)))
     around = (
@@ -60,7 +63,7 @@ def belt_symbol() -> list[Stroke]:
 
 
 def hydrodynamic_symbol() -> list[Stroke]:
-    """Strokes of the symbol of a fluid coupling or torque converter: two half shells face to face, with blades."""
+    """Strokes of the symbol of a fluid coupling or converter around (0, 0) in points, two half shells with blades."""
     found: list[Stroke] = []
     for sign in (-1, 1):
         shell = tuple((sign * (x + 2), y) for x, y in arc(0, 0, 14, 18, -90, 90, 20))
@@ -74,7 +77,7 @@ SHARED_SYMBOLS: dict[str, Callable[[], list[Stroke]]] = {
     "belt": belt_symbol,
     "hydrodynamic": hydrodynamic_symbol,
 }
-"""Functions that draw symbols used in boxes and between two ends, by the element's ``glyph``."""
+"""Functions that return the strokes of symbols used in boxes and between two ends, by the element's ``glyph``."""
 
 
 def planetary_symbol(x: float, y: float, planets: int = 3) -> list[Stroke]:
@@ -110,7 +113,7 @@ def differential_symbol(x: float, y: float, *, locked: bool = False) -> list[Str
 
 
 def _bevel(x: float, y: float, sign: int, *, level: bool) -> Stroke:
-    """Stroke of a bevel gear: a trapezium with its small end towards the middle."""
+    """Stroke of a bevel gear in the symbol of a differential about (x, y) in points, its small end inwards."""
     corners = ((7.0, -5.5), (16.0, -12.0), (16.0, 12.0), (7.0, 5.5))
     points = ((x + sign * u, y + v) if level else (x + v, y + sign * u) for u, v in corners)
     return Stroke(tuple(points), "part", closed=True, fill=WHEEL)

@@ -1,4 +1,4 @@
-"""Boxes of elements with three and more ports in a schematic, as planetary sets, with the ports at their edges."""
+"""Boxes of a schematic for elements with three and more ports, as planetary sets, with the ports at their edges."""
 
 from __future__ import annotations
 
@@ -17,14 +17,17 @@ if TYPE_CHECKING:
     from torsionnet.plot.schematic.planned_row import PlannedRow
 
 HALF_HEIGHT = 35.0
-"""Half the height of a box in points: room for a symbol and the names of the ports below it."""
+"""Half the height in points of a box of the schematic: room for a symbol and the names of the ports below it."""
 GAP, STUB = 10.0, 12.0  # points: more than the texts in width, piece of shaft below a port
 
 
 def draw_box(
     line: PlannedRow, vertex: Vertex, before: Link | None, after: Link | None, leaving: Sequence[tuple[Link, Vertex]]
 ) -> None:
-    """Draw an element with three and more ports as a box: the line enters left and goes on right, other ports below."""
+    """Draw an element with three and more ports as a box on a shaft line of the schematic.
+
+    The line enters left and goes on right, other ports below.
+    """
     element = line.plan.found.boxes[vertex.name]
     texts = line.plan.texts(element)
     below = _ports_below(line, vertex, element, leaving)
@@ -52,7 +55,7 @@ def draw_box(
 def _ports_below(
     line: PlannedRow, vertex: Vertex, element: BoxElement, leaving: Sequence[tuple[Link, Vertex]]
 ) -> dict[str, Any]:
-    """Target of each port at the lower edge of a box, by name of the port: another line, a loop, or None for ground."""
+    """Targets of the ports at the lower edge of a schematic's box by port, a node, box or loop, None for ground."""
     below: dict[str, Any] = {link.port: child for link, child in leaving}
     below |= {link.port: (number, link, end) for number, link, end in line.plan.loops.get(vertex, ())}
     return below | {port: None for port, node in element.ports.items() if node == "ground"}
@@ -72,7 +75,7 @@ def _port(line: PlannedRow, x: float, use: Any) -> None:
 
 
 def _loop(line: PlannedRow, number: int, link: Link, end: Vertex) -> Piece:
-    """Drawing of the piece of shaft with a loose end at the port of a box whose link closes a loop."""
+    """Drawing of a short shaft with a loose end, at a port of a schematic's box whose link closes a loop."""
     piece = type(line)(line.plan, wall=6.0)
     piece.block.line((0, 0), (STUB, 0))
     piece.x = STUB

@@ -1,4 +1,4 @@
-"""Branch lines of a schematic, led through a wire or gear wheels to the nearest free place below or above a line."""
+"""Branch lines of a schematic, led through a wire or gear wheels to the nearest free place above or below a line."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ STEP, FARTHEST = 4.0, 3000.0
 SMALLEST_WHEELS, LARGEST_WHEELS, FARTHEST_WHEELS, SHORTEST_WIRE = 50.0, 110.0, 170.0, 36.0
 MESH, ELBOW = 12.0, 12.0  # points: spring of a compliant mesh, shaft between a wheel and its line
 SMALLEST_WHEEL_RATIO = 0.45
-"""Least radius of a drawn wheel over that of its mate, whatever the gear ratio; below, it would be a dot."""
+"""Least radius of a drawn gear wheel divided by that of its mate, whatever the gear ratio; below, it would be a dot."""
 
 UP_IF = 0.6
-"""Ratio of the distance upwards to that downwards below which a branch is drawn above its line; a larger value moves
-more branches above their line."""
+"""Ratio of the distance upwards to that downwards below which a branch of the schematic is drawn above its line; a
+larger value moves more branches above their line."""
 
 
 @dataclass(frozen=True)
 class GearPair:
-    """Gear pair of a schematic, between a line and a branch that leaves the line."""
+    """Gear pair of a schematic between a line and a branch, with element, offset, texts and ratio of drawn radii."""
 
     element: Element
     offset: float
@@ -43,7 +43,7 @@ class GearPair:
 
 @dataclass(frozen=True)
 class BranchStart:
-    """Branch still to be placed, with the point (x, y) in points at which it leaves its line.
+    """Branch of a schematic still to be placed, with the point (x, y) in points at which it leaves its line.
 
     A line, given by its first vertex, or a finished piece.
     """
@@ -61,17 +61,18 @@ class BranchStart:
 
 @dataclass(frozen=True)
 class Branch:
-    """Branch with its finished drawing, and the point (x, y) in points at which it leaves its line."""
+    """Branch of a schematic with its finished drawing, and the point (x, y) in points at which it leaves its line."""
 
     x: float
     y: float
     block: Piece
     stages: tuple[GearPair, ...] = ()
     up_if: float = UP_IF
-    """Ratio of the distance upwards to that downwards up to which the branch is drawn above its line; 0: never up."""
+    """Ratio of the distance upwards to that downwards up to which the branch of the schematic is drawn above its line;
+    0: never up."""
 
     def connector(self, distance: float) -> Piece:
-        """Drawing of the wire or gear wheels between a line and its branch at a distance in points, negative above."""
+        """Drawing of the wire or gear wheels from a line to a branch ``distance`` points below (negative for above)."""
         block = Piece()
         if not self.stages:
             block.line((self.x, self.y), (self.x, -distance))
@@ -83,7 +84,7 @@ class Branch:
 
 
 def wheel_ratio(element: Any, parent: str, values: Mapping[str, Any]) -> float:
-    """Radius of the wheel on the branch over that on the parent line, within limits that can be drawn."""
+    """Drawn radius of the gear wheel on a branch divided by that on its parent line, kept within drawable limits."""
     tau = abs(float(element.ratio_value(dict(values)))) if hasattr(element, "ratio_value") else 1.0
     ratio = tau if next(iter(element.ports.values())) == parent else 1 / tau
     return min(max(ratio, SMALLEST_WHEEL_RATIO), 1 / SMALLEST_WHEEL_RATIO)
@@ -115,7 +116,7 @@ def _wheels(block: Piece, stage: GearPair, x: float, distance: float) -> None:
 
 
 def place_branches(base: Piece, drops: Sequence[Branch], *, may_rise: bool) -> None:
-    """Add branches to the drawing of a line at the nearest free places, from the rightmost to the leftmost."""
+    """Add branches to the drawing of a shaft line at the nearest free places, from the rightmost to the leftmost."""
     for drop in reversed(drops):
         down = _distance(base, drop, 1)
         up = _distance(base, drop, -1) if may_rise and drop.up_if and drop.y == 0 else FARTHEST
@@ -127,7 +128,7 @@ def place_branches(base: Piece, drops: Sequence[Branch], *, may_rise: bool) -> N
 
 
 def _distance(base: Piece, drop: Branch, sign: int) -> float:
-    """Least distance in points at which neither a branch nor its connector meets anything drawn before."""
+    """Least distance in points from its line at which a branch and its connector meet nothing that was drawn before."""
     taken = box_array([*base.boxes, *base.wires])
     # The line itself lies between the wheels and below the start of a wire: that is no collision.
     own = [box for box in base.wires if box[2] < drop.y < box[3] or box[2] < 0 < box[3]]
@@ -158,5 +159,5 @@ def _below(base: Piece, drop: Branch) -> float:
 
 
 def _holds(box: tuple[float, float, float, float], drop: Branch) -> bool:
-    """Whether a branch starts at the edge of a box, or under a text inside it."""
+    """Whether a branch of the schematic starts at the edge of a box, or under a text inside that box."""
     return drop.y != 0 and box[0] <= drop.x <= box[1] and box[2] - 6 <= drop.y <= box[3]

@@ -1,4 +1,4 @@
-"""Matplotlib figures of drawings made of strokes and labels."""
+"""Matplotlib figures of drawings made of strokes and labels, on one axes whose unit is a point of 1/72 inch."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ TALLEST_FIGURE = 24.0
 
 
 def figure_of_drawing(block: Piece, extent: Box) -> Figure:
-    """Figure of a drawing, as large as its extent, edges x0, x1, y0, y1 in points.
+    """Figure of a drawing, as large as the drawing's extent, whose edges are x0, x1, y0, y1 in points.
 
     One axes without ticks whose unit is a point.
     """

@@ -1,4 +1,4 @@
-"""Plan of a schematic: elements, inputs and sensors by node, sizes of discs, and texts."""
+"""Plan of a schematic, with elements, inputs and sensors by node, sizes of discs, and texts of labels."""
 
 from __future__ import annotations
 
@@ -40,23 +40,24 @@ class DrawingPlan:
     drivetrain: Drivetrain
     found: Connections
     page: float
-    """Width of the drawing in points, beyond which lines go on below."""
+    """Width in points of the schematic, beyond which its shaft lines are cut and go on below."""
     compact: bool
     discs: Mapping[str, float]
-    """Half the height in points of each inertia's disc, by name of the element."""
+    """Half heights in points of the discs of inertias, by name of the element."""
     loops: dict[Vertex, list[tuple[int, Link, Vertex]]] = field(default_factory=dict)
-    """Links that close loops as (number, link, other end), by the vertex from which they are drawn."""
+    """Lists of links that close loops of the schematic, as (number, link, other end), by the node or box where they
+    begin."""
     targets: dict[str, list[int]] = field(default_factory=dict)
-    """Numbers of the loops that end at a node, by node."""
+    """Lists of the numbers of the schematic's loops that end at a node, by name of the node."""
 
     @property
     def scale(self) -> float:
-        """Size of the symbols as a multiple of the usual size."""
+        """Size of the symbols of the schematic as a multiple of the usual size."""
         return COMPACT_SCALE if self.compact else 1.0
 
     @cached_property
     def homes(self) -> dict[str, str]:
-        """Name of the drawn node at which inputs and sensors of a hidden node stand, by hidden node.
+        """Names of the drawn nodes at which inputs and sensors of hidden nodes stand, by name of the hidden node.
 
         Stations within a shaft go to the shaft's first end, planets to the carrier.
         """
@@ -70,7 +71,7 @@ class DrawingPlan:
 
     @cached_property
     def housings(self) -> dict[str, list[str]]:
-        """Names of the gears whose housing is on a node, by node."""
+        """Lists of the names of the gears whose housing is on a node, by name of the node."""
         found: dict[str, list[str]] = {}
         inside = {element.name for box in self.found.boxes.values() for element in getattr(box, "elements", ())}
         for element in self.drivetrain.elements.values():
@@ -81,12 +82,12 @@ class DrawingPlan:
 
     @cached_property
     def inputs(self) -> dict[str, list[tuple[str, str]]]:
-        """Pairs (name, description) of the inputs on each node, by node."""
+        """Lists of pairs (name, description) of the inputs on a node, by name of the node."""
         return self._by_node((name, _input_words(given), given.of) for name, given in self.drivetrain.inputs.items())
 
     @cached_property
     def reactions(self) -> dict[str, list[tuple[str, str]]]:
-        """Pairs (name, description) of the inputs between two nodes, by the second node."""
+        """Lists of pairs (name, description) of the inputs between two nodes, by name of the second node."""
         return self._by_node(
             (name, f"of {given.of}", given.against)
             for name, given in self.drivetrain.inputs.items()
@@ -95,7 +96,7 @@ class DrawingPlan:
 
     @cached_property
     def motions(self) -> dict[str, list[tuple[str, str]]]:
-        """Pairs (name, quantity) of the sensors of a node's motion, by node."""
+        """Lists of pairs (name, quantity) of the sensors of a node's motion, by name of the node."""
         return self._by_node(
             (name, f"{sensor.quantity}{f' against {sensor.against}' if sensor.against else ''}", sensor.of)
             for name, sensor in self.drivetrain.sensors.items()
@@ -103,7 +104,7 @@ class DrawingPlan:
         )
 
     def _by_node(self, channels: Iterable[tuple[str, str, str]]) -> dict[str, list[tuple[str, str]]]:
-        """Pairs (name, description) of inputs or sensors, by the drawn node at which they stand.
+        """Lists of pairs (name, description) of inputs or sensors, by name of the drawn node at which they stand.
 
         The description names a node that is hidden.
         """
@@ -115,7 +116,7 @@ class DrawingPlan:
 
     @cached_property
     def taps(self) -> dict[str, list[Tap]]:
-        """Sensors of torques and twists, by the node at which they are drawn."""
+        """Lists of the sensors of torque and twist, by name of the node at which they are drawn."""
         found: dict[str, list[Tap]] = {}
         for name, sensor in self.drivetrain.sensors.items():
             element = self.drivetrain.elements.get(sensor.of)
@@ -126,11 +127,11 @@ class DrawingPlan:
         return found
 
     def sensors_on(self, element: Element) -> list[Tap]:
-        """Sensors of the torque or twist of an element."""
+        """List of the sensors of the torque or twist of an element."""
         return [tap for taps in self.taps.values() for tap in taps if tap.element == element.name]
 
     def is_drawn_beside(self, tap: Tap, node: str) -> bool:
-        """Whether a sensor belongs to an element that leads on from a node, and is drawn beside that element."""
+        """Whether a sensor is drawn beside its element because that element leads on from the node."""
         return any(is_on_link(tap, link) for link in self._links[node])
 
     @cached_property
@@ -143,7 +144,7 @@ class DrawingPlan:
         return found
 
     def bodies(self, node: str, *, at_end: bool) -> tuple[Pairs, Element | None]:
-        """Pairs of a disc at a node and the element hanging below it, and the element to ground that ends the line."""
+        """Pairs (disc, element hanging below) at a node, and the element to ground that ends the shaft line, if any."""
         attached = self.found.attached[node]
         discs = [element for element in attached if element.glyph == "disc"]
         others = [element for element in attached if element.glyph != "disc"]
@@ -152,12 +153,12 @@ class DrawingPlan:
         return list(zip_longest(discs, hanging)), last
 
     def node_texts(self, node: str) -> Texts:
-        """Lines of the label of a node: its name, with the gears whose housing it is."""
+        """Lines (text, role) of a node's label in the schematic, its name, and the gears whose housing it is."""
         gears = self.housings.get(node, []) if not self.compact else []
         return break_lines([*([(f"housing of {', '.join(gears)}", "what")] if gears else []), (node, "node")])
 
     def texts(self, element: BoxElement) -> Texts:
-        """Lines of the label of an element: its name and main values."""
+        """Lines (text, role) of an element's label in the schematic, its name and its main values."""
         if self.compact:
             return []
         if isinstance(element, PartBox):
@@ -181,7 +182,7 @@ def _taken(element: Element, at: str | None) -> tuple[str, str]:
 
 
 def make_plan(drivetrain: Drivetrain, page: float) -> tuple[DrawingPlan, list[Tree]]:
-    """Plan of a schematic, and the connected parts of the drivetrain as trees."""
+    """Plan of a schematic, and list with a spanning tree for each connected part of the drivetrain."""
     found = connections(drivetrain)
     compact = len(drivetrain.nodes) > MOST_NAMED_NODES
     plan = DrawingPlan(drivetrain, found, page, compact, disc_sizes(drivetrain, COMPACT_SCALE if compact else 1.0))
@@ -195,7 +196,7 @@ def make_plan(drivetrain: Drivetrain, page: float) -> tuple[DrawingPlan, list[Tr
 
 
 def disc_sizes(drivetrain: Drivetrain, scale: float) -> dict[str, float]:
-    """Half heights of discs in points by name of the element, which grow with the logarithm of the inertia."""
+    """Half heights in points of the discs of inertias by name of the element, rising with the inertia's logarithm."""
     discs = [element for element in drivetrain.elements.values() if element.glyph == "disc"]
     values = {element.name: inertia_of(element, drivetrain.exact_values) for element in discs}
     logs = {name: math.log10(value) for name, value in values.items() if value > 0}

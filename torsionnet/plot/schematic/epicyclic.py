@@ -33,21 +33,24 @@ class EpicyclicSet:
 
     @property
     def internal_nodes(self) -> tuple[str, ...]:
-        """Names of the nodes inside the box of a planetary set, which are not drawn: the planets."""
+        """Names of the nodes inside the box of a planetary set, which the schematic does not draw: the planets."""
         return self.planets
 
     @property
     def elements(self) -> tuple[Element, ...]:
-        """Elements inside the box of a planetary set: meshes, and bodies of the planets."""
+        """Elements inside the schematic's box of a planetary set, its meshes and the inertias of its planets."""
         return (*self.sun_meshes, *self.ring_meshes, *self.bodies)
 
 
 BoxElement: TypeAlias = Element | EpicyclicSet
-"""Element, or planetary set of several, drawn as a box with three ports."""
+"""Element, or planetary set of several elements, that a schematic draws as a box with three or more ports."""
 
 
 def epicyclic_sets(drivetrain: Drivetrain) -> list[EpicyclicSet]:
-    """Planetary sets of a drivetrain in the order of their planets; planets between the same members are one set."""
+    """List of the planetary sets of a drivetrain in the order of their planets.
+
+    Planets between the same members are one set.
+    """
     found: dict[tuple[str, str, str], list[tuple[str, Element, Element]]] = {}
     at = _at_nodes(drivetrain.elements.values())
     for node, elements in at.items():
@@ -82,7 +85,7 @@ def _at_nodes(elements: Iterable[Element]) -> dict[str, list[Element]]:
 
 
 def _meshes(node: str, elements: list[Element], values: Mapping[str, Any]) -> tuple[Element, Element] | None:
-    """Gear pairs of a planet with its sun (external) and with its ring (internal); None if the node is no planet."""
+    """Two gear pairs of a planet, with its sun (external) and its ring (internal); None if the node is no planet."""
     gears = [element for element in elements if isinstance(element, Gear)]
     alone = all(element in gears or _is_alone(element) for element in elements)
     if len(gears) != MESHES_OF_PLANET or not alone or len({gear.housing for gear in gears}) > 1:
@@ -97,7 +100,7 @@ def _meshes(node: str, elements: list[Element], values: Mapping[str, Any]) -> tu
 
 
 def _is_alone(element: Element) -> bool:
-    """Whether an element acts on a single node."""
+    """Whether an element acts on a single node, not counting ground."""
     return len([node for node in dict.fromkeys(element.ports.values()) if node != GROUND]) == 1
 
 

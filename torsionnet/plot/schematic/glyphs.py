@@ -16,7 +16,7 @@ _LENGTH, _HALF = 52.0, 14.0
 
 
 def _spring(element: Element, values: Mapping[str, Any]) -> Glyph:
-    """Symbol of an element with stiffness: springs and dashpots, between two discs if both ends have an inertia."""
+    """Symbol of an element with stiffness in a schematic, springs and dashpots, with discs if both ends are heavy."""
     between = chain_symbol(element, values, "spring")
     ends = [*element.ports.values()]
     heavy = {
@@ -29,7 +29,7 @@ def _spring(element: Element, values: Mapping[str, Any]) -> Glyph:
 
 
 def _between_discs(inner: Glyph) -> Glyph:
-    """Symbol with a disc added at either end."""
+    """Copy of a symbol of the schematic with a disc added at either end."""
     first, width, half = 4.0, 8.0, max(16.0, inner.half_width)
     start = first + width
     end = start + inner.length
@@ -43,20 +43,20 @@ def _damper(element: Element, values: Mapping[str, Any]) -> Glyph:
 
 
 def _disc(element: Element, values: Mapping[str, Any]) -> Glyph:
-    """Symbol of an inertia between two ends."""
+    """Symbol of an inertia between two ends of a schematic, a disc on a shaft."""
     del element, values
     return Glyph((Stroke(((0, 0), (30, 0)), "shaft"), rectangle(8.5, 21.5, -15, 15, BODY)), 30, 16)
 
 
 def _coupling(element: Element, values: Mapping[str, Any]) -> Glyph:
-    """Symbol of a coupling: two flanges face to face."""
+    """Symbol of a coupling in a schematic, two flanges face to face."""
     del element, values
     flanges = (rectangle(10, 15, -13, 13, BODY), rectangle(15, 20, -13, 13, BODY))
     return Glyph((Stroke(((0, 0), (10, 0)), "shaft"), *flanges, Stroke(((20, 0), (30, 0)), "shaft")), 30, 14)
 
 
 def _shaft(element: Element, values: Mapping[str, Any]) -> Glyph:
-    """Symbol of a shaft: a thin cylinder, with a line between its segments."""
+    """Symbol of a shaft in a schematic, a thin cylinder with lines between its segments."""
     del values
     start, end, half = 5.0, 55.0, 6.0
     outline = (*arc(start, 0, 2.5, half, 90, 270, 8), *arc(end, 0, 2.5, half, -90, 90, 8))
@@ -70,7 +70,7 @@ def _shaft(element: Element, values: Mapping[str, Any]) -> Glyph:
 
 
 def _gear(element: Element, values: Mapping[str, Any]) -> Glyph:
-    """Symbol of a gear stage in line, for places without room for two shafts."""
+    """Symbol of a gear stage in a schematic, drawn in line for places without room for two shafts."""
     del element, values
     out: tuple[Point, ...] = ((15, -16), (30, -16), (30, 0), (42, 0))
     return Glyph(
@@ -79,7 +79,7 @@ def _gear(element: Element, values: Mapping[str, Any]) -> Glyph:
 
 
 def _pendulum(element: Element, values: Mapping[str, Any]) -> Glyph:
-    """Symbol of a pendulum absorber: a rod on a pin, and the path of its end."""
+    """Symbol of a pendulum absorber in a schematic, a rod on a pin, and the path of its end."""
     del element, values
     pin = Stroke(arc(13, 0, 3, 3, 0, 360), "part", closed=True, fill="#ffffff")
     path = Stroke(arc(13, 0, 28, 28, -32, 32), "thin")
@@ -87,21 +87,21 @@ def _pendulum(element: Element, values: Mapping[str, Any]) -> Glyph:
 
 
 def _boxed(element: Element, values: Mapping[str, Any]) -> Glyph:
-    """Symbol of an element with a symbol in a box between its two ends."""
+    """Symbol of an element whose own sign, as of a gearbox, stands in a box between its two ends in the schematic."""
     del values
     leads = (Stroke(((0, 0), (8, 0)), "shaft"), Stroke(((64, 0), (72, 0)), "shaft"))
     return Glyph((*leads, rectangle(8, 64, -24, 24, BOX), *box_symbol(element, 36, 0)), 72, 25)
 
 
 def _other(element: Element, values: Mapping[str, Any]) -> Glyph:
-    """Symbol of elements without a symbol of their own: an empty box."""
+    """Symbol of elements without a symbol of their own in a schematic, an empty box."""
     del element, values
     leads = (Stroke(((0, 0), (8, 0)), "shaft"), Stroke(((40, 0), (48, 0)), "shaft"))
     return Glyph((*leads, rectangle(8, 40, -10, 10, "#ffffff")), 48, 11)
 
 
 def _crank() -> Glyph:
-    """Symbol of a crank throw seen from the side: journal, web, pin, web, journal."""
+    """Symbol of a crank throw in a schematic, its webs, pin and journals seen from the side."""
     webs = [rectangle(x, x + 6, -7, 21, BODY) for x in (14, 32)]
     pin = rectangle(20, 32, 12, 20, BODY)
     leads = [Stroke(((0, 0), (14, 0)), "shaft"), Stroke(((38, 0), (_LENGTH, 0)), "shaft")]
@@ -109,7 +109,7 @@ def _crank() -> Glyph:
 
 
 def _machine() -> Glyph:
-    """Symbol of an electric machine: a circle with one period of an alternating voltage."""
+    """Symbol of an electric machine in a schematic, a circle with one period of an alternating voltage."""
     middle = _LENGTH / 2
     circle = Stroke(arc(middle, 0, _HALF, _HALF, 0, 360, 40), "part", closed=True, fill=BOX)
     wave = tuple((middle - 9 + 18 * i / 24, 5 * math.sin(2 * math.pi * i / 24)) for i in range(25))
@@ -117,7 +117,7 @@ def _machine() -> Glyph:
 
 
 def _load() -> Glyph:
-    """Symbol of a load: a torque that falls with speed, over its axes."""
+    """Symbol of a load in a schematic, a curve of torque that falls with speed over its axes."""
     axes = ((15.0, 11.0), (15.0, -9.0), (39.0, -9.0))
     falling = tuple((17.0 + u, 60 / (5.0 + u) - 9) for u in range(17))
     box = rectangle(12, 40, -_HALF, _HALF, BOX)
@@ -125,7 +125,7 @@ def _load() -> Glyph:
 
 
 def _controller() -> Glyph:
-    """Symbol of a controller: an arrow that comes back to where it starts, as a closed loop."""
+    """Symbol of a controller in a schematic, an arrow that comes back to where it starts, as a closed loop."""
     middle = _LENGTH / 2
     path = arc(middle, 0, 8.5, 8.5, 160, -140, 30)
     x, y = path[-1]
@@ -135,7 +135,7 @@ def _controller() -> Glyph:
 
 
 def _sheet() -> Glyph:
-    """Symbol of elements given by matrices or tables: rows and columns."""
+    """Symbol of elements given by matrices or tables in a schematic, a box with rows and columns."""
     lines = [Stroke(((12, y), (40, y)), "thin") for y in (-7, 0, 7)]
     columns = [Stroke(((x, -_HALF), (x, _HALF)), "thin") for x in (21, 30.5)]
     return Glyph((*_leads(), rectangle(12, 40, -_HALF, _HALF, BOX), *lines, *columns), _LENGTH, _HALF + 1)
@@ -152,7 +152,7 @@ _MACHINES: dict[str, Callable[[], Glyph]] = {
     "controller": _controller,
     "sheet": _sheet,
 }
-"""Functions that draw the symbols of elements whatever their values, by the element's ``glyph``."""
+"""Functions that return the symbols of elements drawn alike whatever their values, by the element's ``glyph``."""
 _INLINE: dict[str, Callable[[Element, Mapping[str, Any]], Glyph]] = {
     "disc": _disc,
     "spring": _spring,
@@ -168,7 +168,7 @@ _INLINE: dict[str, Callable[[Element, Mapping[str, Any]], Glyph]] = {
 
 
 def inline_glyph(element: Element, values: Mapping[str, Any]) -> Glyph:
-    """Symbol of an element as a schematic draws it between two ends."""
+    """Symbol of an element between two ends in a schematic, as strokes with length and half width in points."""
     if element.glyph in _MACHINES:
         return _MACHINES[element.glyph]()
     return _INLINE.get(element.glyph, _other)(element, values)

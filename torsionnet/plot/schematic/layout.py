@@ -1,4 +1,4 @@
-"""Layout of a schematic: shaft lines from left to right, branches and gear stages on lines of their own.
+"""Layout of a schematic, with shaft lines from left to right, branches and gear stages on lines of their own.
 
 A line is built from its first vertex onwards, every symbol in a stretch as wide as the symbol and its texts; branches
 are then moved down (or up) to the nearest free place. A line wider than the page is cut and goes on below; a branch
@@ -31,32 +31,32 @@ if TYPE_CHECKING:
 
 
 PAGE_WIDTH = 545.0
-"""Width of a drawing in points unless another is asked for."""
+"""Width of a schematic in points unless another is asked for."""
 
 MARGIN = 24.0
-"""Width in points at each side for the lines that lead from one piece of a cut line to the next."""
+"""Width in points kept free at each side for the wires from one piece of a cut shaft line to the next."""
 
 WIRE_ROOM = 30.0
-"""Width in points kept free at the sides for wires that close loops."""
+"""Width in points kept free at the sides for wires that close loops of the schematic."""
 
 NARROWEST_BRANCH = 0.45
-"""Least room beside a line, as a share of the page's width, for a branch that has to be cut into pieces."""
+"""Least room beside a shaft line, as a share of the page's width, in which a branch may be cut into pieces."""
 
 UP_IF_CUT = 1.5
-"""Ratio of ways up and down below which a loop on a line that goes on below is drawn above the line: a larger value
-leads more of them above the line, out of its way."""
+"""Ratio of the distance upwards to that downwards below which a loop of the schematic is drawn above a shaft line that
+is cut and goes on below: a larger value leads more of them above the line, out of its way."""
 INDENT = 26.0
-"""Width in points by which the pieces of a line behind gears are indented, to stay clear of the wheels."""
+"""Width in points by which the pieces of a cut shaft line that begins at gears are indented, clear of the wheels."""
 
 
 TIP, HALF, PAD = 5.0, 7.0, 10.0  # points: tip of a flag, half its height, room beside its text
 LONGEST_FLAG = 24
-"""Largest number of characters of a node's name on a flag, the sign where a branch is drawn elsewhere; the rest is cut
-off."""
+"""Largest number of characters of a node's name on a flag of the schematic, the sign where a branch is drawn elsewhere;
+the rest is cut off."""
 
 
 def layout_bands(drivetrain: Drivetrain, page: float = PAGE_WIDTH) -> list[list[Piece]]:
-    """Drawings of the lines of each connected part, from top to bottom, for a page width in points."""
+    """Drawings of shaft lines for a page width in points, a list from top to bottom for each connected part."""
     plan, grown = make_plan(drivetrain, page)
     if plan.loops:
         plan.page -= WIRE_ROOM
@@ -81,7 +81,7 @@ class PartLayout:
             self._measure(head)
 
     def _measure(self, head: Vertex) -> None:
-        """Measure the widths of a line of the schematic, after those of its branches."""
+        """Store the widths in points of a shaft line of the schematic and its nodes, after those of its branches."""
         self._steps(head)
         room = self.plan.page - MARGIN - INDENT
         wide = zip(self.routes[head].vertices, self.steps[head], strict=True)
@@ -99,7 +99,7 @@ class PartLayout:
         self.steps[head] = [self._step(line, route.cut(place, place + 1)) for place in range(len(route.vertices))]
 
     def _step(self, line: ShaftLine, route: LineRoute) -> RouteStep:
-        """Draw one node or box of a line, and return the widths in points that it takes."""
+        """Draw one node or box of a shaft line, and return the widths in points that it takes."""
         start, boxes, columns, exits = line.x, len(line.block.boxes), len(line.columns), len(line.exits)
         self._fill(line, route)
         taken = [*line.block.boxes[boxes:], *line.columns[columns:]]
@@ -110,7 +110,7 @@ class PartLayout:
         return RouteStep(line.x - start, max(0.0, left), max(0.0, right), tuple(leaving))
 
     def bands(self) -> list[Piece]:
-        """Drawings of the main line, and of each branch for which there was no room beside its own line."""
+        """List of the drawings of the main line, and of each branch for which there was no room beside its own line."""
         found = []
         while self.waiting:
             head = self.waiting.popleft()
@@ -130,7 +130,7 @@ class PartLayout:
         return self._route(head, self.plan.page, top=True, begun=line)
 
     def _route(self, head: Vertex, room: float, *, top: bool = False, begun: ShaftLine | None = None) -> Piece:
-        """Drawing of a line with all its branches, cut into pieces if it is wider than a room in points."""
+        """Drawing of a shaft line with all its branches, cut into pieces if it is wider than ``room`` points."""
         route = self.routes[head]
         start = begun.x if begun is not None else self.starts[head]
         indent = INDENT if begun is None and route.incoming is not None and route.incoming.is_gear else 0.0
@@ -169,7 +169,7 @@ class PartLayout:
         )
 
     def _settled(self, leaving: BranchStart, room: float, loops_up_if: float) -> Branch:
-        """Branch with its finished drawing: the line itself, or a flag if there is no room for the line."""
+        """Branch of the schematic with its line as finished drawing, or a flag if there is no room for the line."""
         x, y, what, stages = leaving.x, leaving.y, leaving.what, leaving.stages
         if isinstance(what, Piece):
             return Branch(x, y, what, stages, up_if=loops_up_if)
@@ -189,7 +189,7 @@ class PartLayout:
         return route.parent.name if shaft and route.parent is not None else head.name
 
     def _may_be_cut(self, head: Vertex, room: float) -> bool:
-        """Whether a line too wide for a page needs no more pieces in a room, in points, than on a whole page."""
+        """Whether a branch too wide for a page needs no more pieces in a ``room`` in points than on a whole page."""
         steps, start = self.steps[head], self.starts[head]
         if room < max(NARROWEST_BRANCH * self.plan.page, start, *(step.whole + MARGIN + INDENT for step in steps)):
             return False
@@ -201,7 +201,7 @@ class PartLayout:
 
 
 def _stacked(built: list[Piece], indent: float) -> Piece:
-    """Drawing of the pieces of a cut line one below the other, joined by wires."""
+    """Drawing of the pieces of a cut shaft line one below the other, joined by wires."""
     whole = built[0]
     for before, piece in pairwise(built):
         bottom = whole.extent[2]
@@ -216,7 +216,7 @@ def _stacked(built: list[Piece], indent: float) -> Piece:
 
 
 def _flag(block: Piece, x: float, text: str) -> float:
-    """Draw a flag with a text on the shaft from (x, 0) to the right, and return the x in points at its tip."""
+    """Draw a flag with a text on a shaft, from (x, 0) to the right, and return the x in points at the flag's tip."""
     shown = text if len(text) <= LONGEST_FLAG else text[: LONGEST_FLAG - 1] + "…"
     end = x + text_width(shown, "what") + 2 * TIP + PAD
     outline = ((x, -HALF), (end - TIP, -HALF), (end, 0.0), (end - TIP, HALF), (x, HALF))

@@ -1,4 +1,4 @@
-"""Routes of the lines of a schematic: vertices that follow each other on one shaft, and cuts that fit the page."""
+"""Routes of the shaft lines of a schematic, their nodes and boxes in order, and cuts that fit the page."""
 
 from __future__ import annotations
 
@@ -10,37 +10,39 @@ from typing import NamedTuple
 from torsionnet.plot.schematic.topology import Link, Tree, Vertex, heights
 
 PIECE, MISPLACED, LATE = 2e4, 1e6, 30.0
-"""Costs in squared points of cutting a line: of a piece, of a branch that would fit elsewhere, of a point of offset."""
+"""Costs in squared points of a cut shaft line, of each piece, of each branch that would fit elsewhere, and of each
+point by which such a branch is offset."""
 
 
 @dataclass(frozen=True)
 class LineRoute:
-    """Nodes and boxes (vertices) and links of one line of a schematic, and the link by which it leaves its parent."""
+    """Nodes, boxes and links in order along one shaft line of a schematic, and the link from its parent line."""
 
     incoming: Link | None
     parent: Vertex | None
     vertices: tuple[Vertex, ...]
     links: tuple[Link, ...]
-    """Links between the vertices of the line, and, if it is cut behind the last one, the link at the cut."""
+    """Links from each node or box of the shaft line to the next, and, if the line is cut behind the last, the link
+    there."""
     before: Link | None = None
-    """Link at which the line is cut before its first vertex, None if it begins there."""
+    """Link at which the shaft line is cut before its first node or box, None if the line begins there."""
     shares: tuple[tuple[int, int], ...] = ()
-    """Share of each vertex drawn at its place, as index of the part from 0 and number of parts; empty: all are
-    whole."""
+    """Pairs (index from 0, number of parts) that tell which part of a node or box of the shaft line is drawn at each
+    place; empty: all are whole."""
 
     def share(self, place: int) -> tuple[int, int]:
-        """Share of a node drawn at a place of the line, as index of the part from 0 and number of parts."""
+        """Pair (index from 0, number of parts) that tells which part of a node is drawn at a place of the line."""
         return self.shares[place] if self.shares else (0, 1)
 
     def cut(self, first: int, last: int) -> LineRoute:
-        """Route of a piece of the line, from the vertex with index ``first`` to the one before ``last``."""
+        """Route of a piece of the shaft line, from the node or box with index ``first`` to the one before ``last``."""
         before = self.links[first - 1] if first else self.before
         incoming = None if first else self.incoming
         shares = self.shares[first:last]
         return LineRoute(incoming, self.parent, self.vertices[first:last], self.links[first:last], before, shares)
 
     def split(self, crowded: Mapping[Vertex, int]) -> LineRoute:
-        """Copy of the route in which crowded nodes are split into several parts with a piece of shaft between them."""
+        """Copy of the route in which crowded nodes are split into parts with a piece of shaft between the parts."""
         vertices: list[Vertex] = []
         links: list[Link] = []
         shares: list[tuple[int, int]] = []
@@ -53,14 +55,14 @@ class LineRoute:
 
 
 class BranchWidth(NamedTuple):
-    """Distance of a branch from the start of the node it leaves, and width with its own branches, in points."""
+    """Distance in points of a branch from the start of its node, and width in points with the branch's own branches."""
 
     x: float
     need: float
 
 
 class RouteStep(NamedTuple):
-    """Widths in points of one node of a line with the elements after it, and of texts beyond both sides."""
+    """Widths in points of one node of a shaft line with the elements after it, and of the texts beyond either side."""
 
     width: float
     left: float
@@ -69,12 +71,12 @@ class RouteStep(NamedTuple):
 
     @property
     def whole(self) -> float:
-        """Width in points of a node of a line, with the texts beyond both sides."""
+        """Width in points of a node of a shaft line with the elements after it and the texts beyond either side."""
         return self.left + self.width + self.right
 
 
 def line_routes(tree: Tree) -> dict[Vertex, LineRoute]:
-    """Routes of the lines of a tree by the first vertex of each, lines nearer to the root first."""
+    """Routes of the shaft lines of a tree, by the first node or box of each, lines nearer to the root first."""
     height = heights(tree)
     found: dict[Vertex, LineRoute] = {}
     heads: list[tuple[Link | None, Vertex | None, Vertex]] = [(None, None, tree.root)]
@@ -94,7 +96,7 @@ def line_routes(tree: Tree) -> dict[Vertex, LineRoute]:
 
 
 def line_width(start: float, steps: Sequence[RouteStep]) -> float:
-    """Width in points of a line in one piece, with all its branches."""
+    """Width in points of a shaft line in one piece, with all its branches."""
     x = start + max(0.0, steps[0].left - start)
     far = x
     for step in steps:
@@ -104,7 +106,7 @@ def line_width(start: float, steps: Sequence[RouteStep]) -> float:
 
 
 def piece_starts(start: float, steps: Sequence[RouteStep], room: float, margin: float) -> list[int]:
-    """Indices of the nodes of a line (steps) at which the pieces of a cut line begin.
+    """Indices, from 0, of the nodes or boxes of a shaft line at which the pieces of the cut line begin.
 
     Few, of like width, with room for branches.
     """
@@ -126,7 +128,7 @@ def piece_starts(start: float, steps: Sequence[RouteStep], room: float, margin: 
 
 
 def _firsts(steps: Sequence[RouteStep], end: int, room: float) -> list[int]:
-    """Indices of the steps at which a piece that ends before step ``end`` may begin to fit a room in points.
+    """Indices of the nodes of a line at which a piece that ends before index ``end`` may begin to fit a room in points.
 
     At least one step.
     """
@@ -141,7 +143,7 @@ def _firsts(steps: Sequence[RouteStep], end: int, room: float) -> list[int]:
 
 
 def _cost(piece: Sequence[RouteStep], start: float, room: float) -> float:
-    """Cost in squared points of a piece of a cut line: empty room, squared, and branches that do not fit."""
+    """Cost in squared points of a piece of a cut shaft line, from empty room, squared, and branches that do not fit."""
     x, cost = max(start, piece[0].left), PIECE
     for step in piece:
         for leaving in step.leaving:

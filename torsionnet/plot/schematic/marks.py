@@ -17,14 +17,14 @@ ARROW = 17.0
 
 @dataclass(frozen=True)
 class Mark:
-    """Mark of an input, of its reaction on a second node, or of a sensor of motion or torque."""
+    """Mark in a schematic of an input, of its reaction on a second node, or of a sensor of motion or torque."""
 
     kind: str
     name: str
     what: str
 
     def piece(self, lift: float = 0.0) -> Piece:
-        """Drawing of the mark around x = 0, with its name raised by ``lift`` points."""
+        """Drawing of the mark around x = 0, with its name raised by ``lift`` points above the usual height."""
         top = TOPS[self.kind] + lift
         piece = Piece()
         if self._is_arrow:
@@ -46,5 +46,5 @@ class Mark:
 
     @property
     def texts(self) -> Texts:
-        """Lines of the label of the mark: name and description."""
+        """Lines (text, role) of the label of the mark, its name and its description."""
         return break_lines([(self.name, "input" if self._is_arrow else "sensor"), (self.what, "what")])

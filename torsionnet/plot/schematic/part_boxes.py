@@ -1,4 +1,4 @@
-"""Drivetrain for a schematic that draws each part in use as one box."""
+"""Copy of a drivetrain for a schematic that draws each copy of a part as one box."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class PartBox(Element):
 
 
 def with_part_boxes(drivetrain: Drivetrain) -> Drivetrain:
-    """Copy of a drivetrain with a box in place of each copy of a part; itself if it uses no parts.
+    """Copy of a drivetrain with one box as element in place of each copy of a part; itself if it uses no parts.
 
     Sensors on elements within a part are not drawn; motions of its nodes stand at its first port.
     """

@@ -22,26 +22,27 @@ MANY_MARKS, MARK_LIFT = 4, 22.0
 FAR_OUT = 1e5
 """Coordinate in points beyond any drawing."""
 SIDE_GAP, VERTICAL_GAP = 7.0, 3.0
-"""Least distances in points between neighbouring pieces, sideways and up or down."""
+"""Least distances in points between neighbouring pieces of a schematic, sideways and up or down."""
 
 RECENT_BOXES = 120
-"""Number of last boxes of a row against which a new piece is checked for overlap: more take time, fewer may let pieces
-overlap."""
+"""Number of rectangles drawn last in a row against which a new piece of the schematic is checked for overlap: more take
+time, fewer may let pieces overlap."""
 
 
 class Row:
-    """Row of pieces along y = 0 from left to right; ``x`` is where the last symbol ends."""
+    """Row of pieces of a schematic, placed along y = 0 from left to right; ``x`` is where the last symbol ends."""
 
     def __init__(self, wall: float = -FAR_OUT) -> None:
         self.block = Piece()
         self.x = 0.0
         self.columns: list[Box] = []
-        """Areas of the row kept free for branches, as edges x0, x1, y0, y1 in points: wires and wheels."""
+        """Rectangles (x0, x1, y0, y1) in points above and below the row that are kept free for branches: wires and
+        wheels."""
         self.wall = wall
         self.named_until = -FAR_OUT
 
     def put(self, piece: Piece, left: float, right: float, columns: Sequence[Box] = ()) -> float:
-        """Place a piece drawn around x = 0 behind the others, and return the x in points of its middle.
+        """Place a piece drawn around x = 0 behind the others of the row, and return the x in points of its middle.
 
         ``left`` and ``right`` are the extents of its symbol, ``columns`` areas to be kept free around it.
         """
@@ -57,7 +58,7 @@ class Row:
         return x
 
     def keep_free(self, width: float) -> float:
-        """Keep a column free above and below the row, its width in points, and return the x of its middle."""
+        """Keep a column of a width in points free above and below the row, and return the x in points of its middle."""
         return self.put(Piece(), width / 2, width / 2, [(-width / 2, width / 2, -FAR_OUT, FAR_OUT)])
 
     def name(self, start: float, texts: Texts) -> float:
@@ -70,13 +71,13 @@ class Row:
         return end
 
     def draw_bracket(self, x0: float, x1: float, y: float) -> None:
-        """Draw a bracket at height y over the symbols from x0 to x1."""
+        """Draw a bracket at height y over the symbols of the row from x0 to x1, in points."""
         self.block.strokes.append(Stroke(((x0, y - 3), (x0, y), (x1, y), (x1, y - 3)), "faint"))
         self.block.boxes.append((x0, x1, y - 2, y + 1))
 
 
 class PlannedRow(Row):
-    """Row with the plan of the schematic, the branches that leave it, and brackets for the names of its nodes."""
+    """Row of a schematic with its plan, the branches that leave the row, and brackets for the names of its nodes."""
 
     def __init__(self, plan: DrawingPlan, wall: float = -FAR_OUT) -> None:
         super().__init__(wall)
@@ -86,22 +87,22 @@ class PlannedRow(Row):
 
     @property
     def values(self) -> Any:
-        """Values of the drivetrain's parameters, by name."""
+        """Values of the drivetrain's parameters, by name of the parameter."""
         return self.plan.drivetrain.exact_values
 
     def link_marks(self, node: str, link: Link | None, *, alone: bool = True) -> list[Mark]:
-        """Marks of the sensors of torque and twist on the elements of a link at a node."""
+        """List of the marks of the torque and twist sensors, at one node, on the elements of a schematic's link."""
         return marks_beside(self.plan.taps.get(node, ()), link, alone=alone) if link is not None else []
 
     def draw_marks_on_shaft(self, marks: Sequence[Mark]) -> None:
-        """Draw marks of inputs and sensors, with the piece of shaft that they stand on."""
+        """Draw marks of inputs and sensors on the row, with the piece of shaft on which they stand."""
         start = self.x
         self.draw_marks(marks)
         if marks:
             self.block.line((start, 0), (self.x, 0))
 
     def draw_marks(self, marks: Iterable[Mark]) -> None:
-        """Draw marks of inputs and sensors on the shaft, with their names above.
+        """Draw marks of inputs and sensors on the shaft of the row, with their names above.
 
         Of many, every other name stands higher.
         """
@@ -112,7 +113,7 @@ class PlannedRow(Row):
             self.put(piece, 9, 9)
 
     def add_loose_end(self, number: int, end: Vertex) -> None:
-        """Add a loose end that closes loop ``number`` at the vertex ``end``, with room for a tag with its name."""
+        """Add to the row a loose end that closes loop ``number`` at a node or box, with room for a tag with a name."""
         width = text_width(end.name, "node") + 10
         tag = (self.x, self.x + width, -8.0, 8.0)
         self.block.ends.append(LooseEnd(number, end.name, self.x, 0, tag))

@@ -1,4 +1,4 @@
-"""Schematic of a drivetrain as a matplotlib figure."""
+"""Schematic of a drivetrain as a matplotlib figure, with its connected parts beside each other on a page."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ NARROWEST_PAGE = 100.0
 def schematic(
     drivetrain: Drivetrain, *, title: str | None = None, width: float = PAPER_WIDTH, boxes: bool = False
 ) -> Figure:
-    r"""Draw the schematic of a drivetrain.
+    r"""Figure of the schematic of a drivetrain, with shafts from left to right, inertias as discs, inputs and sensors.
 
     Shafts run from left to right in the order of the model's nodes, whose names stand above them. Inertias are discs
     whose height grows with the logarithm of the inertia; gear stages and branches go on on lines of their own, and an
@@ -90,7 +90,7 @@ def _page(width: float) -> float:
 
 
 def _arranged(drivetrain: Drivetrain, page: float) -> Piece:
-    """Drawing of all connected parts of a drivetrain, with the wires that close loops."""
+    """Drawing of all connected parts of a drivetrain for a page width in points, with the wires that close loops."""
     parts = []
     for bands in layout_bands(drivetrain, page):
         part = _packed(bands, page)
@@ -106,7 +106,7 @@ def _arranged(drivetrain: Drivetrain, page: float) -> Piece:
 
 
 def _packed(given: Sequence[Piece], page: float) -> Piece:
-    """Drawing of several pieces placed from left to right and from top to bottom, like words on a page."""
+    """Drawing of pieces placed from left to right and top to bottom, like words on a page ``page`` points wide."""
     whole = Piece()
     x = top = bottom = 0.0
     for block in given:

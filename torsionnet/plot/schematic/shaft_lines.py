@@ -1,4 +1,4 @@
-"""Shaft line of a schematic: nodes, the elements between them, and branches."""
+"""Shaft line of a schematic, drawn from left to right with its nodes, the elements between them, and branches."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ if TYPE_CHECKING:
 
 
 GAP = 9.0
-"""Distance in points between the texts of gears side by side."""
+"""Distance in points between the texts of gears side by side in a schematic."""
 
 
 Leaving: TypeAlias = Sequence[tuple[Link, Vertex]]
 NodeSymbol: TypeAlias = "Mark | tuple[Element | None, Element | None]"
-"""Symbol at a node, a mark on the shaft or a disc with the element that hangs below it."""
+"""Symbol at a node of a schematic, a mark on the shaft, or a pair of a disc and the element that hangs below it."""
 
 DrawBranch: TypeAlias = Callable[[BranchStart], Branch]
-"""Function that returns the drawing of a branch."""
+"""Function that takes a branch of the schematic still to be placed and returns it with its finished drawing."""
 
 
 class ShaftLine(PlannedRow):
-    """Builder of a shaft line along y = 0 from left to right; ``x`` is where the line ends so far."""
+    """Builder of a shaft line of a schematic along y = 0 from left to right; ``x`` is where the line ends so far."""
 
     def begin(self, incoming: Link, parent: Vertex | None) -> None:
-        """Begin a branch that comes from another line, beside its gears or with the elements behind a wire."""
+        """Draw the start of a schematic's branch line, a shaft beside its gear wheels or elements behind its wire."""
         if incoming.is_gear:
             widths = self.gear_widths(incoming)
             self.x = sum(widths) - (widths[0] + widths[-1]) / 2 + ELBOW + 4
@@ -52,14 +52,14 @@ class ShaftLine(PlannedRow):
             self.x += 10
 
     def draw_incoming(self, incoming: Link, parent: Vertex | None) -> None:
-        """Draw the elements between a node of the parent line and this line, with the torque marks at that node."""
+        """Draw the elements between a node of the parent line and this line, with the torque marks of that node."""
         if parent is not None and not parent.is_box:
             self.draw_marks_on_shaft(self.link_marks(parent.name, incoming))
         if incoming.elements:
             self.draw_link(incoming)
 
     def gear_widths(self, link: Link) -> list[float]:
-        """Widths in points of the gears of a link with their texts."""
+        """List of the widths in points that the gears of a link take side by side with their texts."""
         return [max(26.0, label_width(self.plan.texts(element)) + GAP) for element in link.elements]
 
     def draw_vertex(
@@ -70,7 +70,7 @@ class ShaftLine(PlannedRow):
         leaving: Leaving,
         share: tuple[int, int] = (0, 1),
     ) -> None:
-        """Draw a box, a node, or a part of a node that has too many symbols for one line."""
+        """Draw on the shaft line a box, a node, or a part of a node that has too many symbols for one line."""
         if vertex.is_box:
             draw_box(self, vertex, before, after, leaving)
         elif share[0] == share[1] - 1:
@@ -79,7 +79,7 @@ class ShaftLine(PlannedRow):
             self.draw_part_of_node(vertex, before, share)
 
     def draw_part_of_node(self, vertex: Vertex, before: Link | None, share: tuple[int, int]) -> None:
-        """Draw a part of the symbols of a node that has too many for one line."""
+        """Draw on the shaft line a part of the symbols of a node that has too many for one line."""
         start = self.x
         self.draw_marks(self.link_marks(vertex.name, before))
         self.draw_symbols(self.node_symbols(vertex.name, at_end=False)[0], share)
@@ -88,7 +88,7 @@ class ShaftLine(PlannedRow):
         self.brackets.append((start, named, vertex.name))
 
     def node_symbols(self, node: str, *, at_end: bool) -> tuple[list[NodeSymbol], Element | None]:
-        """Symbols at a node in their order on the shaft, and the element that ends the line.
+        """List of the symbols at a node in their order on the shaft, and the element that ends the line, if any.
 
         Torques of elements that lead on from the node or down to ground are left out: they stand beside the element.
         """
@@ -102,7 +102,7 @@ class ShaftLine(PlannedRow):
         return [*self.input_and_motion_marks(node), *bodies, *others], held
 
     def draw_symbols(self, things: Sequence[NodeSymbol], share: tuple[int, int]) -> None:
-        """Draw one part of the symbols at a node; many marks beside each other stand in two rows."""
+        """Draw on the shaft line one part of the symbols at a node; many marks beside each other stand in two rows."""
         part, parts = share
         size = -(-len(things) // parts)
         for _, group in groupby(things[part * size : (part + 1) * size], lambda thing: isinstance(thing, Mark)):
@@ -114,7 +114,7 @@ class ShaftLine(PlannedRow):
     def draw_node(
         self, vertex: Vertex, before: Link | None, after: Link | None, leaving: Leaving, share: tuple[int, int]
     ) -> None:
-        """Draw a node with its symbols, branches and loops."""
+        """Draw on the shaft line a node with its symbols, its branches, and the elements that close loops."""
         start, node = self.x, vertex.name
         loops, targets = self.plan.loops.get(vertex, ()), self.plan.targets.get(node, ())
         branches = bool(leaving or loops or targets)
@@ -145,13 +145,16 @@ class ShaftLine(PlannedRow):
         self.brackets.append((start, named, node))
 
     def input_and_motion_marks(self, node: str) -> list[Mark]:
-        """Marks of the inputs, reactions and motion sensors at a node."""
+        """List of the marks of the inputs, reactions and motion sensors at a node of the schematic."""
         inputs = [Mark("input", symbol(name), what) for name, what in self.plan.inputs.get(node, ())]
         inputs += [Mark("reaction", f"\u2212{symbol(name)}", what) for name, what in self.plan.reactions.get(node, ())]
         return inputs + [Mark("motion", symbol(name), what) for name, what in self.plan.motions.get(node, ())]
 
     def add_branch(self, link: Link, child: Vertex, parent: Vertex, *, alone: bool) -> None:
-        """Add a branch from this line to a child vertex; ``alone`` if nothing else goes on from the node."""
+        """Add a branch from this shaft line to a node or box of the schematic.
+
+        ``alone`` if nothing else goes on from the node.
+        """
         if not link.is_gear:
             self.exits.append(BranchStart(self.keep_free(16), 0, child))
             return
@@ -165,7 +168,7 @@ class ShaftLine(PlannedRow):
         self.exits.append(BranchStart(first, 0, child, tuple(stages)))
 
     def add_loop(self, number: int, link: Link, end: Vertex) -> None:
-        """Draw the elements that close a loop, on a line of their own with a loose end."""
+        """Draw the elements that close a loop of the schematic, on a line of their own with a loose end."""
         line = ShaftLine(self.plan, wall=6.0)
         line.draw_incoming(link, link.other(end))
         line.draw_marks_on_shaft(line.link_marks(end.name, link))
@@ -173,7 +176,7 @@ class ShaftLine(PlannedRow):
         self.exits.append(BranchStart(self.keep_free(16), 0, line.block))
 
     def draw_link(self, link: Link) -> None:
-        """Draw the elements of a link in parallel; a port of a box is a short piece of shaft."""
+        """Draw the elements of a link in parallel on the shaft line; a port of a box is a short piece of shaft."""
         if not link.elements:
             self.block.line((self.x, 0), (self.x + 12, 0))
             self.x += 12
@@ -185,7 +188,7 @@ class ShaftLine(PlannedRow):
         self.block.line((middle + right, 0), (self.x, 0))
 
     def finish(self, settle: DrawBranch, *, may_rise: bool) -> Piece:
-        """Write the names of the nodes above the line, add its branches, and return the drawing."""
+        """Write the names of the nodes above the line, add its branches, and return the drawing of the shaft line."""
         top = max((draw_box[3] for draw_box in self.block.boxes), default=0.0) + 5
         for x0, x1, node in self.brackets:
             self.draw_bracket(x0 + 3, x1 - 3, top)
@@ -196,7 +199,7 @@ class ShaftLine(PlannedRow):
 
 
 def _between(plan: DrawingPlan, link: Link) -> tuple[Piece, float, list[Box]]:
-    """Drawing of the elements of a link around x = 0, its width in points, and the areas to be kept free."""
+    """Drawing around x = 0 of the elements of a link, its width in points, and rectangles in points to be kept free."""
     drawn = [inline_glyph(element, plan.drivetrain.exact_values).scaled(plan.scale) for element in link.elements]
     texts = [plan.texts(element) for element in link.elements]
     rails = 12.0 if len(drawn) > 1 else 0.0
@@ -221,7 +224,7 @@ def _between(plan: DrawingPlan, link: Link) -> tuple[Piece, float, list[Box]]:
 def _parallel_element(
     block: Piece, glyph: Glyph, texts: Texts, ends: tuple[float, float], y: float, *, below: bool
 ) -> None:
-    """Draw an element between two ends, with its texts below if it is alone on its shaft, else above."""
+    """Draw an element between two ends, with its texts below if it is alone on its shaft, else above the element."""
     middle = (ends[0] + ends[1]) / 2
     begin = middle - glyph.length / 2
     block.strokes += glyph.along(begin, y)

@@ -13,16 +13,19 @@ from torsionnet.plot.schematic.outlines import Glyph, dashpot, rectangle, zigzag
 
 LENGTH, DASHPOT_LENGTH = 48.0, 40.0  # points, of a symbol with a spring, and of one without
 RAIL, BETWEEN = 6.0, 20.0
-"""Points from an end to the rail that joins parallel chains, and between two chains."""
+"""Distances in points from an end of a symbol to the rail that joins parallel chains, and between two chains."""
 
 HALF = {"spring": 9.0, "damper": 6.0}
 
 SeriesChain = tuple[str, ...]
-"""Springs and dashpots in series from one end to the other, as the words ``spring`` and ``damper``."""
+"""Springs and dashpots in series from one end of an element to the other, as the words ``spring`` and ``damper``."""
 
 
 def parallel_chains(element: Element, values: Mapping[str, Any]) -> list[SeriesChain]:
-    """Parallel chains of springs and dashpots of an element, springs first; none if its laws form no chains."""
+    """List of an element's chains of springs and dashpots in parallel, those that begin with a spring first.
+
+    None if its laws form no chains.
+    """
     edges = _edges(element, values)
     first, second = _ends(element, values)
     direct = [(what,) for ends, what in edges if ends == {first, second}]
@@ -56,7 +59,7 @@ def _resists_turning(part: Part) -> bool:
 
 
 def _edges(element: Element, values: Mapping[str, Any]) -> list[tuple[set[str], str]]:
-    """Pairs (two nodes, "spring" or "damper") for each law of an element on the difference of two angles."""
+    """Pairs (set of two nodes, "spring" or "damper") for the laws of an element on the difference of two angles."""
     found: list[tuple[set[str], str]] = []
     for part in element.parts(Values(values)):
         if isinstance(part, Law) and part.acts and len(part.row) in (1, 2) and not sum(_with_ground(part.row).values()):
@@ -67,12 +70,12 @@ def _edges(element: Element, values: Mapping[str, Any]) -> list[tuple[set[str], 
 
 
 def _with_ground(row: Mapping[str, Any]) -> dict[str, Any]:
-    """Coefficients of a twist by node, with the coefficient of ground, which rows of laws leave out."""
+    """Coefficients of a twist by name of the node, with that of ground, which rows of laws leave out."""
     return dict(row) if len(row) > 1 else dict(row) | {GROUND: -next(iter(row.values()))}
 
 
 def _chain(node: str, first: str, second: str, edges: list[tuple[set[str], str]]) -> SeriesChain:
-    """Words for the two springs or dashpots in series, from one end of an element by an inner node to the other.
+    """Two words, each "spring" or "damper", for what lies between the first end, an inner node and the second end.
 
     Empty if more than two meet there.
     """
@@ -83,7 +86,7 @@ def _chain(node: str, first: str, second: str, edges: list[tuple[set[str], str]]
 
 
 def chain_symbol(element: Element, values: Mapping[str, Any], plain: str) -> Glyph:
-    """Symbol of an element's springs and dashpots between two rails, with a chain of kind ``plain`` in any case."""
+    """Symbol of an element's springs and dashpots in a schematic, at least one of them of the kind ``plain``."""
     found = parallel_chains(element, values)
     if not any(plain in chain for chain in found):
         found = [(plain,), *found]
@@ -122,7 +125,7 @@ def _chain_strokes(
 
 
 def _spring(element: Element, start: float, end: float, y: float) -> list[Stroke]:
-    """Strokes of a spring, with a pad behind for a loss factor, or an arrow across for a table over frequency."""
+    """Strokes of a spring, with a pad behind it for a loss factor, or an arrow across it for a table over frequency."""
     core = zigzag(start, end, y)
     kinds = [spec for _, spec in element.specs()]
     if any(isinstance(spec, LossFactor) for spec in kinds):

@@ -1,4 +1,4 @@
-"""Nodes of a drivetrain along the axis of a mode shape plot, in the order of the schematic, and ratios between them."""
+"""Nodes of a drivetrain on the axis of a mode shape plot, in the schematic's order, and the ratios of their speeds."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 BRANCHING_ELEMENTS = 3
 """Least number of elements leading on from a node that make it a branching point."""
 BRANCH_GAP = 0.7
-"""Additional distance between two branches, as a multiple of the distance between nodes."""
+"""Additional distance between two branches on the axis of a mode shape plot, as a multiple of that between nodes."""
 
 
 @dataclass(frozen=True)
 class Station:
-    """Node at a place x on the axis of a mode shape plot.
+    """Node at a place x, in distances between nodes, on the axis of a mode shape plot.
 
     ``again`` if a branch begins with the node of the main line repeated.
     """
@@ -55,7 +55,7 @@ class Axis:
     joins: list[Join] = field(default_factory=list)
     borders: list[float] = field(default_factory=list)
     begins: bool = False
-    """Whether the next station begins a branch."""
+    """Whether the next station added to the axis begins a branch."""
 
     @property
     def end(self) -> float:
@@ -63,7 +63,7 @@ class Axis:
         return self.stations[-1].x if self.stations else 0.0
 
     def add(self, node: str, kind: str = "", label: str = "", *, again: bool = False) -> None:
-        """Add a station to the axis behind the last one, joined with it by an element of a kind, if given."""
+        """Add a node as a station behind the last one of the axis, joined by an element of a kind if that is given."""
         x = self.end + 1.0 if self.stations else 0.0
         self.stations.append(Station(x + (BRANCH_GAP if self.begins else 0.0), node, again))
         if kind:
@@ -72,19 +72,19 @@ class Axis:
         self.begins = False
 
     def border(self) -> None:
-        """Begin another branch, with a border before it."""
+        """Begin another branch on the axis of a mode shape plot, with a border before the branch."""
         if self.stations:
             self.borders.append(self.end + (1.0 + BRANCH_GAP) / 2)
             self.begins = True
 
 
 def plain_axis(nodes: Iterable[str]) -> Axis:
-    """Axis of nodes in the order given, not joined."""
+    """Axis of a mode shape plot with nodes in the order given, not joined."""
     return Axis([Station(float(place), node) for place, node in enumerate(nodes)])
 
 
 def node_axis(drivetrain: Drivetrain, without: Collection[str] = ()) -> Axis:
-    """Axis of a drivetrain's nodes with the main line, its branches as in the schematic, and nodes hidden in boxes."""
+    """Axis of a mode shape plot with a drivetrain's main line, branches in the schematic's order, and hidden nodes."""
     found = connections(drivetrain)
     found.links = [link for link in found.links if link.first.name not in without and link.second.name not in without]
     hidden = {*_hidden(found, drivetrain), *without}
@@ -102,7 +102,7 @@ def node_axis(drivetrain: Drivetrain, without: Collection[str] = ()) -> Axis:
 
 
 def _in_depth(found: Mapping[Vertex, LineRoute]) -> Iterator[LineRoute]:
-    """Yield the routes of lines, each followed by its branches, from the branches at its end to the first."""
+    """Yield the routes of shaft lines, each followed by its branches, from the branches at its end to the first."""
     leaving: dict[Vertex | None, list[LineRoute]] = {}
     for route in found.values():
         leaving.setdefault(route.parent, []).append(route)
@@ -120,7 +120,7 @@ def _hidden(found: Connections, drivetrain: Drivetrain) -> set[str]:
 
 
 def _line(axis: Axis, route: LineRoute, drivetrain: Drivetrain) -> None:
-    """Add the nodes of one line to the axis; boxes are passed through."""
+    """Add the nodes of one shaft line of the schematic to the axis of a mode shape plot; boxes are passed through."""
     kind, label = "", ""
     if route.incoming is None or route.parent is None:
         axis.border()
@@ -143,7 +143,7 @@ def _line(axis: Axis, route: LineRoute, drivetrain: Drivetrain) -> None:
 
 
 def _through(axis: Axis, link: Link, end: Vertex) -> str:
-    """Add the stations within the shaft of a link, and return the kind of the link: "box", "gear" or "shaft"."""
+    """Add the nodes within the shaft of a link to the axis, and return the link's kind, "box", "gear" or "shaft"."""
     if not link.elements:
         return "box"
     if link.is_gear:
@@ -156,7 +156,7 @@ def _through(axis: Axis, link: Link, end: Vertex) -> str:
 
 
 def _ratio_label(link: Link, drivetrain: Drivetrain) -> str:
-    """Text of the ratio of a gear as the model gives it, speed of its first node over that of its second."""
+    """Text of the ratio of a gear as the model gives it, speed of the gear's first node over that of the second."""
     gear = link.elements[0] if link.elements else None
     if not isinstance(gear, Gear):
         return ""
@@ -165,17 +165,21 @@ def _ratio_label(link: Link, drivetrain: Drivetrain) -> str:
 
 @dataclass(frozen=True)
 class Ratios:
-    """Speed of a reference node over that of each node (``of``), with nodes that have no such ratio."""
+    """Speed of a reference node divided by each node's speed, by node, and the nodes without such a ratio."""
 
     of: dict[str, float]
     free: tuple[str, ...]
-    """Nodes whose mean speed is independent of the reference node's; their ratio is that of the shaft beside them."""
+    """Names of the nodes whose mean speed is independent of the reference node's; their ratio is that of the shaft
+    beside them."""
     standing: tuple[str, ...]
-    """Nodes that stand still on average while the reference node turns; their ratio is 1."""
+    """Names of the nodes that stand still on average while the reference node turns; their ratio is 1."""
 
 
 def ratios(drivetrain: Drivetrain, reference: str) -> Ratios:
-    """Ratios of the mean speed of a reference node to those of all nodes; without one, that of the shaft beside."""
+    """Ratios of the mean speed of a reference node to those of all nodes, by name of the node.
+
+    Without one, that of the shaft beside.
+    """
     speeds = speeds_by_reference(drivetrain.definition, drivetrain.exact_values, reference)
     standing = tuple(node for node, speed in speeds.items() if speed == 0)
     known = {node: speeds[reference] / speed for node, speed in speeds.items() if speed}
@@ -185,7 +189,7 @@ def ratios(drivetrain: Drivetrain, reference: str) -> Ratios:
 
 
 def _spread(drivetrain: Drivetrain, known: dict[str, float], free: Iterable[str]) -> None:
-    """Give every node in ``free`` the ratio of a node it shares an element with."""
+    """Give every node in ``free`` the ratio of speeds of a node with which it shares an element."""
     missing = set(free)
     beside: dict[str, list[str]] = {}
     for element in drivetrain.elements.values():
@@ -201,7 +205,7 @@ def _spread(drivetrain: Drivetrain, known: dict[str, float], free: Iterable[str]
 
 
 def idle_nodes(drivetrain: Drivetrain) -> set[str]:
-    """Names of the nodes of idle gear wheels, behind which no element leads on.
+    """Set of the names of the nodes of idle gear wheels, behind which no element leads on.
 
     A rigid gear leads to an idle wheel from a branching node.
     A node with an input, a sensor, a load or a given speed is no idler.
@@ -227,7 +231,7 @@ def idle_nodes(drivetrain: Drivetrain) -> set[str]:
 
 
 def _ways(drivetrain: Drivetrain) -> dict[str, list[str]]:
-    """Names of the elements that lead on from each node or hold the node still, by node.
+    """Lists of the names of the elements that lead on from a node or hold the node still, by name of the node.
 
     Inertia and drag do neither.
     """

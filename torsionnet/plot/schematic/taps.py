@@ -1,4 +1,4 @@
-"""Sensors of torque and twist in a schematic: the element they are on, and their mark on the shaft.
+"""Sensors of torque and twist in a schematic, with the element they are on and their mark on the shaft.
 
 A mark reads as the torque of the element it stands beside. So it stands right at its element, and nothing may branch
 off between them.
@@ -16,7 +16,7 @@ from torsionnet.plot.schematic.topology import Link
 
 @dataclass(frozen=True)
 class Tap:
-    """Sensor of the torque or twist of an element at a port."""
+    """Sensor of the torque or twist of an element at one of the ports of that element."""
 
     name: str
     quantity: str
@@ -24,7 +24,7 @@ class Tap:
     port: str
 
     def mark(self, *, alone: bool) -> Mark:
-        """Mark of the torque or twist sensor in a schematic.
+        """Mark of the sensor of torque or twist in a schematic, with name and description.
 
         ``alone`` if the shaft there carries this element only, so that its name is left out.
         """
@@ -33,7 +33,7 @@ class Tap:
 
 
 def is_on_link(tap: Tap, link: Link) -> bool:
-    """Whether a sensor is on one of the elements of a link, or on the port of a box that the link is."""
+    """Whether a sensor is on an element of a schematic's link, or at the port of a box for which the link stands."""
     if link.elements:
         return any(element.name == tap.element for element in link.elements)
     boxes = {vertex.name for vertex in (link.first, link.second) if vertex.is_box}
@@ -41,5 +41,5 @@ def is_on_link(tap: Tap, link: Link) -> bool:
 
 
 def marks_beside(taps: Iterable[Tap], link: Link, *, alone: bool = True) -> list[Mark]:
-    """Marks of the sensors that belong to a link, to stand right beside it."""
+    """List of the marks of the sensors that belong to a link of the schematic, to stand right beside the link."""
     return [tap.mark(alone=alone and len(link.elements) == 1) for tap in taps if is_on_link(tap, link)]

@@ -1,4 +1,4 @@
-"""Topology of a schematic: a spanning tree of nodes and boxes, and the links that close loops."""
+"""Topology of a schematic, a spanning tree of its nodes and boxes, and the links that close loops."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Vertex(NamedTuple):
-    """Vertex of a schematic's graph, a node of the drivetrain or an element with three ports drawn as a box."""
+    """Vertex of a schematic's graph, a node of the drivetrain or an element with three or more ports drawn as a box."""
 
     name: str
     is_box: bool = False
@@ -25,7 +25,10 @@ class Vertex(NamedTuple):
 
 @dataclass(frozen=True)
 class Link:
-    """Link of two vertices by elements in parallel, or, without elements, by a port of a box at its node."""
+    """Link of two vertices of a schematic's graph, by elements in parallel or by the port of a box at its node.
+
+    A link by a port has no elements.
+    """
 
     first: Vertex
     second: Vertex
@@ -38,12 +41,12 @@ class Link:
         return bool(self.elements) and _steps(self.elements[0])
 
     def other(self, vertex: Vertex) -> Vertex:
-        """Vertex at the other end of the link."""
+        """Vertex of the schematic's graph (a node or box) at the other end of the link."""
         return self.second if vertex == self.first else self.first
 
     @property
     def rank(self) -> int:
-        """Rank of the link, the lower the sooner a line of the drawing follows it.
+        """Rank of the link from 0 to 2, the lower the sooner a line of the drawing follows the link.
 
         0 shafts, 1 gears and ports, 2 dampers (close loops).
         """
@@ -54,7 +57,7 @@ class Link:
 
 @dataclass
 class Connections:
-    """Links between vertices, elements attached to single nodes, and elements drawn as boxes."""
+    """List of links of a schematic's graph, lists of elements attached to single nodes by node, and boxes by name."""
 
     links: list[Link] = field(default_factory=list)
     attached: dict[str, list[Element]] = field(default_factory=dict)
@@ -63,12 +66,12 @@ class Connections:
 
 @dataclass
 class Tree:
-    """Spanning tree of one connected part of a drivetrain, with children in the order of a depth-first walk."""
+    """Spanning tree of one connected part of a schematic's graph, with children in the order of a depth-first walk."""
 
     root: Vertex
     children: dict[Vertex, list[tuple[Link, Vertex]]]
     order: list[Vertex]
-    """All vertices of the tree, parents before children."""
+    """List of all vertices (nodes and boxes) of the tree, parents before children."""
 
 
 def _steps(element: Element) -> bool:
@@ -76,7 +79,7 @@ def _steps(element: Element) -> bool:
 
 
 def connections(drivetrain: Drivetrain) -> Connections:
-    """Sort the elements of a drivetrain into links, elements on single nodes, and boxes."""
+    """Links, elements on single nodes, and boxes of a schematic, into which a drivetrain's elements are sorted."""
     found = Connections(attached={node: [] for node in drivetrain.nodes})
     parallel: dict[tuple[frozenset[str], bool], list[Element]] = {}
     sets = epicyclic_sets(drivetrain)
@@ -103,13 +106,16 @@ def connections(drivetrain: Drivetrain) -> Connections:
 
 
 def _is_box(element: Element) -> bool:
-    """Whether an element is drawn as a box: it has three ports or more, apart from the housing of a gear."""
+    """Whether an element is drawn as a box of the schematic.
+
+    It has three ports or more, apart from the housing of a gear.
+    """
     ports = [port for port in element.ports if element.glyph != "gear" or port != "housing"]
     return len(ports) > 2
 
 
 def _ends(element: Element) -> list[str]:
-    """Names of the nodes between which an element lies, without ground.
+    """Names of the at most two nodes between which an element lies, without ground.
 
     A gear's moving housing counts only if a shaft is held.
     """
@@ -118,7 +124,7 @@ def _ends(element: Element) -> list[str]:
 
 
 def trees(found: Connections, nodes: Iterable[str]) -> tuple[list[Tree], list[Link]]:
-    """Spanning tree of each connected part of a drivetrain, and the links outside the trees, which close loops."""
+    """Spanning trees of a schematic's connected parts, as a list, and the list of the links that close loops."""
     table: dict[Vertex, list[Link]] = {Vertex(node): [] for node in nodes}
     table |= {Vertex(name, is_box=True): [] for name in found.boxes}
     for link in sorted(found.links, key=lambda link: link.rank):
@@ -140,7 +146,10 @@ def trees(found: Connections, nodes: Iterable[str]) -> tuple[list[Tree], list[Li
 def _walk(
     start: Vertex, table: Mapping[Vertex, list[Link]], seen: set[Vertex]
 ) -> dict[Vertex, list[tuple[Link, Vertex]]]:
-    """Links of a spanning tree by vertex, in both directions, from a depth-first walk, which makes lines long."""
+    """Pairs (link, vertex at its other end) of a spanning tree by vertex, in both directions, from a depth-first walk.
+
+    Such a walk makes lines long.
+    """
     joined: dict[Vertex, list[tuple[Link, Vertex]]] = {start: []}
     seen.add(start)
     stack = [(start, iter(table[start]))]
@@ -159,7 +168,10 @@ def _walk(
 
 
 def _open_at_shafts(links: Iterable[Link], joined: dict[Vertex, list[tuple[Link, Vertex]]]) -> None:
-    """Exchange links so that shafts close loops instead of gears: no wire can replace a pair of wheels."""
+    """Exchange links of a schematic's spanning tree, so that shafts close loops instead of gears.
+
+    No wire can replace a pair of wheels.
+    """
     for link in links:
         if not link.is_gear or link.first not in joined or any(link is other for other, _ in joined[link.first]):
             continue
@@ -181,13 +193,13 @@ def _loose(link: Link) -> int:
 
 
 def _way(joined: Mapping[Vertex, list[tuple[Link, Vertex]]], start: Vertex, end: Vertex) -> list[Link]:
-    """Links of the tree on the way between two vertices, from the end backwards."""
+    """List of the links of the tree on the way between two vertices of a schematic's graph, from the end backwards."""
     tree = nx.Graph((vertex, other, {"link": link}) for vertex, links in joined.items() for link, other in links)
     return [tree.edges[step]["link"] for step in pairwise(nx.shortest_path(tree, end, start))]
 
 
 def _best_root(start: Vertex, joined: Mapping[Vertex, list[tuple[Link, Vertex]]]) -> Vertex:
-    """Vertex that is the best root of a tree.
+    """Vertex (node or box) of a schematic's graph that is the best root of its spanning tree.
 
     The first node, or, if it is within a line, the nearer end of the longest way.
     """
@@ -230,7 +242,7 @@ def _rooted(root: Vertex, joined: Mapping[Vertex, list[tuple[Link, Vertex]]]) ->
 
 
 def heights(tree: Tree) -> dict[Vertex, int]:
-    """Number of links on the longest way from each vertex of the tree away from the root, by vertex."""
+    """Number of links on the longest way from each vertex (node or box) of the tree away from the root, by vertex."""
     found: dict[Vertex, int] = {}
     for vertex in reversed(tree.order):
         found[vertex] = 1 + max((found[child] for _, child in tree.children[vertex]), default=-1)

@@ -1,4 +1,4 @@
-"""Wires that close the loops of a schematic: the shortest way with few corners and crossings, on a grid."""
+"""Wires that close the loops of a schematic, led on a grid the shortest way with few corners and crossings."""
 
 from __future__ import annotations
 
@@ -11,40 +11,41 @@ from numpy.typing import NDArray
 from torsionnet.plot.drawing.pieces import Box, LooseEnd, Piece, Point, Stroke, arc
 
 CELL = 5.0
-"""Width in points of a cell of the grid along which wires are led; smaller ones find more ways and take more time."""
+"""Width in points of a cell of the grid along which wires of the schematic are led; smaller ones find more ways and
+take more time."""
 CORNER, CROSSING, CROWD = 6, 12, 2  # costs in cells: of a corner, of crossing a line, of a cell close to a symbol
 MOST_LOOPS = 8
-"""Largest number of loops that are closed by drawn wires; more wires could not be followed, and all loops are tagged
-instead."""
+"""Largest number of loops of a schematic that are closed by drawn wires; more wires could not be followed, and all
+loops are tagged instead."""
 
 MOST_CORNERS = 4
-"""Largest number of corners of a wire, above which a tag closes the loop instead."""
+"""Largest number of corners of a wire of the schematic, above which a tag closes the loop instead."""
 
 END_CELLS = 3
-"""Number of grid cells at each end of a wire within which it may cross the lines that it joins."""
+"""Number of grid cells at each end of a wire within which it may cross the shaft lines that it joins."""
 
 MOVES = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Grid over a drawing with the cost of a wire's step onto each cell, -1 where no step is possible."""
+    """Grid over a schematic with the cost of a wire's step onto each cell, -1 where no step is possible."""
 
     left: float
     bottom: float
     cost: NDArray[np.int64]
 
     def cell(self, point: Point) -> tuple[int, int]:
-        """Column and row of the grid cell at a point."""
+        """Indices (column, row) of the grid cell nearest to a place (x, y) in points."""
         return round((point[0] - self.left) / CELL), round((point[1] - self.bottom) / CELL)
 
     def point(self, cell: tuple[int, int]) -> Point:
-        """Coordinates (x, y) in points of a grid cell."""
+        """Coordinates (x, y) in points of a grid cell given by column and row."""
         return self.left + CELL * cell[0], self.bottom + CELL * cell[1]
 
 
 def draw_loops(block: Piece) -> None:
-    """Draw a wire from every loose end to its node, or a tag with the node's name."""
+    """Draw a wire from every loose end of the schematic to the node that closes its loop, or a tag with its name."""
     ends, block.ends = block.ends, []
     for end in ends:
         way = _route(block, end) if len(ends) <= MOST_LOOPS else None
@@ -104,7 +105,7 @@ def _cells(grid: Grid, box: Box, margin: float) -> tuple[slice, slice]:
 
 
 def _shortest(grid: Grid, start: tuple[int, int], goal: tuple[int, int]) -> list[tuple[int, int]] | None:
-    """Cells of the cheapest way of a wire from start to goal, leaving to the right and arriving up or down."""
+    """Grid cells (column, row) of the cheapest way of a wire, which starts to the right and arrives up or down."""
     begin = (*start, 0)
     best = {begin: 0}
     came: dict[tuple[int, int, int], tuple[int, int, int]] = {}
@@ -129,7 +130,7 @@ def _shortest(grid: Grid, start: tuple[int, int], goal: tuple[int, int]) -> list
 
 
 def _winds(grid: Grid, way: list[tuple[int, int]]) -> bool:
-    """Whether the way of a wire has too many corners, or crosses a line other than those at its ends."""
+    """Whether the way of a wire has too many corners, or crosses a shaft line other than those at its ends."""
     turns = sum((a[0] == b[0]) != (b[0] == c[0]) for a, b, c in zip(way, way[1:], way[2:], strict=False))
     return turns > MOST_CORNERS or any(grid.cost[cell] >= CROSSING for cell in way[END_CELLS:-END_CELLS])
 
@@ -150,7 +151,7 @@ def _traced(
 
 
 def _cornered(points: list[Point], start: Point, end: Point) -> list[Point]:
-    """Corners of a wire as points (x, y), moved so that the wire meets the start and the end."""
+    """Corners of a wire of the schematic as places (x, y) in points, moved so that the wire meets both its ends."""
     corners = [points[0]]
     for before, here, after in zip(points, points[1:], points[2:], strict=False):
         if (before[0] == here[0]) != (here[0] == after[0]):

@@ -1,4 +1,4 @@
-"""Contour plot of a quantity of a study over two parameters."""
+"""Contour plot of a quantity of a study over two parameters, a panel with colours for each configuration."""
 
 from __future__ import annotations
 
@@ -39,21 +39,23 @@ if TYPE_CHECKING:
     from torsionnet.study.answers.map_answer import MapResult, ParameterMap
 
 MOST_CONTOUR_LINES = 9
-"""Largest number of contour lines in a panel; more would hide the colours."""
+"""Largest number of contour lines in a panel of a contour map; more would hide the colours."""
 COLOURS = 64
-"""Number of steps of colour, fine enough to appear continuous."""
+"""Number of steps of colour in a contour map, fine enough to appear continuous."""
 WIDE_RANGE = 100.0
-"""Ratio of the largest to the smallest value from which colours and contour lines have equal factors."""
+"""Ratio of the largest to the smallest value from which steps of colours and of contour lines are equal factors."""
 HEIGHTS = {1: 2.9, 2: 2.1, 3: 1.6, 4: 1.25}
-"""Height in inches of a panel without its labels, by the number of panels in a row."""
+"""Height in inches of a panel of a contour map without its labels, by the number of panels in a row."""
 HEADING, TICKS, BAR, GAP = 0.5, 0.35, 0.75, 0.15
-"""Sizes in inches of the title, the numbers along an axis, the bar of colours with numbers, and the gap of panels."""
+"""Sizes in inches of a contour map's title, numbers along an axis, bar of colours with numbers, and gap of panels."""
 LABEL_LINE = 0.155
-"""Height in inches of a line of a label."""
+"""Height in inches of a line of a label of a contour map."""
 
 
 def contour_map(result: MapResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
-    """Contours of a quantity over two parameters, a panel for each configuration; a limit of the quantity in red.
+    """Figure of contours of a quantity over two parameters, its value in colours, a panel for each configuration.
+
+    A limit of the quantity in red.
 
     Colours are the same in all configurations. An axis is logarithmic if the values of its parameter have equal
     factors, the colours are if the values span decades.
@@ -100,9 +102,9 @@ def contour_map(result: MapResult, *, units: ShownUnits = IN_SI, title: str | No
 
 @dataclass(frozen=True)
 class _Labels:
-    """Labels of the axes and the bar of colours of a contour map, broken into lines that fit.
+    """Texts of the labels of a contour map's axes and bar of colours, with the sizes of panel and figure in inches.
 
-    Width of a panel and height of the figure in inches.
+    The labels are broken into lines that fit.
     """
 
     x: str
@@ -113,7 +115,7 @@ class _Labels:
 
     @classmethod
     def within(cls, result: MapResult, units: ShownUnits, columns: int, rows: int, *, apart: float) -> _Labels:
-        """Labels of a contour map whose panels stand in columns and rows.
+        """Labels and sizes in inches of a contour map whose panels stand in ``columns`` columns and ``rows`` rows.
 
         ``apart`` inches are kept for numbers along y between panels.
         """
@@ -130,7 +132,7 @@ class _Labels:
 
 
 def _besides(result: MapResult) -> str:
-    """Remark beside the bar of colours of a contour map.
+    """Text of the remark beside the bar of colours of a contour map, or an empty text.
 
     The choice of the other parameters, and the meaning of blank fields.
     """
@@ -140,7 +142,7 @@ def _besides(result: MapResult) -> str:
 
 
 def _alike(points: Iterable[FloatArray]) -> bool:
-    """Whether the values of a parameter's axis are the same in all configurations."""
+    """Whether the parameter values on an axis of a contour map are the same in all configurations."""
     first, *others = points
     return all(np.array_equal(first, one) for one in others)
 
@@ -186,7 +188,7 @@ def _panel(
 
 
 def _lines(here: FloatArray) -> Any:
-    """Values of the quantity at which contour lines run, in the unit of the values given.
+    """Values of the quantity, as an array in the unit of the values given, at which contour lines run.
 
     Round numbers, or powers of ten.
     """

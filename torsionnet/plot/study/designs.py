@@ -1,4 +1,4 @@
-"""Plots of design optima: parameters within bounds, damper over conditions, Pareto front, robust optimum."""
+"""Plots of design optima, parameters within bounds, dampers over conditions, Pareto fronts and robust optima."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ from torsionnet.study.shown_units import IN_SI, ShownUnits
 WIDE_BOUNDS = 3.0
 """Ratio of a parameter's upper to its lower bound above which its place between them is logarithmic."""
 LABEL_WIDTH = 2.6
-"""Width in inches of the label of an axis."""
+"""Largest width in inches of a line of an axis label."""
 NEAR_BOUND = 0.2
 """Distance of a value from a bound, as a share of the range, below which its text is moved inwards."""
 LABELLED: dict[str, Any] = {"fontsize": style.SMALL, "color": style.INK}
 
 
 def design_optimum(result: DesignOptimum, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
-    """Parameters within their bounds, as given and optimal, and the best objective over the number of designs.
+    """Figure of parameters within their bounds, as given and optimal, and of the best objective over the designs tried.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def design_optimum(result: DesignOptimum, *, units: ShownUnits = IN_SI, title: s
 
 
 def _draw_places(axes: Axes, parameters: tuple[DesignParameter, ...], units: ShownUnits) -> None:
-    """Draw each parameter, as given and optimal, on a line from its lower to its upper bound."""
+    """Draw in a panel each parameter, as given and optimal, on a line from its lower to its upper bound."""
     style.style_axes(axes)
     for row, one in enumerate(parameters):
         axes.plot([0, 1], [row, row], color=style.FAINT, linewidth=5, solid_capstyle="round", zorder=1)
@@ -91,7 +91,7 @@ def _value(one: DesignParameter, units: ShownUnits) -> str:
 
 
 def _shown(objective: DesignObjective, units: ShownUnits) -> tuple[float, str]:
-    """Factor from SI to the unit shown, and axis label, of an objective."""
+    """Factor from SI to the unit shown, and text of the axis label, of an objective of a design."""
     first = objective.quantities[0]
     return units.scale(first), axis_label(objective.name, units.unit(first), LABEL_WIDTH)
 
@@ -106,7 +106,7 @@ def _place(one: DesignParameter, value: float) -> float:
 def damper_over_conditions(
     result: DamperOverConditions, *, units: ShownUnits = IN_SI, title: str | None = None
 ) -> Figure:
-    """Largest vibration level in every condition with the damper as given, one for all, and one for each condition.
+    """Figure of the largest vibration level in every condition, the damper as given, best for all, and best for each.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def damper_over_conditions(
 
 
 def pareto_front(result: ParetoFront, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
-    """Objectives of the designs of a Pareto front, each over the one before, a panel for each pair.
+    """Figure of the objectives of the designs of a Pareto front, each over the one before, a panel for each pair.
 
     Parameters
     ----------
@@ -176,7 +176,7 @@ def pareto_front(result: ParetoFront, *, units: ShownUnits = IN_SI, title: str |
 
 
 def robust_optimum(result: RobustOptimum, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
-    """Mean and standard deviation under tolerances of each design, and the share of variants that keep the limits.
+    """Figure of each design's mean and standard deviation under tolerances, and percent of variants within the limits.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Plot of small probabilities of failure with their intervals."""
+"""Plot of small probabilities of failure with their confidence intervals, a row for each configuration."""
 
 from __future__ import annotations
 
@@ -19,13 +19,16 @@ if TYPE_CHECKING:
     from torsionnet.study.answers.rare_event import RareEvent
 
 LEAST_LOG_RATIO = 4.0
-"""Ratio of the ends of an axis below which the axis stays linear, as a log scale would have hardly a number."""
+"""Ratio of the upper to the lower end of an axis below which it stays linear, as a log scale would hardly have a
+number."""
 
 
 def failure_probabilities(
     result: FailureProbabilityResult, *, units: ShownUnits = IN_SI, title: str | None = None
 ) -> Figure:
-    """Probabilities that a limit is not kept, by configuration, with intervals; hollow where not to be trusted.
+    """Figure of probabilities that a limit is not kept, a row per configuration, with intervals.
+
+    Points are hollow where not to be trusted.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Plot of the distribution of quantities about their limits, with the shares beyond."""
+"""Plot of the distributions of quantities over all variants about their limits, with the shares of variants beyond."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ SIDE_MARGIN = 0.05
 MOST_NAMES_INSIDE = 2
 """Largest number of configurations with which the legend stands within the axes; of more it stands beside them."""
 LEGEND_LINE = 0.165
-"""Height in inches of a line of the legend."""
+"""Height in inches of a line of the legend beside the plot of limit shares."""
 
 
 def limit_shares(result: YieldResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
-    """Distributions of the variants of each configuration about every limit, with the range beyond it shaded.
+    """Figure of histograms, percent of variants over a limited quantity, a curve per configuration, limits shaded.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def _label(result: YieldResult, one: LimitedValues) -> str:
 
 
 def _drawn(axes: Axes, one: LimitedValues, scale: float, number: int, label: str) -> None:
-    """Draw a histogram of the variants' values, or a line at the value if all variants have the same."""
+    """Draw a histogram of the variants' values in percent, or a vertical line if all variants have the same value."""
     look = style.line_style(number)
     if not one.counts.any():
         axes.plot([], [], label=label, **look)
@@ -95,7 +95,7 @@ def _drawn(axes: Axes, one: LimitedValues, scale: float, number: int, label: str
 
 
 def _ends(axes: Axes, first: LimitedValues, scale: float, drawn: list[LimitedValues], units: ShownUnits) -> None:
-    """Set the ends of the axis to all values and near limits, shade beyond limits, and name limits farther off."""
+    """Set the ends of the value axis to all values and near limits, shade beyond limits, and name far limits."""
     low = scale * min(one.edges[0] for one in drawn)
     high = scale * max(one.edges[-1] for one in drawn)
     spread = high - low if any(one.constant is None for one in drawn) else max(abs(low), abs(high))

@@ -34,13 +34,14 @@ WIDE_RANGE = 100.0
 TITLE_PAD = 15.0
 """Distance in points between the axes and a title, room for the values at the upper ends of the axes."""
 AXIS_DISTANCE, TALL_PANEL, LOW_PANEL, MOST_TALL = 0.95, 2.6, 1.5, 4
-"""Distance of axes, heights of a tall and a low panel, in inches, and most configurations with tall panels."""
+"""Distance of axes, height of a tall and of a low panel, in inches, and largest number of configurations with tall
+ones."""
 
 
 def parallel_coordinates(
     result: ParallelCoordinatesResult, *, units: ShownUnits = IN_SI, title: str | None = None
 ) -> Figure:
-    """Variants as lines across parallel axes of parameters and quantities, those beyond a limit in red.
+    """Figure of variants as lines across parallel axes of parameters and quantities, those beyond a limit in red.
 
     Each configuration has a panel; the ends of an axis are the extreme values in all configurations.
 
@@ -82,7 +83,7 @@ def parallel_coordinates(
 
 
 def _shares(values: FloatArray, every: FloatArray) -> FloatArray:
-    """Heights of values on one of the parallel axes, from 0 to 1, in the shape of the values.
+    """Heights of values on one of the parallel axes, from 0 at its lower to 1 at its upper end, in the values' shape.
 
     Logarithmic if values are decades apart.
     """
@@ -103,7 +104,7 @@ def _lines(axes: Axes, shares: FloatArray, beyond: np.ndarray) -> None:
 
 
 def _scales(axes: Axes, ends: list[tuple[float, float] | None]) -> None:
-    """Draw the axes with the values at their ends."""
+    """Draw the parallel axes as vertical lines with the values at both ends."""
     for place, pair in enumerate(ends):
         axes.axvline(place, color=style.INK, linewidth=0.9)
         texts = ("no values", "") if pair is None else tuple(screen_text(value, 4) for value in pair)

@@ -1,4 +1,4 @@
-"""Matrix of colours with the effect of each parameter in each configuration, if bars would take too much room."""
+"""Matrices of colours with effects of parameters (rows) in configurations (columns), where bars need more room."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ NAMES_WIDTH = 2.6
 
 @dataclass(frozen=True)
 class ColourScale:
-    """Scale of the colours of a matrix: label, name of matplotlib's colour map, and values at its ends."""
+    """Scale of the colours of a matrix, with its label, name of matplotlib's colour map, and values at the ends."""
 
     label: str
     colours: str
@@ -34,7 +34,7 @@ def parameter_matrix(
     cases: Sequence[str],
     scales: Mapping[str, ColourScale],
 ) -> Figure:
-    """Figure with a matrix of colours for each quantity: parameters below each other, configurations side by side.
+    """Figure with a matrix for each quantity, effects in colours, parameters in rows, configurations in columns.
 
     Parameters
     ----------

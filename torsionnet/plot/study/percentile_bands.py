@@ -1,4 +1,4 @@
-"""Plot of percentiles of curves over frequency or speed as bands."""
+"""Plot of percentiles of the variants' curves over frequency or speed, as bands within each other."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ if TYPE_CHECKING:
     from torsionnet.study.answers.percentile_bands_answer import PercentileBandsResult
 
 MOST_COLUMNS = 3
-"""Largest number of panels side by side; narrower ones have no room for numbers along the axis."""
+"""Largest number of panels of percentile bands side by side; narrower ones have no room for numbers along the axis."""
 PANEL_HEIGHT = 2.3
-"""Height of a panel in inches."""
+"""Height in inches of a panel with the bands of percentiles of one configuration."""
 
 
 def percentile_bands(result: PercentileBandsResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
-    """Figure of percentiles of curves as bands, one within the other, and the middle percentile as a line.
+    """Figure of percentiles of curves over frequency or speed as bands within each other, the middle one as a line.
 
     A panel for each configuration.
 

@@ -33,7 +33,7 @@ DENSITY_CELLS = 40
 MOST_PARAMETERS = 8
 """Largest number of parameters drawn, those with the largest rank correlations; more panels would be too small."""
 PANEL_WIDTH, PANEL_HEIGHT = 1.4, 1.6
-"""Size of a panel in inches."""
+"""Width and height in inches of a panel of the scatter plots."""
 WIDE_RANGE = 30.0
 """Ratio of the largest to the smallest value from which an axis is logarithmic."""
 
@@ -41,7 +41,7 @@ WIDE_RANGE = 30.0
 def scatter_matrix(
     result: ScatterResult, configuration: str | None = None, *, units: ShownUnits = IN_SI, title: str | None = None
 ) -> Figure:
-    """Scatter plots of every quantity over every parameter, with the rank correlation in the corner.
+    """Figure of scatter plots of every quantity (rows) over every parameter (columns), with rank correlations inside.
 
     Parameters
     ----------

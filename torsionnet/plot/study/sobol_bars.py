@@ -1,4 +1,4 @@
-"""Plot of Sobol indices as bars with their intervals."""
+"""Plot of Sobol indices, the shares of a quantity's variance due to parameters, as bars with confidence intervals."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ BAR_HEIGHT = 0.36
 MOST_PARAMETERS = 12
 """Largest number of parameters in a panel, those with the largest total Sobol indices."""
 AXIS_ENDS = -0.1, 1.15
-"""Ends of the axis of Sobol indices, at which wider confidence intervals are cut off: indices lie between 0 and 1."""
+"""Lower and upper end of the axis of Sobol indices, at which wider confidence intervals are cut off: indices lie
+between 0 and 1."""
 
 
 def sobol_indices(result: SobolResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
@@ -62,7 +63,10 @@ def sobol_indices(result: SobolResult, *, units: ShownUnits = IN_SI, title: str 
 
 
 def _matrix(result: SobolResult, cases: list[str]) -> Figure:
-    """Figure with a matrix of the total Sobol indices by parameter and configuration, first-order ones left out."""
+    """Figure of matrices of the total Sobol indices in colours, parameters in rows, configurations in columns.
+
+    First-order indices are left out.
+    """
     quantities = list(dict.fromkeys(name for _, name in result.indices))
     totals = {name: np.column_stack([result.indices[case, name].total for case in cases]) for name in quantities}
     scale = ColourScale("total index [-]", "Blues", 0.0, 1.0)

@@ -1,4 +1,4 @@
-"""Labels, axes, legends and rows of the plots of studies."""
+"""Labels broken into lines, logarithmic axes, legends and rows of bars that the plots of studies have in common."""
 
 from __future__ import annotations
 
@@ -22,22 +22,22 @@ from torsionnet.plot.schematic.texts import wrap_text
 
 WITHIN_COLOR, BEYOND_COLOR = style.PALETTE[0], style.LIMIT_COLOR
 DECADE = 10.0
-"""Ratio of the largest to the smallest value above which an axis is logarithmic."""
+"""Ratio of the largest to the smallest value on an axis of a study's plot above which the axis is logarithmic."""
 EQUAL_VALUES = 1e-9
-"""Relative difference up to which values are equal but for rounding errors."""
+"""Relative difference up to which values count as equal, because rounding errors can explain it."""
 EQUAL_FACTORS = 1e-6
-"""Relative difference of logarithmic steps up to which ascending values have equal factors; texts of values are rounded
-that far."""
+"""Relative difference of logarithmic steps up to which ascending values count as having equal factors; texts of values
+are rounded that far."""
 AXIS_TEXT_ROLE = "sensor"
-"""Role of texts in schematics whose font is as large as that of an axis, to measure labels with."""
+"""Role of schematic texts, a name in ``ROLES``, whose font is as large as that of an axis, to measure labels with."""
 WORD_BREAKS = "=.-/"
 """Characters behind which a long word is broken in preference to a break between two letters."""
 KEY_WIDTH = 0.45
-"""Width in inches of the sample and the gaps of a label in a legend."""
+"""Width in inches that a label of a legend needs beside its text, for the sample of the curve and gaps."""
 
 
 def symbol_or_text(name: str) -> str:
-    r"""Text of a name, as mathtext if it is a symbol; dollars in other names are kept as dollars.
+    r"""Text of a name, set as mathtext if the name is a symbol; dollars in other names are kept as dollars.
 
     >>> print(symbol_or_text("k_1"), symbol_or_text("a price in $"))
     $k_{\mathrm{1}}$ a price in \$
@@ -46,7 +46,7 @@ def symbol_or_text(name: str) -> str:
 
 
 def axis_label(name: str, unit: str, inches: float = math.inf) -> str:
-    """Label of an axis with a name and its unit, broken into lines of a width in inches.
+    """Text of the label of an axis with a name and its unit, broken into lines of a width in inches.
 
     >>> axis_label("stiffness_of_the_coupling", "N*m/rad", 1.4).splitlines()
     ['stiffness_of_the_', 'coupling', '[N·m/rad]']
@@ -59,7 +59,7 @@ def axis_label(name: str, unit: str, inches: float = math.inf) -> str:
 
 
 def label_with_remark(name: str, unit: str, more: str, inches: float) -> str:
-    """Label of an axis with a name, its unit and a remark, broken into lines of a width in inches.
+    """Text of the label of an axis with a name, its unit and a remark, broken into lines of a width in inches.
 
     >>> label_with_remark("theta", "rad", "largest over the others", 2.0).splitlines()[1:]
     ['largest over the others']
@@ -98,7 +98,7 @@ def break_text(text: str, inches: float) -> str:
 
 
 def _cut(word: str, inches: float) -> list[str]:
-    """Parts of a long word that fit a width in inches, broken behind punctuation if it has any."""
+    """List of the parts of a long word, each within a width in inches, cut behind punctuation where there is any."""
     parts = [""]
     for letter in word:
         if parts[-1] and _width(parts[-1] + letter) > inches:
@@ -150,13 +150,13 @@ def write_in_empty_panel(axes: Axes, text: str) -> None:
 
 
 def finite_values(values: Iterable[ArrayLike]) -> NDArray[np.float64]:
-    """Finite values of several arrays, shape (n,)."""
+    """Finite values of several arrays as one array, shape (n,)."""
     every = np.concatenate([np.ravel(np.asarray(one, dtype=float)) for one in values])
     return np.asarray(every[np.isfinite(every)])
 
 
 def axis_ends(values: NDArray[np.float64]) -> tuple[float, float]:
-    """Lowest and highest of finite values as the ends of an axis, moved apart if all are equal."""
+    """Lowest and highest of finite values as the two ends of an axis, moved apart if all values are equal."""
     low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
     size = max(abs(low), abs(high))
     if high - low > EQUAL_VALUES * size:
@@ -191,12 +191,12 @@ def log_axis(axes: Axes, side: str, low: float, high: float, inches: float = mat
 
 
 def study_bars(count: int, rows: int, names: Sequence[str]) -> tuple[Figure, list[Axes], float]:
-    """Figure with panels for bars of a study, its axes, and the width of a panel with its names in inches."""
+    """Figure with panels for bars of a study, list of these axes, and width in inches of a panel with its names."""
     return bar_panels(count, rows, max(map(_width, names), default=0.0))
 
 
 def bars_legend(figure: Figure, panels: Iterable[Axes], behind: str = "") -> None:
-    """Draw a legend of all panels with the labels of the first that has any, each followed by ``behind``."""
+    """Draw the figure's legend with the labels of the first panel that has any, each followed by ``behind``."""
     found = (axes.get_legend_handles_labels() for axes in panels)
     handles, labels = next(((handles, labels) for handles, labels in found if labels), ((), ()))
     if labels:
@@ -204,10 +204,10 @@ def bars_legend(figure: Figure, panels: Iterable[Axes], behind: str = "") -> Non
 
 
 def parameter_rows(axes: Axes, names: Sequence[str], width: float) -> None:
-    """Write the names of parameters at the rows of a panel, the first on top."""
+    """Write the names of parameters beside the rows of a panel, the first on top."""
     name_rows(axes, [axis_label(name, "", width / 2) for name in names])
 
 
 def text_rows(axes: Axes, texts: Sequence[str], width: float) -> None:
-    """Write texts, as names of configurations, at the rows of a panel, the first on top."""
+    """Write texts, as names of configurations, beside the rows of a panel, the first on top."""
     name_rows(axes, [break_text(text, width / 2) for text in texts])

@@ -1,4 +1,4 @@
-"""Tornado plot of a study: the effect of each parameter alone on the quantities."""
+"""Tornado plot of a study, with the effect of each parameter alone on the quantities."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ MOST_PARAMETERS = 12
 
 
 def study_tornado(result: TornadoResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
-    """Bars from the value of a quantity at the low end of each parameter to that at its high end, the widest on top.
+    """Figure of bars from a quantity's value at the low end of each parameter to that at its high end, widest on top.
 
     Parameters
     ----------
@@ -67,7 +67,10 @@ def study_tornado(result: TornadoResult, *, units: ShownUnits = IN_SI, title: st
 
 
 def _matrix(result: TornadoResult, units: ShownUnits) -> Figure:
-    """Figure with a matrix of the changes from the low to the high end of each parameter, for many panels."""
+    """Figure of quantities' changes from low to high end of parameters in colours, parameters by configurations.
+
+    It stands for bars if there were too many panels.
+    """
     names, cases = list(result.parameter_units), list(result.spans)
     changes, scales = {}, {}
     for quantity, si in result.units.items():

@@ -1,4 +1,4 @@
-"""Plot of worst cases: extreme values of a quantity, and the parameters that cause them."""
+"""Plot of worst cases, extreme values of a quantity, and the parameter values within tolerances that cause them."""
 
 from __future__ import annotations
 
@@ -19,15 +19,16 @@ if TYPE_CHECKING:
 
 COLORS = {"largest": style.PALETTE[1], "smallest": style.PALETTE[0]}
 MOST_PANELS = 4
-"""Largest number of configurations that each have a panel of their own; more share one table of places."""
+"""Largest number of configurations that each have a row of panels in the plot of worst cases; more share one table of
+places."""
 ROW = 0.26
-"""Height of a row in inches."""
+"""Height in inches of a row for one parameter in the plot of worst cases."""
 PLACES = {"v": "at the lower bound", "^": "at the upper bound", "o": "between"}
 HALF_WIDTH = style.WIDTH / 2  # inches
 
 
 def worst_variants(result: WorstCaseResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
-    """Values of a quantity as given and in the worst case on the left, parameters within tolerances on the right.
+    """Figure of a quantity as given and in the worst case on the left, and parameters within tolerances on the right.
 
     Parameters
     ----------
@@ -57,7 +58,7 @@ def worst_variants(result: WorstCaseResult, *, units: ShownUnits = IN_SI, title:
 
 
 def _panels(result: WorstCaseResult, cases: list[str], names: list[str], units: ShownUnits) -> Figure:
-    """Figure of worst cases with a row of panels for each configuration."""
+    """Figure of worst cases, a row for each configuration with a panel of values and a panel of parameters."""
     lines = max(axis_label(name, "", HALF_WIDTH / 2).count("\n") + 1 for name in names)
     height = max(1.0, 0.5 + ROW * (lines + 1) / 2 * len(names))
     figure = style.new_figure(style.WIDTH, 1.1 + len(cases) * height)
@@ -75,7 +76,7 @@ def _panels(result: WorstCaseResult, cases: list[str], names: list[str], units: 
 
 
 def _table(result: WorstCaseResult, cases: list[str], names: list[str], units: ShownUnits) -> Figure:
-    """Figure of worst cases with a row for each configuration and direction.
+    """Figure of worst cases with a panel of values, a panel of parameters, and a row per configuration and direction.
 
     The value, and marks for the places of parameters.
     """
@@ -106,7 +107,7 @@ def _strip(axes: Axes, shares: list[float], level: float, direction: str) -> Non
 
 
 AT_BOUND = 1e-3
-"""Distance of a value from a bound, as a share of the tolerance, below which the value is at the bound."""
+"""Distance of a parameter from an end of its tolerance, as a share of the tolerance, below which it counts as there."""
 
 
 def _values(axes: Axes, here: list[WorstVariant], row: int, scale: float, *, texts: bool = True) -> None:
@@ -130,7 +131,7 @@ def _values(axes: Axes, here: list[WorstVariant], row: int, scale: float, *, tex
 
 
 def _shares(one: WorstVariant, names: list[str]) -> list[float]:
-    """Places of the parameters within their tolerances, from 0 at the lower to 1 at the upper end."""
+    """List of the places of parameters within their tolerances, from 0 at the lower to 1 at the upper end."""
     ends = [(one.variant[name], *one.tolerance[name]) for name in names]
     return [(value - low) / (high - low) if high > low else 0.5 for value, low, high in ends]
 
