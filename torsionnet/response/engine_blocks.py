@@ -85,7 +85,10 @@ class BlockGrid:
 
     @classmethod
     def of(cls, lines: Sequence[OrderLine], blocks: Sequence[EngineBlock]) -> BlockGrid:
-        """Angle grid for order lines that follow the speed, if too fine for those that repeat in two revolutions."""
+        """Grid of engine angles at which the sums of all order lines that follow the speed are compared.
+
+        Where that takes too many points, lines that do not repeat within two revolutions are left out.
+        """
         moving = [tuple(at for at in block.places if not lines[at].fixed and lines[at].order) for block in blocks]
         found = cls._through(lines, moving)
         if found.points <= MOST_GRID_POINTS:

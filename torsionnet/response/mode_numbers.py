@@ -13,7 +13,7 @@ MODE_NUMBER: Schema = {"type": ["integer", "null"], "description": "null for rig
 RIGID, REAL, OSCILLATORY = "rigid body", "real pole", "oscillatory"
 """Names of the kinds of modes, that of a rigid body, of a real pole and of a vibration."""
 MODE_KIND: Schema = {"enum": [RIGID, REAL, OSCILLATORY]}
-"""JSON Schema of the kind of a mode."""
+"""JSON Schema of the kind of a mode, a text: rigid body, real pole or oscillatory."""
 COUNTING_NOTE = "mode 1 is the lowest vibration; rigid bodies and real poles have no number"
 """Text of the note below tables of modes on how they are counted."""
 

@@ -15,7 +15,7 @@ SECONDS_PER_MINUTE = 60.0
 
 @dataclass(frozen=True)
 class CountedVibration:
-    """Vibration with its number, natural frequencies, damping ratio, nodes and what swings against what.
+    """Vibration with its number, undamped and damped natural frequency in Hz, damping ratio, nodes and what swings.
 
     Attributes
     ----------
