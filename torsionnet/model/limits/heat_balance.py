@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
@@ -24,7 +23,6 @@ COLDEST = 200.0
 machinery is as cold."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class TemperatureValue(Value):
     """Entry of a fixed temperature with its unit, stored in K."""
 

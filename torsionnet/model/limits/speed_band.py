@@ -26,7 +26,6 @@ cent."""
 _EDGE = Value("a speed over the rated speed", "1")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class RatedSpeedBand(Spec[tuple[float, float]]):
     """Entry of a band of speed ratios: two shares of the rated speed, the lower one first."""
 

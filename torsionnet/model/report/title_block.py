@@ -12,7 +12,6 @@ from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
 from torsionnet.core.errors import Fault
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class TitleText(Spec[str]):
     """Entry of a text in the title block: may be left blank, and a whole number such as a hull number is a text too."""
 
@@ -33,7 +32,6 @@ class TitleText(Spec[str]):
         return "str | int"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class IsoDate(TitleText):
     """Entry of a date in ISO form, as 2025-03-31, which may be left blank."""
 
