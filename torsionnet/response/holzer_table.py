@@ -180,7 +180,7 @@ class HolzerTable(NotebookResult):
         return next(one for one in self._stations() if one.node == node)
 
     def tables(self, *, referred: bool = False) -> tuple[Table, ...]:
-        """One table for each branch of a Holzer table, with a row per station.
+        """Tables of the branches of a Holzer table, each with a row per station.
 
         With ``referred`` all quantities are of one shaft.
         """
