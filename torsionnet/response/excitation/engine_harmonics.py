@@ -14,7 +14,7 @@ MPA_PER_PA, BAR_PER_PA, KILO = 1e-6, 1e-5, 1e-3
 
 @dataclass(frozen=True)
 class CylinderHarmonic:
-    """Harmonic of a cylinder's torque of one order, as torque (N m) and as that divided by piston area and crank radius (Pa).
+    """Harmonic of a cylinder's torque, one order, as torque (N m) and divided by piston area and crank radius (Pa).
 
     Attributes
     ----------
