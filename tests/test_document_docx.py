@@ -234,7 +234,8 @@ class TestFile:
         assert "pic:pic" in document.sections[0].header._element.xml
 
     def test_missing_package_is_named(self, monkeypatch, tmp_path):
-        monkeypatch.setitem(sys.modules, "docx", None)
+        for name in ["docx", *(name for name in sys.modules if name.startswith("docx."))]:
+            monkeypatch.setitem(sys.modules, name, None)
         with pytest.raises(tn.MissingExtraError, match=r'pip install "torsionnet\[docx\]"'):
             tn.write_report("dmf_rig", tmp_path / "r.docx", sections=["validity"], date=None)
         assert list(tmp_path.iterdir()) == []

@@ -52,9 +52,9 @@ def docx_bytes(report: Report) -> bytes:
     MissingExtraError
         python-docx is not installed.
     """
+    document = empty_document(report)  # tells which package is missing, before anything of it is imported
     from docx.oxml.parser import parse_xml
 
-    document = empty_document(report)
     numbers = itertools.count(1)
     content = "".join(_content(report, lambda picture: _drawing(document, picture, next(numbers))))
     page = document.element.body[-1]
