@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from torsionnet.report.report_tables import readable_unit
 from torsionnet.response import Conventions
 
 KILO = {"W": "kW", "W/m^2": "kW/m^2"}
 """Unit of a thousand, by SI unit, for what machinery has in thousands."""
+KILO_FROM = 1e3
+"""Torque in N m from which on it is given in kN m, as on the drawings of engines."""
 
 
 FACTOR_UNITS = {"m": (1e3, "mm"), "m^3": (1e6, "cm^3"), "Pa": (1e-6, "N/mm^2"), "1": (1.0, "")}
@@ -29,5 +30,6 @@ def engineering_unit(unit: str, conventions: Conventions, size: float = 1e3) -> 
         return 1e-3, KILO[unit]
     if unit == "rad" and conventions.angle == "rad":
         return 1e3, "mrad"
-    shown, divisor = readable_unit(conventions.unit(unit), size)
-    return conventions.scale(unit) / divisor, shown
+    if unit == "N*m" and size >= KILO_FROM:
+        return 1e-3, "kN*m"
+    return conventions.scale(unit), conventions.unit(unit)

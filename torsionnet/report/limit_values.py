@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from torsionnet.report.document_tree import Cell, NumberText
+from torsionnet.report.engineering_units import engineering_unit
 from torsionnet.report.report_text import as_words, unit
 from torsionnet.response import Conventions
 from torsionnet.response.limits.limit_check import LimitVerdict
 
-KILO = {"N*m": 1e-3, "W": 1e-3}
-"""Factor to the unit with the prefix k by SI unit, of units that a report of machinery always gives in thousands."""
 DIGITS = 3
 """Significant digits of stresses, torques and shares: a torsional calculation is not known better."""
 
 
 def limit_scale(si_unit: str, conventions: Conventions) -> float:
     """Factor from the SI unit of a limit to the unit in which a report shows its values."""
-    return KILO.get(si_unit, 1.0) * conventions.scale(si_unit)
+    return engineering_unit(si_unit, conventions)[0]
 
 
 def limit_unit(si_unit: str, conventions: Conventions) -> str:
@@ -24,7 +23,7 @@ def limit_unit(si_unit: str, conventions: Conventions) -> str:
     >>> limit_unit("N*m", Conventions()), limit_unit("Pa", Conventions())
     ('kN·m', 'N/mm²')
     """
-    return unit(("k" if si_unit in KILO else "") + conventions.unit(si_unit))
+    return unit(engineering_unit(si_unit, conventions)[1])
 
 
 def limit_number(value: float, si_unit: str, conventions: Conventions) -> NumberText:

@@ -16,8 +16,6 @@ MOST_DIGITS = 4
 """Number of significant digits that the smallest number in a column of a report's table has."""
 PREFIX_FROM = 100
 """Multiple of a unit from which on its prefix is used: k from 100 kN*m, M from 100 MN*m."""
-KILO_FROM = 1e3
-"""Torque in N m and power in W from which on a single number is given in kN m or kW, as on the drawings of engines."""
 HEADING_SYMBOLS: dict[str, Cell] = {
     "J": Math("J"),
     "J referred": (Math("J"), " referred"),
@@ -84,19 +82,6 @@ def results_table(
             cells.append([unit(value) if is_unit and value else _text(value, words) for value in values])
     rows = list(zip(*cells, strict=True))
     return table(caption, columns, rows, [as_words(note) for note in found.notes] if notes else [], most)
-
-
-def readable_unit(shown: str, size: float) -> tuple[str, float]:
-    """Unit of a torque or power with the prefix that suits its size, and the factor by which its numbers are divided.
-
-    Examples
-    --------
-    >>> readable_unit("N*m", 25e3), readable_unit("W", 250.0), readable_unit("N/mm^2", 8e4)
-    (('kN*m', 1000.0), ('W', 1.0), ('N/mm^2', 1.0))
-    """
-    if shown in ("N*m", "W") and size >= KILO_FROM:
-        return f"k{shown}", 1e3
-    return shown, 1.0
 
 
 def with_decimals(block: TableBlock, decimals: Mapping[str, int]) -> TableBlock:

@@ -18,8 +18,9 @@ from torsionnet.report.document_tree import (
     TableBlock,
     Text,
 )
+from torsionnet.report.engineering_units import engineering_unit
 from torsionnet.report.report_data import ReportData
-from torsionnet.report.report_tables import readable_unit, results_table, table
+from torsionnet.report.report_tables import results_table, table
 from torsionnet.report.report_text import as_words, capital, unit
 from torsionnet.response.equal_remarks import condition_words
 from torsionnet.response.limits.limit_check import listed_names
@@ -92,9 +93,8 @@ def _sizes(subject: ReportData, worst: WorstLimit) -> tuple[float | None, float 
     one, at = worst.verdict, worst.verdict.worst
     if at is None:
         return None, None, ""
-    scale = subject.conventions.scale(one.unit)
-    shown, factor = readable_unit(subject.conventions.unit(one.unit), float(one.allowed[at]) * scale)
-    return float(one.values[at]) * scale / factor, float(one.allowed[at]) * scale / factor, shown
+    scale, shown = engineering_unit(one.unit, subject.conventions, float(one.allowed[at]))
+    return float(one.values[at]) * scale, float(one.allowed[at]) * scale, shown
 
 
 def _not_covered(subject: ReportData, found: LimitConclusion) -> Iterator[Text]:
