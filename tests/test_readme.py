@@ -1,17 +1,25 @@
 """The examples of the README run."""
 
 import re
+import shlex
+import shutil
 from pathlib import Path
 
 import pytest
 
 import torsionnet as tn
+from torsionnet.cli import main
 
+FILES = Path(__file__).parents[1] / "examples" / "files"
 README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
 
 
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+
+
 def block(language: str) -> str:
-    return re.search(rf"```{language}\n(.*?)```", README, re.DOTALL)[1]
+    return blocks(language)[0]
 
 
 def test_yaml_example_is_a_model():
@@ -38,8 +46,39 @@ def test_fault_shown_in_the_readme_is_the_one_reported():
     broken = block("yaml").replace("stiffness: k_1", "stiffness: k1")
     with pytest.raises(tn.ModelError) as caught:
         tn.loads(broken, file="model.yaml")
-    shown = block("text").rstrip("\n")
+    shown = blocks("text")[1].rstrip("\n")
     assert shown in str(caught.value)
+
+
+def test_yaml_blocks_are_the_example_files_and_pass_check():
+    for text, name in zip(blocks("yaml"), ["model.yaml", "plant.yaml"], strict=True):
+        assert text == (FILES / name).read_text(encoding="utf-8")
+        assert not [fault for fault in tn.load(FILES / name).check() if fault.severity != "note"]
+
+
+def test_result_shown_in_the_readme_is_the_one_printed(capsys, monkeypatch):
+    monkeypatch.chdir(FILES)
+    assert main(["modes", "model.yaml"]) == 0
+    assert blocks("text")[0] in capsys.readouterr().out
+
+
+def test_files_named_in_the_readme_exist():
+    root = FILES.parents[1]
+    for link in re.findall(r"\]\(([^)#]+)\)|src=\"([^\"]+)\"", README):
+        target = "".join(link)
+        assert target.startswith("https://") or (root / target).exists(), target
+
+
+@pytest.mark.slow
+def test_commands_of_the_readme_work_one_after_the_other(tmp_path, monkeypatch, capsys):
+    for file in FILES.iterdir():
+        shutil.copy(file, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    lines = [line.partition("#")[0].strip() for text in blocks("sh") for line in text.splitlines()]
+    lines += re.findall(r"^`(torsionnet [^`]*)`$", README, re.MULTILINE)
+    for line in lines:
+        if line.startswith("torsionnet ") and " explore " not in line:  # a page is served until it is stopped
+            assert main(shlex.split(line)[1:]) == 0, (line, capsys.readouterr())
 
 
 @pytest.mark.slow
