@@ -14,7 +14,7 @@ BENCHMARKS := $(basename $(notdir $(wildcard benchmarks/[!_]*.py)))
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo figures identify test test-slow test-all test-oldest compare compare-parts structure hops move join outputs mutation fuzz lint format types generate docs bench bench-short clean
+.PHONY: help demo figures identify test test-slow test-all test-oldest compare compare-parts structure hops move join outputs mutation fuzz lint format types generate docs manuals bench bench-short clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -93,6 +93,9 @@ docs: $(VENV)/.group-docs  ## HTML pages in docs/_build/html; a warning or a bro
 	$(RUN) -m sphinx -W --keep-going -b html docs docs/_build/html
 	$(RUN) docs/check_links.py
 
+manuals: $(VENV)/.group-docs $(VENV)/.group-test  ## theory and verification manual as PDF in docs/_build/manuals; needs pdflatex
+	$(RUN) docs/manuals/print_manuals.py
+
 bench: $(VENV)/.group-test  ## run every script in benchmarks/
 	@set -e; for script in $(BENCHMARKS); do echo "== $$script"; $(RUN) -m "benchmarks.$$script"; done
 
@@ -101,7 +104,7 @@ bench-short: $(VENV)/.group-test  ## the same with small sizes, to see that they
 
 clean:  ## remove everything that make creates, .venv included
 	rm -rf $(VENV) $(OLDEST) build dist out docs/_build docs/gallery docs/sg_execution_times.rst
-	rm -f docs/generated/paper.md docs/generated/element_index.md docs/generated/cases.md docs/generated/bench_numbers.md
+	rm -f docs/generated/paper.md docs/generated/element_index.md docs/generated/cases.md docs/generated/verification.md docs/generated/bench_numbers.md
 	rm -f docs/generated/signs_*.svg docs/generated/symbol_*.svg
 	rm -rf .cache .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	find torsionnet tests benchmarks examples docs -name __pycache__ -type d -prune -exec rm -rf {} +

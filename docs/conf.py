@@ -21,7 +21,15 @@ extensions = [
     "sphinx_design",
     "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["_build", "generated", "gallery/**/*.ipynb", "gallery/**/*.zip", "gallery/**/*.md5", "Thumbs.db"]
+exclude_patterns = [
+    "_build",
+    "generated",
+    "manuals",
+    "gallery/**/*.ipynb",
+    "gallery/**/*.zip",
+    "gallery/**/*.md5",
+    "Thumbs.db",
+]
 nitpicky = False
 default_role = "code"
 

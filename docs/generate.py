@@ -22,6 +22,7 @@ from schema_pages import file_entries_page
 from stubs import write_stubs
 from study_pages import study_file_page
 from validation_pages import bench_numbers_page, cases_page, paper_page
+from verification_pages import verification_page
 from walk_pages import walks_page
 
 import torsionnet as tn
@@ -547,6 +548,7 @@ PAGES = {
     "study_file.md": study_file_page,
     "paper.md": paper_page,
     "cases.md": cases_page,
+    "verification.md": verification_page,
     "bench.md": bench_page,
     "bench_numbers.md": bench_numbers_page,
     "report.md": report_page,

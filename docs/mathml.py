@@ -1,5 +1,6 @@
 """Formulas as MathML, which browsers draw without script and network."""
 
+import re
 from html import escape
 
 from docutils import nodes
@@ -12,7 +13,9 @@ def visit_math(writer, node):
 
 
 def visit_displaymath(writer, node):
-    writer.body.append(f'<div class="math">{mathml(node.astext(), "block")}</div>')
+    latex, number = without_number(node.astext())
+    shown = f'<span class="eqno">({escape(number)})</span>' if number else ""
+    writer.body.append(f'<div class="math">{shown}{mathml(latex, "block")}</div>')
     raise nodes.SkipNode
 
 
@@ -20,6 +23,12 @@ def mathml(latex, display):
     """MathML of a formula, with its LaTeX source for copying."""
     text = convert(wrapped(latex).replace("{aligned}", "{align*}"), display=display)
     return text.replace("<math ", f'<math title="{escape(" ".join(latex.split()), quote=True)}" ', 1)
+
+
+def without_number(latex):
+    """LaTeX of a formula without its ``\\tag{3.2}``, and the number itself, empty if it has none."""
+    found = re.search(r"\s*\\tag\{([^}]*)\}", latex)
+    return (latex.replace(found[0], ""), found[1]) if found else (latex, "")
 
 
 def wrapped(latex):
