@@ -25,7 +25,7 @@ import numpy as np
 
 import torsionnet as tn
 from benchmarks._sizes import ARGUMENTS, sized
-from torsionnet.model.bench import Acquisition, Encoder, Exciter, Plan, Transducer
+from torsionnet.bench import Acquisition, Encoder, Exciter, Plan, Transducer
 from torsionnet.signals import LinearChirp, Welch, estimate
 
 SEEDS, AT_ONCE = sized(60, 2), sized(5, 1)

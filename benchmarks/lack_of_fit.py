@@ -13,7 +13,7 @@ import numpy as np
 
 import torsionnet as tn
 from benchmarks._sizes import ARGUMENTS, sized
-from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer
+from torsionnet.bench import Acquisition, Encoder, Plan, Transducer
 from torsionnet.signals import LinearChirp, Welch, estimate
 
 FINE = Encoder(lines=1024, quadrature=True)

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
+import torsionnet as tn
 from benchmarks._sizes import ARGUMENTS, sized
-from torsionnet.core.errors import SolveError
 from torsionnet.modal import Settings, identify_modes
 from torsionnet.response import Channel, FrequencyResponse
 
@@ -105,7 +105,7 @@ def campaign(kind: Kind, method: Any, systems: int) -> tuple[int, int, int]:
         poles, measured = response(kind, seed)
         try:
             found = identify_modes(measured, Settings(method)).poles
-        except SolveError:
+        except tn.SolveError:
             found = np.zeros(0, dtype=complex)
         counts += (len(poles), *missed_and_invented(poles, found, float(kind.frequencies[-1])))
     modes, missed, invented = counts.tolist()

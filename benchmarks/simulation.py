@@ -7,7 +7,7 @@ from scipy.signal import lsim
 
 import torsionnet as tn
 from benchmarks._sizes import sized
-from torsionnet.signals.excitation import LinearChirp
+from torsionnet.signals import LinearChirp
 
 RATE = 10e3
 SECONDS = sized(80, 2)

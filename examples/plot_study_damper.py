@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 
 import torsionnet as tn
 from torsionnet import plot
-from torsionnet.study.design.conditions_damper import DamperOverConditions
+from torsionnet.study import DamperOverConditions
 
 plt.style.use(plot.STYLE)
 

@@ -10,12 +10,11 @@ without injection or without gas? With all cylinders firing both are used less. 
 
 import torsionnet as tn
 from torsionnet import plot
-from torsionnet.study.shown_units import shown_units
 
 study = tn.load_study("marine_yield")
 result = tn.study.run_study(study)
 share = study.answers["yield"].conclude(study, result)
-figure = share.figure(plot, units=shown_units(study))
+figure = share.figure(plot, units=study.shown_units())
 print("\n".join(share.sentences))
 
 # %%

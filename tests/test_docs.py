@@ -287,8 +287,12 @@ def lay_out(page, folder):
 def test_programs_on_pages_run(path, workplace, capsys):
     lay_out(path, workplace)
     names, printed = {}, ""
-    for text in blocks(path, "python"):
-        exec(compile(text, path.name, "exec"), names)
+    found = FENCE.findall(path.read_text(encoding="utf-8"))
+    for (language, text), (following, _) in zip(found, [*found[1:], ("", "")], strict=True):
+        if language == "python":
+            exec(compile(text, path.name, "exec"), names)
+        elif language == "sh" and following == "text" and path.stem in PRINTED:
+            assert [main(shlex.split(line)[1:]) for line in command_lines(text)] == [0]
         printed += capsys.readouterr().out
     assert "Traceback" not in printed
     if path.stem in PRINTED:
@@ -313,8 +317,20 @@ def words(text):
     return re.sub(r"-?\d[\d.]*(e[-+]?\d+)?|inf|[-\s]+", " ", text).split()
 
 
-def commands(page):
-    lines = [line.partition("#")[0].strip() for text in blocks(page, "sh") for line in text.splitlines()]
+def commands(page, *, shown_with_output=True):
+    """Command lines of a page; those of a page of PRINTED whose output follows run with its programs."""
+    found = FENCE.findall(page.read_text(encoding="utf-8"))
+    following = [*(language for language, _ in found[1:]), ""]
+    texts = [
+        text
+        for (language, text), then in zip(found, following, strict=False)
+        if language == "sh" and (shown_with_output or then != "text")
+    ]
+    return [line for text in texts for line in command_lines(text)]
+
+
+def command_lines(text):
+    lines = [line.partition("#")[0].strip() for line in text.splitlines()]
     return [line for line in lines if line.startswith("torsionnet ")]
 
 
@@ -322,7 +338,7 @@ def commands(page):
 @pytest.mark.parametrize("path", [path for path in PAGES if commands(path)], ids=lambda path: path.stem)
 def test_commands_on_pages_work_one_after_the_other(path, workplace, capsys):
     lay_out(path, workplace)
-    for line in commands(path):
+    for line in commands(path, shown_with_output=path.stem not in PRINTED):
         code = main(shlex.split(line)[1:])
         incomplete = 6 if " limits " in line else 0  # pages may examine some of the configurations of a model
         assert code in (0, incomplete), (line, capsys.readouterr())

@@ -21,7 +21,9 @@ if TYPE_CHECKING:
     from torsionnet.core.errors import Fault
     from torsionnet.model.channels import Sensor
     from torsionnet.response import FrequencyResponse, FrequencyResponses, Modes
+    from torsionnet.response.critical_speeds import CriticalSpeeds
     from torsionnet.response.loop_margins import LoopMargins
+    from torsionnet.response.margin_rules import MarginRule
     from torsionnet.response.recording import Recording
     from torsionnet.solve.responses.grid import Adaptive
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
@@ -266,6 +268,40 @@ class Drivetrain(RunningMachinery):
         from torsionnet.solve.responses.loop_margin_search import loop_margins
 
         return loop_margins(self, controller)
+
+    def shaft_margins(self, margin: str | float | MarginRule, *, lowest: int | None = None) -> CriticalSpeeds:
+        """Separation margins of every mode from 1 and 2 times each shaft's speed and each electrical frequency.
+
+        Shafts are those whose mean speeds differ, named by their first node; an electric machine counts with its line
+        frequency, or with that of its inverter, pole pairs times the speed (slip neglected).
+
+        Parameters
+        ----------
+        margin : str, float or MarginRule
+            As for :meth:`critical_speeds`.
+        lowest : int, optional
+            Only the lowest so many modes.
+
+        Returns
+        -------
+        CriticalSpeeds
+            Margins as shares of the excitation frequency, with what the rule requires; without torques.
+
+        Raises
+        ------
+        UsageError
+            The model has no range of speeds.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> found = tn.load("reciprocating_compressor_train").shaft_margins("api684", lowest=1)
+        >>> sorted({one.mode.number for one in found.crossings})
+        [1]
+        """
+        from torsionnet.solve.running.shaft_margins import shaft_margins
+
+        return shaft_margins(self, margin, lowest)
 
     def symbolic(self, *, referred_to: Sequence[str] = ()) -> SymbolicSystem:
         """Symbolic model, which has M, C, K and transfer functions in the model's own symbols.

@@ -8,6 +8,7 @@ from torsionnet.core.lazy_imports import lazy_exports
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
+        "Catalogue": "torsionnet.model.catalogues.catalogue",
         "from_tors": "torsionnet.io.tors_reading",
         "iter_blocks": "torsionnet.io.recording_files",
         "mass_elastic_report": "torsionnet.io.mass_elastic_reading",

@@ -12,7 +12,11 @@ __all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "Measured": "torsionnet.report.report_request",
+        "Pair": "torsionnet.model.report",
         "Report": "torsionnet.report.document_tree",
+        "ReportPlan": "torsionnet.model.report",
+        "Revision": "torsionnet.model.report",
+        "TitleBlock": "torsionnet.model.report",
         "make_report": "torsionnet.report.report",
         "write_report": "torsionnet.report.report",
     },

@@ -5,11 +5,14 @@ from torsionnet.core.lazy_imports import lazy_exports
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
+        "AnsweredStudy": "torsionnet.study.run.answering",
         "Correlation": "torsionnet.study.space.correlation",
+        "DamperOverConditions": "torsionnet.study.design.conditions_damper",
         "ListOfValues": "torsionnet.study.space.variations.list_of_values",
         "Lognormal": "torsionnet.study.space.variations.lognormal",
         "Normal": "torsionnet.study.space.variations.normal",
         "Samples": "torsionnet.study.space.samples",
+        "ShownUnits": "torsionnet.study.shown_units",
         "Space": "torsionnet.study.space.space",
         "Study": "torsionnet.study.study",
         "StudyResult": "torsionnet.study.study_result",
@@ -20,6 +23,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "answer_study": "torsionnet.study.run.answering",
         "damper_over_conditions": "torsionnet.study.design.conditions_damper",
         "define": "torsionnet.study.study",
+        "function": "torsionnet.study.quantities.user_function",
         "load_study": "torsionnet.study.loading_study",
         "run_study": "torsionnet.study.run.run_chunks",
     },

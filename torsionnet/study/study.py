@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from torsionnet.core.entries.spec import Json
 from torsionnet.core.errors import Fault, ModelError
@@ -21,6 +21,10 @@ from torsionnet.study.quantities.quantity import StudyQuantity
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
 from torsionnet.study.space.space import Space
 from torsionnet.study.study_file import StudyEntries
+
+if TYPE_CHECKING:
+    from torsionnet.response.conventions import Conventions
+    from torsionnet.study.shown_units import ShownUnits
 
 FEWEST_COMPILED = 2000
 """Number of variants from which the compiled solver is used, as with fewer, loading it takes longer than it saves."""
@@ -89,6 +93,25 @@ class Study(NotebookResult):
     def model_text(self) -> str:
         """Complete definition of the model as JSON text, which changes with any number in it."""
         return json.dumps(self.model.definition.flat_data(), default=str, ensure_ascii=False)
+
+    def shown_units(self, conventions: Conventions | None = None) -> ShownUnits:
+        """Units in which numbers of the study are shown, those written in the study, else those written in the model.
+
+        Parameters
+        ----------
+        conventions : Conventions, optional
+            Of quantities to which the study gives no limit with a unit; by default angles are in degrees where limits
+            of other quantities have them so.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> tn.load_study("amt_two_stiffnesses").shown_units().unit("k_1", "N*m/rad")
+        'kN*m/rad'
+        """
+        from torsionnet.study.shown_units import shown_units
+
+        return shown_units(self, conventions)
 
     def to_data(self) -> dict[str, Json]:
         """Entries of the study file as JSON data, without the model."""

@@ -1,1 +1,13 @@
 """Symbolic transfer functions of drivetrains, each recorded as a straight-line program that many algebras evaluate."""
+
+from torsionnet.core.lazy_imports import lazy_exports
+
+__all__, __getattr__, __dir__ = lazy_exports(
+    __name__,
+    {
+        "Rational": "torsionnet.symbolic.rational",
+        "SymbolicSystem": "torsionnet.symbolic.symbolic_system",
+        "TransferFunction": "torsionnet.symbolic.transfer_function",
+        "TransferMatrix": "torsionnet.symbolic.transfer_matrix",
+    },
+)
