@@ -56,7 +56,7 @@ def limit_subject(definition: Definition, values: Mapping[str, Any]) -> LimitSub
         sensors=definition.sensors,
         speeds=() if speeds is None else speeds.values,
         rated=None if speeds is None else speeds.rated,
-        misfiring=any(bool(engine.misfire) or bool(engine.gas_off) for engine in engines),
+        misfiring=any(engine.has_lost_cylinder for engine in engines),
         values=values,
         is_generating_set=is_generating_set(definition),
     )

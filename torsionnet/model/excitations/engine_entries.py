@@ -136,6 +136,11 @@ class EngineEntries(ReactingExcitation):
     def is_phased(self) -> bool:
         return self.phase is not None
 
+    @property
+    def has_lost_cylinder(self) -> bool:
+        """Whether a cylinder works without injection or without gas torque: what is called misfire of an engine."""
+        return bool(self.misfire) or bool(self.gas_off)
+
     @cached_property
     def absorbs(self) -> bool:
         """Whether the pressure traces take work out of the shaft, as those of a compressor do.

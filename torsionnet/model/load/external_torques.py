@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
+
+import numpy as np
 
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.load.absorber import Absorber
 from torsionnet.model.load.load_places import drivers, on_nodes, reacting
+from torsionnet.model.load.lost_torques import has_lost_cylinders, remaining_by_node
 from torsionnet.model.speeds import mean_speeds, speeds_by_reference
 from torsionnet.model.torque_places import torque_place
 
@@ -114,7 +117,7 @@ class ExternalTorques:
         return self.at(self.operating_speed)
 
     def at(self, speed: float) -> dict[str, float]:
-        """Mean external torque in N m, by node, at a speed > 0 of the reference node in rad/s.
+        """Mean external torque in N m, by node, at a speed > 0 of the reference node in rad/s, all cylinders working.
 
         Raises
         ------
@@ -123,24 +126,59 @@ class ExternalTorques:
             and the operating point does not state the torques at this speed.
         """
         if self.definition.load is not None:
-            return self._of_load(speed)
+            return self._of_load(speed, {})
         stated = stated_torques(self.definition, self.values)
         if not stated or not math.isclose(speed, self.operating_speed):
             raise UsageError("mean torques over speed need the entry load: {absorbed_at: node, power: ..., ...}")
         return stated
 
-    def _of_load(self, speed: float) -> dict[str, float]:
+    def in_condition(self, speeds: Sequence[float]) -> list[dict[str, float]]:
+        """Mean external torques in N m, by node, at each speed > 0 in rad/s, with the cylinders lost that are lost.
+
+        What they are is said in :mod:`torsionnet.model.load.lost_torques`; see :meth:`at` for errors.
+        """
+        remaining = self._remaining(speeds)
+        if not remaining:
+            return [self.at(speed) for speed in speeds]
+        each = zip(*(shares.tolist() for shares in remaining.values()), strict=True)
+        return [
+            self._of_load(speed, dict(zip(remaining, shares, strict=True)))
+            for speed, shares in zip(speeds, each, strict=True)
+        ]
+
+    def _remaining(self, speeds: Sequence[float]) -> dict[str, Any]:
+        if self.definition.load is None or not has_lost_cylinders(self.definition):
+            return {}
+        return remaining_by_node(self.definition, self.ratios, np.array(speeds), self._drivers, self.absorbers)
+
+    def kept_power(self, speed: float) -> float:
+        """Power of the load in this condition over that with all cylinders working, at a speed > 0 in rad/s.
+
+        1 where no cylinder is lost, or the load does not say what is.
+        """
+        if not self._remaining([speed]):
+            return 1.0
+        (now,), before = self.in_condition([speed]), self.at(speed)
+        given = [
+            sum(max(torque * self.ratios.get(node, 0.0), 0.0) for node, torque in one.items()) for one in (now, before)
+        ]
+        return given[0] / given[1] if given[1] else 1.0
+
+    def _of_load(self, speed: float, remaining: Mapping[str, float]) -> dict[str, float]:
         rated = self.definition.speeds.rated if self.definition.speeds else None
         acting: list[tuple[Input, float]] = []
         power = 0.0
+        given = {place: share * remaining.get(place.of, 1.0) for place, share in self._drivers.items()}
+        kept = sum(given.values()) if remaining else 1.0
         for place, absorber in self.absorbers.items():
             ratio = self._ratio(place)
             if absorber.needs_rated and not rated:
                 raise UsageError(f"{NEEDS_RATED}, or rated of its own")
             torque = absorber.torque_at(abs(ratio) * speed, abs(ratio) * rated if rated else None)
-            acting.append((place, -math.copysign(torque, ratio)))
+            torque *= remaining.get(place.of, 1.0)
+            acting.append((place, -math.copysign(kept * torque, ratio)))
             power += torque * abs(ratio) * speed
-        acting += [(place, share * power / (self._ratio(place) * speed)) for place, share in self._drivers.items()]
+        acting += [(place, share * power / (self._ratio(place) * speed)) for place, share in given.items()]
         return on_nodes(acting)
 
     @cached_property

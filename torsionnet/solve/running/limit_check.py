@@ -31,7 +31,7 @@ from torsionnet.response.limits.speed_spans import spans_above
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.speed_refinement import refine_speeds, speeds_to_refine
 from torsionnet.solve.running.examined_speeds import ExaminedSpeeds
-from torsionnet.solve.running.mean_response import mean_response
+from torsionnet.solve.running.mean_response import lost_power_notes, mean_response
 from torsionnet.solve.running.order_response import order_response
 from torsionnet.solve.running.refined_response import merged_responses
 
@@ -70,6 +70,7 @@ def check_limits(
         for verdict in limit.verdicts(name, evidence, lines)
     )
     notes = [NO_CYCLE] * (run.revolutions is None) + [MISFIRING] * subject.misfiring + [*run.engine_notes]
+    notes += lost_power_notes(drivetrain, float(run.speeds[-1])) if evidence.means else ()
     notes += [running] if (running := running_engines_text(drivetrain.definition.excitations)) else []
     return LimitCheck(
         run.speeds, run.reference, verdicts, tuple(map(str, run.lines)), drivetrain.title, drivetrain.configuration,
@@ -131,11 +132,14 @@ class _Examination:
 
     @cached_property
     def _rated(self) -> dict[Sensor, float]:
-        """Mean value in SI units at the rated speed by sensor, empty where that speed is not examined."""
+        """Mean value in SI units at the rated speed by sensor, empty where that speed is not examined.
+
+        That of all cylinders working, also where one is lost: shares of a rule are of the rated torque.
+        """
         rated, (low, high) = self.subject.rated, self.speeds.ends
         if rated is None or not low * (1 - 1e-9) <= rated <= high * (1 + 1e-9):
             return {}
-        means, _ = _means(self.drivetrain, self.subject, self._here, np.array([rated]))
+        means, _ = _means(self.drivetrain, self.subject, self._here, np.array([rated]), all_working=True)
         return {sensor: float(values[0]) for sensor, values in means.items()}
 
     def wanted(self, found: _Examined) -> FloatArray:
@@ -201,21 +205,28 @@ def _seen(subject: LimitSubject, limits: Sequence[Limit]) -> list[Sensor]:
 
 
 def _means(
-    drivetrain: AssembledModel, subject: LimitSubject, limits: Sequence[Limit], speeds: FloatArray
+    drivetrain: AssembledModel,
+    subject: LimitSubject,
+    limits: Sequence[Limit],
+    speeds: FloatArray,
+    *,
+    all_working: bool = False,
 ) -> tuple[dict[Sensor, FloatArray], str]:
     """Mean values (n_speeds,) in SI units by sensor that the limits need, and why some are unknown ("" if none is)."""
     sensors = list(dict.fromkeys(sensor for limit in limits for sensor in limit.mean_sensors(subject)))
     try:
-        values = mean_response(drivetrain, sensors, speeds).values if sensors else np.empty((0, 0))
+        values = (
+            mean_response(drivetrain, sensors, speeds, all_working=all_working).values if sensors else np.empty((0, 0))
+        )
     except UsageError as error:
         if len(sensors) == 1:
             return {}, str(error)
-        return _one_by_one(drivetrain, sensors, speeds)
+        return _one_by_one(drivetrain, sensors, speeds, all_working=all_working)
     return dict(zip(sensors, values.T, strict=False)), ""
 
 
 def _one_by_one(
-    drivetrain: AssembledModel, sensors: Sequence[Sensor], speeds: FloatArray
+    drivetrain: AssembledModel, sensors: Sequence[Sensor], speeds: FloatArray, *, all_working: bool
 ) -> tuple[dict[Sensor, FloatArray], str]:
     """Mean values (n_speeds,) in SI units by sensor, and why some are unknown, asked sensor by sensor.
 
@@ -225,7 +236,7 @@ def _one_by_one(
     why = ""
     for sensor in sensors:
         try:
-            found[sensor] = mean_response(drivetrain, sensor, speeds).values[:, 0]
+            found[sensor] = mean_response(drivetrain, sensor, speeds, all_working=all_working).values[:, 0]
         except UsageError as error:
             why = str(error)
     return found, why

@@ -7,6 +7,7 @@ torque on that node is what the outside torques leave over, which is zero where 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -39,18 +40,26 @@ from torsionnet.solve.running.operating_groups import (
 
 SUM_ROUNDING = 1e-13
 """Size of a sum of mean torques, over the sizes of its terms, below which the sum is rounding and counts as 0."""
+LOST_POWER = "cylinders that work keep their pressures, what is lost is not made up for"
+"""Rule, in words, by which the mean torque of a condition with a cylinder lost follows from that with all working."""
+SHARE_SHOWN = 5e-4
+"""Smallest difference of a share of power from 1 that three digits in per cent show."""
 HELD_BYTES = 1_000_000
 """Size in bytes at which a kept drivetrain with its assembly is counted against the memory limit, with a margin."""
 
 
 def mean_response(
-    drivetrain: AssembledModel, outputs: str | Sensor | Sequence[str | Sensor], speeds: ArrayLike | None = None
+    drivetrain: AssembledModel,
+    outputs: str | Sensor | Sequence[str | Sensor],
+    speeds: ArrayLike | None = None,
+    *,
+    all_working: bool = False,
 ) -> MeanResponse:
     """Mean torques, twists or stresses of a drivetrain in SI units, over speed.
 
-    See :meth:`torsionnet.Drivetrain.mean_response`.
+    See :meth:`torsionnet.Drivetrain.mean_response`; ``all_working``, as if no cylinder were lost.
     """
-    reference, at, torques = external_torques(drivetrain, speeds)
+    reference, at, torques = external_torques(drivetrain, speeds, all_working=all_working)
     nodes = [node for node in torques if node in drivetrain.nodes]
     if not nodes:
         raise UsageError(
@@ -65,7 +74,7 @@ def mean_response(
     solved = shared_by_conditions(
         drivetrain,
         tuple,
-        (reference, at.tobytes(), tuple(one.sensor for one in wanted), tuple(nodes), acting.tobytes()),
+        (reference, at.tobytes(), tuple(one.sensor for one in wanted), tuple(nodes)),
         lambda: tuple(_solved(held, reference, at, wanted, nodes)),
         lambda found: sum(per_torque.nbytes for per_torque, _ in found),
     )
@@ -77,7 +86,16 @@ def mean_response(
         values[places], left_over[places] = found[:, : len(wanted)], found[:, len(wanted) :]
         _require_balance(found[:, len(wanted) :], sizes[:, len(wanted) :])
     channels = tuple(one.channel for one in wanted)
-    return MeanResponse(at, reference, values, channels, drivetrain.title, _rest(drivetrain, left_over))
+    notes = (*_rest(drivetrain, left_over), *(() if all_working else lost_power_notes(drivetrain, float(at[-1]))))
+    return MeanResponse(at, reference, values, channels, drivetrain.title, notes)
+
+
+def lost_power_notes(drivetrain: AssembledModel, speed: float) -> tuple[str, ...]:
+    """Note on the share of the load that is left at a speed in rad/s with cylinders lost, or nothing."""
+    kept = drivetrain.external_torques.kept_power(speed)
+    if math.isclose(kept, 1.0, abs_tol=SHARE_SHOWN):
+        return ()
+    return (f"{LOST_POWER}: {100 * kept:.3g} % of the mean torque with all working",)
 
 
 def _solved(
@@ -102,9 +120,12 @@ def _solved(
 
 
 def external_torques(
-    drivetrain: AssembledModel, speeds: ArrayLike | None
+    drivetrain: AssembledModel, speeds: ArrayLike | None, *, all_working: bool = False
 ) -> tuple[str, FloatArray, Mapping[str, FloatArray]]:
-    """Name of the reference node, its speeds (n_speeds,) in rad/s, and outside torques (n_speeds,) by node in N m."""
+    """Name of the reference node, its speeds (n_speeds,) in rad/s, and outside torques (n_speeds,) by node in N m.
+
+    Those of the condition, or ``all_working`` as if no cylinder were lost.
+    """
     definition = drivetrain.definition
     external = drivetrain.external_torques
     if definition.load is None:
@@ -115,7 +136,8 @@ def external_torques(
         at = np.atleast_1d(np.asarray(speeds, dtype=float))
     if at.ndim != 1 or not len(at) or not np.isfinite(at).all() or (at <= 0).any():
         raise UsageError("speeds are finite numbers above 0, in rad/s")
-    found = [external.at(speed) for speed in at.tolist()]
+    every: list[float] = at.tolist()
+    found = [external.at(speed) for speed in every] if all_working else external.in_condition(every)
     return external.reference, at, {node: np.array([torques[node] for torques in found]) for node in found[0]}
 
 

@@ -1,0 +1,108 @@
+"""Mean torque of conditions with a cylinder lost: what limits compare is the torque of that condition."""
+
+import numpy as np
+import pytest
+
+import torsionnet as tn
+
+RPM = np.pi / 30
+RATIO = 0.2 / 0.84
+"""Crank radius over rod length of the engine here."""
+SAMPLES = 144
+FIRED = 1e5 + 90e5 * np.exp(-(((np.arange(SAMPLES) + SAMPLES / 2) % SAMPLES - SAMPLES / 2 - 3) ** 2) / 60)
+"""Pressure in Pa every 5 degrees of a four-stroke cycle, a bell that is highest 15 degrees after firing."""
+LATE = 1e5 + 60e5 * np.exp(-(((np.arange(SAMPLES) + SAMPLES / 2) % SAMPLES - SAMPLES / 2 - 1) ** 2) / 60)
+"""The same without injection: lower, and highest 5 degrees after top dead centre, so that a little work is left."""
+CONDITIONS = {
+    "normal": {},
+    "off": {"engine.gas_off": [2]},
+    "out": {"engine.misfire": [2]},
+    "each": {"engine.misfire": "each"},
+}
+
+
+def plant(driven_by="engine", **load):
+    elements = [
+        tn.Inertia("m1", node="c1", inertia=50), tn.Spring("crank", nodes=("c1", "c2"), stiffness=3e7),
+        tn.Inertia("m2", node="c2", inertia=50), tn.Spring("k", nodes=("c2", "c3"), stiffness=3e7),
+        tn.Inertia("m3", node="c3", inertia=400),
+        tn.HystereticSpring("rubber", nodes=("c3", "pin"), stiffness=3e5, loss_factor=0.15),
+        tn.Inertia("pinion", node="pin", inertia=15), tn.Gear("mesh", nodes=("pin", "wheel"), ratio=-4),
+        tn.Inertia("screw", node="wheel", inertia=9000), tn.Damper("water", nodes=("wheel", "ground"), damping=4e4),
+    ]  # fmt: skip
+    engine = {
+        "type": "reciprocating_engine", "speed_of": "c3", "cycle": 4, "cylinders": {1: "c1", 2: "c2", 3: "c3"},
+        "firing_order": [1, 3, 2], "bore": 0.32, "stroke": 0.4, "rod_length": 0.84, "reciprocating_mass": 78,
+        "gas": {"fired": FIRED.tolist(), "motored": LATE.tolist(), "rated": "750 rpm", "exponent": 2},
+    }  # fmt: skip
+    return tn.Drivetrain(
+        "plant", elements, speeds={"of": "c3", "range": "400..780 rpm", "step": "20 rpm", "rated": "750 rpm"},
+        load={"absorbed_at": "wheel", "power": 1.2e6, "torque_exponent": 2, "driven_by": {driven_by: 1}, **load},
+        excitations={"engine": engine}, configurations={"firing": CONDITIONS},
+        limits={"rubber": {"rule": "coupling", "element": "rubber", "T_KN": 2e4, "T_Kmax": 6e4},
+                "teeth": {"rule": "gear", "element": "mesh", "vibratory_share": 0.3}},
+    )  # fmt: skip
+
+
+def work(pressure):
+    """Mean of pressure times piston rate, by the slider crank as in textbooks: x' = sin + lambda sin cos/sqrt(...)."""
+    phi = np.arange(SAMPLES) * np.radians(5)
+    rate = np.sin(phi) + RATIO * np.sin(phi) * np.cos(phi) / np.sqrt(1 - (RATIO * np.sin(phi)) ** 2)
+    return np.mean((pressure - 1e5) * rate)
+
+
+LEFT = work(LATE) / work(FIRED)
+KEPT = {"normal": 1, "off": 2 / 3, "out": (2 + LEFT) / 3, "each": (2 + LEFT) / 3}
+
+
+@pytest.mark.parametrize("name", CONDITIONS)
+@pytest.mark.parametrize("driver", ["engine", "c3"])
+def test_the_coupling_carries_the_mean_torque_of_the_condition(name, driver):
+    """Power over speed, of it what the cylinders that work give, also where a node is named as the driver."""
+    assert 0.02 < LEFT < 0.5
+    rig = plant(driver).configured(name)
+    run = rig.mean_response(["torque(rubber)", "torque(mesh, wheel)"], [500 * RPM, 750 * RPM])
+    full = 1.2e6 / (750 * RPM) * np.array([(500 / 750) ** 2, 1])
+    assert run.values == pytest.approx(KEPT[name] * np.outer(full, [1, -4]), rel=1e-9)
+    assert bool(run.notes) is (name != "normal")
+
+
+def test_the_lost_cylinder_gives_nothing_and_the_others_what_they_gave():
+    run = plant().configured("off").mean_response(["torque(crank)", "torque(k)", "torque(rubber)"], [750 * RPM])
+    assert run.values[0] == pytest.approx(1.2e6 / (750 * RPM) * np.array([1, 1, 2]) / 3, rel=1e-9)
+
+
+def test_the_powers_are_in_balance():
+    balance = plant().configured("out").power_balance(600 * RPM)
+    assert sum(balance.powers.values()) == pytest.approx(0, abs=1e-3)
+    assert -balance.powers["wheel"] == pytest.approx(KEPT["out"] * 1.2e6 * (600 / 750) ** 3)
+
+
+@pytest.mark.parametrize("name", ["off", "each"])
+def test_limits_compare_the_mean_torque_of_the_condition(name):
+    """T_Kmax adds it to the half range; teeth part above it. A share of the rated torque stays one of full load."""
+    check = plant().configured(name).check_limits(refine=False)
+    rated = 1.2e6 / (750 * RPM)
+    mean = KEPT[name] * rated * (check.rpm / 750) ** 2
+    half = plant().configured(name).order_response(["torque(rubber)"], speeds=check.speeds).half_range[:, 0]
+    assert check.of("rubber", "T_KN").values == pytest.approx(mean, rel=1e-9)
+    assert check.of("rubber", "T_Kmax").values == pytest.approx(mean + half, rel=1e-9)
+    assert check.of("teeth", "hammer").allowed == pytest.approx(mean, rel=1e-9)
+    assert check.of("teeth", "T_v").allowed == pytest.approx(0.3 * rated, rel=1e-9)
+    assert any("% of the mean torque with all working" in note for note in check.notes)
+
+
+def test_a_compressor_with_a_head_end_lost_takes_less():
+    """Three throws take 1507 N m, one the share of its indicated torque; the motor turns 2.96 times as fast."""
+    train = tn.load("reciprocating_compressor_train")
+    gas = train.definition.excitations["compressor"].gas
+    phi = 2 * np.pi * np.arange(90) / 90
+    ratio = 0.075 / 0.4
+    rate = np.sin(phi) + ratio * np.sin(phi) * np.cos(phi) / np.sqrt(1 - (ratio * np.sin(phi)) ** 2)
+    left = np.mean(gas.motored.values * rate) / np.mean(gas.fired.values * rate)
+    lost = train.configured("one_head_end_lost")
+    assert lost.mean_response("torque(coupling)", [1480 * RPM]).values[0, 0] == pytest.approx(
+        1507 * (3 + left) / 2.96, rel=1e-9
+    )
+    half = train.configured("half").mean_response("torque(coupling)", [1480 * RPM]).values[0, 0]
+    assert half == pytest.approx(1507 * 4 * left / 2.96, rel=1e-9)

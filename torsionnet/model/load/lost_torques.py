@@ -1,0 +1,67 @@
+"""Mean torque that piston machines keep in a condition with a cylinder lost.
+
+The pressures of the cylinders that work stay those of the same speed, as they do in the torques by order; nothing makes
+up for what is lost. A driver gives less, and all who absorb take less in the same proportion; a compressor takes less.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from torsionnet.model.channels import Input
+from torsionnet.model.definition import Definition
+from torsionnet.model.excitations.engine_entries import EngineEntries
+from torsionnet.model.excitations.lost_cylinders import mean_torque_shares
+from torsionnet.model.excitations.order_excitation import FloatArray
+
+
+def has_lost_cylinders(definition: Definition) -> bool:
+    """Whether a piston machine that runs has a cylinder without injection or without gas torque."""
+    machines = definition.excitations.values()
+    return any(isinstance(one, EngineEntries) and one.enabled and one.has_lost_cylinder for one in machines)
+
+
+def remaining_by_node(
+    definition: Definition,
+    ratios: Mapping[str, float],
+    speeds: FloatArray,
+    drivers: Iterable[Input],
+    absorbers: Iterable[Input],
+) -> dict[str, FloatArray]:
+    """Mean torque over that with all cylinders working, (n_speeds,), by node at which a machine lost cylinders.
+
+    A machine whose cylinders are not all on nodes of the load acts at the only driver (a compressor: absorber) that is
+    no other machine's, by the mean over its cylinders. Empty where nothing is lost, or where that node is not clear.
+
+    Parameters
+    ----------
+    definition : Definition
+    ratios : mapping
+        Node -> its speed over that of the reference node.
+    speeds : (n_speeds,) array
+        rad/s, of the reference node.
+    drivers, absorbers : iterable of Input
+        Places of the load.
+    """
+    machines = {
+        name: one for name, one in definition.excitations.items() if isinstance(one, EngineEntries) and one.enabled
+    }
+    found: dict[str, FloatArray] = {}
+    for name, machine in machines.items():
+        if not machine.has_lost_cylinder:
+            continue
+        ratio = abs(ratios.get(machine.shaft, 0.0))
+        if not ratio:
+            continue
+        shares = mean_torque_shares(machine, ratio * speeds)
+        places = {place.of for place in (absorbers if machine.absorbs else drivers)}
+        own = {*machine.numbers.values()}
+        others = {node for other, one in machines.items() if other != name for node in one.numbers.values()}
+        if own <= places:
+            for node in own:
+                found[node] = np.mean([shares[number] for number, at in machine.numbers.items() if at == node], axis=0)
+        elif len(places - others) == 1:
+            found[(places - others).pop()] = np.mean([*shares.values()], axis=0)
+    return found
