@@ -121,6 +121,27 @@ class TestMassElastic:
         squares = np.sort(np.linalg.eigvals(np.linalg.solve(mass, stiff)).real)
         assert np.sqrt(squares[1]) / 2 / np.pi == pytest.approx(ship.holzer_table(1).frequency, rel=1e-9)
 
+    def test_a_divided_shaft_is_one_row(self):
+        """Five equal segments in series: k = G I_p/L as one spring, half of J = rho I_p L at each end, the sums stay."""
+        shaft = {"outer_diameter": 0.3, "inner_diameter": 0.1, "length": 6.0, "shear_modulus": 79.3e9, "density": 7850}
+        ends = [tn.Inertia("a", node="a", inertia=400), tn.Inertia("b", node="b", inertia=900)]
+        line = tn.Shaft("line", nodes=("a", "b"), segments=5, damping=30, **shaft)
+        found = tn.Drivetrain("plant", [*ends, line]).mass_elastic_table()
+        polar = math.pi * (0.3**4 - 0.1**4) / 32
+        own = 7850 * polar * 6
+        assert [(row.node, row.inertia) for row in found.rows] == [
+            ("a", pytest.approx(400 + own / 2, rel=1e-12)),
+            ("b", pytest.approx(900 + own / 2, rel=1e-12)),
+        ]
+        (whole,) = [row.shaft for row in found.rows if row.shaft]
+        assert (whole.elements, whole.to, whole.length, whole.segments) == (("line",), "b", 6.0, 5)
+        assert whole.stiffness == pytest.approx(79.3e9 * polar / 6, rel=1e-12)
+        assert whole.damping == pytest.approx(30, rel=1e-12)
+        assert found.total_inertia == pytest.approx(1300 + own, rel=1e-12)
+        assert found.lines[0].flexibility == pytest.approx(6 / (79.3e9 * polar), rel=1e-12)
+        assert "line divided into 5" in " ".join(found.table().notes)
+        assert found.table().rows[0][-5:-3] == (6.0, pytest.approx(1e6 * polar / 0.15))
+
     def test_numbers_of_the_report_are_those_of_the_table(self, found):
         shown = of(TableBlock, blocks(section(tn.loads(PLANT), "mass_elastic"), "mass_elastic"))[0]
         lines = rows(shown)

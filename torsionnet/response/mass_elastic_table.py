@@ -44,6 +44,10 @@ class MassElasticShaft:
     loss_factor : float
         Relative damping, of a hysteretic spring; 0 without.
     section : StationSection, optional
+    length : float, optional
+        Of the whole shaft, m.
+    segments : int
+        Number of equal parts into which the model divides the shaft; stiffness and damping are those of the whole.
     material : str
         Kind and tensile strength as a limit on the shaft gives them, else empty.
     """
@@ -54,6 +58,8 @@ class MassElasticShaft:
     damping: float = 0.0
     loss_factor: float = 0.0
     section: StationSection | None = None
+    length: float | None = None
+    segments: int = 1
     material: str = ""
 
     @property
@@ -183,6 +189,7 @@ class MassElasticTable(NotebookResult):
             Column("k referred", "N*m/rad", 4),
             Column("outer diameter", "mm", 4),
             Column("inner diameter", "mm", 4),
+            Column("length", "m", 4),
             Column("section modulus", "cm^3", 4),
             Column("relative damping", "N*m*s/rad", 4),
             Column("loss factor", digits=3),
@@ -197,7 +204,15 @@ class MassElasticTable(NotebookResult):
             if line.flexibility:
                 where = f", {line.title}" if len(self.lines) > 1 else ""
                 yield f"sum of 1/k referred to {self.referred_to}{where}: {line.flexibility:.5g} rad/(N*m)"
+        yield from self.divided()
         yield from self.notes
+
+    def divided(self) -> Iterator[str]:
+        """Yield the sentence that says into how many segments the model divides which shafts, if it does."""
+        shafts = [row.shaft for row in self.rows if row.shaft is not None and row.shaft.segments > 1]
+        if shafts:
+            each = ", ".join(f"{one.elements[0]} divided into {one.segments}" for one in shafts)
+            yield f"whole shafts, each end with half of its inertia; in the calculation {each}"
 
 
 def _cells(row: MassElasticRow) -> tuple[object, ...]:
@@ -206,12 +221,13 @@ def _cells(row: MassElasticRow) -> tuple[object, ...]:
     own = (row.number, row.node, row.inertia, row.damping or None, *referred)
     shaft = row.shaft
     if shaft is None:
-        return (*own, "", *[None] * 7, "")
+        return (*own, "", *[None] * 8, "")
     name = ", ".join(shaft.elements) + (" (rigid)" if math.isinf(shaft.stiffness) else "")
     elastic = (shaft.stiffness, row.referred_stiffness if known else None) if shaft.is_elastic else (None, None)
     one = shaft.section
-    sizes = (None,) * 3 if one is None else _sizes(one)
-    return (*own, name, *elastic, *sizes, shaft.damping or None, shaft.loss_factor or None, shaft.material)
+    outer, inner, modulus = (None,) * 3 if one is None else _sizes(one)
+    losses = (shaft.damping or None, shaft.loss_factor or None)
+    return (*own, name, *elastic, outer, inner, shaft.length, modulus, *losses, shaft.material)
 
 
 def _sizes(section: StationSection) -> tuple[float | None, ...]:

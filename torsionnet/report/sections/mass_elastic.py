@@ -21,6 +21,7 @@ SHORT_HEADINGS: dict[str, Cell] = {
     "shaft to the next": "Shaft to the next",
     "outer diameter": Math("D"),
     "inner diameter": Math("d"),
+    "length": Math("L"),
     "section modulus": Math("W_{p}"),
     "relative damping": Math(r"c_{\mathrm{rel}}"),
     "loss factor": Math(r"\eta"),
@@ -115,7 +116,7 @@ def _notes(found: MassElasticTable, materials: dict[str, str]) -> Iterator[Text]
             yield (f"Sum of 1/k, referred{where}: ", size, " rad/(N·m), as one shaft of ", stiffness, " MN·m/rad.")
     if materials:
         yield ("; ".join(f"{letter}: {material}" for material, letter in materials.items()) + ".",)
-    for note in found.notes:
+    for note in (*found.divided(), *found.notes):
         yield (f"{capital(as_words(note))}.",)
 
 

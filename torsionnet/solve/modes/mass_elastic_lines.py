@@ -22,6 +22,7 @@ from torsionnet.response.mass_elastic_table import (
 )
 from torsionnet.solve.modes.holzer_balance import Coefficients, HolzerBalance, NodeLoad, balance_of
 from torsionnet.solve.modes.holzer_lines import HolzerLine, Neighbours, holzer_lines
+from torsionnet.solve.modes.whole_shafts import HiddenNodes, hidden_nodes, shown_steps, whole_shaft
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,7 @@ def mass_elastic_table(drivetrain: AssembledModel, referred_to: str | None = Non
         tree,
         tuple(_damping_laws(drivetrain)),
         {node: speed / own for node, speed in ratios.items() if speed},
+        hidden_nodes(drivetrain, tree, balance.inertias),
     )
     lines = tuple(walk.lines(order))
     return MassElasticTable(reference, lines, drivetrain.title, tuple(walk.left_over(lines)))
@@ -77,6 +79,7 @@ class _Walk:
     tree: Neighbours
     damping: tuple[_DampingLaw, ...]
     ratios: Mapping[str, float]
+    hidden: HiddenNodes
 
     def lines(self, order: Sequence[HolzerLine]) -> Iterator[MassElasticLine]:
         """Lines of the table, with their masses counted from 1 through all of them."""
@@ -85,16 +88,15 @@ class _Walk:
         for line in order:
             rows = []
             joins = line.joins or None
-            for node, after in line.steps():
+            for node, steps in shown_steps(tuple(line.steps()), self.hidden.names):
                 number += 1
-                shaft = self._shaft(node, after) if after else None
+                shaft = whole_shaft([self._shaft(*step) for step in steps]) if steps else None
                 if shaft is None and node not in main:  # a ring that a film alone drags along
                     shaft = self._film(node)
                     joins = shaft.to if shaft else joins
                 ratio = self.ratios.get(node, math.nan)
-                rows.append(
-                    MassElasticRow(number, node, self.balance.inertias[node], self._absolute(node), ratio, shaft)
-                )
+                inertia = self.balance.inertias[node] + self.hidden.shares.get(node, 0.0)
+                rows.append(MassElasticRow(number, node, inertia, self._absolute(node), ratio, shaft))
             yield MassElasticLine(joins, tuple(rows))
 
     def _absolute(self, node: str) -> float:
@@ -129,7 +131,7 @@ class _Walk:
         found = MassElasticShaft(names, after, stiffness, sum(one.damping * one.row[node] ** 2 for one in laws))
         lossy = sum(one.lossy * one.row[node] ** 2 for one in laws)
         found = replace(found, loss_factor=lossy / stiffness) if lossy else found
-        return replace(found, section=self._section(loads), material=self._material(loads))
+        return replace(found, section=self._section(loads), length=self._length(loads), material=self._material(loads))
 
     def _section(self, loads: Sequence[NodeLoad]) -> StationSection | None:
         """Outer and inner diameter in m and section modulus in m^3 of a connection that is one shaft, else None."""
@@ -139,6 +141,14 @@ class _Walk:
         value = Values(self.drivetrain.exact_values)
         outer, inner = (float(value(size)) for size in element.diameters)
         return StationSection(outer, inner, float(section_modulus(element, value)))
+
+    def _length(self, loads: Sequence[NodeLoad]) -> float | None:
+        """Length in m of a connection that is one shaft of given dimensions, else None."""
+        element = self.drivetrain.elements[loads[0].element]
+        length = getattr(element, "length", None)
+        if len(loads) > 1 or element.diameters is None or length is None:
+            return None
+        return float(Values(self.drivetrain.exact_values)(length))
 
     def _material(self, loads: Sequence[NodeLoad]) -> str:
         """Kind of steel and tensile strength that a limit on one of the elements gives, else an empty text."""
