@@ -7,6 +7,7 @@ SECONDS ?= 600
 
 VENV := .venv
 OLDEST := .venv-oldest
+CITATION := .venv-citation
 RUN := $(VENV)/bin/python
 PIP := $(RUN) -m pip --disable-pip-version-check
 BENCHMARKS := $(basename $(notdir $(wildcard benchmarks/[!_]*.py)))
@@ -14,7 +15,7 @@ BENCHMARKS := $(basename $(notdir $(wildcard benchmarks/[!_]*.py)))
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo figures identify test test-slow test-all test-oldest compare compare-parts structure hops move join outputs mutation fuzz lint format types generate docs manuals bench bench-short clean
+.PHONY: help demo figures identify test test-slow test-all test-oldest compare compare-parts structure hops move join outputs mutation fuzz lint format types generate docs manuals bench bench-short release-files clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -102,8 +103,11 @@ bench: $(VENV)/.group-test  ## run every script in benchmarks/
 bench-short: $(VENV)/.group-test  ## the same with small sizes, to see that they run
 	@set -e; for script in $(BENCHMARKS); do echo "== $$script"; $(RUN) -m "benchmarks.$$script" --short; done
 
+release-files: $(VENV)/.group-release $(CITATION)/.installed  ## validate and build what a release consists of, and say what was not run
+	PYTHONPATH=tests $(RUN) -m release $(ARGS)
+
 clean:  ## remove everything that make creates, .venv included
-	rm -rf $(VENV) $(OLDEST) build dist out docs/_build docs/gallery docs/sg_execution_times.rst
+	rm -rf $(VENV) $(OLDEST) $(CITATION) build dist out docs/_build docs/gallery docs/sg_execution_times.rst
 	rm -f docs/generated/paper.md docs/generated/element_index.md docs/generated/cases.md docs/generated/verification.md docs/generated/bench_numbers.md
 	rm -f docs/generated/signs_*.svg docs/generated/symbol_*.svg
 	rm -rf .cache .hypothesis .mypy_cache .pytest_cache .ruff_cache
@@ -124,12 +128,17 @@ $(VENV)/.group-%: $(VENV)/.installed
 	$(PIP) install --quiet --group $*
 	@touch $@
 
-# pip cannot ask for the oldest versions; uv takes those of the packages that pyproject.toml names.
-$(OLDEST)/.installed: pyproject.toml
+# The lower bounds of pyproject.toml as constraints; tests/test_release_files.py compares them.
+$(OLDEST)/.installed: pyproject.toml tests/oldest.txt
 	rm -rf $(OLDEST)
 	"$(PYTHON)" -m venv $(OLDEST)
-	$(OLDEST)/bin/python -m pip --disable-pip-version-check install --quiet uv
-	$(OLDEST)/bin/uv pip install --quiet --python $(OLDEST)/bin/python --resolution lowest-direct \
-	    -r pyproject.toml --extra all --group test
-	$(OLDEST)/bin/uv pip install --quiet --python $(OLDEST)/bin/python --no-deps --editable .
+	$(OLDEST)/bin/python -m pip --disable-pip-version-check install --quiet --upgrade "pip>=25.1"
+	$(OLDEST)/bin/python -m pip --disable-pip-version-check install --quiet --constraint tests/oldest.txt --editable ".[all]" --group test
+	@touch $@
+
+# cffconvert cannot share an environment with the other checkers.
+$(CITATION)/.installed: pyproject.toml
+	"$(PYTHON)" -m venv $(CITATION)
+	$(CITATION)/bin/python -m pip --disable-pip-version-check install --quiet --upgrade "pip>=25.1"
+	$(CITATION)/bin/python -m pip --disable-pip-version-check install --quiet --group citation
 	@touch $@

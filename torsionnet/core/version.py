@@ -1,3 +1,3 @@
 """Version number of the package ``torsionnet``."""
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"

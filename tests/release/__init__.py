@@ -1,0 +1,1 @@
+"""Check of the files that a release needs beside the package: ``make release-files``."""
