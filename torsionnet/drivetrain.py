@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from torsionnet.core.attribute_hints import AttributeHints
 from torsionnet.running_machinery import RunningMachinery
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     Channels: TypeAlias = str | Sensor | Sequence[str | Sensor]
 
 
-class Drivetrain(RunningMachinery):
+class Drivetrain(RunningMachinery, AttributeHints):
     """Torsional model of a drivetrain; every method that changes something returns a changed copy.
 
     Parameters

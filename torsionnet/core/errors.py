@@ -13,6 +13,8 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TypeAlias
 
+from torsionnet.core.familiar_words import familiar_key
+
 Path: TypeAlias = tuple[str | int, ...]
 """Path to an entry of a model: keys and indices from the outside in."""
 
@@ -239,9 +241,10 @@ def _question(meant: str) -> str:
 
 def unknown_key(key: object, known: Iterable[str], path: Path, rest: str) -> Fault:
     """Fault of a key that an entry of the model does not have; ``rest`` says which keys do."""
-    name = str(key)
-    meant = nearest(name, known)
-    text = f'unknown key "{name}"{_question(meant)}; {rest}'.replace("?; ", "? ")
+    name, known = str(key), list(known)
+    meant, advice = familiar_key(name, known)
+    meant = meant or ("" if advice else nearest(name, known))
+    text = f'unknown key "{name}"{f"; {advice}" if advice else _question(meant)}; {rest}'.replace("?; ", "? ")
     return Fault(text, path, on_key=True, kind="unknown key", about=name, meant=meant)
 
 

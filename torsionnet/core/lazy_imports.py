@@ -10,6 +10,9 @@ import importlib
 import sys
 from collections.abc import Callable, Iterable, Mapping
 
+from torsionnet.core.attribute_hints import python_hint
+from torsionnet.core.familiar_words import PYTHON
+
 TABLES: dict[str, dict[str, str]] = {}
 """Place of each public name, ``module:name`` or a module, by package and name."""
 
@@ -41,7 +44,8 @@ def lazy_exports(
 
     def attribute(name: str) -> object:
         if name not in table:
-            raise AttributeError(f"module {package!r} has no attribute {name!r}", name=name)
+            hint = python_hint(PYTHON.get(package, {}), name, dir(sys.modules[package]))
+            raise AttributeError(f"module {package!r} has no attribute {name!r}{hint}", name=name)
         home, _, inside = table[name].partition(":")
         found = importlib.import_module(home)
         value = there[name] = getattr(found, inside) if inside else found

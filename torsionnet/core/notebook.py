@@ -7,6 +7,7 @@ from dataclasses import replace
 from types import ModuleType
 from typing import Any, ClassVar, Protocol, TypeVar
 
+from torsionnet.core.attribute_hints import AttributeHints
 from torsionnet.core.errors import TorsionnetError
 
 MOST_ROWS = 30
@@ -41,7 +42,7 @@ class Plots:
     package: ClassVar[Callable[[], ModuleType] | None] = None
 
 
-class NotebookResult:
+class NotebookResult(AttributeHints):
     """Base class of results that a notebook shows as tables, and as a picture where ``picture`` names one."""
 
     picture: ClassVar[str] = ""

@@ -20,7 +20,13 @@ class DampingQuantity(QuantityKind[Expression | DampingMeasure]):
             return raw
         if isinstance(raw, Mapping):
             return self._measure(raw)
-        return read_scalar(raw, self.dimension)
+        try:
+            return read_scalar(raw, self.dimension)
+        except EntryError as error:
+            if not str(raw).rstrip().endswith("%"):
+                raise
+            hint = f"a share is a damping ratio at a frequency: write {{zeta: {raw}, at: ... Hz}}"
+            raise EntryError(f"{error.fault.message}; {hint}") from None
 
     def _measure(self, raw: Mapping[str, Any]) -> DampingMeasure:
         given = [key for key in raw if key != "at"]

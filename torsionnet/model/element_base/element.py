@@ -14,6 +14,7 @@ from functools import cache
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
+from torsionnet.core.attribute_hints import with_argument_hints
 from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.renaming import Renaming
@@ -44,7 +45,7 @@ E = TypeVar("E", bound="Element")
 
 def register(cls: type[E]) -> type[E]:
     """Class decorator that registers an element type under its ``kind``."""
-    ELEMENT_TYPES[cls.kind] = cls
+    ELEMENT_TYPES[cls.kind] = with_argument_hints(cls)
     return cls
 
 

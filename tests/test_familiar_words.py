@@ -1,0 +1,120 @@
+"""What users of other programs try first gets an answer that names what there is."""
+
+import re
+from importlib import import_module
+
+import pytest
+
+import torsionnet as tn
+from torsionnet.core import familiar_words
+from torsionnet.model.elements import ELEMENT_TYPES
+
+SPRING = "elements: {{s: {{type: {kind}, nodes: [a, b], {entries}}}, j: {{type: inertia, node: a, inertia: 1}}}}"
+
+
+def message(text):
+    with pytest.raises(tn.ModelError) as caught:
+        tn.loads("torsionnet: 1\n" + text)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("kind", "entries", "said"),
+    [
+        ("shaft", "length: 1 m, outer_diameter: 5 cm, material: steel", "leave it out for steel; for another material"),
+        ("shaft", "length: 1 m, diameter: 5 cm", 'did you mean "outer_diameter"?'),
+        ("shaft", "length: 1 m, outer_diameter: 5 cm, E: 210 GPa", "give shear_modulus, E/(2 (1 + nu))"),
+        ("spring", "stiffness: 1e4, damping: 2 %", "write {zeta: 2 %, at: ... Hz}"),
+        ("spring", "stiffness: 1e4, zeta: 2 %", "write damping: {zeta: 2 %, at: 12 Hz}"),
+        ("spring", "k: 1e4", 'unknown key "k"; did you mean "stiffness"?'),
+        ("torsional_spring", "stiffness: 1e4", 'did you mean "spring"? known:'),
+        ("Dashpot", "damping: 1e4", 'did you mean "damper"? known:'),
+    ],
+)
+def test_model_files(kind, entries, said):
+    assert said in message(SPRING.format(kind=kind, entries=entries))
+
+
+def test_a_damper_is_not_told_of_damping_ratios():
+    assert "zeta" not in message(SPRING.format(kind="damper", entries="damping: 2 m"))
+
+
+def test_constructors():
+    with pytest.raises(TypeError, match=r'diameter.; did you mean "outer_diameter"[?]$'):
+        tn.Shaft("s", ("a", "b"), length="1 m", diameter="50 mm")
+    with pytest.raises(TypeError, match=r"leave it out for steel; for another material"):
+        tn.Shaft("s", ("a", "b"), length="1 m", outer_diameter="50 mm", material="steel")
+    with pytest.raises(TypeError, match=r"missing 1 required positional argument: 'node'$"):
+        tn.Inertia("j", inertia=2)
+    with pytest.raises(TypeError, match=r"unexpected keyword argument 'xyz'$"):
+        tn.Inertia("j", "a", 2, xyz=1)
+
+
+def test_names_of_packages():
+    with pytest.raises(AttributeError, match=r"no attribute 'Model'; write tn.Drivetrain"):
+        tn.Model  # noqa: B018
+    with pytest.raises(AttributeError, match=r"no attribute 'Sprig'; did you mean .Spring."):
+        tn.Sprig  # noqa: B018
+    with pytest.raises(AttributeError, match=r"no attribute 'modes'; write plot.mode_shapes"):
+        tn.plot.modes  # noqa: B018
+
+
+def test_attributes():
+    rig = tn.load("dmf_rig")
+    with pytest.raises(
+        AttributeError, match=r"'Drivetrain' object has no attribute 'frf'; write model.frequency_response"
+    ):
+        rig.frf  # noqa: B018
+    with pytest.raises(AttributeError, match=r"no attribute 'modess'; did you mean .modes.[?]$"):
+        rig.modess  # noqa: B018
+    with pytest.raises(AttributeError, match=r"'Modes' object has no attribute 'zeta'; write modes.damping_ratios"):
+        rig.modes().zeta  # noqa: B018
+    assert not hasattr(rig, "_ipython_canary_method_should_not_exist_")
+
+
+def test_a_property_that_fails_says_its_own_error():
+    class Failing(type(tn.load("dmf_rig").modes())):
+        @property
+        def wrong(self):
+            return self.names.nothing_there
+
+    failing = object.__new__(Failing)
+    object.__setattr__(failing, "kinds", ())
+    with pytest.raises(AttributeError, match=r"'tuple' object has no attribute 'nothing_there'"):
+        failing.wrong  # noqa: B018
+
+
+def there(place, of):
+    """Whether an attribute exists, also as a field of a dataclass, which its class has no attribute of."""
+    return hasattr(of, place) or place in getattr(of, "__dataclass_fields__", {})
+
+
+def test_what_is_named_exists():
+    """Every name in every hint is one that there is."""
+    starts = {"tn": tn, "plot": tn.plot, "signals": tn.signals, "io": tn.io, "model": tn.Drivetrain, "modes": tn.Modes}
+    starts |= {"response": tn.FrequencyResponse, "symbolic": tn.symbolic.SymbolicSystem}
+    found = [*familiar_words.PYTHON.values(), *familiar_words.METHODS.values()]
+    named = [
+        one
+        for table in found
+        for text in table.values()
+        for one in re.findall(r"\b([a-z]+)[.](\w+)(?:\(\))?[.]?(\w+)?", text)
+    ]
+    assert len(named) > 60
+    for start, name, then in named:
+        if start == "np":
+            continue
+        assert there(name, starts[start]), (start, name)
+        if start == "tn" and then:
+            assert there(then, getattr(tn, name)), (name, then)
+        if (start, name) == ("model", "modes") and then:
+            assert there(then, tn.Modes), then
+
+
+def test_no_word_hides_something_that_exists():
+    for package, table in familiar_words.PYTHON.items():
+        assert not {*table} & {*dir(import_module(package))}
+    for name, table in familiar_words.METHODS.items():
+        assert not [word for word in table if there(word, getattr(tn, name))]
+    assert not {*familiar_words.ELEMENT_TYPES} & {*ELEMENT_TYPES}
+    assert {*familiar_words.ELEMENT_TYPES.values()} <= {*ELEMENT_TYPES}
