@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
 from torsionnet.core.errors import UsageError
-from torsionnet.plot.drawing.pieces import LEADING, ROLES, Label, Piece, text_width
+from torsionnet.plot.drawing.pieces import LEADING, ROLES, Box, Label, Piece, text_width
 from torsionnet.plot.schematic.canvas import POINTS_PER_INCH, figure_of_drawing
+from torsionnet.plot.schematic.drawing_parts import cut_heights, part_between
 from torsionnet.plot.schematic.drawing_plan import MOST_NAMED_NODES
 from torsionnet.plot.schematic.layout import layout_bands
 from torsionnet.plot.schematic.part_boxes import with_part_boxes
@@ -78,7 +80,39 @@ def schematic(
         y1 += LEADING * ROLES["title"].size
         x1 = max(x1, x0 + text_width(line, "title"))
     y1 += 16 if shown else 0
-    return figure_of_drawing(whole, (x0 - EDGE, x1 + EDGE, y0 - EDGE, y1 + EDGE))
+    return figure_of_drawing(whole, _framed((x0, x1, y0, y1)))
+
+
+def schematic_parts(drivetrain: Drivetrain, tallest: float, *, width: float = PAPER_WIDTH) -> tuple[Figure, ...]:
+    """Figures of the parts of a drivetrain's schematic, from top to bottom, each at most ``tallest`` mm high in print.
+
+    Parameters
+    ----------
+    drivetrain : Drivetrain
+    tallest : float
+        mm, at the size in which a part as wide as the page is printed.
+    width : float, optional
+        Width of the page in mm.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> len(schematic_parts(tn.load("wind_turbine_3mw").configured("free"), 235))
+    2
+    """
+    whole = _arranged(drivetrain, _page(width))
+    x0, x1, y0, y1 = _framed(whole.extent)
+    printed = min(1.0, width / MILLIMETRES_PER_INCH * POINTS_PER_INCH / (x1 - x0))
+    most = tallest / MILLIMETRES_PER_INCH * POINTS_PER_INCH / printed
+    edges = [y1, *cut_heights(whole, (x0, x1, y0, y1), most), y0]
+    return tuple(
+        figure_of_drawing(part_between(whole, low, high), (x0, x1, low, high)) for high, low in pairwise(edges)
+    )
+
+
+def _framed(extent: Box) -> Box:
+    x0, x1, y0, y1 = extent
+    return x0 - EDGE, x1 + EDGE, y0 - EDGE, y1 + EDGE
 
 
 def _page(width: float) -> float:

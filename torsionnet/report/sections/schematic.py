@@ -6,21 +6,28 @@ from torsionnet.report.document_tree import Picture, Section
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_text import as_words, first_names
 
+HALF_PAGE = 135.0
+"""Largest height in mm of a part of the schematic: with its caption half a page, so that pages can be filled."""
+
 
 def schematic_section(subject: ReportData) -> Section:
     """Section of a report with the schematic of the drivetrain in the first configuration.
 
-    Others differ in values or switched elements.
+    A tall one is cut into parts. Others differ in values or switched elements.
     """
-    from torsionnet.plot.schematic.schematic import schematic
+    from torsionnet.plot.schematic.schematic import schematic_parts
 
     case = subject.cases[0]
     rig = case.drivetrain
     where = f", configuration {case.configuration}" if len(subject.cases) > 1 else ""
-    caption = (
-        f"The drivetrain{where}. Discs are inertias; curved arrows mark inputs, dots sensors of motion and diamonds "
-        "sensors of torque."
-    )
+    legend = " Discs are inertias; curved arrows mark inputs, dots sensors of motion and diamonds sensors of torque."
     nodes = first_names([as_words(node) for node in rig.nodes])
     alt = f"Schematic of {rig.name}: {len(rig.elements)} elements between the nodes {nodes}"
-    return Section("schematic", ("Drivetrain",), (Picture("schematic", schematic(rig, title=""), (caption,), alt),))
+    parts = schematic_parts(rig, HALF_PAGE)
+    pictures = []
+    for number, figure in enumerate(parts, 1):
+        part = f", part {number} of {len(parts)}" if len(parts) > 1 else ""
+        caption = f"The drivetrain{where}, part {number} of {len(parts)}." if part else f"The drivetrain{where}."
+        name = f"schematic_{number}" if part else "schematic"
+        pictures.append(Picture(name, figure, (caption, *([legend] if number == 1 else [])), f"{alt}{part}"))
+    return Section("schematic", ("Drivetrain",), tuple(pictures))

@@ -1,0 +1,43 @@
+"""Schematics cut into parts: where a cut may stand, and that the parts together hold what the whole holds."""
+
+import torsionnet as tn
+from torsionnet.plot import schematic
+from torsionnet.plot.drawing.pieces import Piece
+from torsionnet.plot.schematic.drawing_parts import cut_heights
+from torsionnet.plot.schematic.schematic import schematic_parts
+
+MM = 25.4
+
+
+def texts(figure):
+    return [text.get_text() for text in figure.axes[0].texts]
+
+
+def test_a_cut_meets_no_symbol_and_few_lines():
+    discs = [(0, 10, 0, 80), (0, 10, 120, 200)]
+    lines = [(20, 23, 0, 200), (30, 33, 60, 108)]  # one goes through, another ends between the discs
+    assert cut_heights(Piece(boxes=discs), (0, 40, 0, 200), 250) == []
+    (cut,) = cut_heights(Piece(boxes=discs, wires=lines), (0, 40, 0, 200), 150)
+    assert 108 <= cut <= 116  # above the end of the second line
+
+
+def test_a_level_line_is_not_cut():
+    drawing = Piece(boxes=[(0, 10, 0, 80), (0, 10, 120, 200)])
+    drawing.line((0, 100), (40, 100))
+    (cut,) = cut_heights(drawing, (0, 40, 0, 200), 150)
+    assert abs(cut - 100) > 3
+
+
+def test_no_place_for_a_cut_leaves_the_drawing_whole():
+    assert cut_heights(Piece(boxes=[(0, 10, 0, 400)]), (0, 10, 0, 400), 150) == []
+
+
+def test_parts_hold_every_text_once_and_are_legible():
+    rig = tn.load("wind_turbine_3mw").configured("free")
+    parts = schematic_parts(rig, 135)
+    assert len(parts) > 1
+    assert sorted(text for one in parts for text in texts(one)) == sorted(texts(schematic(rig, title="")))
+    for one in parts:
+        width, height = MM * one.get_size_inches()
+        assert height * min(1, 170 / width) <= 235
+        assert min(text.get_size() for text in one.axes[0].texts) * min(1, 170 / width) >= 6
