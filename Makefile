@@ -15,7 +15,7 @@ BENCHMARKS := $(basename $(notdir $(wildcard benchmarks/[!_]*.py)))
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo figures identify test test-slow test-all test-oldest compare compare-parts structure hops move join outputs mutation fuzz lint format types generate docs manuals bench bench-short release-files clean
+.PHONY: help signatures demo figures identify test test-slow test-all test-oldest compare compare-parts structure hops move join outputs mutation fuzz lint format types generate docs manuals bench bench-short release-files clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -89,6 +89,9 @@ generate: $(VENV)/.group-docs  ## pages, stubs for type checkers and the JSON Sc
 	$(RUN) docs/generate.py
 	$(RUN) -m torsionnet schema -o library/torsionnet.schema.json
 	$(RUN) -m torsionnet schema --file study -o library/study.schema.json
+
+signatures: $(VENV)/.group-docs  ## the list of public signatures, tests/public_signatures.txt, after a decision
+	$(RUN) docs/public_names.py
 
 docs: $(VENV)/.group-docs  ## HTML pages in docs/_build/html; a warning or a broken link is an error
 	$(RUN) -m sphinx -W --keep-going -b html docs docs/_build/html

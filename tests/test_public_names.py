@@ -19,10 +19,10 @@ from torsionnet.model.elements import Element, element_classes
 DOCS = Path(__file__).parents[1] / "docs"
 MISTAKES = Path(rig.__file__).with_name("mistakes.py")
 PACKAGES = [
-    *(tn.bench, tn.identification, tn.io, tn.modal, tn.plot, tn.report, tn.sensitivity, tn.signals, tn.study),
-    importlib.import_module("torsionnet.response"),
+    *(tn.bench, tn.identification, tn.io, tn.modal, tn.plot, tn.report, tn.response, tn.sensitivity, tn.signals),
+    *(tn.study, tn.symbolic),
 ]
-OFFERED_MODULES = {*(package.__name__ for package in PACKAGES[:-1]), "torsionnet.core.units"}
+OFFERED_MODULES = {*(package.__name__ for package in PACKAGES), "torsionnet.core.units"}
 named = pytest.mark.parametrize("package", [tn, *PACKAGES], ids=lambda package: package.__name__)
 
 

@@ -1,0 +1,189 @@
+"""Public names of the package: what its lazy tables offer, the members of public classes, and their signatures.
+
+``python docs/public_names.py`` (``make signatures``) writes the list of signatures, with which a test compares.
+"""
+
+from __future__ import annotations
+
+import importlib
+import re
+from collections.abc import Iterator
+from dataclasses import MISSING, dataclass, fields, is_dataclass
+from functools import cached_property
+from inspect import Parameter, getdoc, isclass, ismodule, isroutine, signature
+from pathlib import Path
+from typing import Any
+
+import torsionnet as tn
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.lazy_imports import TABLES
+from torsionnet.core.notebook import NotebookResult
+
+SIGNATURES = Path(__file__).parents[1] / "tests" / "public_signatures.txt"
+HEAD = "# Public names and signatures: a change is a decision (docs/stability.md). Written by `make signatures`.\n"
+INNER_BASES = (Declared, NotebookResult)
+"""Base classes whose own members are for the package alone: how entries are read, what a notebook asks for."""
+INNER_MEMBERS: dict[type, set[str]] = {
+    object: {"contradictions", "key_faults", "notebook_tables", "record", "renamed", "row"},
+    tn.Drivetrain: {"assembly", "definition", "from_definition", "with_definition", "with_entries_named"},
+    tn.Element: {
+        *("at_own_speed", "diameters", "expanded", "expressions", "from_entries", "has_other_laws", "mean_speed_rows"),
+        *("place_of", "reads_off", "referral_fault", "scalars", "schema", "sign_at", "with_laws"),
+    },
+    tn.OperatingPoint: {"loaded_nodes", "read", "with_overlay"},
+    tn.Parameter: {"given", "with_operating_values", "written"},
+    tn.response.OrderResponse: {"engine_notes", "no_cycle"},
+    tn.response.LimitCheck: {"findings", "highest", "passed"},
+    tn.response.LimitConclusion: {"findings", "records", "worst_table"},
+    tn.study.Space: {"read"},
+    tn.study.Study: {"entries", "evaluator", "model_in", "model_text"},
+    tn.study.Workers: {"executor"},
+    tn.symbolic.TransferFunction: {"free_symbols", "nested_leaves", "predicted_terms", "steps", "used_tables"},
+}
+"""Members of public classes, and of what inherits from them, that only the package itself calls."""
+_ADDRESS = re.compile(r" at 0x[0-9a-f]+")
+
+
+@dataclass(frozen=True)
+class PublicName:
+    """Public object with the name under which the documentation has it, and its other public names."""
+
+    name: str
+    value: Any
+    others: tuple[str, ...] = ()
+
+    @property
+    def is_class(self) -> bool:
+        return isclass(self.value)
+
+    @property
+    def last(self) -> str:
+        """Name without the package."""
+        return self.name.rpartition(".")[2]
+
+    @property
+    def summary(self) -> str:
+        """First sentence of its docstring."""
+        if not (self.is_class or callable(self.value)):
+            return ""
+        text = (getdoc(self.value) or "").partition("\n\n")[0]
+        return re.split(r"(?<=[.:])\s+(?=[A-Z`])", " ".join(text.split()))[0]
+
+    @cached_property
+    def members(self) -> dict[str, Any]:
+        """Public members of a class that have a docstring, by name, those of base classes included."""
+        found: dict[str, Any] = {}
+        if not self.is_class:
+            return found
+        hidden = {name for cls, names in INNER_MEMBERS.items() if issubclass(self.value, cls) for name in names}
+        inner = {*INNER_BASES}
+        for cls in self.value.__mro__:
+            if not cls.__module__.startswith("torsionnet") or cls in inner:
+                continue
+            for name, member in vars(cls).items():
+                if name.startswith("_") or name in hidden or name in found or isclass(member):
+                    continue
+                if isinstance(member, property | cached_property | classmethod | staticmethod) or isroutine(member):
+                    found[name] = member
+        return found
+
+
+def public_packages() -> list[str]:
+    """Modules from which programs may import, the package itself first."""
+    offered = [one for one in TABLES["torsionnet"].values() if ":" not in one]
+    return ["torsionnet", *sorted(offered)]
+
+
+def public_names() -> list[PublicName]:
+    """Every public object once, sorted by name, element types and modules' contents included."""
+    named: dict[int, tuple[Any, list[str]]] = {}
+    for package in public_packages():
+        module = importlib.import_module(package)
+        for name in module.__all__:
+            value = getattr(module, name)
+            if not ismodule(value) and name != "__version__":
+                named.setdefault(id(value), (value, []))[1].append(f"{package}.{name}")
+    found = [PublicName(names[0], value, tuple(names[1:])) for value, names in named.values()]
+    return sorted(found, key=lambda one: one.name)
+
+
+# Signatures
+
+
+def signature_lines() -> list[str]:
+    """Sorted lines with the signature of every public object, parameter of a class, and member."""
+    return sorted(line for one in public_names() for line in _lines(one))
+
+
+def _lines(one: PublicName) -> Iterator[str]:
+    yield from (f"{other} = {one.name}" for other in one.others)
+    if not one.is_class:
+        yield f"{one.name}{_call(one.value)}" if callable(one.value) else f"{one.name}: {type(one.value).__name__}"
+        return
+    bases = [
+        base.__name__ for base in one.value.__mro__[1:-1] if base.__module__ in ("builtins", "torsionnet.core.errors")
+    ]
+    yield f"{one.name}: class({', '.join(bases)})"
+    if not issubclass(one.value, BaseException):
+        yield from _parameters(one)
+    for name, member in one.members.items():
+        yield f"{one.name}.{name}{_member(member)}"
+
+
+def _parameters(one: PublicName) -> Iterator[str]:
+    """Lines with the parameters of a class, numbered where they may be given by position, and its other fields."""
+    given = signature(one.value).parameters
+    for number, (name, parameter) in enumerate(given.items(), 1):
+        place = "by name" if parameter.kind is Parameter.KEYWORD_ONLY else f"number {number:02}"
+        yield f"{one.name}({place} {_parameter(name, parameter)})"
+    if is_dataclass(one.value):
+        for field in fields(one.value):
+            if field.name not in given and not field.name.startswith("_"):
+                yield f"{one.name}.{field.name}: {_annotation(field.type)}"
+
+
+def _member(member: Any) -> str:
+    if isinstance(member, property | cached_property):
+        function = member.fget if isinstance(member, property) else member.func
+        return f" -> {_annotation(signature(function).return_annotation)}"
+    kind = " classmethod" if isinstance(member, classmethod) else ""
+    return _call(getattr(member, "__func__", member)) + kind
+
+
+def _call(function: Any) -> str:
+    try:
+        found = signature(function)
+    except ValueError:  # of a builtin
+        return "(...)"
+    shown, starred = [], False
+    for name, parameter in found.parameters.items():
+        if parameter.kind is Parameter.KEYWORD_ONLY and not starred:
+            shown.append("*")
+            starred = True
+        starred |= parameter.kind is Parameter.VAR_POSITIONAL
+        stars = {Parameter.VAR_POSITIONAL: "*", Parameter.VAR_KEYWORD: "**"}.get(parameter.kind, "")
+        shown.append(stars + _parameter(name, parameter))
+    return f"({', '.join(shown)}) -> {_annotation(found.return_annotation)}"
+
+
+def _parameter(name: str, parameter: Parameter) -> str:
+    annotation = "" if parameter.annotation is Parameter.empty else f": {_annotation(parameter.annotation)}"
+    if parameter.default is Parameter.empty:
+        return f"{name}{annotation}"
+    default = "..." if parameter.default is MISSING else _ADDRESS.sub("", repr(parameter.default))
+    return f"{name}{annotation} = {' '.join(default.split())}"
+
+
+def _annotation(annotation: Any) -> str:
+    if annotation is Parameter.empty:
+        return "?"
+    return annotation if isinstance(annotation, str) else getattr(annotation, "__name__", str(annotation))
+
+
+def signatures_text() -> str:
+    """Text of the stored list."""
+    return HEAD + "".join(f"{line}\n" for line in signature_lines())
+
+
+if __name__ == "__main__":
+    SIGNATURES.write_text(signatures_text(), encoding="utf-8")
