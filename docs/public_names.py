@@ -28,7 +28,7 @@ INNER_MEMBERS: dict[type, set[str]] = {
     tn.Drivetrain: {"assembly", "definition", "from_definition", "with_definition", "with_entries_named"},
     tn.Element: {
         *("at_own_speed", "diameters", "expanded", "expressions", "from_entries", "has_other_laws", "mean_speed_rows"),
-        *("place_of", "reads_off", "referral_fault", "scalars", "schema", "sign_at", "with_laws"),
+        *("parts", "place_of", "reads_off", "referral_fault", "scalars", "schema", "sign_at", "twist", "with_laws"),
     },
     tn.OperatingPoint: {"loaded_nodes", "read", "with_overlay"},
     tn.Parameter: {"given", "with_operating_values", "written"},
@@ -38,7 +38,21 @@ INNER_MEMBERS: dict[type, set[str]] = {
     tn.study.Space: {"read"},
     tn.study.Study: {"entries", "evaluator", "model_in", "model_text"},
     tn.study.Workers: {"executor"},
-    tn.symbolic.TransferFunction: {"free_symbols", "nested_leaves", "predicted_terms", "steps", "used_tables"},
+    tn.study.Samples: {"points"},
+    **{
+        one: {"bound", "sizes", "words"}
+        for one in (tn.study.ListOfValues, tn.study.Lognormal, tn.study.Normal, tn.study.Triangular, tn.study.Uniform)
+    },
+    tn.study.UserFunction: {*dir(tn.study.UserFunction)},
+    tn.study.ValueRange: {"bound", "sizes", "words"},
+    tn.symbolic.TransferFunction: {
+        "free_symbols",
+        "nested_leaves",
+        "predicted_terms",
+        "program",
+        "steps",
+        "used_tables",
+    },
 }
 """Members of public classes, and of what inherits from them, that only the package itself calls."""
 _ADDRESS = re.compile(r" at 0x[0-9a-f]+")
@@ -73,8 +87,8 @@ class PublicName:
     def members(self) -> dict[str, Any]:
         """Public members of a class that have a docstring, by name, those of base classes included."""
         found: dict[str, Any] = {}
-        if not self.is_class:
-            return found
+        if not self.is_class or (issubclass(self.value, tn.Element) and self.value is not tn.Element):
+            return found  # an element type has entries; what else there is, its base class has
         hidden = {name for cls, names in INNER_MEMBERS.items() if issubclass(self.value, cls) for name in names}
         inner = {*INNER_BASES}
         for cls in self.value.__mro__:

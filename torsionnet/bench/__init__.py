@@ -9,6 +9,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "Bench": "torsionnet.bench.bench",
         "Encoder": "torsionnet.model.bench",
         "Exciter": "torsionnet.model.bench",
+        "ExciterOutput": "torsionnet.bench.exciter_torque",
         "Plan": "torsionnet.model.bench",
         "Transducer": "torsionnet.model.bench",
         "load_bench": "torsionnet.bench.loading_bench",

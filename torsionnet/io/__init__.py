@@ -9,6 +9,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "Catalogue": "torsionnet.model.catalogues.catalogue",
+        "MassElasticSheet": "torsionnet.model.sheets.mass_elastic_sheet",
         "from_tors": "torsionnet.io.tors_reading",
         "iter_blocks": "torsionnet.io.recording_files",
         "mass_elastic_report": "torsionnet.io.mass_elastic_reading",

@@ -7,8 +7,10 @@ __all__, __getattr__, __dir__ = lazy_exports(
     {
         "CircleFit": "torsionnet.modal.circle_fit",
         "Criteria": "torsionnet.modal.settings",
+        "IdentifiedMode": "torsionnet.modal.modal_estimate",
         "Match": "torsionnet.modal.matching",
         "ModalEstimate": "torsionnet.modal.modal_estimate",
+        "Order": "torsionnet.modal.stabilisation",
         "Settings": "torsionnet.modal.settings",
         "Stabilisation": "torsionnet.modal.stabilisation",
         "circle_fit": "torsionnet.modal.circle_fit",

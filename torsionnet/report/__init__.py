@@ -13,6 +13,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
     {
         "Measured": "torsionnet.report.report_request",
         "Pair": "torsionnet.model.report",
+        "Picture": "torsionnet.report.document_tree",
         "Report": "torsionnet.report.document_tree",
         "ReportPlan": "torsionnet.model.report",
         "Revision": "torsionnet.model.report",

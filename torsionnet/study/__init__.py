@@ -7,6 +7,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
     {
         "AnsweredStudy": "torsionnet.study.run.answering",
         "Correlation": "torsionnet.study.space.correlation",
+        "DamperInCondition": "torsionnet.study.design.conditions_damper",
         "DamperOverConditions": "torsionnet.study.design.conditions_damper",
         "ListOfValues": "torsionnet.study.space.variations.list_of_values",
         "Lognormal": "torsionnet.study.space.variations.lognormal",
@@ -16,8 +17,10 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "Space": "torsionnet.study.space.space",
         "Study": "torsionnet.study.study",
         "StudyResult": "torsionnet.study.study_result",
+        "Summary": "torsionnet.study.reductions.quantity_summary",
         "Triangular": "torsionnet.study.space.variations.triangle",
         "Uniform": "torsionnet.study.space.variations.uniform",
+        "UserFunction": "torsionnet.study.quantities.user_function",
         "ValueRange": "torsionnet.study.space.variations.range_of_values",
         "Workers": "torsionnet.study.run.workers",
         "answer_study": "torsionnet.study.run.answering",

@@ -5,7 +5,10 @@ from torsionnet.core.lazy_imports import lazy_exports
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
+        "Expanded": "torsionnet.symbolic.expanded",
+        "Normalised": "torsionnet.symbolic.normalised",
         "Rational": "torsionnet.symbolic.rational",
+        "Simplified": "torsionnet.symbolic.simplified",
         "SymbolicSystem": "torsionnet.symbolic.symbolic_system",
         "TransferFunction": "torsionnet.symbolic.transfer_function",
         "TransferMatrix": "torsionnet.symbolic.transfer_matrix",

@@ -6,6 +6,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "Evaluation": "torsionnet.solve.sensitivity.parametric",
+        "ModeEffect": "torsionnet.solve.sensitivity.mode_sensitivities",
         "ModeSensitivities": "torsionnet.solve.sensitivity.mode_sensitivities",
         "ParametricResponse": "torsionnet.solve.sensitivity.parametric",
         "mode_sensitivities": "torsionnet.solve.sensitivity.mode_sensitivities",
