@@ -537,6 +537,13 @@ def symbol_pictures(folder: Path) -> None:
         symbol_picture.write(folder, kind, [sample(cls, full=False), sample(cls, full=True)])
 
 
+def tutorial_pictures(folder: Path) -> None:
+    """Write the pictures of the tutorials, by the commands that their pages show."""
+    import tutorial_steps
+
+    tutorial_steps.write_pictures(folder)
+
+
 PAGES = {
     "elements.md": elements_page,
     "element_index.md": element_index,
@@ -568,6 +575,7 @@ def write_all(folder: Path = GENERATED) -> None:
         sys.path.insert(0, str(DOCS))
     sign_pictures(folder)
     symbol_pictures(folder)
+    tutorial_pictures(folder)
 
 
 if __name__ == "__main__":

@@ -50,8 +50,9 @@ class Printed:
 
     @property
     def agrees(self) -> bool:
-        """Whether the page shows what was printed, and no error that it does not show came up."""
-        return (self.code == 0 or "error" in self.typed.shown) and same(self.typed.shown, self.text)
+        """Whether the page shows what was printed; a verdict or an error that it shows has an exit code of its own."""
+        told = {1: "error", 6: "incomplete"}.get(self.code, "never told")
+        return (self.code == 0 or told in self.typed.shown) and same(self.typed.shown, self.text)
 
 
 def steps(page: Path) -> Iterator[str | Typed]:
@@ -84,16 +85,31 @@ def write_block(folder: Path, text: str) -> None:
     path.write_text("".join([*lines[:first], *block, *lines[last:]]), encoding="utf-8")
 
 
-def run(page: Path, folder: Path, *, wanted: Callable[[str], bool] = lambda _: True) -> Iterator[Printed]:
-    """Write the files of a page into a folder and run its commands there that are wanted, one after the other."""
+def run(
+    page: Path,
+    folder: Path,
+    *,
+    wanted: Callable[[str], bool] = lambda _: True,
+    changed: Callable[[str], str] = lambda text: text,
+) -> Iterator[Printed]:
+    """Write the files of a page into a folder and run its commands there that are wanted, one after the other.
+
+    ``changed`` changes a command and what is shown below it, as ``as_html`` does.
+    """
     for step in steps(page):
         if isinstance(step, str):
             write_block(folder, step)
         elif wanted(step.line):
+            done = Typed(changed(step.line), changed(step.shown))
             both = io.StringIO()
             with contextlib.chdir(folder), contextlib.redirect_stdout(both), contextlib.redirect_stderr(both):
-                code = main(shlex.split(step.line)[1:])
-            yield Printed(step, code, both.getvalue())
+                code = main(shlex.split(done.line)[1:])
+            yield Printed(done, code, both.getvalue())
+
+
+def as_html(text: str) -> str:
+    """Command or answer with the report as HTML, which needs no browser, instead of PDF."""
+    return text.replace(".pdf", ".html")
 
 
 def same(shown: str, printed: str) -> bool:
@@ -154,7 +170,7 @@ def update(page: Path) -> None:
         for done in run(page, Path(name)):
             typed = done.typed
             if not done.agrees:
-                print(f"{page.name}: {typed.line}: exit code {done.code}\n{done.text}")
+                sys.stdout.write(f"{page.name}: {typed.line}: exit code {done.code}\n{done.text}")
             before, text = text.split(f"$ {typed.line}\n{typed.shown}", 1)
             new += [before, f"$ {typed.line}\n", typed.shown if LEFT_OUT in typed.shown else plain(done.text)]
     page.write_text("".join([*new, text]), encoding="utf-8")
