@@ -22,7 +22,7 @@ collect_ignore = ["mutation/plugin.py", "user_types/mistakes.py"]
 TOOLS = {
     "Chromium": "the system's packages, as apt-get install chromium",
     "playwright": "pip install playwright",
-    "pdflatex": "the system's packages, as apt-get install texlive-latex-recommended texlive-latex-extra texlive-science",
+    "pdflatex": "the system's packages, as apt-get install lmodern texlive-latex-recommended texlive-latex-extra texlive-science",
     "pdftoppm": "the system's packages, as apt-get install poppler-utils",
     "compiler": "the system's packages, as apt-get install gcc, or pip install ziglang",
 }
