@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 import torsionnet as tn
 from torsionnet.core.units import RPM
 from torsionnet.plot import passage_response as drawn
-from torsionnet.response.vibrations.vibration_cycles import cycles_above, half_ranges
+from torsionnet.response.vibrations.vibration_cycles import cycles_above, envelopes, half_ranges
 
 J, K, C = (2.0, 3.0), 1.2e4, 6.0
 NATURAL = np.sqrt(K * (1 / J[0] + 1 / J[1]))  # 100 rad/s
@@ -212,3 +212,29 @@ def test_results_are_shown():
 def test_speeds_that_cannot_be_followed(times, speeds, said):
     with pytest.raises(tn.UsageError, match=said):
         two_masses().passage_response("torque(shaft)", times, speeds)
+
+
+def test_many_cycles_are_drawn_as_the_area_between_their_envelopes():
+    """Of 955 cycles no line is drawn; the area reaches as high as the half range, on one axis with the quick passage."""
+    rig = two_masses()
+    quick, slow = (rig.passage_response("torque(shaft)", [0, time], [80, 120]) for time in (1, 60))
+    levels = [{"allowed": np.full(len(one.times), 20.0)} for one in (quick, slow)]
+    figure = drawn([quick, slow], limits=levels)
+    left, right = figure.axes[0], figure.axes[1]
+    assert left.get_ylim() == right.get_ylim()
+    (band,) = right.collections
+    assert not left.collections
+    top = max(float(path.vertices[:, 1].max()) for path in band.get_paths())
+    assert top == pytest.approx(slow.peak().half_range, rel=0.02)
+    assert max(len(line.get_xdata()) for line in right.lines[:3]) < 4100
+    for panel in (left, right):
+        assert "allowed" in [line.get_label() for line in panel.lines]
+
+
+def test_envelopes_by_hand():
+    """A wave of the amplitude t/25 after t turns, on a mean of 3."""
+    turns = np.linspace(0, 50, 20001)
+    middle, low, high = envelopes(2 * np.pi * turns, 3 + turns / 25 * np.cos(2 * np.pi * turns), 2 * np.pi)
+    at = middle / 2 / np.pi / 25
+    assert np.abs(high - (3 + at)).max() < 0.021  # half a cycle of growth, 1/50
+    assert np.abs(low - (3 - at)).max() < 0.021

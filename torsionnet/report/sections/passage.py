@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from torsionnet.report.document_tree import Block, Paragraph, Picture, Section, Strong
@@ -49,7 +49,7 @@ def _covers(one: PassedRange, other: PassedRange) -> bool:
 
 
 def _range(subject: ReportData, barred: PassedRange, number: int) -> Iterator[Block]:
-    """Blocks of the report on one barred range: what was found, the table of passages, and the slowest one drawn."""
+    """Blocks of the report on one barred range: what was found, the table of passages, and two of them drawn."""
     from torsionnet.solve.running.range_passage import range_passages
 
     check, _ = barred.worst
@@ -64,8 +64,7 @@ def _range(subject: ReportData, barred: PassedRange, number: int) -> Iterator[Bl
     yield Paragraph((Strong(f"{low} to {high} rpm{where}:"), *_finding(passages, asked)))
     shown = passage_table(passages, subject.conventions)
     yield results_table(shown, f"Passage of {low} to {high} rpm{where}")
-    slowest = max(passages, key=lambda one: one.seconds)  # the first of these is that of the worst limit
-    yield _picture(subject, slowest, f"{low} to {high} rpm{where}", number)
+    yield _picture(subject, _drawn(passages), f"{low} to {high} rpm{where}", number)
     notes = dict.fromkeys(note for one in passages for note in one.response.notes[:-1])
     if notes:
         yield Paragraph((f"{capital('; '.join(as_words(note) for note in notes))}.",))
@@ -87,13 +86,25 @@ def _finding(passages: tuple[RangePassage, ...], asked: float | None) -> tuple[s
     )
 
 
-def _picture(subject: ReportData, passage: RangePassage, what: str, number: int) -> Picture:
-    """Figure of a passage over time with the values allowed."""
+def _drawn(passages: Sequence[RangePassage]) -> list[RangePassage]:
+    """Quickest and slowest passage of the worst limit in the direction of the first one, once if they are the same."""
+    first = passages[0]
+    same = [one for one in passages if one.verdict is first.verdict and one.is_upward == first.is_upward]
+    ends = [min(same, key=lambda one: one.seconds), max(same, key=lambda one: one.seconds)]
+    return ends if ends[0] is not ends[1] else ends[:1]
+
+
+def _picture(subject: ReportData, passages: Sequence[RangePassage], what: str, number: int) -> Picture:
+    """Figure of passages over time with the values allowed, the quick one beside the slow one."""
     from torsionnet.plot.passage_response import passage_response
 
-    run, verdict = passage.response, passage.verdict
-    single = replace(run, values=passage.values[:, None], outputs=(Channel(as_words(verdict.limit), verdict.unit),))
-    lines = {verdict.criterion: passage.allowed, passage.criterion_in_passing: passage.allowed_in_passing}
-    drawn = passage_response(single, limits=lines, conventions=subject.conventions, title="")
-    caption = (f"Passage of {what} in {passage.seconds:g} s.",)
-    return Picture(f"passage_{number}", drawn, caption, f"Passage of {what} in {passage.seconds:g} s.")
+    verdict = passages[0].verdict
+    channel = Channel(as_words(verdict.limit), verdict.unit)
+    runs = [replace(one.response, values=one.values[:, None], outputs=(channel,)) for one in passages]
+    limits = [{verdict.criterion: one.allowed, one.criterion_in_passing: one.allowed_in_passing} for one in passages]
+    drawn = passage_response(runs, limits=limits, conventions=subject.conventions, title="")
+    seconds = [one.seconds for one in passages]
+    caption = f"Passage of {what} in {seconds[0]:g} s."
+    if len(seconds) > 1:
+        caption = f"Passage of {what} in {seconds[0]:g} s and in {seconds[1]:g} s."
+    return Picture(f"passage_{number}", drawn, (caption,), caption)

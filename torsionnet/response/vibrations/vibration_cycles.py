@@ -52,10 +52,31 @@ def half_ranges(angles: FloatArray, values: FloatArray, cycle: float) -> tuple[F
     >>> round(float(np.interp(10 * np.pi, middle, found)), 3)  # (31.4 + 34.6)/200
     0.33
     """
+    middle, low, high = envelopes(angles, values, cycle)
+    return middle, (high - low) / 2
+
+
+def envelopes(angles: FloatArray, values: FloatArray, cycle: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Middle angles in rad of windows one cycle long, smallest and largest value in them, all (n,).
+
+    Parameters
+    ----------
+    angles, values : (n,) arrays
+        Angle of the shaft in rad, rising, and the vibration in any unit, which the envelopes have too.
+    cycle : float
+        Length of a cycle in rad; a shorter record is one window.
+
+    Examples
+    --------
+    >>> angle = np.linspace(0, 20 * np.pi, 4001)
+    >>> middle, low, high = envelopes(angle, 1 + 2 * np.cos(angle), 2 * np.pi)
+    >>> round(float(low.max()), 3), round(float(high.min()), 3)
+    (-1.0, 3.0)
+    """
     exact = crests(values)
     count = int((angles[-1] - angles[0]) / cycle * WINDOWS_PER_CYCLE * (1 + 1e-12))
     if count < WINDOWS_PER_CYCLE:
-        return np.array([(angles[0] + angles[-1]) / 2]), np.array([(exact.max() - exact.min()) / 2])
+        return np.array([(angles[0] + angles[-1]) / 2]), np.array([exact.min()]), np.array([exact.max()])
     edges = angles[0] + np.arange(count + 1) * cycle / WINDOWS_PER_CYCLE
     starts = np.searchsorted(angles, edges[:-1])
     last = int(np.searchsorted(angles, edges[-1], side="right"))
@@ -63,7 +84,7 @@ def half_ranges(angles: FloatArray, values: FloatArray, cycle: float) -> tuple[F
     high, low = (operation.reduceat(exact[:last], starts) for operation in (np.maximum, np.minimum))
     wide = np.lib.stride_tricks.sliding_window_view
     most, least = (wide(high, WINDOWS_PER_CYCLE).max(axis=1), wide(low, WINDOWS_PER_CYCLE).min(axis=1))
-    return edges[: len(most)] + cycle / 2, np.asarray((most - least) / 2)
+    return edges[: len(most)] + cycle / 2, np.asarray(least), np.asarray(most)
 
 
 def cycles_above(values: FloatArray, level: float) -> float:
