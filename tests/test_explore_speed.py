@@ -74,7 +74,7 @@ class TestAnswers:
         model = json.loads(path.read_text(encoding="utf-8"))
         model["elements"]["belt"]["ratio"] = 2.7182818
         session = open_session(str(path), text=json.dumps(model))
-        assert answer(session, OVER_SPEED)["orders"]["total"] == "half ranges, added"
+        assert answer(session, OVER_SPEED)["orders"]["total"] == "all orders, half range, worst position of shafts"
 
     def test_the_rest_of_the_page_is_there(self, session):
         found = answer(session, OVER_SPEED)

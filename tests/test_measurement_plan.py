@@ -70,7 +70,7 @@ def test_expected_amplitudes_by_hand():
     assert size == half_range == pytest.approx(torque(800), rel=1e-3)
     assert stress == pytest.approx(torque(800) * 16 / np.pi / 0.04**3 / 1e6, rel=1e-3)
     peak = max(speeds, key=lambda name: speeds[name][2])
-    assert peak == "Critical, order 4"
+    assert peak == "Peak of order 4"
     found = np.linspace(300, 900, 60001)
     assert speeds[peak][0] == pytest.approx(found[torque(found).argmax()], rel=2e-3)
 

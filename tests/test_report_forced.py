@@ -181,7 +181,7 @@ class TestForcedResponse:
         assert len(names) == 3
 
     def test_orders_at_the_critical_speed(self, report):
-        (row,) = rows(table(report, "forced_response", "Orders at the critical speeds"))
+        (row,) = rows(table(report, "forced_response", "Orders at the peaks"))
         assert row[1:3] == ("blades 2, mode 1", "shaft")
         largest = max(torque(2, rpm, 10) for rpm in np.arange(580, 590, 0.01))
         assert float(row[-1].split("; ")[0].removeprefix("blades 2: ")) == pytest.approx(1e-3 * largest, rel=5e-3)

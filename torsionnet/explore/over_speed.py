@@ -53,7 +53,7 @@ def over_speed(rig: Drivetrain, output: str, *, rough: bool = False) -> dict[str
         "rated": float(given.rated) * RPM if given.rated else None,
         "range": [min(given.values) * RPM, max(given.values) * RPM],
         "rpm": json_numbers(run.rpm),
-        "total": "all orders, half range" if run.revolutions is not None else "half ranges, added",
+        "total": run.sum_label,
         "half_range": json_numbers(run.half_range[:, 0]),
         "orders": _largest(run),
         "count": len(run.lines),

@@ -66,8 +66,7 @@ def order_response(
         scale, unit = (1e3 * scale, f"m{unit}") if milli and unit == "rad" else (scale, unit)
         sizes = response.sizes[:, :, place] * scale
         style.style_axes(panel)
-        exact = response.revolutions is not None
-        label = "all orders, half range" if exact else "half ranges, added"
+        label = response.sum_label.replace(", worst", ",\nworst")
         panel.plot(response.rpm, total[:, place] * scale, color=style.INK, linewidth=2.0, label=label)
         for number, line in enumerate(np.argsort(-sizes.max(axis=0), kind="stable")[:most].tolist()):
             panel.plot(response.rpm, sizes[:, line], label=str(response.lines[line]), **style.line_style(number))

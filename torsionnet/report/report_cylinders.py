@@ -12,6 +12,7 @@ from torsionnet.core.units import RPM
 from torsionnet.model.excitations.cylinder_entries import EACH
 from torsionnet.model.excitations.cylinder_harmonics import cylinder_harmonics, firing_intervals, indicated_pressures
 from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
+from torsionnet.report.cylinders_out import pressure_notes, with_lost_torque, with_sums_out
 from torsionnet.report.document_tree import Block, Cell, Heading, Paragraph, Picture, TableBlock
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import results_table, table, with_decimals
@@ -40,7 +41,7 @@ def engine_blocks(subject: ReportData, case: Case, name: str, engine: Reciprocat
     """Blocks of a report on one engine: firing, mean indicated pressure, harmonics, vector sums and stars."""
     speed, own = shaft_speeds(case.drivetrain, name)
     blocks: list[Block] = [Paragraph((_firing(name, engine),))]
-    blocks += _pressures(case, name, engine, own / speed)
+    blocks += _pressures(subject, case, name, engine, own / speed)
     found = cylinder_harmonics(engine, own)
     largest = sorted(found, key=lambda one: -one.torque)[:MOST_ORDERS]
     kept = tuple(one for one in found if one in largest)
@@ -49,7 +50,9 @@ def engine_blocks(subject: ReportData, case: Case, name: str, engine: Reciprocat
     if len(kept) < len(found):
         notes.append(f"{len(found) - len(kept)} further orders have less than {1e-3 * _least(kept):.3g} kN·m.")
     made = result_table("", [_shown(one) for one in kept], CylinderHarmonic, notes=notes)
-    blocks.append(with_decimals(results_table(made, caption), {**DECIMALS, **_torque_decimals(found)}))
+    places = [number for number, one in enumerate(found) if one in largest]
+    shown = with_lost_torque(subject, name, own, results_table(made, caption), places)
+    blocks.append(with_decimals(shown, {**DECIMALS, **_torque_decimals(found)}))
     return [*blocks, *_vectors(subject, case, name)]
 
 
@@ -82,7 +85,7 @@ def _firing(name: str, engine: ReciprocatingEngine) -> str:
     return f"{_name(name)}: {sizes}, {masses}. {what} {order}, {each} of crank angle."
 
 
-def _pressures(case: Case, name: str, engine: ReciprocatingEngine, ratio: float) -> list[Block]:
+def _pressures(subject: ReportData, case: Case, name: str, engine: ReciprocatingEngine, ratio: float) -> list[Block]:
     speeds = case.drivetrain.definition.speeds
     assert speeds is not None
     low, high = float(speeds.values[0]), float(speeds.values[-1])
@@ -96,7 +99,8 @@ def _pressures(case: Case, name: str, engine: ReciprocatingEngine, ratio: float)
         found[0].pressure
     ):
         found, what = (found[chosen.index(rated)],), "mean indicated pressure, the same at all speeds"
-    block = results_table(result_table("", found, IndicatedPressure), f"{_name(name)}: {what}, all cylinders working")
+    made = result_table("", found, IndicatedPressure, notes=pressure_notes(subject, name, rated * ratio))
+    block = results_table(made, f"{_name(name)}: {what}, all cylinders working")
     return [with_decimals(block, {"bar": 2, "kW": 0, "r/min": 1})]
 
 
@@ -121,7 +125,7 @@ def _vectors(subject: ReportData, case: Case, name: str) -> list[Block]:
     )
     alt = f"Phase stars of {as_words(name)} on modes {', '.join(map(str, drawn))}"
     return [
-        results_table(made, f"{_name(name)}: relative vector sums"),
+        with_sums_out(subject, name, sums, results_table(made, f"{_name(name)}: relative vector sums")),
         Picture(f"phase_stars_{name.replace('.', '_')}", phase_stars(sums, modes=drawn, groups=groups), caption, alt),
     ]
 

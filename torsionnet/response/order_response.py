@@ -394,6 +394,17 @@ class OrderResponse(NotebookResult):
         return f"{PHASE_NOTE}; a frequency f beside it adds 2 pi f t"
 
     @property
+    def sum_label(self) -> str:
+        """Text of a legend for the curve of all orders together: their half range, and how it is meant.
+
+        Where shafts have no short common cycle the half ranges of each are added: the worst position to each other.
+        """
+        if self.revolutions is not None:
+            return "all orders, half range"
+        where = "worst timing" if any(line.fixed for line in self.lines) else "worst position of shafts"
+        return f"all orders, half range, {where}"
+
+    @property
     def _of_whom(self) -> str:
         return "of speed and fixed frequencies" if any(line.fixed for line in self.lines) else "of the shafts"
 

@@ -72,7 +72,7 @@ def critical_peaks(run: OrderResponse, output: str | None = None) -> tuple[Plann
     >>> ship = tn.load("two_stroke_ship").configured("normal")
     >>> found = critical_peaks(ship.order_response("torque(intermediate)", refine=True))
     >>> [(round(one.speed * 30 / np.pi), one.reason) for one in found][:1]
-    [(52, 'critical, order 6')]
+    [(52, 'peak of order 6')]
     """
     place, peaks = run.output(output), []
     largest = float(run.half_range[:, place].max())
@@ -83,7 +83,7 @@ def critical_peaks(run: OrderResponse, output: str | None = None) -> tuple[Plann
             continue
         inside = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])) + 1
         inside = inside[size[inside] >= SMALLEST_SHARE * largest]
-        reason = f"critical, order {float(line.relative):.4g}"
+        reason = f"peak of order {float(line.relative):.4g}"
         peaks += [(float(size[at]), PlannedSpeed(float(run.speeds[at]), reason)) for at in inside]
     peaks.sort(key=lambda peak: -peak[0])
     return tuple(sorted((one for _, one in peaks[:MOST_CRITICAL]), key=lambda one: one.speed))
@@ -139,7 +139,7 @@ def measured_at(planned: PlannedAmplitude, measured: Sequence[MeasuredOrder]) ->
     Examples
     --------
     >>> test = MeasuredOrder(6.0, np.array([5.0, 6.0]), np.array([1.0, 2.0]))
-    >>> measured_at(PlannedAmplitude(5.5, "critical, order 6", 6.0, "engine 6", 1.6, 2.0), [test])
+    >>> measured_at(PlannedAmplitude(5.5, "peak of order 6", 6.0, "engine 6", 1.6, 2.0), [test])
     1.5
     """
     for one in measured:

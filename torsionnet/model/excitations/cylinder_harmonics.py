@@ -46,6 +46,28 @@ def cylinder_harmonics(engine: ReciprocatingEngine, speed: float) -> tuple[Cylin
     )
 
 
+def lost_harmonics(engine: ReciprocatingEngine, speed: float) -> FloatArray:
+    """Torque amplitude in N m that a cylinder lacks where it is out, at a speed in rad/s, by order, shape (n_orders,).
+
+    The gas torque with injection less that without; where the engine has cylinders without any gas torque only
+    (``gas_off``), the whole gas torque. Alone at one cylinder this torque adds all orders to an even engine, the low
+    ones too.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> engine = tn.load("two_stroke_ship").configured("misfire_2").definition.excitations["engine"]
+    >>> (lost_harmonics(engine, 105 * np.pi / 30)[:3] / 1e3).round(1).tolist()
+    [820.8, 598.2, 375.8]
+    """
+    crank, orders, at = engine.crank, engine.acting_orders, np.array([speed])
+    fired = engine.fired_harmonics(at)[0]
+    if engine.gas is None or not engine.misfire:
+        return np.asarray(np.abs(fired))
+    motored = engine.gas.factor(at)[0] * engine.gas.motored_harmonics_at(crank, orders)
+    return np.asarray(np.abs(fired - motored))
+
+
 def indicated_pressures(engine: ReciprocatingEngine, speeds: FloatArray) -> tuple[IndicatedPressure, ...]:
     """Mean indicated pressures, torques and powers of an engine with all cylinders firing, at speeds in rad/s.
 

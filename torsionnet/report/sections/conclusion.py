@@ -23,6 +23,7 @@ from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import results_table, table
 from torsionnet.report.report_text import as_words, capital, unit
 from torsionnet.response.equal_remarks import condition_words
+from torsionnet.response.limits.governing_peaks import line_name, little_damped
 from torsionnet.response.limits.limit_check import listed_names
 from torsionnet.response.limits.limit_conclusion import LimitConclusion, WorstLimit
 from torsionnet.response.limits.operating_instructions import instruction_table
@@ -31,6 +32,12 @@ NO_LIMITS = (
     "No limits are given, so nothing is judged: what the components bear stands in the entry limits: of the model file."
 )
 """Sentence of a calculation without limits in place of a verdict."""
+
+LITTLE_DAMPED = (
+    "{name}, {share} % of the limit: at {speed} rpm {order} is in resonance with mode {mode}, whose calculated damping "
+    "ratio is only {damping} %. The value depends on this damping; a measurement is advised."
+)
+"""Sentence on a governing value that stands at a resonance with little damping."""
 
 
 def conclusion_section(subject: ReportData) -> Section:
@@ -42,7 +49,8 @@ def conclusion_section(subject: ReportData) -> Section:
 
 def _judged(subject: ReportData, found: LimitConclusion) -> Iterator[Block]:
     yield Paragraph((Strong("Verdict:"), " ", Strong(found.verdict)))
-    yield Listing(tuple((capital(as_words(finding)),) for finding in found.findings))
+    findings = [capital(as_words(finding)) for finding in found.findings]
+    yield Listing(tuple((text,) for text in [*findings, *_by_small_damping(subject, found)]))
     yield _components(subject, found)
     instructions = instruction_table(found.checks, subject.conventions)
     if instructions.rows:
@@ -51,6 +59,20 @@ def _judged(subject: ReportData, found: LimitConclusion) -> Iterator[Block]:
         yield Paragraph((Strong("Operating instructions:"), " ", *instructions.notes))
     yield Paragraph(("Not covered:",))
     yield Listing(tuple(_not_covered(subject, found)))
+
+
+def _by_small_damping(subject: ReportData, found: LimitConclusion) -> Iterator[str]:
+    """Sentences on governing values that stand at a resonance of a mode with little damping."""
+    peaks = subject.governing_peaks.peaks if subject.governing_peaks else ()
+    for worst, peak in little_damped(found.worst(), peaks):
+        yield LITTLE_DAMPED.format(
+            name=as_words(worst.verdict.limit),
+            share=f"{100 * (worst.utilisation or 0.0):.3g}",
+            speed=f"{peak.rpm:.4g}",
+            order=as_words(line_name(peak)),
+            mode=peak.critical.mode.number,
+            damping=f"{100 * peak.critical.mode.damping_ratio:.1g}",
+        )
 
 
 def _components(subject: ReportData, found: LimitConclusion) -> TableBlock:

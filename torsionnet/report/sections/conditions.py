@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from torsionnet.core.units import RPM
+from torsionnet.model.excitations.engine_entries import EngineEntries
 from torsionnet.model.excitations.engine_phases import conditions_running_alone
 from torsionnet.model.load.load_places import ENGINE
+from torsionnet.report.cylinders_out import lost_torque_words
 from torsionnet.report.document_tree import Block, Cell, Heading, Listing, Paragraph, Section, Strong, TableBlock, Text
-from torsionnet.report.report_conditions import FIRING, alternative_words, load_words, speed_words, unexamined
+from torsionnet.report.report_conditions import alternative_words, load_words, speed_words, unexamined
 from torsionnet.report.report_data import MOST_JUDGED_CASES, Case, ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, choices_of_some, first_names
@@ -35,6 +37,8 @@ def conditions_section(subject: ReportData) -> Section | None:
     if axes:
         blocks.append(_conditions(subject))
     blocks.append(Paragraph((_examined(subject),)))
+    lost = lost_torque_words(subject)
+    blocks += [Paragraph((lost,))] if lost else []
     missing = tuple(_not_examined(subject))
     if missing:
         blocks += [Paragraph((Strong("Not examined"),)), Listing(missing)]
@@ -147,6 +151,7 @@ def _not_examined(subject: ReportData) -> Iterator[Text]:
         if not names:
             yield (f"Running on {as_words(alone)} alone: no condition of the model has it.",)
     for name, engine in subject.model.definition.excitations.items():
+        states = [now[name] for _, now in conditions]
         fired = engine.kind == ENGINE and not engine.absorbs
-        if fired and not any(getattr(now[name], entry, ()) for _, now in conditions for entry in FIRING):
+        if fired and not any(isinstance(one, EngineEntries) and one.has_lost_cylinder for one in states):
             yield (f"Misfire of {as_words(name)}: no condition of the model has it.",)

@@ -27,6 +27,13 @@ INTRODUCTION = (
     "All orders act together with their phases (synthesis): the value shown is the half range, (max − min)/2, of their "
     "sum over a cycle. Amplitudes of single orders are peak values; they need not add up to the half range."
 )
+PEAKS = (
+    "The speed is that at which the order alone is largest in this component. Damping moves it off the critical speed, "
+    "where order and natural frequency meet, and the sum of all orders is largest at a speed of its own."
+)
+"""Note below the table of peaks that tells apart the speeds of one resonance."""
+SUMS = "The speed is that at which the sum of all orders uses the limit most."
+"""Note below the table of worst values."""
 WORST_COLUMNS = (
     Heading("Component"),
     Heading("Condition", wide=True),
@@ -38,8 +45,8 @@ WORST_COLUMNS = (
     Heading("Largest orders there", wide=True),
 )
 CRITICAL_COLUMNS = (
-    Heading("Speed", "rpm", numeric=True),
-    Heading("Critical of"),
+    Heading("Peak at", "rpm", numeric=True),
+    Heading("Peak of"),
     Heading("Component"),
     Heading("All orders", numeric=True),
     Heading("Unit"),
@@ -78,9 +85,9 @@ def _families(subject: ReportData, found: LimitConclusion) -> list[Picture]:
 
 
 def _worst(subject: ReportData, found: LimitConclusion) -> list[TableBlock]:
-    """Table of every limit on vibration in its worst condition, normal and with a cylinder misfiring."""
+    """Table of every limit on vibration in its worst condition, with all cylinders working and with one out."""
     groups = []
-    for title, misfiring in (("Without misfire", False), ("With a cylinder misfiring", True)):
+    for title, misfiring in (("All cylinders working", False), ("With a cylinder out", True)):
         worst: dict[tuple[str, str], tuple[LimitCheck, LimitVerdict]] = {}
         for check in found.checks:
             for one in vibratory_verdicts(check) if check.misfiring is misfiring else ():
@@ -94,7 +101,10 @@ def _worst(subject: ReportData, found: LimitConclusion) -> list[TableBlock]:
     shown = tuple(groups) if len(groups) > 1 else (Group(groups[0].rows),)
     return [
         TableBlock(
-            ("Largest utilisation of every component, with the criterion that is used most",), WORST_COLUMNS, shown
+            ("Largest utilisation of every component, with the criterion that is used most",),
+            WORST_COLUMNS,
+            shown,
+            ((SUMS,),),
         )
     ]
 
@@ -142,8 +152,9 @@ def _at_critical_speeds(subject: ReportData, found: GoverningPeaks) -> TableBloc
         speeds = aligned_numbers([those[0].rpm for those in alike])
         rows = [_critical_row(subject, speed, those) for speed, those in zip(speeds, alike, strict=True)]
         groups.append(Group(tuple(rows), condition_words(configuration) if len(subject.judged_cases) > 1 else ""))
-    notes = (("Speeds of the peaks, which damping moves off the critical speeds.",),)
-    return TableBlock(("Orders at the critical speeds that matter",), CRITICAL_COLUMNS, tuple(groups), notes)
+    return TableBlock(
+        ("Orders at the peaks of single orders that matter",), CRITICAL_COLUMNS, tuple(groups), ((PEAKS,),)
+    )
 
 
 def _critical_row(subject: ReportData, speed: Cell, those: Sequence[OrderPeak]) -> tuple[Cell, ...]:

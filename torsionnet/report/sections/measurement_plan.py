@@ -10,6 +10,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.core.number_text import NumberText, aligned_numbers
 from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.round_section import section_fault
+from torsionnet.report.cylinders_out import governing_misfire
 from torsionnet.report.document_tree import Block, Cell, Heading, Paragraph, Section, TableBlock
 from torsionnet.report.engineering_units import engineering_unit
 from torsionnet.report.measured_orders import MeasuredFile, read_measured
@@ -35,12 +36,16 @@ from torsionnet.response.planned_amplitudes import (
     merged_speeds,
     planned_amplitudes,
 )
+from torsionnet.response.worst_response import WorstResponse
 
 INTRODUCTION = (
     "Expected values for a measurement: peak amplitudes of single orders, and half the range of the sum of "
-    "all orders. Orders and speeds are those of {reference}."
+    "all orders. Orders and speeds are those of {reference}. The peak of an order is the speed at which this order "
+    "alone is largest at the place of measurement, near its critical speed."
 )
 """Paragraph before the tables of a measurement plan."""
+HIGHEST = "highest with a cylinder out"
+"""Reason to measure at the highest speed permitted in a condition with a cylinder out."""
 DAMPING_NOTE = (
     "Peaks are compared at their own speeds: a natural frequency that is a little off shifts the peak, and the "
     "amplitude at a fixed speed changes much more than the peak itself."
@@ -64,6 +69,7 @@ def measurement_plan_section(subject: ReportData) -> Section | None:
     for case, tests in files or ((planned_condition(subject), ()),):
         reference, found = _of_condition(subject, case, places, tests)
         blocks += found
+    blocks += [] if files else _with_cylinder_out(subject, places)
     text = INTRODUCTION.format(reference=as_words(reference))
     return Section("measurement_plan", ("Measurement plan",), (Paragraph((text,)), *blocks))
 
@@ -82,16 +88,48 @@ def _of_condition(
     reference = ""
     for place, run in runs.items():
         reference, name = run.reference, run.outputs[0].name
-        speeds = merged_speeds([*critical_peaks(run), *_fixed_speeds(subject, run)])
-        at = case.drivetrain.order_response(
-            [place.name, *map(str, _stress(case, place))], speeds=[one.speed for one in speeds], speed_of=run.reference
-        )
+        speeds = merged_speeds([*critical_peaks(run), *_fixed_speeds(subject, case, run)])
+        at = _at(case, place, speeds, run.reference)
         blocks.append(_table(subject, case, place, at, speeds, tests.get(name, ())))
         if name in tests:
             compared = order_comparison(run, name, tests[name], subject.conventions)
             caption = f"Measured and calculated peaks: {place.means}{_where(case)}"
             blocks += [results_table(compared, caption, notes=False), Paragraph((DAMPING_NOTE,))]
     return reference, blocks
+
+
+def _with_cylinder_out(subject: ReportData, places: Sequence[MeasuringPlace]) -> Iterator[Block]:
+    """Yield tables of the condition with a cylinder out that uses the limits most, at its worst permitted speeds."""
+    worst = governing_misfire(subject)
+    if worst is None or worst.verdict.worst is None:
+        return
+    case, check = subject.judged_case(worst.check), worst.check
+    speed, limit = float(check.speeds[worst.verdict.worst]), as_words(worst.verdict.limit)
+    over = check.highest is not None and speed > check.highest
+    wanted = [PlannedSpeed(speed, f"worst of {limit}" + (", not permitted" if over else ""))]
+    wanted += [PlannedSpeed(check.highest, HIGHEST)] if check.highest is not None else []
+    for place in places:
+        try:
+            at = _at(case, place, merged_speeds(wanted))
+        except UsageError:  # switched off in this condition
+            continue
+        name = at.outputs[0].name
+        found = [
+            PlannedSpeed(one.speed, "; ".join(filter(None, (one.reason, _case(at, number, name)))))
+            for number, one in enumerate(merged_speeds(wanted))
+        ]
+        yield _table(subject, case, place, at, found, ())
+
+
+def _case(run: OrderResponse, at: int, name: str) -> str:
+    """Name of the case of excitation that is worst for an output at a speed, given by its index; or nothing."""
+    return as_words(run.case_at(at, name)) if isinstance(run, WorstResponse) else ""
+
+
+def _at(case: Case, place: MeasuringPlace, speeds: Sequence[PlannedSpeed], of: str | None = None) -> OrderResponse:
+    """Response at a place, and of the stress there, at planned speeds one after the other."""
+    outputs = [place.name, *map(str, _stress(case, place))]
+    return case.drivetrain.order_response(outputs, speeds=[one.speed for one in speeds], speed_of=of)
 
 
 def _run(case: Case, place: MeasuringPlace) -> OrderResponse | None:
@@ -102,15 +140,15 @@ def _run(case: Case, place: MeasuringPlace) -> OrderResponse | None:
         return None
 
 
-def _fixed_speeds(subject: ReportData, run: OrderResponse) -> Iterator[PlannedSpeed]:
-    """Rated speed, ends of barred ranges and the highest speed at a misfire, of the reference shaft, if calculated."""
+def _fixed_speeds(subject: ReportData, case: Case, run: OrderResponse) -> Iterator[PlannedSpeed]:
+    """Rated speed, ends of barred ranges and, with a cylinder out, the highest speed permitted, if calculated."""
     speeds, found = subject.model.definition.speeds, subject.limit_conclusion
     wanted = [PlannedSpeed(speeds.rated, "rated")] if speeds is not None and speeds.rated else []
     checks = found.checks if found else ()
     for span in joined_spans([span for check in checks for span in check.passed]):
         wanted += [PlannedSpeed(span.low, "barred from"), PlannedSpeed(span.high, "barred to")]
-    highest = min((check.highest for check in checks if check.highest is not None), default=None)
-    wanted += [] if highest is None else [PlannedSpeed(highest, "highest with a cylinder out")]
+    highest = next((one.highest for one in checks if one.configuration == case.configuration), None)
+    wanted += [] if highest is None else [PlannedSpeed(highest, HIGHEST)]
     low, high = float(run.speeds.min()), float(run.speeds.max())
     yield from (one for one in wanted if low * (1 - 1e-9) <= one.speed <= high * (1 + 1e-9))
 

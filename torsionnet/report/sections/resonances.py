@@ -32,10 +32,14 @@ INTRODUCTION = (
     "inertia and square of the natural frequency; at resonance it is multiplied by the magnifier, 1/(2 × damping "
     "ratio). The generalised force is the sum of the torques of the order times the relative amplitudes where they act."
 )
+PEAK_NOTE = (
+    "Peak: amplitude of this order alone, largest near its critical speed. In per cent of the value allowed there: "
+    "this order, and all together."
+)
 MODE_COLUMNS = (
     Heading("Mode"),
     Heading("Order"),
-    Heading("Speed", "rpm", numeric=True),
+    Heading("Critical speed", "rpm", numeric=True),
     Heading("Equil. ampl.", "mrad", numeric=True),
     Heading("Gen. force", "kN·m", numeric=True),
     Heading("Magnifier", numeric=True),
@@ -69,7 +73,7 @@ def _with_limits(subject: ReportData, found: GoverningPeaks) -> list[Block]:
     rule = (
         f"Listed are critical speeds at which one order alone uses at least {100 * LEAST_SHARE:g} % of a limit, each "
         f"order in the condition in which it uses most, of {len(subject.judged_cases)} examined; of conditions with a "
-        "misfire only orders that are larger there. "
+        "cylinder out only orders that are larger there. "
     )
     rest = f"Every other order uses less at all speeds: {first_names(list(map(as_words, found.others)), 30)}."
     blocks: list[Block] = [Paragraph((rule, *([rest] if found.others else [])))]
@@ -90,7 +94,7 @@ def _with_limits(subject: ReportData, found: GoverningPeaks) -> list[Block]:
         rows = tuple((*left, *right) for left, right in zip(mode_cells, limit_cells, strict=True))
         groups.append(Group(rows, condition_words(configuration) if len(subject.judged_cases) > 1 else ""))
     notes = (
-        ("Peak: amplitude of this order alone. In per cent of the value allowed there: this order, and all together.",),
+        (PEAK_NOTE,),
         *([("A critical speed outside the speed range has the values of its nearer end.",)] if _beyond(found) else []),
         *_distances(subject, found),
     )

@@ -9,11 +9,19 @@ import numpy as np
 
 from torsionnet.response.critical_speeds import CriticalSpeeds
 from torsionnet.response.limits.limit_check import LimitCheck
+from torsionnet.response.limits.limit_conclusion import WorstLimit
 from torsionnet.response.limits.order_peaks import LEAST_SHARE, OrderPeak, order_peaks, order_shares
 
 SAME_SHARE = 0.05
 """Relative difference of an order's shares of a limit in two conditions up to which one condition stands for both: a
 smaller value spreads the orders over conditions that hardly differ."""
+
+LITTLE_DAMPING = 0.005
+"""Damping ratio, a magnifier of 100, below which a governing value at a resonance is said to depend on it. What models
+leave out, such as friction in the steel of shafts and in joints, makes about a tenth of a per cent; below five times as
+much it changes the peak by more than a fifth."""
+SAME_PLACE = 0.01
+"""Relative difference up to which the peak of an order and the worst speed of a limit count as one resonance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +83,26 @@ def governing_peaks(
     felt = {line for lines in wanted.values() for line in lines}
     every = dict.fromkeys(line for check in checks for line in check.lines)
     return GoverningPeaks(tuple(kept), tuple(line for line in every if line not in felt))
+
+
+def little_damped(worst: Sequence[WorstLimit], peaks: Sequence[OrderPeak]) -> tuple[tuple[WorstLimit, OrderPeak], ...]:
+    """Limits whose worst speed is at a resonance with a damping ratio below ``LITTLE_DAMPING``, each with that peak.
+
+    The order that is in resonance uses a tenth of the limit or more, as all of ``peaks`` do, in any condition.
+    """
+    found = []
+    for one in worst:
+        there = [
+            peak
+            for peak in peaks
+            if (peak.verdict.limit, peak.verdict.criterion) == (one.verdict.limit, one.verdict.criterion)
+            and one.rpm is not None
+            and abs(peak.rpm / one.rpm - 1) <= SAME_PLACE
+            and 0 <= peak.critical.mode.damping_ratio < LITTLE_DAMPING
+        ]
+        if there:
+            found.append((one, max(there, key=lambda peak: peak.share)))
+    return tuple(found)
 
 
 def line_name(peak: OrderPeak) -> str:

@@ -20,6 +20,7 @@ def vector_sums(
     *,
     modes: Iterable[int] | None = None,
     orders: Iterable[float] | None = None,
+    without: Iterable[int] = (),
 ) -> VectorSums:
     """Relative vector sums of an engine by mode and order, all cylinders alike: misfires and factors do not count.
 
@@ -35,6 +36,8 @@ def vector_sums(
         Numbers of modes; default: all that vibrate.
     orders : iterable of float, optional
         Orders; default: those of the engine.
+    without : iterable of int, optional
+        Numbers of cylinders that give no torque, as one that is out.
 
     Raises
     ------
@@ -47,13 +50,16 @@ def vector_sums(
     >>> found = vector_sums(tn.load("two_stroke_ship").configured("normal"), "engine", modes=[1], orders=[1, 5, 6])
     >>> [(one.order, round(one.sum, 3)) for one in found.rows()]
     [(1, 0.056), (5, 0.056), (6, 5.611)]
+    >>> found = vector_sums(tn.load("two_stroke_ship"), "engine", modes=[1], orders=[1, 6], without=[2])
+    >>> [(one.order, round(one.sum, 3)) for one in found.rows()]
+    [(1, 0.964), (6, 4.622)]
     """
     known = drivetrain.definition.excitations
     engine = known.get(excitation)
     if not isinstance(engine, ReciprocatingEngine):
         engines = [name for name, one in known.items() if isinstance(one, ReciprocatingEngine)]
         raise UsageError(f'no engine is named "{excitation}"{did_you_mean(excitation, engines)}')
-    sound = replace(engine, misfire=(), gas_off=(), factors={})
+    sound = replace(engine, misfire=(), gas_off=tuple(without), factors={})
     shapes = _shapes(drivetrain)
     numbers = tuple(shapes if modes is None else modes)
     if missing := [number for number in numbers if number not in shapes]:
