@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -41,6 +42,11 @@ OUT_NOTE = (
 """Note below the mean indicated pressure over speed."""
 
 
+def all_working(cases: Sequence[Case]) -> Sequence[Case]:
+    """Configurations without a cylinder out, all of the given ones where none is without: those of the rated power."""
+    return [case for case in cases if not has_lost_cylinders(case.drivetrain.definition)] or cases
+
+
 def lost_torque_words(subject: ReportData) -> str:
     """Sentence with the rule for the mean torque with a cylinder out, and the share left by condition; or nothing."""
     speeds = subject.model.definition.speeds
@@ -53,8 +59,13 @@ def lost_torque_words(subject: ReportData) -> str:
         if kept < 1 - NOT_SHOWN:
             found.setdefault(f"{100 * kept:.3g}", []).append(case.configuration)
     every = subject.model.configurations
-    shares = [f"{share} % ({as_words(configurations_in_words(names, every))})" for share, names in found.items()]
+    shares = [f"{share} % ({_choices(names, every)})" for share, names in found.items()]
     return LOST_TORQUE.format(speed=f"{speed * RPM:.6g}", shares=", ".join(shares)) if shares else ""
+
+
+def _choices(names: Sequence[str], every: Sequence[str]) -> str:
+    """Text that names configurations by their choices without the axes, such as 'misfire'."""
+    return as_words(re.sub(r"[^\s,;=]+=", "", configurations_in_words(names, every)))
 
 
 def _kept(case: Case, speed: float) -> float:
@@ -155,4 +166,4 @@ def pressure_notes(subject: ReportData, name: str, speed: float) -> list[str]:
     whole = np.mean([*mean_torque_shares(engine, at).values()])
     share = mean_torque_shares(alone, at)[one][0]
     words = condition_words(case.configuration)
-    return [OUT_NOTE.format(name=words, share=f"{100 * share:.2g}", whole=f"{100 * whole:.3g}")]
+    return [OUT_NOTE.format(name=words, share=f"{round(100 * float(share), 1) + 0.0:g}", whole=f"{100 * whole:.3g}")]

@@ -66,7 +66,7 @@ def _by_small_damping(subject: ReportData, found: LimitConclusion) -> Iterator[s
     peaks = subject.governing_peaks.peaks if subject.governing_peaks else ()
     for worst, peak in little_damped(found.worst(), peaks):
         yield LITTLE_DAMPED.format(
-            name=as_words(worst.verdict.limit),
+            name=capital(as_words(worst.verdict.limit)),
             share=f"{100 * (worst.utilisation or 0.0):.3g}",
             speed=f"{peak.rpm:.4g}",
             order=as_words(line_name(peak)),

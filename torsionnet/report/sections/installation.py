@@ -7,6 +7,7 @@ from dataclasses import replace
 from torsionnet.core.errors import TorsionnetError, UsageError
 from torsionnet.core.units import RPM
 from torsionnet.model.checks.rating_mismatches import rating_mismatches
+from torsionnet.report.cylinders_out import all_working
 from torsionnet.report.document_tree import Block, Heading, Listing, Paragraph, Section, Strong, TableBlock
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_machines import machines, quantity_text
@@ -45,10 +46,10 @@ def installation_section(subject: ReportData) -> Section | None:
 
 
 def _balances(subject: ReportData) -> list[tuple[Case, PowerBalance]]:
-    """Balances of power of the configurations, those with equal torques once, at the rated speed where it is known."""
+    """Balances of power of configurations without a cylinder out, equal torques once, at rated speed where it is known."""
     found: list[tuple[Case, PowerBalance]] = []
     shown: list[object] = []
-    for case in subject.cases:
+    for case in all_working(subject.cases):
         balance = _balance(case)
         if balance is None or balance.taken <= LEAST_POWER_SHARE * balance.given:  # as with a brake on
             continue

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from torsionnet.core.errors import UsageError
+from torsionnet.report.cylinders_out import all_working
 from torsionnet.report.document_tree import Block, Section
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import results_table
@@ -18,7 +19,7 @@ def mean_torques_section(subject: ReportData) -> Section | None:
         return None
     blocks: list[Block] = []
     shown: list[object] = []
-    for case in subject.cases:
+    for case in all_working(subject.cases):
         try:
             state = case.drivetrain.static_state()
         except UsageError:  # what drives or absorbs is switched off in this configuration

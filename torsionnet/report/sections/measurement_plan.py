@@ -8,6 +8,7 @@ import numpy as np
 
 from torsionnet.core.errors import UsageError
 from torsionnet.core.number_text import NumberText, aligned_numbers
+from torsionnet.core.units import RPM
 from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.round_section import section_fault
 from torsionnet.report.cylinders_out import governing_misfire
@@ -46,6 +47,17 @@ INTRODUCTION = (
 """Paragraph before the tables of a measurement plan."""
 HIGHEST = "highest with a cylinder out"
 """Reason to measure at the highest speed permitted in a condition with a cylinder out."""
+OUT_COLUMNS = (
+    Heading("Place"),
+    Heading("Speed", "rpm", numeric=True),
+    Heading("What it is"),
+    Heading("Worst case"),
+    Heading("Half range", numeric=True),
+    Heading("Unit"),
+    Heading("Orders, expected", wide=True),
+)
+MOST_ORDERS_OUT = 2
+"""Number of largest orders expected with a cylinder out, as many as fit one line."""
 DAMPING_NOTE = (
     "Peaks are compared at their own speeds: a natural frequency that is a little off shifts the peak, and the "
     "amplitude at a fixed speed changes much more than the peak itself."
@@ -98,27 +110,48 @@ def _of_condition(
     return reference, blocks
 
 
-def _with_cylinder_out(subject: ReportData, places: Sequence[MeasuringPlace]) -> Iterator[Block]:
-    """Yield tables of the condition with a cylinder out that uses the limits most, at its worst permitted speeds."""
+def _with_cylinder_out(subject: ReportData, places: Sequence[MeasuringPlace]) -> list[Block]:
+    """Table of the condition with a cylinder out that uses the limits most, at its worst and highest permitted speed.
+
+    Empty where none was judged.
+    """
     worst = governing_misfire(subject)
     if worst is None or worst.verdict.worst is None:
-        return
+        return []
     case, check = subject.judged_case(worst.check), worst.check
     speed, limit = float(check.speeds[worst.verdict.worst]), as_words(worst.verdict.limit)
     over = check.highest is not None and speed > check.highest
     wanted = [PlannedSpeed(speed, f"worst of {limit}" + (", not permitted" if over else ""))]
-    wanted += [PlannedSpeed(check.highest, HIGHEST)] if check.highest is not None else []
+    wanted += [PlannedSpeed(check.highest, "highest permitted")] if check.highest is not None else []
+    rows: list[tuple[Cell, ...]] = []
     for place in places:
         try:
-            at = _at(case, place, merged_speeds(wanted))
+            run = _at(case, place, merged_speeds(wanted))
         except UsageError:  # switched off in this condition
             continue
-        name = at.outputs[0].name
-        found = [
-            PlannedSpeed(one.speed, "; ".join(filter(None, (one.reason, _case(at, number, name)))))
-            for number, one in enumerate(merged_speeds(wanted))
-        ]
-        yield _table(subject, case, place, at, found, ())
+        rows += _out_rows(subject, place, run, merged_speeds(wanted))
+    return [table(f"Expected with a cylinder out{_where(case)}", OUT_COLUMNS, rows)] if rows else []
+
+
+def _out_rows(
+    subject: ReportData, place: MeasuringPlace, run: OrderResponse, speeds: Sequence[PlannedSpeed]
+) -> Iterator[tuple[Cell, ...]]:
+    """Yield a row for each planned speed: half range and largest orders at a place, and the cylinder worst there."""
+    channel = run.outputs[0]
+    scale, shown = engineering_unit(channel.unit, subject.conventions, float(run.half_range[:, 0].max()))
+    rows = planned_amplitudes(run, speeds, channel.name)
+    for at, one in enumerate(speeds):
+        found = [row for row in rows if row.speed == one.speed][:MOST_ORDERS_OUT]
+        orders = "; ".join(f"{as_words(row.name)}: {row.amplitude * scale:.3g}" for row in found)
+        yield (
+            f"{capital(place.sensor.quantity)}, {as_words(place.sensor.of)}",
+            NumberText(one.speed * RPM, 4),
+            capital(one.reason),
+            _case(run, at, channel.name),
+            NumberText(float(run.half_range[at, 0]) * scale, 3),
+            unit(shown),
+            orders,
+        )
 
 
 def _case(run: OrderResponse, at: int, name: str) -> str:
