@@ -1,4 +1,4 @@
-"""What a report says of conditions with a cylinder out: their mean torque, and the one that uses the limits most."""
+"""Words and tables of a report on conditions with a cylinder out: mean torque left, excitation, the worst of them."""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ def lost_harmonics(engine: ReciprocatingEngine, speed: float) -> FloatArray:
     >>> import torsionnet as tn
     >>> engine = tn.load("two_stroke_ship").configured("misfire_2").definition.excitations["engine"]
     >>> (lost_harmonics(engine, 105 * np.pi / 30)[:3] / 1e3).round(1).tolist()
-    [820.8, 598.2, 375.8]
+    [396.9, 279.1, 190.3]
     """
     crank, orders, at = engine.crank, engine.acting_orders, np.array([speed])
     fired = engine.fired_harmonics(at)[0]

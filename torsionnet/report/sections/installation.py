@@ -46,7 +46,7 @@ def installation_section(subject: ReportData) -> Section | None:
 
 
 def _balances(subject: ReportData) -> list[tuple[Case, PowerBalance]]:
-    """Balances of power of configurations without a cylinder out, equal torques once, at rated speed where it is known."""
+    """Balances of power of configurations without a cylinder out, each once, at rated speed where it is known."""
     found: list[tuple[Case, PowerBalance]] = []
     shown: list[object] = []
     for case in all_working(subject.cases):
