@@ -17,7 +17,7 @@ import torsionnet.solve.dynamic_stiffness.tape as ops
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import MissingExtraError
-from torsionnet.solve.dynamic_stiffness.lost_digits import LARGE_CANCELLATION, LARGE_SHARE
+from torsionnet.solve.dynamic_stiffness.lost_digits import MOST_LOST
 from torsionnet.solve.dynamic_stiffness.reading_table import ReadingTable
 from torsionnet.solve.dynamic_stiffness.tape import Tape
 
@@ -32,11 +32,9 @@ POINTS_AT_ONCE = 128
 """Number of frequency points that the compiled loop works on at once, enough for vector instructions and few enough for
 a thousand registers in the cache."""
 
-LAW, CONSTANT, SUM, PIVOT, PRODUCT = ops.LAW, ops.CONSTANT, ops.SUM, ops.PIVOT, ops.PRODUCT
-QUOTIENT, INVERSE, WATCH, OUTPUT = ops.QUOTIENT, ops.INVERSE, ops.WATCH, ops.OUTPUT
-CANCELLATION_SQUARE, SHARE_SQUARE = LARGE_CANCELLATION * LARGE_CANCELLATION, LARGE_SHARE * LARGE_SHARE
-"""Squares of the ratios above which a frequency point counts as having lost digits, to compare with squared
-magnitudes."""
+LAW, CONSTANT, SUM, PRODUCT, QUOTIENT, INVERSE = ops.LAW, ops.CONSTANT, ops.SUM, ops.PRODUCT, ops.QUOTIENT, ops.INVERSE
+LEVEL, SIZE, REST, TERMS, MORE = ops.LEVEL, ops.SIZE, ops.REST, ops.TERMS, ops.MORE
+TIMES, RATIO, LARGER, MARK = ops.TIMES, ops.RATIO, ops.LARGER, ops.MARK
 LEAST_SQUARE, MOST_SQUARE = 1e-290, 1e290
 """Squared magnitudes, least and most, within which the compiled loop divides by a measured reading, since beyond them
 only numpy's scaled division is safe. The compiled loop leaves NaN there."""
@@ -105,7 +103,7 @@ def _walk(
 
     The first ``n`` of the points count.
 
-    ``left`` falls below zero where a sum is smaller than its terms by more than LARGE, or a share is larger than SHARE.
+    ``left`` falls below zero where digits are lost. Magnitudes stand in the real parts of registers.
     """
     for number in range(operations.shape[0]):
         code, t, a, b = operations[number]
@@ -122,12 +120,26 @@ def _walk(
                 real, imag = r[a, 0, i] + more, r[a, 1, i] + beside
                 r[t, 0, i] = real
                 r[t, 1, i] = imag
-                spare = CANCELLATION_SQUARE * (real * real + imag * imag) - (more * more + beside * beside)
-                left[i] = spare if spare < left[i] else left[i]
-        elif code == PIVOT:
+        elif code == TIMES:
+            for i in range(POINTS_AT_ONCE):
+                r[t, 0, i] = r[a, 0, i] * r[b, 0, i]
+        elif code == MORE:
             for i in range(POINTS_AT_ONCE):
                 r[t, 0, i] = r[a, 0, i] + f * r[b, 0, i]
-                r[t, 1, i] = r[a, 1, i] + f * r[b, 1, i]
+        elif code == LARGER:
+            for i in range(POINTS_AT_ONCE):
+                other = f * r[b, 0, i]
+                r[t, 0, i] = other if other > r[a, 0, i] else r[a, 0, i]
+        elif code == SIZE:
+            for i in range(POINTS_AT_ONCE):
+                r[t, 0, i] = math.sqrt(r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i])
+        elif code == RATIO:
+            for i in range(POINTS_AT_ONCE):
+                r[t, 0, i] = r[a, 0, i] / r[b, 0, i]
+        elif code == REST:
+            for i in range(POINTS_AT_ONCE):
+                real, imag = 1.0 - f * r[a, 0, i], f * r[a, 1, i]
+                r[t, 0, i] = math.sqrt(real * real + imag * imag)
         elif code == LAW:
             k, J, c, at = stiffness[a], inertia[a], damping[a], place[a]
             if at < 0:
@@ -139,11 +151,12 @@ def _walk(
                     value = sampled[at, first + min(i, n - 1)]
                     r[t, 0, i] = k - J * w2[i] + value.real
                     r[t, 1, i] = c * w[i] + value.imag
-            if J != 0.0 and (k != 0.0 or at >= 0):
-                for i in range(POINTS_AT_ONCE):
-                    size = r[t, 0, i] * r[t, 0, i] + r[t, 1, i] * r[t, 1, i]
-                    spare = CANCELLATION_SQUARE * size - (J * w2[i]) * (J * w2[i])
-                    left[i] = spare if spare < left[i] else left[i]
+        elif code == TERMS:
+            J = inertia[b]
+            for i in range(POINTS_AT_ONCE):
+                size = math.sqrt(r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i])
+                against = J * w2[i]
+                r[t, 0, i] = against if against > size else size
         elif code == QUOTIENT:
             for i in range(POINTS_AT_ONCE):
                 scale = 1.0 / (r[b, 0, i] * r[b, 0, i] + r[b, 1, i] * r[b, 1, i])
@@ -151,17 +164,18 @@ def _walk(
                 imag = r[a, 1, i] * r[b, 0, i] - r[a, 0, i] * r[b, 1, i]
                 r[t, 0, i] = real * scale
                 r[t, 1, i] = imag * scale
-        elif code == WATCH:
+        elif code == MARK:
             for i in range(POINTS_AT_ONCE):
-                size = r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i]
-                spare = SHARE_SQUARE - f * f * size
-                left[i] = spare if spare < left[i] else left[i]
+                left[i] = left[i] if f * r[a, 0, i] <= MOST_LOST * r[b, 0, i] else -1.0
         elif code == INVERSE:
             for i in range(POINTS_AT_ONCE):
                 scale = 1.0 / (r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i])
                 real, imag = r[a, 0, i] * scale, -r[a, 1, i] * scale
                 r[t, 0, i] = real
                 r[t, 1, i] = imag
+        elif code == LEVEL:
+            for i in range(POINTS_AT_ONCE):
+                r[t, 0, i] = f
         elif code == CONSTANT:
             for i in range(POINTS_AT_ONCE):
                 r[t, 0, i] = f

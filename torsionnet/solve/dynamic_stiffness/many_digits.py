@@ -116,7 +116,7 @@ def run_tape(tape: Tape, kappa: Sequence[Any]) -> dict[int, Any]:
             r[t] = kappa[a]
         elif code == ops.CONSTANT:
             r[t] = in_many_digits(0) + factor
-        elif code in (ops.SUM, ops.PIVOT):
+        elif code == ops.SUM:
             r[t] = _left([r[a], factor * r[b]])
         elif code == ops.PRODUCT:
             r[t] = r[a] * r[b]

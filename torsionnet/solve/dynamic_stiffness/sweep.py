@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import torsionnet.solve.dynamic_stiffness.tape as ops
 from torsionnet.assembly.law_stiffness import LawStiffness
-from torsionnet.solve.dynamic_stiffness.lost_digits import Array, LostDigits
+from torsionnet.solve.dynamic_stiffness.lost_digits import MOST_LOST, Array
 from torsionnet.solve.dynamic_stiffness.tape import Tape
 
 BLOCK_BYTES = 24 * 2**20
@@ -49,9 +49,7 @@ def sweep(tape: Tape, kappa: LawStiffness) -> tuple[Array, NDArray[np.bool_]]:
     start = 0
     for part in kappa.blocks(min(MOST_POINTS, max(FEWEST_POINTS, BLOCK_BYTES // (16 * (tape.n_registers + 1))))):
         here = slice(start, start + part.n_points)
-        lost_digits = LostDigits(part.n_points)
-        _walk(walk, part, np.empty((tape.n_registers + 1, part.n_points), dtype=kind), values[:, here], lost_digits)
-        uncertain[here] = lost_digits.marked
+        _walk(walk, part, np.empty((tape.n_registers + 1, part.n_points), dtype=kind), values[:, here], uncertain[here])
         start = here.stop
     return values, uncertain
 
@@ -61,31 +59,44 @@ def _walk(
     kappa: LawStiffness,
     registers: Array,
     values: Array,
-    lost_digits: LostDigits,
+    uncertain: NDArray[np.bool_],
 ) -> None:
     *r, spare = registers
+    real_spare = spare.view(float)[: kappa.n_points]
     parts = registers.reshape(len(registers), len(kappa.stiffness), kappa.n_frequencies)
     real, imag = list(parts.real), list(parts.imag) if np.iscomplexobj(parts) else [None] * len(parts)
+    size = [one.view(float)[: kappa.n_points] for one in r]
     for code, t, a, b, factor in walk:
         if code == ops.PRODUCT:
             np.multiply(r[a], r[b], out=r[t])
-        elif code in (ops.SUM, ops.PIVOT):
+        elif code == ops.SUM:
             term: Any = r[b] if factor == 1.0 else np.multiply(r[b], factor, out=spare)
             np.add(r[a], term, out=r[t])
-            if code == ops.SUM:
-                lost_digits.check_sum(term, r[t])
+        elif code == ops.TIMES:
+            np.multiply(size[a], size[b], out=size[t])
+        elif code in (ops.MORE, ops.LARGER):
+            other: Any = size[b] if factor == 1.0 else np.multiply(size[b], factor, out=size[t])
+            (np.add if code == ops.MORE else np.maximum)(size[a], other, out=size[t])
+        elif code == ops.SIZE:
+            np.abs(r[a], out=size[t])
+        elif code == ops.RATIO:
+            np.divide(size[a], size[b], out=size[t])
+        elif code == ops.REST:
+            np.abs(np.subtract(1.0, np.multiply(r[a], factor, out=spare), out=spare), out=size[t])
         elif code == ops.LAW:
             kappa.write(a, real[t], imag[t])
-            against = kappa.inertial(a)
+        elif code == ops.TERMS:
+            np.abs(r[a], out=size[t])
+            against = kappa.inertial(b)
             if against is not None:
-                lost_digits.check_sum(against, r[t])
+                np.maximum(size[t], against, out=size[t])
         elif code == ops.QUOTIENT:
             np.divide(r[a], r[b], out=r[t])
-        elif code == ops.WATCH:
-            lost_digits.check_share(r[a], factor)
         elif code == ops.INVERSE:
             np.divide(1.0, r[a], out=r[t])
-        elif code == ops.CONSTANT:
-            r[t].fill(factor)
+        elif code == ops.MARK:
+            uncertain |= ~(np.multiply(size[a], factor / MOST_LOST, out=real_spare) <= size[b])
+        elif code in (ops.CONSTANT, ops.LEVEL):
+            (r if code == ops.CONSTANT else size)[t].fill(factor)
         else:
             np.multiply(r[a], factor, out=values[t])

@@ -4,13 +4,23 @@ A register holds one number for every point. What an operation does with its tar
 
     LAW       t = dynamic stiffness of slot a
     CONSTANT  t = factor
-    SUM       t = r_a + factor r_b;  the point is uncertain where little is left of r_b
-    PIVOT     as SUM, but not checked: the shares of the sum are
+    SUM       t = r_a + factor r_b
     PRODUCT   t = r_a r_b
     QUOTIENT  t = r_a / r_b
     INVERSE   t = 1 / r_a
-    WATCH     the point is uncertain where r_a, a share of a sum, is large
     OUTPUT    value number t = factor r_a
+
+Others work on magnitudes, real numbers that say how many digits are lost:
+
+    LEVEL     t = factor
+    SIZE      t = |r_a|
+    REST      t = |1 - factor r_a|
+    TERMS     t = the larger of |r_a|, the dynamic stiffness of slot b, and the inertia term in it
+    MORE      t = r_a + factor r_b
+    TIMES     t = r_a r_b
+    RATIO     t = r_a / r_b
+    LARGER    t = the larger of r_a and factor r_b
+    MARK      the point is uncertain unless factor r_a is at most MOST_LOST times r_b
 
 Only what an output needs is on the tape, and a register is used again as soon as what it holds is needed no more: the
 numbers of a walk stay in the cache however large the drivetrain is.
@@ -18,15 +28,19 @@ numbers of a walk stay in the cache however large the drivetrain is.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-LAW, CONSTANT, SUM, PIVOT, PRODUCT, QUOTIENT, INVERSE, WATCH, OUTPUT = range(9)
+LAW, CONSTANT, SUM, PRODUCT, QUOTIENT, INVERSE, OUTPUT = range(7)
+LEVEL, SIZE, REST, TERMS, MORE, TIMES, RATIO, LARGER, MARK = range(7, 16)
 """Codes of the operations on an elimination's tape, each with the meaning listed at the head of the module."""
-_READS = {SUM: 2, PIVOT: 2, PRODUCT: 2, QUOTIENT: 2, INVERSE: 1, WATCH: 1, OUTPUT: 1}
+_READS = {SUM: 2, PRODUCT: 2, QUOTIENT: 2, INVERSE: 1, OUTPUT: 1} | {
+    **dict.fromkeys((SIZE, REST, TERMS), 1),
+    **dict.fromkeys((MORE, TIMES, RATIO, LARGER, MARK), 2),
+}
 """Number of registers that an operation reads, by its code, where operations not listed read none."""
 
 
@@ -45,7 +59,7 @@ class Operation(NamedTuple):
 
     @property
     def sets(self) -> bool:
-        return self.code not in (WATCH, OUTPUT)
+        return self.code not in (MARK, OUTPUT)
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,15 +88,17 @@ class TapeQuantity(NamedTuple):
     factor: float
 
 
-@dataclass
 class Writer:
     """Operations of an elimination as they are written down.
 
     Scalar factors are carried along until an operation needs them.
     """
 
-    operations: list[Operation] = field(default_factory=list)
-    n_names: int = 0
+    def __init__(self) -> None:
+        self.operations: list[Operation] = []
+        self.n_names = 0
+        self._sizes: dict[int, TapeQuantity] = {}
+        self._terms: dict[int, TapeQuantity] = {}
 
     def new(self, code: int, a: int = 0, b: int = 0, factor: float = 1.0) -> int:
         """Append an operation of an elimination and return the number by which its result is named."""
@@ -93,29 +109,109 @@ class Writer:
     def name(self, quantity: TapeQuantity) -> int:
         return quantity.name if quantity.name >= 0 else self.new(CONSTANT)
 
-    def plus(self, known: TapeQuantity | None, term: TapeQuantity, code: int = SUM) -> TapeQuantity:
-        """Sum of two quantities of an elimination, or ``term`` itself where ``known`` is None."""
+    def plus(self, known: TapeQuantity | None, term: TapeQuantity, *, of_terms: bool = True) -> TapeQuantity:
+        """Sum of two quantities of an elimination, or ``term`` itself where ``known`` is None.
+
+        With ``of_terms`` the sum of the magnitudes of its terms is known too, where that is asked for.
+        """
         if known is None or not known.factor:
             return term
         if known.name < 0 and term.name < 0:
             return TapeQuantity(-1, known.factor + term.factor)
         first, second = self.name(known), self.name(term)
-        return TapeQuantity(self.new(code, first, second, term.factor / known.factor), known.factor)
+        total = TapeQuantity(self.new(SUM, first, second, term.factor / known.factor), known.factor)
+        if of_terms:
+            size = self.more(self.terms(known), self.terms(term))
+            self._terms[total.name] = TapeQuantity(size.name, size.factor / abs(known.factor))
+        return total
 
     def times(self, first: TapeQuantity, second: TapeQuantity) -> TapeQuantity:
         factor = first.factor * second.factor
         if first.name < 0 or second.name < 0:
             return TapeQuantity(max(first.name, second.name), factor)
-        return TapeQuantity(self.new(PRODUCT, first.name, second.name), factor)
+        return TapeQuantity(self._new_of(PRODUCT, first.name, second.name), factor)
 
     def over(self, above: TapeQuantity, below: TapeQuantity) -> TapeQuantity:
         factor = above.factor / below.factor
         if above.name < 0:
             return TapeQuantity(self.new(INVERSE, self.name(below)), factor)
-        return TapeQuantity(self.new(QUOTIENT, above.name, self.name(below)), factor)
+        return TapeQuantity(self._new_of(QUOTIENT, above.name, self.name(below)), factor)
 
-    def watch(self, share: TapeQuantity) -> None:
-        self.operations.append(Operation(WATCH, 0, share.name, 0, abs(share.factor)))
+    def _new_of(self, code: int, a: int, b: int) -> int:
+        """Append a product or quotient of two results of an elimination, of whose terms' magnitudes it has the same."""
+        found = self.new(code, a, b)
+        combine = self.product if code == PRODUCT else self.ratio
+        if a in self._terms or b in self._terms:
+            first, second = (self.terms(TapeQuantity(name, 1.0)) for name in (a, b))
+            self._terms[found] = combine(first, second)
+        elif a in self._sizes and b in self._sizes:
+            self._sizes[found] = combine(self._sizes[a], self._sizes[b])
+        return found
+
+    # --- magnitudes -------------------------------------------------------------------------------------------------
+
+    def size(self, quantity: TapeQuantity) -> TapeQuantity:
+        """Magnitude of a quantity of an elimination."""
+        if quantity.name < 0:
+            return TapeQuantity(-1, abs(quantity.factor))
+        if quantity.name not in self._sizes:
+            self._sizes[quantity.name] = TapeQuantity(self.new(SIZE, quantity.name), 1.0)
+        found = self._sizes[quantity.name]
+        return TapeQuantity(found.name, found.factor * abs(quantity.factor))
+
+    def terms(self, quantity: TapeQuantity) -> TapeQuantity:
+        """Sum of the magnitudes of all the terms that a quantity of an elimination is a sum of, itself if of none."""
+        found = self._terms.get(quantity.name)
+        if found is None:
+            return self.size(quantity)
+        return TapeQuantity(found.name, found.factor * abs(quantity.factor))
+
+    def level(self, magnitude: TapeQuantity) -> int:
+        return magnitude.name if magnitude.name >= 0 else self.new(LEVEL)
+
+    def more(self, first: TapeQuantity, second: TapeQuantity) -> TapeQuantity:
+        """Sum of two magnitudes."""
+        if first.name < 0 and second.name < 0:
+            return TapeQuantity(-1, first.factor + second.factor)
+        if not first.factor or not second.factor:
+            return second if not first.factor else first
+        names = self.level(first), self.level(second)
+        return TapeQuantity(self.new(MORE, *names, second.factor / first.factor), first.factor)
+
+    def larger(self, first: TapeQuantity | None, second: TapeQuantity) -> TapeQuantity:
+        """The larger of two magnitudes, or the second where the first is None or no more than zero."""
+        if first is None or not first.factor:
+            return second
+        if not second.factor or first == second:
+            return first
+        if first.name < 0 and second.name < 0:
+            return TapeQuantity(-1, max(first.factor, second.factor))
+        names = self.level(first), self.level(second)
+        return TapeQuantity(self.new(LARGER, *names, second.factor / first.factor), first.factor)
+
+    def product(self, first: TapeQuantity, second: TapeQuantity) -> TapeQuantity:
+        """Product of two magnitudes."""
+        factor = first.factor * second.factor
+        if first.name < 0 or second.name < 0:
+            return TapeQuantity(max(first.name, second.name), factor)
+        return TapeQuantity(self.new(TIMES, first.name, second.name), factor)
+
+    def ratio(self, above: TapeQuantity, below: TapeQuantity) -> TapeQuantity:
+        """Ratio of two magnitudes."""
+        if below.name < 0:
+            return TapeQuantity(above.name, above.factor / below.factor)
+        return TapeQuantity(self.new(RATIO, self.level(above), below.name), above.factor / below.factor)
+
+    def rest(self, share: TapeQuantity) -> TapeQuantity:
+        """Magnitude of 1 less a share."""
+        if share.name < 0:
+            return TapeQuantity(-1, abs(1.0 - share.factor))
+        return TapeQuantity(self.new(REST, share.name, 0, share.factor), 1.0)
+
+    def mark(self, error: TapeQuantity, size: TapeQuantity) -> None:
+        """Mark points where an error in roundings is more than MOST_LOST times the size of what it belongs to."""
+        names = self.level(error), self.level(size)
+        self.operations.append(Operation(MARK, 0, *names, error.factor / size.factor))
 
     def output(self, number: int, value: TapeQuantity) -> None:
         self.operations.append(Operation(OUTPUT, number, self.name(value), 0, value.factor))
@@ -132,7 +228,7 @@ def _needed(operations: list[Operation]) -> list[Operation]:
     used: set[int] = set()
     kept = []
     for one in reversed(operations):
-        if one.code == OUTPUT or (one.a if one.code == WATCH else one.t) in used:
+        if one.code in (OUTPUT, MARK) or one.t in used:
             used.update(one.read)
             kept.append(one)
     return kept[::-1]

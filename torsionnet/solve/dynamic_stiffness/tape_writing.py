@@ -11,7 +11,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from torsionnet.solve.dynamic_stiffness.elimination_plan import EliminationPlan, EliminationStep
-from torsionnet.solve.dynamic_stiffness.tape import CONSTANT, LAW, PIVOT, SUM, Tape, TapeQuantity, Writer
+from torsionnet.solve.dynamic_stiffness.lost_digits import Losses
+from torsionnet.solve.dynamic_stiffness.tape import CONSTANT, LAW, Tape, TapeQuantity, Writer
 
 MOST_FORWARD_READINGS = 2
 """Largest number of readings that are carried forward with the loads, as that takes fewer operations than
@@ -47,6 +48,7 @@ class _Taping:
 
     def __init__(self, plan: EliminationPlan) -> None:
         self.plan, self.writer = plan, Writer()
+        self.losses = Losses(self.writer)
         self.links: dict[int, TapeQuantity] = {}
         self.fresh = set(range(len(plan.sources)))
         self.weights: list[dict[int, TapeQuantity]] = [{} for _ in range(plan.n_excitations)]
@@ -64,18 +66,21 @@ class _Taping:
         if slot in self.fresh:
             self.fresh.discard(slot)
             self.links[slot] = TapeQuantity(self.writer.new(LAW, slot), 1.0)
+            self.losses.of_law(slot, self.links[slot])
         return self.links[slot]
 
-    def _add_link(self, slot: int, term: TapeQuantity) -> None:
+    def _add_link(self, slot: int, term: TapeQuantity, error: TapeQuantity) -> None:
         if slot in self.fresh:
             self._link(slot)
-        self._add(self.links, slot, term)
+        self.links[slot] = self.writer.plus(self.links.get(slot), term, of_terms=False)
+        self.losses.add(slot, error)
 
     def _eliminated(self) -> Iterable[_Eliminated]:
         for step in self.plan.steps:
             for slot, parts in step.handed_on:
                 for target, weight in parts:
-                    self._add_link(target, self.writer.times(self._link(slot), TapeQuantity(-1, weight)))
+                    part = self.writer.times(self._link(slot), TapeQuantity(-1, weight))
+                    self._add_link(target, part, self.losses.handed_on(slot, weight))
             if step.shared or step.loads:
                 yield self._eliminate(step)
             else:
@@ -90,10 +95,10 @@ class _Taping:
             shares = {i: writer.times(terms[i], inverse) for i in step.shared}
         else:
             shares = {i: writer.over(terms[i], S) for i in step.shared}
-        for share in shares.values():
-            writer.watch(share)
-        for i, j, factor, target in step.pairs:
-            self._add_link(target, writer.times(writer.times(shares[i], terms[j]), TapeQuantity(-1, factor)))
+        self.losses.eliminate(step, terms, shares, S)
+        errors = [self.losses.of_pair(pair) for pair in step.pairs]
+        for (i, j, factor, target), error in zip(step.pairs, errors, strict=True):
+            self._add_link(target, writer.times(writer.times(shares[i], terms[j]), TapeQuantity(-1, factor)), error)
         loads = {}
         for excitation, weights in enumerate(self.weights):
             load = self._load(step, weights, shares)
@@ -102,14 +107,10 @@ class _Taping:
         return _Eliminated(step, shares, loads)
 
     def _pivot(self, step: EliminationStep, terms: Sequence[TapeQuantity]) -> TapeQuantity:
-        """Pivot S of an elimination step in N m/rad, the total stiffness on its coordinate, as a quantity of the tape.
-
-        Small pivots show in its shares, or in the sum itself where more than one term has none.
-        """
-        code = PIVOT if len(step.shared) >= len(terms) - 1 else SUM
+        """Pivot S of an elimination step in N m/rad, the total stiffness on its coordinate."""
         total = None
         for term, (_, square) in zip(terms, step.terms, strict=True):
-            total = self.writer.plus(total, self.writer.times(term, TapeQuantity(-1, square)), code)
+            total = self.writer.plus(total, self.writer.times(term, TapeQuantity(-1, square)), of_terms=False)
         return total or TapeQuantity(self.writer.new(CONSTANT, factor=0.0), 1.0)
 
     def _load(
@@ -130,6 +131,7 @@ class _Taping:
     def _written(self, values: dict[tuple[int, int], TapeQuantity], n_read: int) -> Tape:
         for (reading, excitation), value in values.items():
             self.writer.output(reading * self.plan.n_excitations + excitation, value)
+            self.losses.mark(value)
         return self.writer.tape(n_read * self.plan.n_excitations)
 
 
