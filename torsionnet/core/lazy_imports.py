@@ -9,12 +9,24 @@ from __future__ import annotations
 import importlib
 import sys
 from collections.abc import Callable, Iterable, Mapping
+from types import ModuleType
 
 from torsionnet.core.attribute_hints import python_hint
 from torsionnet.core.familiar_words import PYTHON
 
 TABLES: dict[str, dict[str, str]] = {}
 """Place of each public name, ``module:name`` or a module, by package and name."""
+
+
+class LazyPackage(ModuleType):
+    """Package that keeps a public name for its function where a module beside it has the same name.
+
+    Importing the module plot.bode would otherwise put it in the place of the function plot.bode.
+    """
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if not (isinstance(value, ModuleType) and ":" in TABLES[self.__name__].get(name, "")):
+            super().__setattr__(name, value)
 
 
 def lazy_exports(
@@ -51,11 +63,5 @@ def lazy_exports(
         value = there[name] = getattr(found, inside) if inside else found
         return value
 
-    # Importing the module plot.bode later would put it in the place of the function plot.bode.
-    beside = {home.removeprefix(f"{package}.").partition(".")[0] for home in homes.values()}
-    hidden = [name for name in homes if name in beside]
-    for name in hidden:
-        importlib.import_module(f"{package}.{name}")
-    for name in hidden:
-        attribute(name)
+    sys.modules[package].__class__ = LazyPackage
     return list(table), attribute, lambda: sorted(table)

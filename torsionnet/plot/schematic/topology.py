@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
-
-import networkx as nx
 
 from torsionnet.model.elements import GROUND, Element
 from torsionnet.plot.schematic.epicyclic import BoxElement, epicyclic_sets
@@ -194,8 +191,19 @@ def _loose(link: Link) -> int:
 
 def _way(joined: Mapping[Vertex, list[tuple[Link, Vertex]]], start: Vertex, end: Vertex) -> list[Link]:
     """List of the links of the tree on the way between two vertices of a schematic's graph, from the end backwards."""
-    tree = nx.Graph((vertex, other, {"link": link}) for vertex, links in joined.items() for link, other in links)
-    return [tree.edges[step]["link"] for step in pairwise(nx.shortest_path(tree, end, start))]
+    arrived: dict[Vertex, tuple[Link, Vertex] | None] = {start: None}
+    ahead = [start]
+    while end not in arrived:
+        vertex = ahead.pop()
+        for link, other in joined[vertex]:
+            if other not in arrived:
+                arrived[other] = (link, vertex)
+                ahead.append(other)
+    way, step = [], arrived[end]
+    while step is not None:
+        way.append(step[0])
+        step = arrived[step[1]]
+    return way
 
 
 def _best_root(start: Vertex, joined: Mapping[Vertex, list[tuple[Link, Vertex]]]) -> Vertex:

@@ -130,9 +130,16 @@ def _groups(rates: FloatArray) -> Iterator[list[int]]:
 
 def _assigned(similarity: FloatArray) -> Iterator[tuple[int, int]]:
     """Yield index pairs (undamped, damped) of modes with the largest sum of strain similarities, similar ones only."""
-    from scipy.optimize import linear_sum_assignment
-
     clear = np.where(similarity >= LEAST_SIMILARITY, similarity, 0)
+    rows = np.flatnonzero(clear.any(axis=1))
+    best = clear[rows].max(axis=1, initial=0.0)
+    is_best = clear[rows] == best[:, None]
+    if (is_best.sum(axis=1) == 1).all() and (is_best.sum(axis=0) <= 1).all():
+        # Each row has one largest entry, all in columns of their own: no other choice reaches their sum.
+        yield from zip(rows.tolist(), is_best.argmax(axis=1).tolist(), strict=True)
+        return
+    from scipy.optimize import linear_sum_assignment  # a quarter of a second of CPU, which few drivetrains need
+
     for row, column in zip(*linear_sum_assignment(-clear), strict=True):
         if clear[row, column]:
             yield int(row), int(column)
