@@ -6,6 +6,7 @@ import io
 import re
 
 import matplotlib as mpl
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from torsionnet.plot.drawing.save import DPI, METADATA, SETTINGS
@@ -21,8 +22,21 @@ def figure_bytes(figure: Figure, form: str, dpi: int = DPI) -> bytes:
     """Bytes of a figure as ``svg``, ``png`` (with ``dpi`` dots per inch) or ``pdf``; equal figures give equal bytes."""
     buffer = io.BytesIO()
     with mpl.rc_context(SETTINGS):
-        figure.savefig(buffer, format=form, dpi=dpi, metadata=METADATA[form])
+        if form == "svg":
+            _write_svg(figure, buffer)
+        else:
+            figure.savefig(buffer, format=form, dpi=dpi, metadata=METADATA[form])
     return buffer.getvalue()
+
+
+def _write_svg(figure: Figure, buffer: io.BytesIO) -> None:
+    """Write a figure as SVG in one pass: savefig draws a figure with a layout twice, first without output."""
+    canvas, dpi = figure.canvas, figure.dpi
+    try:
+        FigureCanvasSVG(figure).print_svg(buffer, metadata=METADATA["svg"])
+    finally:
+        figure.set_canvas(canvas)
+        figure.set_dpi(dpi)
 
 
 def _two_decimals(match: re.Match[str]) -> str:
