@@ -15,6 +15,7 @@ from torsionnet.cli.models import STANDARD_INPUT, load_model
 from torsionnet.cli.options import PRESETS, SIMPLIFY, FiniteFloat, file_option
 from torsionnet.cli.record_options import Averaging, Estimator, RecordReading
 from torsionnet.cli.terminal import print_file_written
+from torsionnet.core.garbage_collection import rare_collections
 
 if TYPE_CHECKING:
     from torsionnet.cli.progress import ShowProgress
@@ -110,7 +111,7 @@ class ReportCommand(ModelCommand):
     def answer(self) -> Answer:
         from torsionnet.cli.progress import stages
 
-        with stages() as show:
+        with stages() as show, rare_collections():
             written = self._write(show)
         print_file_written(str(written))
         return Answer()
