@@ -37,7 +37,7 @@ LOST_NOTE = (
 )
 """Note below a cylinder's harmonics on what is lost with it."""
 OUT_NOTE = (
-    "With a cylinder out as in {name}: that cylinder {share} % of the pressure, the engine {whole} % of the torque."
+    "With a cylinder out as in {name}: that cylinder {share} % of the pressure, all together {whole} % of the torque."
 )
 """Note below the mean indicated pressure over speed."""
 

@@ -20,6 +20,8 @@ LITTLE_DAMPING = 0.005
 """Damping ratio, a magnifier of 100, below which a governing value at a resonance is said to depend on it. What models
 leave out, such as friction in the steel of shafts and in joints, makes about a tenth of a per cent; below five times as
 much it changes the peak by more than a fifth."""
+LEAST_USE = 0.5
+"""Utilisation from which on that is said: below it the limit still holds with half the damping."""
 SAME_PLACE = 0.01
 """Relative difference up to which the peak of an order and the worst speed of a limit count as one resonance."""
 
@@ -88,7 +90,8 @@ def governing_peaks(
 def little_damped(worst: Sequence[WorstLimit], peaks: Sequence[OrderPeak]) -> tuple[tuple[WorstLimit, OrderPeak], ...]:
     """Limits whose worst speed is at a resonance with a damping ratio below ``LITTLE_DAMPING``, each with that peak.
 
-    The order that is in resonance uses a tenth of the limit or more, as all of ``peaks`` do, in any condition.
+    Limits used by less than ``LEAST_USE`` are left out. The order that is in resonance uses a tenth of the limit or
+    more, as all of ``peaks`` do, in any condition.
     """
     found = []
     for one in worst:
@@ -97,6 +100,7 @@ def little_damped(worst: Sequence[WorstLimit], peaks: Sequence[OrderPeak]) -> tu
             for peak in peaks
             if (peak.verdict.limit, peak.verdict.criterion) == (one.verdict.limit, one.verdict.criterion)
             and one.rpm is not None
+            and (one.utilisation or 0.0) >= LEAST_USE
             and abs(peak.rpm / one.rpm - 1) <= SAME_PLACE
             and 0 <= peak.critical.mode.damping_ratio < LITTLE_DAMPING
         ]
