@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -41,6 +42,26 @@ def library_names(pytestconfig):
     names = {path.stem for path in (pytestconfig.rootpath / "library").glob("*.yaml")}
     assert "dmf_rig" in names
     return names
+
+
+def test_two_builds_of_a_wheel_have_the_same_bytes(wheel, tmp_path, pytestconfig):
+    """Another folder, other times and rights of the files, another time zone: nothing of them is in the wheel."""
+    copy = tmp_path / "other checkout"
+    for name in ("torsionnet", "library"):
+        shutil.copytree(pytestconfig.rootpath / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(pytestconfig.rootpath / name, copy)
+    for path in filter(Path.is_file, copy.rglob("*")):
+        os.utime(path, (1e9, 1e9))
+        path.chmod(0o600)
+    run(
+        sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", str(tmp_path), str(copy),
+        env={**os.environ, "TZ": "Asia/Tokyo"},
+    )  # fmt: skip
+    again = tmp_path / wheel.name
+    members = [[(entry.filename, entry.CRC) for entry in zipfile.ZipFile(path).infolist()] for path in (wheel, again)]
+    assert members[0] == members[1]
+    assert again.read_bytes() == wheel.read_bytes()
 
 
 def test_wheel_holds_models_and_type_marker(wheel, library_names):
