@@ -83,7 +83,11 @@ def stages(shape: str, n: int) -> dict[str, float]:
 def peak() -> float:
     """Peak memory of this program in MB, as Linux reports it; nan on other systems."""
     status = Path("/proc/self/status")
-    return int(status.read_text().partition("VmHWM:")[2].split()[0]) / 1024 if status.exists() else float("nan")
+    return (
+        int(status.read_text(encoding="utf-8").partition("VmHWM:")[2].split()[0]) / 1024
+        if status.exists()
+        else float("nan")
+    )
 
 
 def exponent(values: list[float]) -> float:

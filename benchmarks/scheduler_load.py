@@ -116,7 +116,9 @@ if __name__ == "__main__":
     if ARGUMENTS[:1] == ["be"]:
         import json
 
-        asyncio.run(be_workers(json.loads(Path(ARGUMENTS[2]).read_text())["address"], int(ARGUMENTS[1])))
+        asyncio.run(
+            be_workers(json.loads(Path(ARGUMENTS[2]).read_text(encoding="utf-8"))["address"], int(ARGUMENTS[1]))
+        )
     else:
         with tempfile.TemporaryDirectory() as place:
             for workers in [int(ARGUMENTS[0])] if ARGUMENTS else sized([20, 100, 200], [2]):

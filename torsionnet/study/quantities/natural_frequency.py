@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -18,9 +18,6 @@ from torsionnet.solve.modes.mode_pairs import undamped_place
 from torsionnet.solve.modes.modes import natural_modes
 from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
 from torsionnet.study.quantities.variant_block import VariantBlock
-
-if TYPE_CHECKING:
-    from torsionnet.study.quantities.variant_block import VariantBlock
 
 TRACKED, ASCENDING = "tracked", "ascending"
 MIXED = "veers: a fifth or more of its energy is that of another mode of the model"

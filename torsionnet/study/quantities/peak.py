@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -16,9 +16,6 @@ from torsionnet.study.quantities.peak_search import CANDIDATES, POINTS, BandPeak
 from torsionnet.study.quantities.quantity import QuantityForm, register_quantity
 from torsionnet.study.quantities.transfer_quantity import TransferQuantity
 from torsionnet.study.quantities.variant_block import VariantBlock
-
-if TYPE_CHECKING:
-    from torsionnet.study.quantities.variant_block import VariantBlock
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -61,13 +61,13 @@ def _put(beside: Path, file: Path) -> None:
     except FileExistsError:
         raise
     except OSError:
-        with file.open("x") as stream:
-            stream.write(beside.read_text())
+        with file.open("x", encoding="utf-8") as stream:
+            stream.write(beside.read_text(encoding="utf-8"))
 
 
 def _remove_if_dead(file: Path) -> None:
     try:
-        other = json.loads(file.read_text())
+        other = json.loads(file.read_text(encoding="utf-8"))
         host, process, began = other["host"], int(other["process"]), other["began"]
     except FileNotFoundError:
         return
@@ -116,7 +116,7 @@ def _is_alive(process: int, began: str | None) -> bool:
 def _began(process: int) -> str | None:
     """Start time of a process, by which it differs from a later one of the same number, None where unknown."""
     try:
-        state, started = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0:20:19]
+        state, started = Path(f"/proc/{process}/stat").read_text("utf-8", "replace").rpartition(")")[2].split()[0:20:19]
     except (OSError, ValueError):
         return None
     return "dead" if state == "Z" else started

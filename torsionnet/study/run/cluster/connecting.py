@@ -169,7 +169,7 @@ def _needs_distributed() -> None:
 def _address_in(file: Path) -> str:
     """Address of the scheduler in a scheduler file, which ``dask scheduler --scheduler-file`` writes."""
     try:
-        address = json.loads(file.read_text())["address"]
+        address = json.loads(file.read_text(encoding="utf-8"))["address"]
     except FileNotFoundError:
         raise UsageError(
             f"there is no scheduler file {file}; the scheduler writes it when it starts (dask scheduler "

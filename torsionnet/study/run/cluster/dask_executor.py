@@ -47,7 +47,7 @@ def folder_fault(token: str, word: str) -> str:
     """Message of why this worker cannot use the folder in which another process wrote ``word``, empty if it can."""
     file = Path(token)
     try:
-        if file.read_text() != word:
+        if file.read_text(encoding="utf-8") != word:
             return f"{file.parent} is another folder there"
         beside = file.with_name(f"{file.name}_{uuid.uuid4().hex}")
         beside.touch()
