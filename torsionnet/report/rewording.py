@@ -50,6 +50,7 @@ REWORDED_COLUMNS = {
     "Speeds not permitted",
     "Type",
     "Verdict",
+    "What it is",
     "What it sets",
 }
 """Headings of columns whose cells hold words of the report, not of the model."""

@@ -121,8 +121,8 @@ def _with_cylinder_out(subject: ReportData, places: Sequence[MeasuringPlace]) ->
     case, check = subject.judged_case(worst.check), worst.check
     speed, limit = float(check.speeds[worst.verdict.worst]), as_words(worst.verdict.limit)
     over = (check.highest is not None and speed > check.highest) or any(span.holds(speed) for span in check.barred)
-    wanted = [PlannedSpeed(speed, f"worst of {limit}" + (", not permitted" if over else ""))]
-    wanted += [PlannedSpeed(check.highest, "highest permitted")] if check.highest is not None else []
+    wanted = [PlannedSpeed(speed, f"Worst of {limit}" + (", not permitted" if over else ""))]
+    wanted += [PlannedSpeed(check.highest, "Highest permitted")] if check.highest is not None else []
     rows: list[tuple[Cell, ...]] = []
     for place in places:
         try:
