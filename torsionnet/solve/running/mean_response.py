@@ -188,12 +188,20 @@ def _held(drivetrain: AssembledModel) -> AssembledModel:
 
 
 def _request(held: AssembledModel, outputs: Sequence[Functional], nodes: Sequence[str]) -> TransferRequest:
-    """Request for responses per torque on each node, of the outputs and then of torques on clamped nodes."""
+    """Request for responses per torque on each node, of the outputs and then of torques on clamped nodes.
+
+    It is made once for all speeds asked for, as its plan of elimination takes longer than a solution at rest.
+    """
     sensors = [one.sensor for one in outputs if one.sensor]
     sensors += [Sensor("torque", name) for name in _held_in(held)]
-    readings = tuple(functional(held, sensor) for sensor in sensors)
-    excitations = tuple(Input("torque", node) for node in nodes)
-    return TransferRequest(readings, (), excitations, is_measured=False, assembly=held.assembly)
+
+    def asked() -> TransferRequest:
+        readings = tuple(functional(held, sensor) for sensor in sensors)
+        excitations = tuple(Input("torque", node) for node in nodes)
+        return TransferRequest(readings, (), excitations, is_measured=False, assembly=held.assembly)
+
+    question = ("at rest", tuple(sensors), tuple(nodes))
+    return shared_by_conditions(held, TransferRequest, question, asked, lambda _: HELD_BYTES)
 
 
 def _held_in(held: AssembledModel) -> list[str]:
