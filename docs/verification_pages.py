@@ -156,7 +156,17 @@ def lines_table(lines: list[Line]) -> str:
             worst = max(rest, key=lambda line: line.deviation)
             what = f"{len(rest)} more" + (f" [{unit}]" if unit else "") + f"; worst {worst.cells[0]}"
             rows.append([what, source, *worst.cells[2:]])
-    return table(HEADINGS, rows)
+    return values_table(HEADINGS, rows)
+
+
+COLUMNS = {6: (30, 14, 17, 17, 11, 11), 4: (40, 22, 22, 16)}
+"""Widths on paper of the columns of a table of values, in percent, by their number."""
+
+
+def values_table(headings: list[str], rows: list[list[str]]) -> str:
+    """Markdown of a table of values with the widths of its columns on paper, where it may break over pages."""
+    widths = "".join(rf"\Y{{{percent / 100:g}}}" for percent in COLUMNS[len(headings)])
+    return f"```{{tabularcolumns}} {widths}\n```\n\n```{{rst-class}} longtable\n```\n\n{table(headings, rows)}"
 
 
 def _order_entry(name: str, found: list[tuple[str, list[Line]]]) -> str:
@@ -167,7 +177,7 @@ def _order_entry(name: str, found: list[tuple[str, list[Line]]]) -> str:
         f"* Model: {len(data['model']['nodes'])} inertias, {len(data['model']['springs'])} connections; "
         f"{engine['cycle']}-stroke engine, firing order {'-'.join(map(str, engine['firing_order']))}, bore "
         f"{engine['bore']:g} m, stroke {engine['stroke']:g} m, {len(data['orders'])} orders.",
-        f"* Convention: {data['convention']}.\n",
+        f"* Convention: {data['convention'].rstrip('.')}.\n",
     ]
     for condition, lines in found:
         ranges = [line for line in lines if line.quantity.startswith("half range")]
@@ -175,7 +185,7 @@ def _order_entry(name: str, found: list[tuple[str, list[Line]]]) -> str:
         worst = max(singles, key=lambda line: line.deviation)
         headings = ["half range [N m]", "reference", "calculated", "deviation"]
         shown = [[line.quantity.removeprefix("half range of "), *line.cells[2:5]] for line in ranges]
-        text += [f"**{condition.capitalize()}.** Allowed: {ranges[0].allowed:g}.\n", table(headings, shown)]
+        text += [f"**{condition.capitalize()}.** Allowed: {ranges[0].allowed:g}.\n", values_table(headings, shown)]
         text += [
             f"\n{len(singles)} complex amplitudes of single orders were compared; the largest relative deviation is "
             f"{worst.deviation:.1e} ({worst.quantity}), allowed {worst.allowed:g}.\n"
@@ -189,7 +199,7 @@ def _closed(lines: list[Line]) -> str:
         "Hartog, *Mechanical Vibrations*, 4th ed., chapter 3); O. Nishihara and T. Asami (J. Vib. Acoust. 124, 2002, "
         "576) give the exact optimum of the tuned one. $\\zeta$ is $c/(2 J_r \\omega_1)$ of the untuned and "
         "$c/(2 J_r \\omega_r)$ of the tuned ring, the peak is over the static angle.\n\n"
-        + table(HEADINGS, [line.cells for line in lines])
+        + values_table(HEADINGS, [line.cells for line in lines])
     )
 
 

@@ -64,7 +64,7 @@ class TestVerification:
 
     def test_many_values_end_in_one_row_with_the_largest_deviation(self, verification):
         table = verification.lines_table(verification.lines_of(read_case("uniform_chain_50_free_free")))
-        assert len(table.splitlines()) == 2 + verification.MOST_LINES + 1
+        assert sum(line.startswith("|") for line in table.splitlines()) == 2 + verification.MOST_LINES + 1
         assert "41 more [Hz]; worst $f_{" in table
 
     @pytest.mark.slow
