@@ -27,6 +27,9 @@ PER_HZ = {
 MOST_LINES = 8
 """Lines of one quantity that an entry shows one by one; of the others the largest deviation stands in one line."""
 
+SMALL = 1e-3
+"""Size below which numbers are shown with six digits, so that receptances fit into a column."""
+
 
 @dataclass(frozen=True)
 class Line:
@@ -66,10 +69,11 @@ class Line:
 
 
 def number(value: complex) -> str:
-    """Text of a real or complex number with ten or five digits."""
+    """Text of a real number with ten digits, of a small or complex one with six or five."""
     if isinstance(value, complex) and value.imag:
         return f"{value.real:.5g} {'+' if value.imag >= 0 else '-'} {abs(value.imag):.5g}j"
-    return f"{complex(value).real:.10g}"
+    real = complex(value).real
+    return f"{real:.10g}" if real == 0 or abs(real) >= SMALL else f"{real:.6g}"
 
 
 def lines_of(case: dict[str, Any]) -> list[Line]:

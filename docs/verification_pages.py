@@ -159,7 +159,7 @@ def lines_table(lines: list[Line]) -> str:
     return values_table(HEADINGS, rows)
 
 
-COLUMNS = {6: (30, 14, 17, 17, 11, 11), 4: (40, 22, 22, 16)}
+COLUMNS = {6: (26, 13, 17, 17, 14, 13), 4: (40, 22, 22, 16)}
 """Widths on paper of the columns of a table of values, in percent, by their number."""
 
 
