@@ -339,6 +339,7 @@ NOT_REPLACED = {
     ("schematic", " elements between the nodes "), ("schematic", "Schematic of "),
     # joined to what the author or another part of the program wrote
     ("elements", " frequencies, "), ("elements", " rows, "), ("elements", " rows of "), ("elements", "; … and "), ("elements", "table of "),
+    ("natural_frequencies", "at "), ("natural_frequencies", "in "),
     ("mass_elastic", "Without "), ("separation_margins", " x "), ("separation_margins", "Hz"), ("kinematics", "input "), ("modes", "spread over many, at most "), ("modes", "\xa0% in "),
     ("parameters", "; changed for this report"),
     ("critical_speeds", " modes, "), ("critical_speeds", " crossings"), ("limits", " over speed with its limits"),

@@ -17,13 +17,13 @@ from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
 from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.passage_response import PassageResponse
-from torsionnet.response.vibrations.vibration_cycles import envelopes
+from torsionnet.response.vibrations.vibration_cycles import cycles_above, envelopes
 
 LIMIT_DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)))
 """Line styles of matplotlib for the limits drawn over a passage, in the order of the limits."""
-MOST_CYCLES_DRAWN = 120
-"""Number of cycles up to which a vibration is drawn as a line: more of them on the width of a page run into one area,
-of which the envelope says more."""
+MOST_CYCLES_DRAWN = 100
+"""Number of cycles of a vibration up to which it is drawn as a line: more of them on the width of a page run into one
+area, of which the envelope says more."""
 BAND_ALPHA = 0.3
 """Opacity of the area between the envelopes, through which the grid and the limits can be seen."""
 
@@ -109,7 +109,7 @@ def _draw(panel: Axes, one: _Passage, scale: float) -> None:
     """Draw the vibration of a passage, or the area between its envelopes, its half range, and limits on both sides."""
     style.style_axes(panel)
     run = one.run
-    if (run.angles[-1] - run.angles[0]) / run.cycle <= MOST_CYCLES_DRAWN:
+    if cycles_above(one.values, 0.0) <= MOST_CYCLES_DRAWN:
         panel.plot(*thin_out(run.times, one.values * scale), color=style.PALETTE[0], linewidth=0.6, label="vibration")
     else:
         middle, low, high = envelopes(run.angles, one.values, run.cycle)

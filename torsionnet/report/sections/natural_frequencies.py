@@ -24,6 +24,7 @@ from torsionnet.report.report_holzer import holzer_block
 from torsionnet.report.report_tables import merge_equal_rows, results_table, with_decimals
 from torsionnet.report.report_text import as_words, shared_choices
 from torsionnet.response.vibrations.counted_vibration import CountedVibration, natural_frequency_table
+from torsionnet.response.vibrations.vibration_nodes import vibration_nodes
 
 if TYPE_CHECKING:
     from torsionnet.response.holzer_table import HolzerTable
@@ -43,6 +44,11 @@ COUNTING = (
     "that follows the speed is that of the operating point here, and that of each critical speed where those are "
     "listed."
 )
+BRANCHED = (
+    "Nodes are not counted where an element ties three shafts; those along the branches, which it does not tie, are "
+    "named."
+)
+"""Sentence below the table of natural frequencies of a drivetrain with planetary sets or the like."""
 PICTURE_TEXT = (
     "Relative amplitudes referred to {node}, the first mass 1; lines as in the Holzer tables, gears dotted. Rings are "
     "nodes of vibration, with the share in percent of the twist between the two masses that lies before the node."
@@ -89,11 +95,23 @@ def _where(subject: ReportData, place: int) -> str:
 def _first_table(subject: ReportData, rows: tuple[CountedVibration, ...]) -> TableBlock:
     several = len(subject.judged_drivetrains) > 1
     where = f" in configuration {_where(subject, 0)}" if several else ""
-    short = tuple(one if len(one.nodes) <= MOST_PLACES else replace(one, nodes=()) for one in rows)
-    made = natural_frequency_table("", short, (COUNTING,))
+    placed = _placed(subject, rows)
+    short = tuple(one if len(one.nodes) <= MOST_PLACES else replace(one, nodes=()) for one in placed)
+    made = natural_frequency_table("", short, (COUNTING, *([BRANCHED] if placed != rows else [])))
     found = results_table(made, f"Natural frequencies{where}", most=MOST_MODES_LISTED)
     shown = {subject.conventions.frequency: FREQUENCY_DECIMALS, "1/min": PER_MINUTE_DECIMALS, "%": DAMPING_DECIMALS}
     return with_decimals(found, shown)
+
+
+def _placed(subject: ReportData, rows: tuple[CountedVibration, ...]) -> tuple[CountedVibration, ...]:
+    """Natural frequencies with the nodes on each line of the Holzer table where they cannot be counted as a whole."""
+    open_ones = [one.mode for one in rows[:MOST_MODES_LISTED] if one.n_nodes is None]
+    tables, _ = _holzer_tables(subject, open_ones)
+    places = {
+        mode: tuple(f"in {', '.join(node.elements)}" if node.elements else f"at {node.first}" for node in found)
+        for mode, found in ((mode, vibration_nodes(table)) for mode, table in tables.items())
+    }
+    return tuple(replace(one, nodes=places.get(one.mode, one.nodes)) for one in rows)
 
 
 def _compared(subject: ReportData, listed: Sequence[tuple[CountedVibration, ...]]) -> TableBlock:

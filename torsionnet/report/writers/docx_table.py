@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from torsionnet.report.document_tree import Cell, Facts, NumberText, TableBlock, TableGroup, TitleTable
+from torsionnet.report.document_tree import Cell, Facts, NumberText, TableBlock, TableGroup, TitleTable, inlines
 from torsionnet.report.writers.docx_text import inline, number, paragraph, run
 from torsionnet.report.writers.latex_columns import GAP_LETTERS, PAGE_LETTERS, Columns, natural_width, table_pieces
 
 TEXT_WIDTH = 9864
 """Width of the text on a page in twentieths of a point: 174 mm of A4."""
-MOST_UNBROKEN_ROWS = 14
-"""Number of rows of a table up to which it is not split between two pages."""
+MOST_UNBROKEN_ROWS = 6
+"""Number of rows of a table up to which it is not split between two pages: about a fifth of a page."""
+BOLD_WIDTH = 1.15
+"""Width of a bold letter of a heading as a multiple of that of a plain one, so that no word is broken."""
 SIGNATURE_HEIGHT = 400
 """Height of a line to sign in twentieths of a point: 7 mm, enough for a signature."""
 RULES = (
@@ -42,8 +44,8 @@ def table_xml(block: TableBlock, caption: str, continued: str) -> str:
 
 def _piece(block: TableBlock, columns: Columns) -> str:
     letters = [
-        (natural_width(block, index) if width is None else width) + GAP_LETTERS
-        for index, width in zip(columns.indices, columns.widths, strict=True)
+        max(natural_width(block, index) if width is None else width, BOLD_WIDTH * _longest_word(lines)) + GAP_LETTERS
+        for index, width, lines in zip(columns.indices, columns.widths, columns.headings, strict=True)
     ]
     widths = [round(TEXT_WIDTH * one / max(sum(letters), PAGE_LETTERS)) for one in letters]
     numeric = [block.columns[index].numeric for index in columns.indices]
@@ -58,6 +60,12 @@ def _piece(block: TableBlock, columns: Columns) -> str:
         last = group is block.groups[-1]
         rows += _group(group, columns.indices, decimals, widths, numeric, keep=(keep, last))
     return _table(rows, widths, RULES)
+
+
+def _longest_word(lines: Sequence[Cell]) -> int:
+    """Number of letters in the longest word of a column's heading."""
+    texts = [part for line in lines for part in inlines(line) if isinstance(part, str)]
+    return max((len(word) for text in texts for word in text.split()), default=0)
 
 
 def _group(
