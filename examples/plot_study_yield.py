@@ -3,7 +3,7 @@ How many ships keep their limits
 ================================
 
 A ship's plant is examined with the values in its drawings. Rubber, damper and propeller scatter around these; how many
-plants keep the limit of the crankshaft with 5 % and that of hammering teeth with 25 % in reserve, with one cylinder
+plants keep the limit of the crankshaft with 5 % and that of hammering teeth with 10 % in reserve, with one cylinder
 without injection or without gas? With all cylinders firing both are used less. The study is a file of the library,
 ``torsionnet study marine_yield``; every variant is a synthesis of all orders over the speeds that matter to a limit.
 """
