@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import click
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.response.table import Table
 
+Result = TypeVar("Result")
 CONFIGURATIONS_NAMED = 12
 """Number of configurations that a note names before it ends in "...", about two lines of a terminal."""
 
@@ -49,8 +50,11 @@ class ModelCommand(Command):
 
         Warnings and notes about the model go to stderr.
         """
-        rig = load_model(self.model)
-        found = list(rig.check())
+        from torsionnet.cli.progress import progress
+
+        with progress("reading the model", None):
+            rig = load_model(self.model)
+            found = list(rig.check())
         names = _names(rig, self.configurations)
         cases = []
         for name in names:
@@ -60,6 +64,19 @@ class ModelCommand(Command):
             cases.append(ConfiguredCase(changed.configuration, changed))
         print_faults(found)
         return cases
+
+    def each(
+        self, what: str, cases: Sequence[ConfiguredCase], answer: Callable[[ConfiguredCase], Result]
+    ) -> list[Result]:
+        """Results of a function for each case, in their order, while a terminal shows what is calculated for which."""
+        from torsionnet.cli.progress import stages
+
+        total, found = (len(cases) if len(cases) > 1 else None), []
+        with stages() as show:
+            for done, case in enumerate(cases):
+                show(what, done, total, f"{what} {case.configuration}".strip())
+                found.append(answer(case))
+        return found
 
     def require_one(self, why: str) -> None:
         """Raise an error with the message given where several configurations are asked for."""

@@ -61,7 +61,7 @@ class CriticalSpeedsCommand(ModelCommand):
 
     def answer(self) -> Answer:
         cases = self.cases()
-        each = [self._run(case) for case in cases]
+        each = self.each("critical speeds", cases, self._run)
         found = [one.in_conditions([other for other in each if other is not one]) for one in each]
         pairs = list(zip(cases, found, strict=True))
         return Answer(

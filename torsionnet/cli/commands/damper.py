@@ -74,7 +74,7 @@ class DamperCommand(ModelCommand):
             raise UsageError("a band needs both ends: give --from and --to, or neither")
         conventions = Conventions(angle=self.angle)
         cases = self.cases()
-        found = [self._designed(case) for case in cases]
+        found = self.each("damper", cases, self._designed)
         pairs = list(zip(cases, found, strict=True))
         return Answer(
             screen=lambda: separated_by_lines([one.table(conventions) for one in found]),

@@ -52,7 +52,7 @@ class HolzerCommand(ModelCommand):
                 "a Holzer table needs a frequency: give a mode, as --mode 1, or --at HZ for a trial frequency"
             )
         cases = self.cases()
-        found = [self._run(case) for case in cases]
+        found = self.each("Holzer table", cases, self._run)
         pairs = list(zip(cases, found, strict=True))
         return Answer(
             screen=lambda: separated_by_lines(table for one in found for table in one.tables(referred=self.referred)),

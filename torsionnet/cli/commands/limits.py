@@ -51,7 +51,7 @@ class LimitsCommand(ModelCommand):
 
         conventions = Conventions(angle=self.angle)
         cases = self.cases()
-        found = [case.drivetrain.check_limits(self.limits or None) for case in cases]
+        found = self.each("limits", cases, lambda case: case.drivetrain.check_limits(self.limits or None))
         overall = LimitConclusion(tuple(found))
         return Answer(
             screen=lambda: self._shown(cases, overall, conventions),

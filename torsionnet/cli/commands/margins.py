@@ -25,7 +25,7 @@ class MarginsCommand(ModelCommand):
 
     def answer(self) -> Answer:
         cases = self.cases()
-        found = [case.drivetrain.loop_margins(self.at) for case in cases]
+        found = self.each("margins", cases, lambda case: case.drivetrain.loop_margins(self.at))
         tables = [one.table() for one in found]
         pairs = list(zip(cases, found, strict=True))
         return Answer(

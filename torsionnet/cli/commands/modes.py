@@ -58,12 +58,13 @@ class ModesCommand(ModelCommand):
         from torsionnet.response import Conventions
 
         conventions = Conventions(frequency=self.frequency_unit)
-        found = [
-            case.drivetrain.modes(
+        found = self.each(
+            "modes",
+            cases,
+            lambda case: case.drivetrain.modes(
                 measured_input=self.measured_input, excitation=self.excitation, lowest=self.lowest, up_to=self.up_to
-            )
-            for case in cases
-        ]
+            ),
+        )
         results = [self._referred(case, modes) for case, modes in zip(cases, found, strict=True)]
         tables = [modes.table(conventions) for modes in results]
         pairs = list(zip(cases, results, strict=True))

@@ -80,7 +80,7 @@ class OrdersCommand(ModelCommand):
         if self.measured:
             self.require_one("a test is of one configuration: name one with -c")
         cases = self.cases()
-        found = [self._run(case) for case in cases]
+        found = self.each("orders", cases, self._run)
         tests = self._tests(cases[0], found[0]) if self.measured else {}
         return Answer(
             screen=lambda: _compared(found[0], tests, conventions) if tests else _shown(found, conventions),

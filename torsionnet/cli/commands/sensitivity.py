@@ -48,15 +48,16 @@ class SensitivityCommand(ModelCommand):
         cases = self.cases()
         from torsionnet.solve.sensitivity import mode_sensitivities
 
-        results = [
-            mode_sensitivities(
+        results = self.each(
+            "sensitivities",
+            cases,
+            lambda case: mode_sensitivities(
                 case.drivetrain,
                 list(self.parameters) or None,
                 measured_input=self.measured_input,
                 excitation=self.excitation,
-            )
-            for case in cases
-        ]
+            ),
+        )
         _require(self.modes, results)
         tables = [_chosen(one, self.modes) for one in results]
         every = self.full or self.modes or self.parameters

@@ -1,0 +1,52 @@
+"""Progress of commands: shown in a terminal, and nowhere else."""
+
+import contextlib
+import io
+import os
+import sys
+import threading
+
+import pytest
+
+from torsionnet.cli.app import run
+
+pty = pytest.importorskip("pty", reason="a pseudo-terminal needs Linux or macOS")
+
+COMMANDS = {
+    "Holzer table": ["holzer", "two_stroke_ship", "--mode", "1"],
+    "modes": ["modes", "dmf_rig", "-c", "all"],
+}
+
+
+def errors_in_a_terminal(arguments, monkeypatch):
+    """Text that a command writes on stderr, where that is a terminal."""
+    ours, theirs = pty.openpty()
+    parts = []
+
+    def read():
+        with contextlib.suppress(OSError):  # Linux reports the closed other end as an error
+            while part := os.read(ours, 65536):
+                parts.append(part)
+
+    reader = threading.Thread(target=read, daemon=True)
+    reader.start()
+    monkeypatch.setenv("TERM", "xterm")
+    with os.fdopen(theirs, "w", encoding="utf-8") as terminal:
+        monkeypatch.setattr(sys, "stderr", terminal)
+        with contextlib.redirect_stdout(io.StringIO()):
+            run(arguments)
+        monkeypatch.undo()
+    reader.join(5)
+    return b"".join(parts).decode()
+
+
+@pytest.mark.parametrize("words", ["modes", "Holzer table"])
+def test_a_terminal_shows_what_is_calculated(words, monkeypatch):
+    text = errors_in_a_terminal(COMMANDS[words], monkeypatch)
+    assert "reading the model" in text
+    assert words in text
+
+
+def test_no_progress_without_a_terminal(capsys):
+    run(COMMANDS["modes"])
+    assert "reading the model" not in capsys.readouterr().err
