@@ -110,8 +110,8 @@ release-files: $(VENV)/.group-release $(CITATION)/.installed  ## validate and bu
 	PYTHONPATH=tests $(RUN) -m release $(ARGS)
 
 clean:  ## remove everything that make creates, .venv included
-	rm -rf $(VENV) $(OLDEST) $(CITATION) build dist out docs/_build docs/gallery docs/sg_execution_times.rst
-	rm -f docs/generated/paper.md docs/generated/element_index.md docs/generated/cases.md docs/generated/verification.md docs/generated/bench_numbers.md
+	rm -rf $(VENV) $(OLDEST) $(CITATION) build dist out docs/_build docs/gallery docs/reference docs/sg_execution_times.rst
+	rm -f docs/generated/paper.md docs/generated/element_index.md docs/generated/reference_index.md docs/generated/cases.md docs/generated/verification.md docs/generated/bench_numbers.md
 	rm -f docs/generated/signs_*.svg docs/generated/symbol_*.svg docs/generated/tutorial_*
 	rm -rf .cache .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	find torsionnet tests benchmarks examples docs -name __pycache__ -type d -prune -exec rm -rf {} +

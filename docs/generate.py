@@ -18,6 +18,7 @@ from typing import Any
 import sympy
 from house_picture import layers_page, picture
 from page_parts import code, prose, table
+from reference_pages import reference_index, write_reference
 from schema_pages import file_entries_page
 from stubs import write_stubs
 from study_pages import study_file_page
@@ -51,7 +52,6 @@ from torsionnet.model.elements import (
     Part,
     Row,
     Values,
-    element_classes,
     make_element,
 )  # fmt: skip
 from torsionnet.model.report import SECTIONS
@@ -126,12 +126,6 @@ def element_section(kind: str, cls: type[Element]) -> str:
         f"```yaml\nelements:\n  {minimal.name}: {flow(minimal.to_data())}\n```\n",
     ]
     return "\n".join(parts)
-
-
-def element_classes_page() -> str:
-    """Text of the reference of element classes of the Python interface."""
-    entries = "\n\n".join(f".. autoclass:: {name}" for name in sorted(element_classes()))
-    return f"```{{eval-rst}}\n.. currentmodule:: torsionnet\n\n{entries}\n```\n"
 
 
 def own_fields(cls: type[Element]) -> list[Field[Any]]:
@@ -547,7 +541,7 @@ def tutorial_pictures(folder: Path) -> None:
 PAGES = {
     "elements.md": elements_page,
     "element_index.md": element_index,
-    "element_classes.md": element_classes_page,
+    "reference_index.md": reference_index,
     "units.md": units_page,
     "damping.md": damping_page,
     "traps.md": traps_page,
@@ -576,6 +570,7 @@ def write_all(folder: Path = GENERATED) -> None:
     sign_pictures(folder)
     symbol_pictures(folder)
     tutorial_pictures(folder)
+    write_reference()
 
 
 if __name__ == "__main__":

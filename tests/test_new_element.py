@@ -77,7 +77,8 @@ assert json_schema()["$defs"]["element_an_inerter"]["properties"]["inertance"]
 sys.path.append(sys.argv[1])
 import generate, stubs, symbol_picture
 assert "## an_inerter" in generate.elements_page()
-assert ".. autoclass:: AnInerter" in generate.element_classes_page()
+import reference_pages
+assert "(reference/torsionnet.AnInerter.md)" in reference_pages.reference_index()
 assert "    inertance: Scalar," in stubs.element_types_stub().partition("class AnInerter(_AnInerter):")[2]
 assert " AnInerter as AnInerter" in stubs.package_stub("torsionnet")
 symbol_picture.write(pathlib.Path(), "an_inerter", [generate.sample(tn.AnInerter, full=True)])

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from study_runs import CHUNK, VARIANTS, contents, deadly, deaf, processes_of_session, small_study, started
 
-from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.core.errors import SolveError, TorsionnetWarning, UsageError
 from torsionnet.study.run import calculating, folder_lock, study_record, workload
 from torsionnet.study.run.folder_lock import LOCK, locked
 from torsionnet.study.run.process_pool import MOST_DEATHS, ProcessExecutor
@@ -168,9 +168,24 @@ class TestFolder:
         with pytest.raises(UsageError, match="model is another"):
             run_study(study, whole)
 
+    def test_complete_results_of_another_minor_version_are_read(self, whole, monkeypatch):
+        before = contents(whole)
+        major = study_record.__version__.partition(".")[0]
+        monkeypatch.setattr(study_record, "__version__", f"{major}.99.0")
+        with pytest.warns(TorsionnetWarning, match=r"is complete, and is read .* now it is \d+\.99\.0"):
+            run_study(small_study(), whole)
+        assert contents(whole) == before
+
+    def test_incomplete_results_of_another_minor_version_are_refused(self, whole, monkeypatch, tmp_path):
+        part = shutil.copytree(whole, tmp_path / "part")
+        next((part / "chunks").iterdir()).unlink()
+        monkeypatch.setattr(study_record, "__version__", f"{study_record.__version__.partition('.')[0]}.99.0")
+        with pytest.raises(UsageError, match="holds results of something else"):
+            run_study(small_study(), part)
+
     def test_another_version_is_refused(self, whole, monkeypatch):
-        monkeypatch.setattr(study_record, "__version__", "0.0.1")
-        with pytest.raises(UsageError, match=r"version of torsionnet was .*, now it is 0\.0\.1"):
+        monkeypatch.setattr(study_record, "__version__", "99.0.0")
+        with pytest.raises(UsageError, match=r"version of torsionnet was .*, now it is 99\.0\.0"):
             run_study(small_study(), whole)
 
     @pytest.mark.slow

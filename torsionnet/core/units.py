@@ -456,6 +456,7 @@ _EXPECTED = {"inertia": "kg*m^2", "stiffness": "N*m/rad", "torque": "N*m", "damp
 _SI_TEXT: dict[Dimension, str] = {}
 DIMENSIONS: dict[str, Dimension] = {"inertia": _dimension(1, 2)}
 DIMENSIONS |= {name: parse_unit(text).dimension for name, text in _EXPECTED.items()}
+"""Dimension of each physical quantity of a model, by the name of the quantity."""
 _SI_TEXT |= {DIMENSIONS[name]: text for name, text in _EXPECTED.items()}
 
 

@@ -6,6 +6,7 @@ import errno
 import json
 import os
 import time
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -13,11 +14,12 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.core.atomic import write_text
-from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.core.errors import SolveError, TorsionnetWarning, UsageError
 from torsionnet.study.run.calculating import chunk_file
 from torsionnet.study.run.chunk_values import ChunkValues, DamagedChunk
+from torsionnet.study.run.chunks import Chunks
 from torsionnet.study.run.evaluation_memory import ANSWERS
-from torsionnet.study.run.study_record import record_differences, record_text
+from torsionnet.study.run.study_record import differ_by_installation, record_differences, record_text
 
 RECORD = "study.json"
 """Name of the file with the record of the study in its folder."""
@@ -53,12 +55,22 @@ class StudyFolder:
                 raise UsageError(f"{text}; choose another folder, or put a copy of {RECORD} back")
             write_text(file, record_text(record))
             return
-        differing = record_differences(self.record(), json.loads(record_text(record)))
+        kept, wanted = self.record(), json.loads(record_text(record))
+        differing = record_differences(kept, wanted)
+        if differing and self._is_complete(wanted) and differ_by_installation(kept, wanted):
+            text = f"{self.path} is complete, and is read as it was calculated elsewhere: {'; '.join(differing)}"
+            warnings.warn(text, TorsionnetWarning, stacklevel=2)
+            return
         if differing:
             raise UsageError(
                 f"{self.path} holds results of something else; " + "; ".join(differing) + ". "
                 "Nothing in it was changed: choose another folder, or go back to what it was calculated with"
             )
+
+    def _is_complete(self, record: dict[str, Any]) -> bool:
+        """Whether there is nothing left to calculate, so that results of two versions cannot be mixed."""
+        total = Chunks(**record["chunks"]).total
+        return total > 0 and all(self.chunk(number) is not None for number in range(total))
 
     def record(self) -> dict[str, Any]:
         """Record of the study that the chunks in the folder belong to."""

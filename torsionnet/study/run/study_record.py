@@ -16,6 +16,8 @@ FILE_FORMAT = 2
 """Version of the format of the files in a study's folder, raised when older files cannot be read any more."""
 LIBRARIES = ("numpy", "scipy", "numba")
 """Packages whose version may change a number in the results of a study."""
+INSTALLATION = ("version", "libraries", "machine")
+"""Entries that say what calculated the results, by which complete results may differ from what reads them."""
 AFTERWARDS = ("name", "limits", "answers")
 """Entries of a study on which no value of a variant depends, so that they may change between runs in one folder.
 
@@ -62,6 +64,12 @@ def record_text(record: dict[str, Any]) -> str:
 def record_differences(kept: dict[str, Any], wanted: dict[str, Any]) -> list[str]:
     """Differences in words between the record in a study's folder and the one wanted now."""
     return [_said(key, kept.get(key), wanted.get(key)) for key in WORDS if kept.get(key) != wanted.get(key)]
+
+
+def differ_by_installation(kept: dict[str, Any], wanted: dict[str, Any]) -> bool:
+    """Whether two records of one major version differ in nothing but what calculated them."""
+    same_major = str(kept.get("version")).partition(".")[0] == str(wanted["version"]).partition(".")[0]
+    return same_major and all(kept.get(key) == wanted.get(key) for key in WORDS if key not in INSTALLATION)
 
 
 def _said(key: str, kept: Any, wanted: Any) -> str:

@@ -1,0 +1,165 @@
+"""Reference of the Python interface: a page for each public object, and an index by subject with first sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from public_names import PublicName, public_names
+
+import torsionnet as tn
+
+DOCS = Path(__file__).parent
+PAGES = DOCS / "reference"
+MODEL = ("Drivetrain", "Parameter", "Input", "Sensor", "OperatingPoint", "load", "loads", "library_models")
+DAMPING = ("convert_damping",)
+IDENTIFICATION = ("identify", "Measurement", "Unknown", "Fit")
+BENCHES = ("Bench", "load_bench", "library_benches")
+SUBJECTS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
+    ("Model", "", MODEL),
+    ("Elements", "Their entries with units and bounds are on the page [Elements](elements.md).", ("element types",)),
+    ("Results", "", ("response", "Adaptive")),
+    ("Signals", "Records of a test bench, real or simulated; [](test_bench.md) explains them.", ("signals",)),
+    (
+        "Modes of frequency responses",
+        "Identified without a model; [](how_to/identify_modes.md) shows their use.",
+        ("modal",),
+    ),
+    ("Identification", "", (*IDENTIFICATION, "identification", "solve.sensitivity")),
+    ("Virtual benches", "", (*BENCHES, "bench")),
+    ("Symbols", "", ("symbolic",)),
+    ("Plots", "Each function returns a figure of matplotlib.", ("plot",)),
+    (
+        "Studies",
+        "Quantities and answers are written as in [a study file](study_file.md); variations have classes too.",
+        ("load_study", "study"),
+    ),
+    ("Reports", "", ("write_report", "report")),
+    ("Interchange", "Which file goes to which program is on [its page](how_to/interchange.md).", ("io",)),
+    ("Damping and units", "Units are `tn.units`.", (*DAMPING, "core.units")),
+    ("Errors", "", ("errors",)),
+)
+"""Heading, sentence and contents of every part of the index: names of ``tn``, packages, element types and errors."""
+STYLE_PAGE = """\
+.. py:data:: torsionnet.plot.STYLE
+   :type: dict[str, Any]
+
+   The look of the pictures as settings of matplotlib, for figures of one's own: ``plt.style.use(plot.STYLE)``.
+"""
+REDIRECT = """\
+<script>
+/* Links to the one page that the reference was lead on to the page of the object. */
+(() => {
+  const wanted = decodeURIComponent(location.hash.slice(1));
+  for (let name = wanted; name; name = name.slice(0, Math.max(0, name.lastIndexOf(".")))) {
+    const link = document.getElementById(name)?.parentElement.querySelector("a.reference");
+    if (link) { location.replace(`${link.href.split("#")[0]}#${wanted}`); return; }
+  }
+})();
+</script>
+"""
+
+
+def subject_of(one: PublicName) -> str:
+    """Heading under which the index has an object."""
+    package, _, last = one.name.removeprefix("torsionnet.").rpartition(".")
+    if isinstance(one.value, type) and issubclass(one.value, tn.Element):
+        package = "element types"
+    if one.value.__class__ is type and one.value.__module__ == "torsionnet.core.errors":
+        package = "errors"
+    also = {other.removeprefix("torsionnet.").rpartition(".")[0] for other in one.others}
+    for heading, _, contents in SUBJECTS:
+        if last in contents and not package:
+            return heading
+    for heading, _, contents in SUBJECTS:
+        if package in contents or (not package and also & {*contents}):
+            return heading
+    raise ValueError(f"no subject of the reference has {one.name}")
+
+
+def page_names() -> dict[str, PublicName]:
+    """Public objects by the names of their pages, which differ by more than capitals."""
+    found: dict[str, PublicName] = {}
+    taken = set()
+    for one in sorted(public_names(), key=lambda one: not one.is_class):
+        name = one.name if one.name.casefold() not in taken else f"{one.name}_function"
+        taken.add(name.casefold())
+        found[name] = one
+    return found
+
+
+def shown_name(one: PublicName) -> str:
+    """Name as a program writes it after ``import torsionnet as tn``."""
+    return f"tn.{one.name.removeprefix('torsionnet.').removeprefix('core.').removeprefix('solve.')}"
+
+
+def reference_index() -> str:
+    """Markdown of the index by subject."""
+    pages = {subject: [] for subject, _, _ in SUBJECTS}
+    for page, one in page_names().items():
+        pages[subject_of(one)].append((page, one))
+    return "\n".join([*(_part(*subject[:2], pages[subject[0]]) for subject in SUBJECTS), REDIRECT])
+
+
+def _part(heading: str, sentence: str, objects: list[tuple[str, PublicName]]) -> str:
+    lines = [f"## {heading}\n", f"{sentence}\n" if sentence else "", "| name | what it is |", "|---|---|"]
+    for page, one in sorted(objects, key=lambda pair: pair[1].name.casefold()):
+        places = "".join(f'<span id="{place}"></span>' for place in dict.fromkeys(_places(one)))
+        summary = one.summary or _plain_summary(one)
+        lines.append(f"| {places}[`{shown_name(one)}`](reference/{page}.md) | {_markdown(summary)} |")
+    return "\n".join([*lines, ""])
+
+
+def _places(one: PublicName) -> Iterator[str]:
+    """Names of an object that links to the reference may have."""
+    yield one.name
+    yield from one.others
+    if one.is_class or callable(one.value):
+        yield f"{one.value.__module__}.{one.value.__qualname__}"
+
+
+def _plain_summary(one: PublicName) -> str:
+    return {"STYLE": "The look of the pictures as settings of matplotlib."}.get(one.last, "Constant.")
+
+
+def _markdown(text: str) -> str:
+    return text.replace("``", "`").replace("|", r"\|").replace("*", r"\*")
+
+
+def object_page(one: PublicName) -> str:
+    """Markdown of the page of a public object."""
+    others = ", ".join(f"`{other}`" for other in one.others)
+    return "\n".join(
+        [
+            "---\norphan: true\n---\n",
+            f"# {shown_name(one)}\n",
+            f"[Reference](../reference.md#{subject_of(one).lower().replace(' ', '-')}): {subject_of(one).lower()}."
+            + (f" Also {others}." if others else ""),
+            f"\n```{{eval-rst}}\n{_directive(one)}```\n",
+        ]
+    )
+
+
+def _directive(one: PublicName) -> str:
+    if one.last == "STYLE":
+        return STYLE_PAGE
+    if not one.is_class:
+        return (
+            f".. autofunction:: {one.name}\n" if callable(one.value) else f".. autodata:: {one.name}\n   :no-value:\n"
+        )
+    options = "   :show-inheritance:\n" if issubclass(one.value, Exception) else ""
+    members = f"   :members: {', '.join(one.members)}\n" if one.members else ""
+    return f".. autoclass:: {one.name}\n{options}{members}"
+
+
+def write_reference(folder: Path = PAGES) -> None:
+    """Write the pages of all public objects, those alone that have changed, and remove others."""
+    folder.mkdir(exist_ok=True)
+    texts = {f"{page}.md": object_page(one) for page, one in page_names().items()}
+    for path in folder.glob("*.md"):
+        if path.name not in texts:
+            path.unlink()
+    for name, text in texts.items():
+        path = folder / name
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8")
