@@ -15,7 +15,7 @@ from typing import Any
 import yaml
 from page_parts import code, table
 from verification_closed import damper_lines, passing_lines, shaft_lines
-from verification_lines import MOST_LINES, Line, lines_of, number
+from verification_lines import MOST_LINES, Line, lines_of
 from verification_orders import chain_of_five, half_ranges, wind_turbine
 
 from forced_plants import NAMES, reference  # isort: skip
@@ -24,6 +24,8 @@ from validation.build import case_names, read_case  # isort: skip
 HEADINGS = ["quantity", "reference by", "reference", "calculated", "deviation", "allowed"]
 MOST_NODES = 12
 """Inertias of a case that its entry lists; longer chains are described in words."""
+KEPT_TOGETHER = "```{raw} latex\n\\needspace{8\\baselineskip}\n```\n"
+"""Text that begins a new page on paper where fewer than eight lines are left, so that no heading ends a page."""
 ORACLE_MODELS = 3
 """Random drivetrains that are compared with exact mechanics while the manual is made; more would take minutes."""
 
@@ -92,10 +94,10 @@ def _entry(name: str, case: dict[str, Any], lines: list[Line]) -> str:
     words = texts()[name]
     parts = [f"### {words['title']}\n", f"{words['shows']}\n", f"* Case: {code(name)}", f"* Source: {_source(case)}"]
     if "nodes" in case:
-        parts += [f"* Data: {case['description']}.\n", _model(case)]
+        parts += [f"* Data: {case['description'].rstrip('.')}.\n", _model(case)]
     else:
         parts += [f"* Model: that of *{texts()[case['model']]['title']}*; {case['description']}.\n"]
-    parts += ["**Values.**\n", lines_table(lines)]
+    parts += [KEPT_TOGETHER, "**Values.**\n", lines_table(lines)]
     if "why" in words:
         parts += [f"**Where values differ.** {words['why']}\n"]
     return "\n".join(parts)
@@ -113,10 +115,10 @@ def _model(case: dict[str, Any]) -> str:
         return f"**Model.** {len(case['nodes'])} nodes and {len(case['springs'])} springs, all alike.\n"
     bodies = table(
         ["node", f"inertia{unit}", "damping to ground"],
-        [[node["name"], number(node["inertia"]), number(node["damping_to_ground"])] for node in case["nodes"]],
+        [[node["name"], digits(node["inertia"]), digits(node["damping_to_ground"])] for node in case["nodes"]],
     )
     joined = [
-        [spring["from"], spring["to"], "spring", "-", number(spring["stiffness"]), number(spring["damping"])]
+        [spring["from"], spring["to"], "spring", "-", digits(spring["stiffness"]), digits(spring["damping"])]
         for spring in case["springs"]
     ]
     joined += [
@@ -124,22 +126,27 @@ def _model(case: dict[str, Any]) -> str:
             gear["from"],
             gear["to"],
             "gear",
-            number(gear["ratio"]),
+            digits(gear["ratio"]),
             *(_mesh(gear, key) for key in ("stiffness", "damping")),
         ]
         for gear in case["gears"]
     ]
     joined += [[node, "ground", "lock", "-", "rigid", "-"] for node in case["grounded"]]
     headings = ["from", "to", "what", "ratio", "stiffness", "damping"]
-    text = f"**Model.**\n\n{bodies}\n" + (table(headings, joined) + "\n" if joined else "")
+    text = f"{KEPT_TOGETHER}\n**Model.**\n\n{bodies}\n" + (table(headings, joined) + "\n" if joined else "")
     planets = case.get("planetary")
     if planets:
         text += "Meshes: " + ", ".join(f"{code(key)} {value}" for key, value in planets.items()) + ".\n"
     return text
 
 
+def digits(value: float) -> str:
+    """Text of a number of a model with the ten digits that its file has."""
+    return f"{value:.10g}"
+
+
 def _mesh(gear: dict[str, Any], key: str) -> str:
-    return number(gear[key]) if key in gear else {"stiffness": "rigid", "damping": "-"}[key]
+    return digits(gear[key]) if key in gear else {"stiffness": "rigid", "damping": "-"}[key]
 
 
 def lines_table(lines: list[Line]) -> str:
