@@ -95,7 +95,7 @@ class Build:
                 shutil.copy2(source, folder / name)
 
     def _step(self, line: str, folder: Path, environment: Path) -> None:
-        line = re.sub(r"(?<=\s)/[\w/]+", lambda found: f'"{self.place(found[0])}"', line)
+        line = re.sub(r"(?<=\s)/\w+(?:/\w+)*", lambda found: f'"{self.place(found[0])}"', line)
         path = f"{environment / 'bin'}{os.pathsep}{os.environ['PATH']}"
         settings = {key: value for key, value in os.environ.items() if key not in ("PYTHONPATH", "VIRTUAL_ENV")}
         subprocess.run(["sh", "-c", line], check=True, cwd=folder, env=settings | {"PATH": path})
