@@ -5,8 +5,10 @@ from torsionnet import io as io
 from torsionnet import modal as modal
 from torsionnet import plot as plot
 from torsionnet import report as report
+from torsionnet import response as response
 from torsionnet import signals as signals
 from torsionnet import study as study
+from torsionnet import symbolic as symbolic
 from torsionnet.bench import Bench as Bench
 from torsionnet.bench import load_bench as load_bench
 from torsionnet.core import units as units
@@ -14,6 +16,7 @@ from torsionnet.core.damping import convert_damping as convert_damping
 from torsionnet.core.errors import Fault as Fault
 from torsionnet.core.errors import MissingExtraError as MissingExtraError
 from torsionnet.core.errors import ModelError as ModelError
+from torsionnet.core.errors import Position as Position
 from torsionnet.core.errors import SolveError as SolveError
 from torsionnet.core.errors import TorsionnetError as TorsionnetError
 from torsionnet.core.errors import TorsionnetWarning as TorsionnetWarning
@@ -120,6 +123,7 @@ __all__ = [
     "Parameter",
     "PendulumAbsorber",
     "Planetary",
+    "Position",
     "Propeller",
     "RigidCoupling",
     "Sensor",
@@ -152,9 +156,11 @@ __all__ = [
     "modal",
     "plot",
     "report",
+    "response",
     "sensitivity",
     "signals",
     "study",
+    "symbolic",
     "units",
     "write_report",
 ]

@@ -1,6 +1,7 @@
 # Written by `make generate`.
 from collections.abc import Mapping
-from torsionnet.core.entries.accepted_types import Entries, NumberByNumber, Scalar, WholeNumber
+from torsionnet.core.entries.accepted_types import Entries, NumberByNumber, Scalar, Scalars, WholeNumber
+from torsionnet.model.report import SECTIONS
 from typing import Literal
 from torsionnet.model.bench.parts import Acquisition as _Acquisition
 from torsionnet.signals.excitation.broadband import BurstRandom as _BurstRandom
@@ -16,8 +17,11 @@ from torsionnet.study.space.variations.normal import Normal as _Normal
 from torsionnet.model.operating_point import OperatingPoint as _OperatingPoint
 from torsionnet.model.parameters import Parameter as _Parameter
 from torsionnet.model.bench.plan import Plan as _Plan
+from torsionnet.model.report.report_plan import ReportPlan as _ReportPlan
+from torsionnet.model.report.title_block import Revision as _Revision
 from torsionnet.study.space.samples import Samples as _Samples
 from torsionnet.signals.excitation.sweeps import SteppedSine as _SteppedSine
+from torsionnet.model.report.title_block import TitleBlock as _TitleBlock
 from torsionnet.model.bench.parts import Transducer as _Transducer
 from torsionnet.study.space.variations.triangle import Triangular as _Triangular
 from torsionnet.study.space.variations.uniform import Uniform as _Uniform
@@ -347,6 +351,127 @@ class Plan(_Plan):
         seed: WholeNumber = 0,
     ) -> None: ...
 
+class ReportPlan(_ReportPlan):
+    r"""Plan of a report: what it holds beside the model itself; empty entries have their default.
+
+    Attributes
+    ----------
+    kind : {"rig", "approval"}, optional
+        Kind of document; default: approval for a model with speeds, excitations and limits.
+    title, author, notes : str
+    sections : tuple of str
+        Names out of :data:`SECTIONS`.
+    transfer_functions : tuple of Pair
+    orders : tuple of str
+        Outputs whose response to the model's excitations is shown over speed.
+    measure : tuple of str
+        Outputs that are to be measured on board; default: free end of the engine, and the shaft used most.
+    configurations : tuple of str
+    band : (float, float), optional
+        Hz; frequencies of the Bode plots.
+    angle : {"rad", "deg"}
+    language : {"en", "de"}
+        Language of the report's own texts; names and texts of the model stay as they are.
+    simplify : float, optional
+        Largest relative change of the modes in the band by which transfer functions may be simplified.
+    passage : tuple of float
+        Times in s in which the passage of barred ranges is shown.
+    template : str
+        Folder, as seen from the file.
+    rules : str, optional
+        Short name of a classification society out of ``SOCIETIES``, or of a rule of separation margins.
+    appendix : bool
+        Whether the sections of the other kind follow in an appendix.
+    title_block : TitleBlock, optional
+        A document for approval has one in any case, with blank fields.
+    not_examined : mapping of str to str
+        Conditions that the calculation leaves out, with the reasons.
+    idling : tuple of float
+        Speeds of longer idling in rad/s, of the shaft of the model's speeds.
+    holzer : int, optional
+        Number of modes, from the lowest on, whose Holzer tables the calculation for approval prints.
+
+    Parameters
+    ----------
+    kind: rig: the model with its equations, modes and transfer functions; approval: the torsional calculation
+        that a classification society or a customer approves; default: by the model
+    title: title of the report; default: name of the model
+    author: who signs it
+    sections: sections of the report; default: those of its kind that apply
+    transfer_functions: OUTPUT/INPUT, in this order
+    orders: sensors or nodes shown over speed; default: the sensors of torque
+    measure: sensors of the measurement plan; default: free end of the engine and the shaft used most
+    configurations: configurations to report; default: all
+    band: frequencies of the plots
+    angle: unit of angles
+    language: language of the report's own texts
+    simplify: how far leaving elements out may move the modes in the band, as 1 %
+    passage: times in which barred ranges of speed are passed; default: 10 s and 60 s
+    notes: remarks of the author, printed under the title
+    template: folder with letterhead, style and wording, as seen from this file
+    rules: society whose words and list of particulars the document has, or standard of the separation margins of
+        a train
+    appendix: true: the sections of the other kind of document follow in an appendix
+    title_block: title block of the document, with its revisions
+    not_examined: conditions that no configuration stands for -> why they were not examined
+    idling: speeds of longer idling, of the shaft of speeds:
+    holzer: modes with a Holzer table in the document for approval; default: those excited, at most 3
+    """
+    def __init__(
+        self,
+        kind: Literal['rig', 'approval'] | None = None,
+        title: str = '',
+        author: str = '',
+        sections: tuple[object, ...] | list[object] = (),
+        transfer_functions: tuple[object, ...] | list[object] = (),
+        orders: tuple[str, ...] | list[str] = (),
+        measure: tuple[str, ...] | list[str] = (),
+        configurations: tuple[object, ...] | list[object] = (),
+        band: str | tuple[Scalar, Scalar] | list[Scalar] | list[float] | list[str] | None = None,
+        angle: Literal['rad', 'deg'] = 'rad',
+        language: Literal['en', 'de'] = 'en',
+        simplify: Scalar | None = None,
+        passage: Scalars = (),
+        notes: str = '',
+        template: str = '',
+        rules: Literal['m68', 'kr', 'lr', 'api610', 'api617', 'api618', 'api684'] | None = None,
+        appendix: bool = False,
+        title_block: TitleBlock | Entries | None = None,
+        not_examined: Mapping[str, str] | None = None,
+        idling: Scalars = (),
+        holzer: WholeNumber | None = None,
+    ) -> None: ...
+
+class Revision(_Revision):
+    r"""Revision of a report: its number or letter, date, what was changed and who signed it.
+
+    Attributes
+    ----------
+    revision, description : str
+    date : str
+        ISO, as 2025-03-31; empty if blank.
+    prepared, checked, approved : str
+        Names; empty if blank.
+
+    Parameters
+    ----------
+    revision: number or letter of the revision
+    date: date of the revision, as 2025-03-31
+    description: what was changed
+    prepared: who prepared it: name, or blank to be written by hand
+    checked: who checked it: name, or blank to be written by hand
+    approved: who approved it: name, or blank to be written by hand
+    """
+    def __init__(
+        self,
+        revision: str | int = '',
+        date: str | datetime.date = '',
+        description: str | int = '',
+        prepared: str | int = '',
+        checked: str | int = '',
+        approved: str | int = '',
+    ) -> None: ...
+
 class Samples(_Samples):
     r"""Number, method and seed of the draws of parameters with a distribution.
 
@@ -393,6 +518,57 @@ class SteppedSine(_SteppedSine):
         mean: Scalar = 0.0,
         frequencies: object,
         hold: Scalar,
+    ) -> None: ...
+
+class TitleBlock(_TitleBlock):
+    r"""Title block of a document that is signed: what it is about, whose it is, its revisions and who signs it.
+
+    Every entry may be left out or blank; the document shows a blank field to be filled in by hand.
+
+    Attributes
+    ----------
+    project, hull, plant, yard, owner, class_society, rules, edition, engine, rating, document_number : str
+        A ship has a hull, a plant ashore is named by ``plant``.
+    prepared, checked, approved : str
+        Names of those who sign.
+    revisions : tuple of Revision
+        The oldest first; the last one is the revision of the document.
+
+    Parameters
+    ----------
+    project: project
+    hull: hull of the ship, by the number of the yard
+    plant: instead of hull: plant, for machinery ashore
+    yard: yard or manufacturer
+    owner: owner or customer
+    class_society: classification society
+    rules: rules or standard by which the calculation is judged
+    edition: edition of the rules
+    engine: type of the engine or driver
+    rating: rated power and speed, as 15 MW at 105 r/min
+    document_number: number of the document
+    prepared: who prepared the document: name, or blank to be written by hand; default: the author
+    checked: who checked the document: name, or blank to be written by hand
+    approved: who approved the document: name, or blank to be written by hand
+    revisions: revisions of the document, the oldest first
+    """
+    def __init__(
+        self,
+        project: str | int = '',
+        hull: str | int = '',
+        plant: str | int = '',
+        yard: str | int = '',
+        owner: str | int = '',
+        class_society: str | int = '',
+        rules: str | int = '',
+        edition: str | int = '',
+        engine: str | int = '',
+        rating: str | int = '',
+        document_number: str | int = '',
+        prepared: str | int = '',
+        checked: str | int = '',
+        approved: str | int = '',
+        revisions: tuple[Revision | Entries, ...] | list[Revision | Entries] = (),
     ) -> None: ...
 
 class Transducer(_Transducer):

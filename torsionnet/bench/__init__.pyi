@@ -1,5 +1,6 @@
 # Written by `make generate`.
 from torsionnet.bench.bench import Bench as Bench
+from torsionnet.bench.exciter_torque import ExciterOutput as ExciterOutput
 from torsionnet.bench.loading_bench import load_bench as load_bench
 from torsionnet.entry_classes import Acquisition as Acquisition
 from torsionnet.entry_classes import Encoder as Encoder
@@ -12,6 +13,7 @@ __all__ = [
     "Bench",
     "Encoder",
     "Exciter",
+    "ExciterOutput",
     "Plan",
     "Transducer",
     "load_bench",

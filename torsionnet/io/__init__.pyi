@@ -17,9 +17,13 @@ from torsionnet.io.tors_reading import from_tors as from_tors
 from torsionnet.io.tors_reading import read_tors as read_tors
 from torsionnet.io.tors_writing import to_tors as to_tors
 from torsionnet.io.tors_writing import write_tors as write_tors
+from torsionnet.model.catalogues.catalogue import Catalogue as Catalogue
 from torsionnet.model.catalogues.catalogue_reading import read_catalogue as read_catalogue
+from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet as MassElasticSheet
 
 __all__ = [
+    "Catalogue",
+    "MassElasticSheet",
     "from_tors",
     "iter_blocks",
     "mass_elastic_report",

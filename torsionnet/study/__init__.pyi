@@ -7,32 +7,46 @@ from torsionnet.entry_classes import Samples as Samples
 from torsionnet.entry_classes import Triangular as Triangular
 from torsionnet.entry_classes import Uniform as Uniform
 from torsionnet.entry_classes import ValueRange as ValueRange
+from torsionnet.study.design.conditions_damper import DamperInCondition as DamperInCondition
+from torsionnet.study.design.conditions_damper import DamperOverConditions as DamperOverConditions
 from torsionnet.study.design.conditions_damper import damper_over_conditions as damper_over_conditions
 from torsionnet.study.loading_study import load_study as load_study
+from torsionnet.study.quantities.user_function import UserFunction as UserFunction
+from torsionnet.study.quantities.user_function import function as function
+from torsionnet.study.reductions.quantity_summary import Summary as Summary
+from torsionnet.study.run.answering import AnsweredStudy as AnsweredStudy
 from torsionnet.study.run.answering import answer_study as answer_study
 from torsionnet.study.run.run_chunks import run_study as run_study
 from torsionnet.study.run.workers import Workers as Workers
+from torsionnet.study.shown_units import ShownUnits as ShownUnits
 from torsionnet.study.space.space import Space as Space
 from torsionnet.study.study import Study as Study
 from torsionnet.study.study import define as define
 from torsionnet.study.study_result import StudyResult as StudyResult
 
 __all__ = [
+    "AnsweredStudy",
     "Correlation",
+    "DamperInCondition",
+    "DamperOverConditions",
     "ListOfValues",
     "Lognormal",
     "Normal",
     "Samples",
+    "ShownUnits",
     "Space",
     "Study",
     "StudyResult",
+    "Summary",
     "Triangular",
     "Uniform",
+    "UserFunction",
     "ValueRange",
     "Workers",
     "answer_study",
     "damper_over_conditions",
     "define",
+    "function",
     "load_study",
     "run_study",
 ]

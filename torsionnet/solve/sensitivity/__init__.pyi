@@ -1,4 +1,5 @@
 # Written by `make generate`.
+from torsionnet.solve.sensitivity.mode_sensitivities import ModeEffect as ModeEffect
 from torsionnet.solve.sensitivity.mode_sensitivities import ModeSensitivities as ModeSensitivities
 from torsionnet.solve.sensitivity.mode_sensitivities import mode_sensitivities as mode_sensitivities
 from torsionnet.solve.sensitivity.parametric import Evaluation as Evaluation
@@ -7,6 +8,7 @@ from torsionnet.solve.sensitivity.parametric import parametric_response as param
 
 __all__ = [
     "Evaluation",
+    "ModeEffect",
     "ModeSensitivities",
     "ParametricResponse",
     "mode_sensitivities",
