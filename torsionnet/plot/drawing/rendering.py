@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import re
+from collections.abc import Callable
+from typing import Any
 
 import matplotlib as mpl
 from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -33,7 +35,8 @@ def _write_svg(figure: Figure, buffer: io.BytesIO) -> None:
     """Write a figure as SVG in one pass: savefig draws a figure with a layout twice, first without output."""
     canvas, dpi = figure.canvas, figure.dpi
     try:
-        FigureCanvasSVG(figure).print_svg(buffer, metadata=METADATA["svg"])
+        write: Callable[..., Any] = FigureCanvasSVG(figure).print_svg
+        write(buffer, metadata=METADATA["svg"])
     finally:
         figure.set_canvas(canvas)
         figure.set_dpi(dpi)
