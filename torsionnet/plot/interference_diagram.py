@@ -23,11 +23,13 @@ LEADER = {"arrowstyle": "-", "color": style.MUTED, "linewidth": 0.6, "relpos": (
 SPEED_POINTS = 601
 """Number of speeds at which the frequency of an order is calculated to draw its line: steps well below the width of a
 line on paper."""
-HEADROOM, NEAREST, NARROWEST = 1.12, 0.03, 0.036
+HEADROOM, NEAREST, NARROWEST = 1.12, 0.034, 0.036
 """Factor from the highest crossing to the end of the frequency axis, and least distances of two labels, upright as a
 share of the axes' height and sideways of their width."""
 INDENT = 0.035
 """Distance from the left edge, as a share of the axes' width, of a label that stands apart from its mode's line."""
+GROUND = {"boxstyle": "square,pad=0.1", "facecolor": style.PAPER, "edgecolor": "none"}
+"""Box of matplotlib behind a label that stands apart, so that lines of other modes do not strike through its letters."""
 
 
 def interference_diagram(result: CriticalSpeeds, *, highest: float | None = None, title: str | None = None) -> Figure:
@@ -102,13 +104,25 @@ def _modes(axes: Axes, result: CriticalSpeeds, top: float, end: float) -> None:
     for number, mode in enumerate(shown):
         axes.axhline(mode.natural_frequency, color=style.INK, linewidth=1.4, zorder=1.6,
                      label=r"damped, $|\lambda|/2\pi$" if not number else None)  # fmt: skip
-    heights = _apart([mode.natural_frequency for mode in shown], NEAREST * top)
-    for mode, height in zip(shown, heights, strict=True):
-        moved = height > mode.natural_frequency
+    places = _label_places([mode.natural_frequency for mode in shown], NEAREST * top)
+    for mode, (height, moved) in zip(shown, places, strict=True):
         axes.annotate(f"mode {mode.number}: {mode.natural_frequency:.4g} Hz", (0, mode.natural_frequency),
                       xytext=((INDENT if moved else 0.004) * end, height + 0.1 * NEAREST * top), textcoords="data",
                       fontsize=style.SMALL - 1, color=style.INK, path_effects=[HALO], va="bottom", zorder=4,
-                      arrowprops=LEADER if moved else None)  # fmt: skip
+                      bbox=GROUND if moved else None, arrowprops=LEADER if moved else None)  # fmt: skip
+
+
+def _label_places(values: Sequence[float], gap: float) -> list[tuple[float, bool]]:
+    """List of label positions in the unit of rising values, and whether each stands apart from its own level line.
+
+    A label stands apart that had to move up, and one whose letters the next level line would cross.
+    """
+    heights = _apart(values, gap)
+    above = (*values[1:], math.inf)
+    return [
+        (height, height > value or height < next_line < height + gap)
+        for value, height, next_line in zip(values, heights, above, strict=True)
+    ]
 
 
 def _apart(values: Sequence[float], gap: float) -> list[float]:

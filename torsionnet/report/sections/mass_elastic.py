@@ -121,23 +121,32 @@ def _notes(found: MassElasticTable, materials: dict[str, str]) -> Iterator[Text]
 
 
 def _changes(tables: Sequence[MassElasticTable], names: Sequence[str]) -> Iterator[Text]:
-    """Sentences on the values that other conditions have, each with the conditions that share it."""
+    """Sentences on the values that other conditions have, one for all values that the same conditions share."""
     written = _values(tables[0])
-    found: dict[str, list[str]] = {}
+    places: dict[str, list[str]] = {}
+    values: dict[tuple[str, str, str], list[str]] = {}
     for other, name in zip(tables[1:], names[1:], strict=True):
         now = _values(other)
         absent = dict.fromkeys(about for _, about in written if (_, about) not in now)
         added = dict.fromkeys(about for _, about in now if (_, about) not in written)
-        texts = [f"Without {as_words(one)}" for one in absent] + [f"With {as_words(one)}" for one in added]
-        texts += [
-            f"{quantity if len(quantity) == 1 else capital(quantity)} of {as_words(about)}: {text}"
-            for (quantity, about), text in now.items()
-            if written.get((quantity, about), text) != text
-        ]
-        for text in texts:
-            found.setdefault(text, []).append(name)
-    for text, where in found.items():
+        for text in [f"Without {as_words(one)}" for one in absent] + [f"With {as_words(one)}" for one in added]:
+            places.setdefault(text, []).append(name)
+        for (quantity, about), text in now.items():
+            if written.get((quantity, about), text) != text:
+                values.setdefault((quantity, about, text), []).append(name)
+    for text, where in places.items():
         yield (f"{text} in {choices_of_some(where, names)}.",)
+    shared: dict[tuple[str, ...], dict[str, dict[str, list[str]]]] = {}
+    for (quantity, about, text), where in values.items():
+        shared.setdefault(tuple(where), {}).setdefault(quantity, {}).setdefault(text, []).append(as_words(about))
+    for where, quantities in shared.items():
+        parts = "; ".join(_change(quantity, found) for quantity, found in quantities.items())
+        yield (f"{parts if parts[1] == ' ' else capital(parts)} in {choices_of_some(where, names)}.",)
+
+
+def _change(quantity: str, found: dict[str, list[str]]) -> str:
+    """Clause with the values of one quantity, each with all masses or shafts that have it."""
+    return f"{quantity} " + "; ".join(f"of {', '.join(about)}: {text}" for text, about in found.items())
 
 
 def _values(found: MassElasticTable) -> dict[tuple[str, str], str]:
