@@ -29,7 +29,7 @@ share of the axes' height and sideways of their width."""
 INDENT = 0.035
 """Distance from the left edge, as a share of the axes' width, of a label that stands apart from its mode's line."""
 GROUND = {"boxstyle": "square,pad=0.1", "facecolor": style.PAPER, "edgecolor": "none"}
-"""Box of matplotlib behind a label that stands apart, so that lines of other modes do not strike through its letters."""
+"""Box of matplotlib behind a label that stands apart, so that no line of another mode crosses its letters."""
 
 
 def interference_diagram(result: CriticalSpeeds, *, highest: float | None = None, title: str | None = None) -> Figure:

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.errors import UsageError
+from torsionnet.core.number_text import NumberText
 from torsionnet.response.holzer_table import HolzerTable
 from torsionnet.response.vibrations.vibration_nodes import vibration_nodes
 
@@ -118,5 +119,5 @@ def _draw(axes: Axes, holzer: HolzerTable) -> None:
             )  # fmt: skip
     axes.margins(x=0.02, y=0.18)
     number = f"Mode {holzer.mode}: " if holzer.mode else ""
-    per_minute = f"{60 * holzer.frequency:.4g} per minute"
+    per_minute = f"{NumberText(60 * holzer.frequency, 4)} per minute"
     axes.set_title(f"{number}{holzer.frequency:.4g} Hz, {per_minute}", fontsize=style.SMALL, loc="left", pad=3)

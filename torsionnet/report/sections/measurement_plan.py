@@ -142,7 +142,7 @@ def _out_rows(
     rows = planned_amplitudes(run, speeds, channel.name)
     for at, one in enumerate(speeds):
         found = [row for row in rows if row.speed == one.speed][:MOST_ORDERS_OUT]
-        orders = "; ".join(f"{as_words(row.name)}: {row.amplitude * scale:.3g}" for row in found)
+        orders = "; ".join(f"{as_words(row.name)}: {NumberText(row.amplitude * scale, 3)}" for row in found)
         yield (
             f"{capital(place.sensor.quantity)}, {as_words(place.sensor.of)}",
             NumberText(one.speed * RPM, 4),

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from torsionnet.report.document_tree import Cell, Facts, NumberText, TableBlock, TableGroup, TitleTable, inlines
 from torsionnet.report.writers.docx_text import inline, number, paragraph, run
-from torsionnet.report.writers.latex_columns import GAP_LETTERS, PAGE_LETTERS, Columns, natural_width, table_pieces
+from torsionnet.report.writers.latex_columns import (
+    GAP_LETTERS,
+    PAGE_LETTERS,
+    Columns,
+    content_width,
+    table_pieces,
+    visible_text,
+)
+from torsionnet.report.writers.page_breaks import rows_kept
 
 TEXT_WIDTH = 9864
 """Width of the text on a page in twentieths of a point: 174 mm of A4."""
-MOST_UNBROKEN_ROWS = 6
-"""Number of rows of a table up to which it is not split between two pages: about a fifth of a page."""
 BOLD_WIDTH = 1.15
 """Width of a bold letter of a heading as a multiple of that of a plain one, so that no word is broken."""
 SIGNATURE_HEIGHT = 400
@@ -43,27 +49,41 @@ def table_xml(block: TableBlock, caption: str, continued: str) -> str:
 
 
 def _piece(block: TableBlock, columns: Columns) -> str:
-    letters = [
-        max(natural_width(block, index) if width is None else width, BOLD_WIDTH * _longest_word(lines)) + GAP_LETTERS
-        for index, width, lines in zip(columns.indices, columns.widths, columns.headings, strict=True)
-    ]
-    widths = [round(TEXT_WIDTH * one / max(sum(letters), PAGE_LETTERS)) for one in letters]
+    widths = _widths(block, columns)
     numeric = [block.columns[index].numeric for index in columns.indices]
     head = [
         "".join(_line(inline(line, bold=True), right=right, keep=True) for line in lines)
         for lines, right in zip(columns.headings, numeric, strict=True)
     ]
     decimals = [block.decimals(index) for index in columns.indices]
-    keep = sum(len(group.rows) for group in block.groups) <= MOST_UNBROKEN_ROWS
+    kept = rows_kept(block)
     rows = [_row(head, widths, head=True)]
     for group in block.groups:
-        last = group is block.groups[-1]
-        rows += _group(group, columns.indices, decimals, widths, numeric, keep=(keep, last))
+        rows += _group(group, columns.indices, decimals, widths, numeric, kept)
     return _table(rows, widths, RULES)
 
 
+def _widths(block: TableBlock, columns: Columns) -> list[int]:
+    """List of the widths of a table's columns in twentieths of a point, together no wider than the text.
+
+    Where letters are too many for the page, columns give way whose words can stand on more lines.
+    """
+    wanted, least = [], []
+    for index, width, lines in zip(columns.indices, columns.widths, columns.headings, strict=True):
+        word = BOLD_WIDTH * _longest_word(lines)
+        content = content_width(block, index)
+        natural = max([content, *(len(visible_text(line)) for line in lines)]) if width is None else width
+        wanted.append(max(natural, word) + GAP_LETTERS)
+        breakable = max(map(_longest_word, ((cell,) for cell in block.column(index))), default=0)
+        least.append(min(wanted[-1], max(content if width is None else breakable, word) + GAP_LETTERS))
+    spare = sum(wanted) - sum(least)
+    share = min(1.0, max(sum(wanted) - PAGE_LETTERS, 0) / spare) if spare else 0.0
+    letters = [one - share * (one - low) for one, low in zip(wanted, least, strict=True)]
+    return [round(TEXT_WIDTH * one / max(sum(letters), PAGE_LETTERS)) for one in letters]
+
+
 def _longest_word(lines: Sequence[Cell]) -> int:
-    """Number of letters in the longest word of a column's heading."""
+    """Number of letters in the longest word of a column's heading or of a cell."""
     texts = [part for line in lines for part in inlines(line) if isinstance(part, str)]
     return max((len(word) for text in texts for word in text.split()), default=0)
 
@@ -74,17 +94,14 @@ def _group(
     decimals: Sequence[int],
     widths: Sequence[int],
     numeric: Sequence[bool],
-    *,
-    keep: tuple[bool, bool],
+    kept: Iterator[bool],
 ) -> list[str]:
-    """Rows of a group, its title first; ``keep``: whether the table stays on one page, and whether no group follows."""
-    whole, last = keep
+    """Rows of a group, its title first; ``kept``: whether each of the rows stays with the next one."""
     rows = []
     if group.title:
         title = _line(inline(group.title, bold=True), keep=True)
         rows.append(_row([title], [sum(widths)], spans=[len(widths)]))
-    for place, row in enumerate(group.rows):
-        stays = whole and not (last and place == len(group.rows) - 1)
+    for row, stays in zip(group.rows, kept, strict=False):
         cells = [
             _line(_cell(row[index], places), right=right, keep=stays)
             for index, places, right in zip(indices, decimals, numeric, strict=True)

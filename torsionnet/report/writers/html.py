@@ -11,11 +11,8 @@ from torsionnet.core.atomic import write_text
 from torsionnet.report.document_tree import Cell, Heading, NumberText, Picture, Report, TableBlock
 from torsionnet.report.writers.html_text import escaped, inline, number
 from torsionnet.report.writers.mathml import mathml
+from torsionnet.report.writers.page_breaks import stays_whole
 from torsionnet.report.writers.templating import Illustrations, TextFormat, render
-
-MOST_UNBROKEN_ROWS = 6
-"""Number of rows of a table in HTML, titles of groups too, up to which it is not split between two printed pages: with
-head and notes a fifth of a page, which may stay empty. Of longer ones two rows stay together at either end."""
 
 
 def write(report: Report, path: Path) -> tuple[Path, ...]:
@@ -64,8 +61,7 @@ def _table_html(block: TableBlock, label: str, name: str) -> str:
     head = "".join(f"<th{_class(column)} scope=col>{_heading(column)}</th>" for column in block.columns)
     body = "".join(_group(group.title, group.rows, block.columns, decimals) for group in block.groups)
     foot = "".join(f"<p class=note>{inline(note)}</p>" for note in block.foot_notes)
-    count = sum(len(group.rows) + bool(group.title) for group in block.groups)
-    keep = " keep" if count <= MOST_UNBROKEN_ROWS else ""
+    keep = " keep" if stays_whole(block) else ""
     caption = f"<p class=caption id={name}><b>{escaped(label)}</b> {inline(block.caption)}</p>"
     return (
         f"<div class='table{keep}'>{caption}<div class=scroll tabindex=0 role=region aria-labelledby={name}>"

@@ -136,10 +136,11 @@ def heading_lines(column: Heading, width: float) -> tuple[Cell, ...]:
 
 def natural_width(block: TableBlock, index: int) -> float:
     """Width in letters of the widest cell of a column, or of its heading."""
-    return max(len(visible_text(_title(block.columns[index]))), _content(block, index))
+    return max(len(visible_text(_title(block.columns[index]))), content_width(block, index))
 
 
-def _content(block: TableBlock, index: int) -> int:
+def content_width(block: TableBlock, index: int) -> int:
+    """Width in letters of the widest cell of a column, its heading left out."""
     cells, decimals = block.column(index), block.decimals(index)
     whole = max((len(number.mantissa.partition(".")[0]) for number in block.numbers(index)), default=0)
     aligned = whole + decimals + (decimals > 0)
@@ -157,9 +158,9 @@ def _least(block: TableBlock, index: int) -> float:
     column = block.columns[index]
     words = [len(word) for word in visible_text(column.text).split()] + [len(column.unit) + 2 if column.unit else 0]
     if any(is_matrix(cell) for cell in block.column(index)):
-        return min(_content(block, index), MATRIX_LETTERS)
+        return min(content_width(block, index), MATRIX_LETTERS)
     if not can_break(block, index):
-        return min(max([_content(block, index), *words]), PAGE_LETTERS - 2 * GAP_LETTERS)
+        return min(max([content_width(block, index), *words]), PAGE_LETTERS - 2 * GAP_LETTERS)
     longest = max((_longest(cell) for cell in block.column(index)), default=0)
     return min(natural_width(block, index), max(FEWEST_LETTERS, longest, *words))
 

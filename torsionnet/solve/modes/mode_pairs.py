@@ -132,6 +132,8 @@ def _assigned(similarity: FloatArray) -> Iterator[tuple[int, int]]:
     """Yield index pairs (undamped, damped) of modes with the largest sum of strain similarities, similar ones only."""
     clear = np.where(similarity >= LEAST_SIMILARITY, similarity, 0)
     rows = np.flatnonzero(clear.any(axis=1))
+    if not len(rows):
+        return
     best = clear[rows].max(axis=1, initial=0.0)
     is_best = clear[rows] == best[:, None]
     if (is_best.sum(axis=1) == 1).all() and (is_best.sum(axis=0) <= 1).all():
