@@ -227,6 +227,10 @@ class TestAxes:
         assert not any(
             one.y0 < other.y1 - 2 and other.y0 < one.y1 - 2 for i, one in enumerate(boxes) for other in boxes[:i]
         )
+        heights = [figure.axes[0].transData.transform((0, one.xy[1]))[1] for one in labels]
+        for label, box in zip(labels, boxes, strict=True):
+            crossed = any(box.y0 + 1 < height < box.y1 - 1 for height in heights)
+            assert label.get_bbox_patch() is not None or not crossed, label.get_text()
 
 
 class TestFreeEnd:

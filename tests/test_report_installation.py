@@ -152,6 +152,26 @@ class TestMassElastic:
         assert "k of rubber: 26 kN·m/rad in rubber=cold." in notes
         assert "Without pump in pump=off" in notes
 
+    @pytest.mark.slow
+    def test_values_of_another_condition_are_one_note(self):
+        """With the brake on, nothing turns behind it: the speeds of eight masses change, which is one sentence."""
+        (shown,) = of(TableBlock, blocks(section("wind_turbine_3mw", "mass_elastic"), "mass_elastic"))
+        notes = ["".join(map(str, note)) for note in shown.notes]
+        (note,) = [one for one in notes if "in locked" in one]
+        assert note.startswith("Speed ratio of gen, disc, pin: none; of bull, stage2.sun: ")
+        assert note.count("Speed ratio") == 1
+        assert len(notes) < 16
+
+    def test_legend_explains_the_columns_that_are_shown(self):
+        damped, plain = (
+            of(TableBlock, blocks(section(model, "mass_elastic"), "mass_elastic"))[0]
+            for model in ("marine_medium_speed", "bulk_carrier")
+        )
+        legends = ["".join(map(str, table.notes[0])) for table in (damped, plain)]
+        assert ["its loss factor" in one for one in legends] == [True, False]
+        assert ["speed over that of fly" in one for one in legends] == [True, False]
+        assert all(one.endswith(".") for one in legends)
+
     def test_columns_of_speed_only_where_speeds_differ(self):
         shown = of(TableBlock, blocks(section("two_stroke_ship", "mass_elastic"), "mass_elastic"))[0]
         assert "J referred" not in str(shown.columns)

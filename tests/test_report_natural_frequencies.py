@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from test_document import of, rows
+from test_document import of, rows, words
 
 import torsionnet as tn
 from torsionnet.plot.relative_amplitudes import relative_amplitudes
@@ -161,6 +161,24 @@ class TestSection:
         assert len(holzer) == 3
         assert holzer[2].groups[0].title == "car1 to blade3.tip"
         assert len(holzer[2].groups[0].rows) == 5
+
+    @pytest.mark.slow
+    def test_nodes_along_branches_are_where_the_shape_changes_its_sign(self):
+        """A planetary set ties three shafts: nodes are not counted, but each blade has one where it swings with others.
+
+        The shapes are those of the damped modes, which do not come from Holzer tables.
+        """
+        (table, *_) = of(TableBlock, section("wind_turbine_3mw").blocks)
+        assert any(str(note[0]).startswith("Nodes are not counted where") for note in table.notes)
+        heads = [words(one.text) for one in table.columns]
+        assert "Nodes" not in heads
+        told = {row[0]: row[heads.index("Nodes of vibration")] for row in rows(table)}
+        modes = tn.load("wind_turbine_3mw").configured("free").modes()
+        for number in (3, 4, 5):
+            shape = modes.shapes[:, list(modes.numbers).index(number)]
+            at = {name: shape[list(modes.nodes).index(name)] for name in ("hub", *(f"blade{i}.tip" for i in (1, 2, 3)))}
+            signs = [(at[f"blade{i}.tip"] / at["hub"]).real for i in (1, 2, 3)]
+            assert [f"blade{i}.edge" in told[str(number)] for i in (1, 2, 3)] == [sign < 0 for sign in signs]
 
     def test_models_without_excitations_have_none(self):
         assert make_report("dmf_rig", sections=["natural_frequencies"], date=None).sections == ()

@@ -340,7 +340,7 @@ NOT_REPLACED = {
     # joined to what the author or another part of the program wrote
     ("elements", " frequencies, "), ("elements", " rows, "), ("elements", " rows of "), ("elements", "; … and "), ("elements", "table of "),
     ("natural_frequencies", "at "), ("natural_frequencies", "in "),
-    ("mass_elastic", "Without "), ("separation_margins", " x "), ("separation_margins", "Hz"), ("kinematics", "input "), ("modes", "spread over many, at most "), ("modes", "\xa0% in "),
+    ("mass_elastic", "Without "), ("mass_elastic", "of "), ("separation_margins", " x "), ("separation_margins", "Hz"), ("kinematics", "input "), ("modes", "spread over many, at most "), ("modes", "\xa0% in "),
     ("parameters", "; changed for this report"),
     ("critical_speeds", " modes, "), ("critical_speeds", " crossings"), ("limits", " over speed with its limits"),
     ("orders", "Orders of "), ("orders", "Half range of "), ("excitations", "Hz"),

@@ -69,7 +69,7 @@ def _block(found: MassElasticTable, where: str) -> TableBlock:
         TableGroup(tuple(rows[first:last]), title) for title, first, last in zip(titles, ends, ends[1:], strict=False)
     ]
     groups[-1] = replace(groups[-1], rows=(*groups[-1].rows, _sum_row(found, block)))
-    return replace(block, groups=tuple(groups), notes=tuple(_notes(found, materials)))
+    return replace(block, groups=tuple(groups), notes=tuple(_notes(found, block, materials)))
 
 
 def _with_letters(whole: Table) -> tuple[Table, dict[str, str]]:
@@ -98,16 +98,18 @@ def _sum_row(found: MassElasticTable, block: TableBlock) -> tuple[Cell, ...]:
     return tuple(cells)
 
 
-def _notes(found: MassElasticTable, materials: dict[str, str]) -> Iterator[Text]:
-    legend: list[Text] = [
-        (Math(r"c_{\mathrm{abs}}"), ": absolute damping, against the ground; "),
-        (Math(r"c_{\mathrm{rel}}"), ": relative damping, between a mass and the next one; "),
-        (Math(r"\eta"), ": its loss factor; "),
+def _notes(found: MassElasticTable, block: TableBlock, materials: dict[str, str]) -> Iterator[Text]:
+    shown = {one.text for one in block.columns}
+    meanings = (
+        (Math(r"c_{\mathrm{abs}}"), ": absolute damping, against the ground"),
+        (Math(r"c_{\mathrm{rel}}"), ": relative damping, between a mass and the next one"),
+        (Math(r"\eta"), ": its loss factor"),
         (Math("W_{p}"), ": polar section modulus"),
-    ]
-    if not found.has_one_speed:
-        legend.append(("; ", Math("n"), f": speed over that of {as_words(found.referred_to)}"))
-    yield (*(part for text in legend for part in text), ".")
+        (Math("n"), f": speed over that of {as_words(found.referred_to)}"),
+    )
+    legend = [part for symbol, text in meanings if symbol in shown for part in ("; ", symbol, text)]
+    if legend:
+        yield (*legend[1:], ".")
     for line in found.lines:
         if line.flexibility:
             where = f", {as_words(line.title)}" if len(found.lines) > 1 else ""

@@ -1,0 +1,82 @@
+"""Where tables of a report may be split between two pages, and how wide the columns of a Word table are."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import torsionnet.report.writers as writers
+from torsionnet.report import make_report
+from torsionnet.report.document_tree import Facts, Heading, NumberText, Report, Section, TableBlock, TableGroup
+from torsionnet.report.writers.docx_table import table_xml
+from torsionnet.report.writers.html import html_page
+
+CSS = (Path(writers.__file__).parent / "templates" / "style.css").read_text(encoding="utf-8")
+TWIPS_OF_A_LETTER = 0.56 * 8.5 * 20
+"""Width in twentieths of a point of a bold letter of Arial at 8.5 points: half an em and a little, on average."""
+
+
+def table(*counts, titled=False):
+    groups = tuple(
+        TableGroup(tuple((f"{group}.{row}",) for row in range(count)), f"group {group}" if titled else "")
+        for group, count in enumerate(counts)
+    )
+    return TableBlock(("Rows",), (Heading("No."),), groups)
+
+
+def kept_in_word(block):
+    """Texts of the rows in a Word table that stay on the page of the row below, the head left out."""
+    rows = re.findall(r"<w:tr>.*?</w:tr>", table_xml(block, "", "continued"), re.DOTALL)[1:]
+    return [re.findall(r"<w:t[^>]*>([^<]+)</w:t>", row)[0] for row in rows if "<w:keepNext/>" in row]
+
+
+class TestBreaks:
+    @pytest.mark.parametrize(
+        ("block", "whole"),
+        [(table(6), True), (table(7), False), (table(2, 2, titled=True), True), (table(3, 2, titled=True), False)],
+    )
+    def test_short_tables_stay_whole_in_html_titles_of_groups_counted(self, block, whole):
+        page = html_page(Report("T", "Kind", Facts(()), (), (Section("s", ("S",), (block,)),)))
+        assert ("class='table keep'" in page) == whole
+        assert re.search(r"[,}][^}]*\.keep[^{]*\{break-inside:avoid\}", CSS)
+
+    def test_two_rows_at_either_end_in_html(self):
+        (rule,) = re.findall(r"^(tbody:first-of-type.*)\{break-after:avoid\}$", CSS, re.MULTILINE)
+        first, *titles, last = rule.split(",")
+        assert first == "tbody:first-of-type tr:first-child"
+        assert titles == ["tr.group", "tr.group+tr"]
+        assert last == "tbody:last-of-type tr:nth-last-child(2)"
+
+    def test_short_tables_stay_whole_in_word(self):
+        assert kept_in_word(table(6)) == [f"0.{row}" for row in range(5)]
+
+    def test_two_rows_at_either_end_in_word(self):
+        assert kept_in_word(table(9)) == ["0.0", "0.7"]
+
+    def test_two_rows_below_the_title_of_a_group_in_word(self):
+        assert kept_in_word(table(4, 5, titled=True)) == ["group 0", "0.0", "group 1", "1.0", "1.3"]
+
+
+class TestWidthsInWord:
+    def test_headings_of_a_wide_table_break_between_words_only(self):
+        heads = [("Mode", "", True), *((f"Undamped frequency {i}", "Hz", True) for i in range(6)), ("Nodes", "", True)]
+        columns = tuple(Heading(text, unit=unit, numeric=numeric) for text, unit, numeric in heads)
+        columns += (Heading("What swings"),)
+        row = (*(NumberText(float(i)) for i in range(8)), "flywheel and wheel against propeller " * 3)
+        text = table_xml(TableBlock(("Wide",), columns, (TableGroup((row,)),)), "", "continued")
+        widths = [int(one) for one in re.findall(r'gridCol w:w="(\d+)"', text)]
+        assert len(widths) == len(columns)
+        assert sum(widths) <= 9864 + len(widths)
+        for width, column in zip(widths, columns, strict=True):
+            assert width >= TWIPS_OF_A_LETTER * max(map(len, column.text.split())), column.text
+
+    @pytest.mark.slow
+    def test_a_ship(self):
+        report = make_report("two_stroke_ship")
+        for block in [one for part in report.sections for one in part.blocks if isinstance(one, TableBlock)]:
+            for piece in table_xml(block, "", "").split("<w:tbl>")[1:]:
+                widths = [int(one) for one in re.findall(r'gridCol w:w="(\d+)"', piece)]
+                cells = re.findall(r"<w:tc>.*?</w:tc>", piece.partition("</w:tr>")[0], re.DOTALL)
+                for width, cell in zip(widths, cells, strict=True):
+                    words = " ".join(re.findall(r"<w:t[^>]*>([^<]+)</w:t>", cell)).split()
+                    assert width >= TWIPS_OF_A_LETTER * max(map(len, words), default=0), (block.caption, words)
