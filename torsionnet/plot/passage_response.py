@@ -86,7 +86,7 @@ def passage_response(
 
 @dataclass(frozen=True, eq=False)
 class _Passage:
-    """One passage as it is drawn: its output, values, envelopes, and limits (n_t,), all in SI."""
+    """Output, values, envelopes and limits of one drawn passage, arrays of shape (n_t,), all in SI."""
 
     run: PassageResponse
     channel: Channel

@@ -1,4 +1,4 @@
-"""Where a table may be split between two pages, in HTML that is printed and in Word."""
+"""Rows of a table between which a page may end, in printed HTML and in Word."""
 
 from __future__ import annotations
 

@@ -63,7 +63,7 @@ def _chain(tree: Neighbours, inner: Sequence[str]) -> list[str]:
 
 
 def whole_shaft(parts: Sequence[MassElasticShaft]) -> MassElasticShaft:
-    """One connection in place of several in series, of stiffness 1/sum(1/k) in N m/rad and with their losses together.
+    """Connection equivalent to several in series, of stiffness 1/sum(1/k) in N m/rad and with the sum of their losses.
 
     Damping is the one with the same loss at an even twist, k^2 sum(c_i/k_i^2), the loss factor k sum(eta_i/k_i).
 
