@@ -141,9 +141,9 @@ def _changes(tables: Sequence[MassElasticTable], names: Sequence[str]) -> Iterat
     shared: dict[tuple[str, ...], dict[str, dict[str, list[str]]]] = {}
     for (quantity, about, text), where in values.items():
         shared.setdefault(tuple(where), {}).setdefault(quantity, {}).setdefault(text, []).append(as_words(about))
-    for where, quantities in shared.items():
+    for conditions, quantities in shared.items():
         parts = "; ".join(_change(quantity, found) for quantity, found in quantities.items())
-        yield (f"{parts if parts[1] == ' ' else capital(parts)} in {choices_of_some(where, names)}.",)
+        yield (f"{parts if parts[1] == ' ' else capital(parts)} in {choices_of_some(conditions, names)}.",)
 
 
 def _change(quantity: str, found: dict[str, list[str]]) -> str:
