@@ -5,6 +5,7 @@ Solvers work on points: one point is one frequency of one variant, all frequenci
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -14,6 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
+
+
+EVEN_RATIO = 0.2
+"""Relative change over frequency up to which the squared ratio of two stiffnesses counts as constant, a tenth of the
+ratio itself, as bounds on rounding errors need no more than its order of magnitude."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,6 +194,27 @@ class LawStiffness:
             return None
         return np.asarray(np.broadcast_to(-self._squares * J, (len(self.stiffness), self.n_frequencies)).ravel())
 
+    def ratio(self, above: int, below: int) -> float | FloatArray:
+        """Magnitude of the dynamic stiffness of one law over that of another, a number or an (n_points,) array.
+
+        A number stands for all points where it is right within `EVEN_RATIO`, and is then the largest.
+        """
+        (J_a, c_a, k_a), (J_b, c_b, k_b) = self._columns[above], self._columns[below]
+        if J_a is None and J_b is None and above not in self._samples and below not in self._samples:
+            if len(self.stiffness) == 1 and k_a == k_b and c_a == c_b:
+                return 1.0
+            least, most = (_squared(c_a, k_a, w2) / _squared(c_b, k_b, w2) for w2 in self._ends)
+            if len(self.stiffness) == 1 and abs(least - most) <= EVEN_RATIO * least:
+                return math.sqrt(max(least, most))
+            if np.all(abs(least - most) <= EVEN_RATIO * least):
+                return np.repeat(np.sqrt(np.maximum(least, most)).ravel(), self.n_frequencies)
+        return np.asarray(np.abs(self.of(above)) / np.abs(self.of(below)))
+
+    @cached_property
+    def _ends(self) -> tuple[float, float]:
+        """Least and largest squared circular frequency in (rad/s)^2."""
+        return -float(self._squares.max(initial=-np.inf)), -float(self._squares.min(initial=0.0))
+
     def blocks(self, size: int) -> Iterator[LawStiffness]:
         """Yield the dynamic stiffness of all laws in N m/rad in blocks of at most ``size`` points."""
         n_f = self.n_frequencies
@@ -207,6 +234,16 @@ class LawStiffness:
             sampled=tuple((law, values[variants, frequencies]) for law, values in self.sampled),
             actions=tuple(values[variants, frequencies] for values in self.actions),
         )
+
+
+def _squared(damping: Any, stiffness: Any, square: float) -> Any:
+    """Squared magnitude of a stiffness with damping in N m/rad at a squared circular frequency, NaN where it is 0.
+
+    None stands for none.
+    """
+    k, c = (0.0 if value is None else value for value in (stiffness, damping))
+    size = k * k + square * (c * c)
+    return size if np.ndim(size) or size else math.nan
 
 
 def law_stiffness(systems: Sequence[RowSystem], omega: FloatArray) -> LawStiffness:

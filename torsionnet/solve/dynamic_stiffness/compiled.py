@@ -34,7 +34,7 @@ a thousand registers in the cache."""
 
 LAW, CONSTANT, SUM, PRODUCT, QUOTIENT, INVERSE = ops.LAW, ops.CONSTANT, ops.SUM, ops.PRODUCT, ops.QUOTIENT, ops.INVERSE
 LEVEL, SIZE, REST, TERMS, MORE = ops.LEVEL, ops.SIZE, ops.REST, ops.TERMS, ops.MORE
-TIMES, RATIO, LARGER, MARK = ops.TIMES, ops.RATIO, ops.LARGER, ops.MARK
+TIMES, RATIO, LARGER, OPEN, PASSED, MARK = ops.TIMES, ops.RATIO, ops.LARGER, ops.OPEN, ops.PASSED, ops.MARK
 LEAST_SQUARE, MOST_SQUARE = 1e-290, 1e290
 """Squared magnitudes, least and most, within which the compiled loop divides by a measured reading, since beyond them
 only numpy's scaled division is safe. The compiled loop leaves NaN there."""
@@ -95,6 +95,21 @@ def _numbers(kappa: LawStiffness) -> tuple[Any, ...]:
     return *parts, place, sampled, np.ascontiguousarray(np.atleast_2d(kappa.omega))
 
 
+_jit = numba.njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})
+
+
+@_jit
+def _squared(
+    inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, w2: float, w: float, point: int, law: int
+) -> float:
+    """Squared magnitude of the dynamic stiffness of one law in (N m/rad)^2 at one frequency point."""
+    real, imag = stiffness[law] - inertia[law] * w2, damping[law] * w
+    if place[law] >= 0:
+        value = sampled[place[law], point]
+        real, imag = real + value.real, imag + value.imag
+    return real * real + imag * imag
+
+
 def _walk(
     operations: Any, factors: Any, inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, w2: Any,
     w: Any, first: int, n: int, r: Any, left: Any, y: Any,
@@ -106,7 +121,7 @@ def _walk(
     ``left`` falls below zero where digits are lost. Magnitudes stand in the real parts of registers.
     """
     for number in range(operations.shape[0]):
-        code, t, a, b = operations[number]
+        code, t, a, b, slots = operations[number]
         f = factors[number]
         if code == PRODUCT:
             for i in range(POINTS_AT_ONCE):
@@ -157,6 +172,29 @@ def _walk(
                 size = math.sqrt(r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i])
                 against = J * w2[i]
                 r[t, 0, i] = against if against > size else size
+        elif code == PASSED:
+            p, q = slots // stiffness.shape[0], slots % stiffness.shape[0]
+            alike = damping[p] * stiffness[q] == damping[q] * stiffness[p] and inertia[p] == inertia[q] == 0.0
+            if alike and place[p] < 0 and place[q] < 0:
+                ratio = abs(stiffness[p] / stiffness[q]) if stiffness[q] != 0.0 else abs(damping[p] / damping[q])
+                for i in range(POINTS_AT_ONCE):
+                    r[t, 0, i] = f * ratio * (r[a, 0, i] * r[b, 0, i])
+            else:
+                for i in range(POINTS_AT_ONCE):
+                    above = _squared(inertia, damping, stiffness, place, sampled, w2[i], w[i], first + min(i, n - 1), p)
+                    below = _squared(inertia, damping, stiffness, place, sampled, w2[i], w[i], first + min(i, n - 1), q)
+                    r[t, 0, i] = f * math.sqrt(above / below) * (r[a, 0, i] * r[b, 0, i])
+        elif code == OPEN:
+            for i in range(POINTS_AT_ONCE):
+                real, imag = 1.0 - f * r[a, 0, i], f * r[a, 1, i]
+                r[t, 0, i] = math.sqrt(real * real + imag * imag)
+            p, q = slots // stiffness.shape[0], slots % stiffness.shape[0]
+            if inertia[p] != 0.0 and (stiffness[p] != 0.0 or place[p] >= 0):
+                for i in range(POINTS_AT_ONCE):
+                    size = r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i]
+                    below = _squared(inertia, damping, stiffness, place, sampled, w2[i], w[i], first + min(i, n - 1), q)
+                    other = inertia[p] * w2[i] * math.sqrt(size / below)
+                    r[t, 0, i] = other if other > r[t, 0, i] else r[t, 0, i]
         elif code == QUOTIENT:
             for i in range(POINTS_AT_ONCE):
                 scale = 1.0 / (r[b, 0, i] * r[b, 0, i] + r[b, 1, i] * r[b, 1, i])
@@ -299,6 +337,5 @@ def _reading(
                 uncertain[offset + i] = left[i] < 0.0
 
 
-_jit = numba.njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})
 _points, _start = _jit(_walk), _jit(_starting)
 _sweep, _read = _jit(_sweeping), _jit(_reading)

@@ -55,7 +55,7 @@ def sweep(tape: Tape, kappa: LawStiffness) -> tuple[Array, NDArray[np.bool_]]:
 
 
 def _walk(
-    walk: list[tuple[int, int, int, int, float]],
+    walk: list[tuple[int, int, int, int, int, float]],
     kappa: LawStiffness,
     registers: Array,
     values: Array,
@@ -66,7 +66,7 @@ def _walk(
     parts = registers.reshape(len(registers), len(kappa.stiffness), kappa.n_frequencies)
     real, imag = list(parts.real), list(parts.imag) if np.iscomplexobj(parts) else [None] * len(parts)
     size = [one.view(float)[: kappa.n_points] for one in r]
-    for code, t, a, b, factor in walk:
+    for code, t, a, b, slots, factor in walk:
         if code == ops.PRODUCT:
             np.multiply(r[a], r[b], out=r[t])
         elif code == ops.SUM:
@@ -90,6 +90,17 @@ def _walk(
             against = kappa.inertial(b)
             if against is not None:
                 np.maximum(size[t], against, out=size[t])
+        elif code == ops.PASSED:
+            ratio = factor * kappa.ratio(*divmod(slots, kappa.n_laws))
+            np.multiply(size[a], size[b], out=size[t])
+            if not (isinstance(ratio, float) and ratio == 1.0):
+                np.multiply(size[t], ratio, out=size[t])
+        elif code == ops.OPEN:
+            np.abs(np.subtract(1.0, np.multiply(r[a], factor, out=spare) if factor != 1.0 else r[a], out=spare), out=size[t])
+            law, beside = divmod(slots, kappa.n_laws)
+            against = kappa.inertial(law)
+            if against is not None:
+                np.maximum(size[t], np.abs(r[a]) * against / np.abs(kappa.of(beside)), out=size[t])
         elif code == ops.QUOTIENT:
             np.divide(r[a], r[b], out=r[t])
         elif code == ops.INVERSE:

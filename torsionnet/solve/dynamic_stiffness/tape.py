@@ -20,6 +20,9 @@ Others work on magnitudes, real numbers that say how many digits are lost:
     TIMES     t = r_a r_b
     RATIO     t = r_a / r_b
     LARGER    t = the larger of r_a and factor r_b
+    OPEN      t = the larger of |1 - factor r_a| and |r_a| times the inertia term in slot p over slot q, where the
+              latter is no sum with a stiffness 0 in its place; slots = n p + q, of n laws
+    PASSED    t = factor r_a r_b times |slot p| over |slot q|
     MARK      the point is uncertain unless factor r_a is at most MOST_LOST times r_b
 
 Only what an output needs is on the tape, and a register is used again as soon as what it holds is needed no more: the
@@ -35,23 +38,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 LAW, CONSTANT, SUM, PRODUCT, QUOTIENT, INVERSE, OUTPUT = range(7)
-LEVEL, SIZE, REST, TERMS, MORE, TIMES, RATIO, LARGER, MARK = range(7, 16)
+LEVEL, SIZE, REST, TERMS, MORE, TIMES, RATIO, LARGER, OPEN, PASSED, MARK = range(7, 18)
 """Codes of the operations on an elimination's tape, each with the meaning listed at the head of the module."""
 _READS = {SUM: 2, PRODUCT: 2, QUOTIENT: 2, INVERSE: 1, OUTPUT: 1} | {
-    **dict.fromkeys((SIZE, REST, TERMS), 1),
-    **dict.fromkeys((MORE, TIMES, RATIO, LARGER, MARK), 2),
+    **dict.fromkeys((SIZE, REST, TERMS, OPEN), 1),
+    **dict.fromkeys((MORE, TIMES, RATIO, LARGER, PASSED, MARK), 2),
 }
 """Number of registers that an operation reads, by its code, where operations not listed read none."""
 
 
 class Operation(NamedTuple):
-    """Operation of an elimination, as code, target register, two source registers and a factor."""
+    """Operation of an elimination, as code, target, two sources, a factor, and two slots as one number."""
 
     code: int
     t: int
     a: int = 0
     b: int = 0
     factor: float = 1.0
+    slots: int = 0
 
     @property
     def read(self) -> tuple[int, ...]:
@@ -64,7 +68,7 @@ class Operation(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Tape:
-    """Operations (n, 4) of an elimination with factors (n,), and the numbers of registers and output values."""
+    """Operations (n, 5) of an elimination with factors (n,), and the numbers of registers and output values."""
 
     operations: NDArray[np.int64]
     factors: NDArray[np.float64]
@@ -100,9 +104,9 @@ class Writer:
         self._sizes: dict[int, TapeQuantity] = {}
         self._terms: dict[int, TapeQuantity] = {}
 
-    def new(self, code: int, a: int = 0, b: int = 0, factor: float = 1.0) -> int:
+    def new(self, code: int, a: int = 0, b: int = 0, factor: float = 1.0, slots: int = 0) -> int:
         """Append an operation of an elimination and return the number by which its result is named."""
-        self.operations.append(Operation(code, self.n_names, a, b, factor))
+        self.operations.append(Operation(code, self.n_names, a, b, factor, slots))
         self.n_names += 1
         return self.n_names - 1
 
@@ -219,7 +223,7 @@ class Writer:
     def tape(self, n_values: int) -> Tape:
         """Tape of the operations that the outputs of an elimination depend on, with registers for their results."""
         placed, n_registers = _with_registers(_needed(self.operations))
-        operations = np.array([one[:4] for one in placed], dtype=np.int64).reshape(-1, 4)
+        operations = np.array([(*one[:4], one.slots) for one in placed], dtype=np.int64).reshape(-1, 5)
         return Tape(operations, np.array([one.factor for one in placed]), n_registers, n_values)
 
 
@@ -254,5 +258,5 @@ def _with_registers(operations: list[Operation]) -> tuple[list[Operation], int]:
             target = home[one.t] = free.pop()
         free += [home.pop(name) for name in dict.fromkeys(one.read) if last[name] == place]
         a, b = (*sources, one.a, one.b)[:2] if len(sources) != 1 else (sources[0], one.b)
-        placed.append(Operation(one.code, target, a, b, one.factor))
+        placed.append(Operation(one.code, target, a, b, one.factor, one.slots))
     return placed, count

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from torsionnet.solve.dynamic_stiffness.elimination_plan import EliminationPlan, EliminationStep
-from torsionnet.solve.dynamic_stiffness.lost_digits import Losses
+from torsionnet.solve.dynamic_stiffness.lost_digits import ErrorBound, Losses
 from torsionnet.solve.dynamic_stiffness.tape import CONSTANT, LAW, Tape, TapeQuantity, Writer
 
 MOST_FORWARD_READINGS = 2
@@ -48,7 +48,7 @@ class _Taping:
 
     def __init__(self, plan: EliminationPlan) -> None:
         self.plan, self.writer = plan, Writer()
-        self.losses = Losses(self.writer)
+        self.losses = Losses(self.writer, len(plan.sources))
         self.links: dict[int, TapeQuantity] = {}
         self.fresh = set(range(len(plan.sources)))
         self.weights: list[dict[int, TapeQuantity]] = [{} for _ in range(plan.n_excitations)]
@@ -69,7 +69,7 @@ class _Taping:
             self.losses.of_law(slot, self.links[slot])
         return self.links[slot]
 
-    def _add_link(self, slot: int, term: TapeQuantity, error: TapeQuantity) -> None:
+    def _add_link(self, slot: int, term: TapeQuantity, error: ErrorBound) -> None:
         if slot in self.fresh:
             self._link(slot)
         self.links[slot] = self.writer.plus(self.links.get(slot), term, of_terms=False)
