@@ -94,8 +94,9 @@ class Losses:
         writer, (i,) = self.writer, step.shared
         (law, square), (rest, square_rest) = step.terms[i], step.terms[1 - i]
         size, weight = _times(writer.size(share), square), square_rest / square
-        least = TapeQuantity(writer.new(OPEN, share.name, 0, share.factor * square, rest * self.n_laws + law), 1.0)
-        if rest not in self.own or not share.factor == square == square_rest == 1.0:
+        if rest in self.own and rest not in self.bounds and share.factor == square == square_rest == 1.0:
+            least = TapeQuantity(writer.new(OPEN, share.name, slots=rest * self.n_laws + law), 1.0)
+        else:
             least = writer.rest(_times(share, square))
             if rest in self.own or rest in self.bounds:
                 own = self._terms(rest) if rest in self.own else TapeQuantity(-1, 0.0)
