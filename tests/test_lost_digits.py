@@ -94,7 +94,7 @@ def none_missed(seeds, held, respond=starmesh.respond_in_numpy):
 
 @pytest.mark.parametrize("held", [False, True], ids=["free", "held"])
 def test_no_point_that_lost_digits_goes_unmarked(held):
-    none_missed(range(8), held)
+    none_missed(range(3), held)
 
 
 @pytest.mark.slow
@@ -137,5 +137,5 @@ def test_few_points_of_a_plant_with_distributed_shafts_are_solved_again(monkeypa
     monkeypatch.setattr(transfer, "refine_uncertain_points", refined)
     plant = tn.load("marine_medium_speed")
     readings = ["torque(int_shaft, first)", "torque(int_shaft, second)", "torque(coupling)", "torque(damper, node)"]
-    plant.frequency_response(readings, list(plant.inputs), np.geomspace(1, 200, 100))
+    plant.frequency_response(readings, list(plant.inputs), np.geomspace(1, 200, 30))
     assert max(shares) < 0.3

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 
-
 EVEN_RATIO = 0.2
 """Relative change over frequency up to which the squared ratio of two stiffnesses counts as constant, a tenth of the
 ratio itself, as bounds on rounding errors need no more than its order of magnitude."""

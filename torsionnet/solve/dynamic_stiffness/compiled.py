@@ -95,13 +95,9 @@ def _numbers(kappa: LawStiffness) -> tuple[Any, ...]:
     return *parts, place, sampled, np.ascontiguousarray(np.atleast_2d(kappa.omega))
 
 
-_jit = numba.njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})
-
-
-@_jit
-def _squared(
+def _squaring(
     inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, w2: float, w: float, point: int, law: int
-) -> float:
+) -> Any:
     """Squared magnitude of the dynamic stiffness of one law in (N m/rad)^2 at one frequency point."""
     real, imag = stiffness[law] - inertia[law] * w2, damping[law] * w
     if place[law] >= 0:
@@ -337,5 +333,6 @@ def _reading(
                 uncertain[offset + i] = left[i] < 0.0
 
 
-_points, _start = _jit(_walk), _jit(_starting)
+_jit = numba.njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})
+_squared, _points, _start = _jit(_squaring), _jit(_walk), _jit(_starting)
 _sweep, _read = _jit(_sweeping), _jit(_reading)

@@ -6,6 +6,12 @@ S = sum a_k^2 kappa_k and shares s_k = kappa_k/S leaves kappa' = f kappa_i kappa
 
     d kappa' = f (s_j (1 - a_i^2 s_i) d kappa_i  +  s_i (1 - a_j^2 s_j) d kappa_j  -  s_i s_j sum a_k^2 d kappa_k)
 
+On trees of springs a coordinate has two rows, of a law kappa_i and of what is left of all beyond it, kappa_j. With
+z = |1 - a_i^2 s_i|, t = |a_i^2 s_i| and e = a_j^2 E_j/(a_i^2 |kappa_i|) the relative bound of its pivot is y, and that
+of kappa' is worked out as a multiple of kappa_i, which takes fewer operations,
+
+    y = max(z, t e),    E' = f |kappa_i|/a_j^2 max(z, t y)
+
 What is lost at a small pivot multiplies what was lost before; a soft link in series with what has lost digits forgets
 the loss. The largest term is taken instead of the sum, as signs of roundings fall by chance and would cancel. Loads and
 motions are products of shares, and sums of these; a sum of the magnitudes of all products goes with them. The relative
@@ -58,6 +64,7 @@ class Losses:
         self.bounds: dict[int, TapeQuantity] = {}
         self.multiples: dict[int, list[ErrorBound]] = {}
         self.worst = TapeQuantity(-1, 1.0)
+        self.left: ErrorBound | None = None
 
     def of_law(self, slot: int, law: TapeQuantity) -> None:
         """Start with the bound of a law in N m/rad, the larger of its dynamic stiffness and its inertia term."""
@@ -90,7 +97,10 @@ class Losses:
         return self.terms[law]
 
     def _of_leaf(self, step: EliminationStep, share: TapeQuantity) -> None:
-        """Count the losses at a coordinate with two rows, one of them a law, as multiples of that law."""
+        """Count the losses at a coordinate with two rows, one of them a law, as multiples of that law.
+
+        Inertia alone on the coordinate is left out: it is no larger than the rest of the pivot, or shows there.
+        """
         writer, (i,) = self.writer, step.shared
         (law, square), (rest, square_rest) = step.terms[i], step.terms[1 - i]
         size, weight = _times(writer.size(share), square), square_rest / square
@@ -121,7 +131,7 @@ class Losses:
     ) -> None:
         """Count what the pivot and the shares of an elimination step have lost, for the pairs and outputs to come."""
         writer = self.writer
-        self.left: ErrorBound | None = None
+        self.left = None
         if len(step.terms) == 2 and len(step.shared) == 1:
             (i,) = step.shared
             slot = step.terms[i][0]

@@ -96,7 +96,10 @@ def _walk(
             if not (isinstance(ratio, float) and ratio == 1.0):
                 np.multiply(size[t], ratio, out=size[t])
         elif code == ops.OPEN:
-            np.abs(np.subtract(1.0, np.multiply(r[a], factor, out=spare) if factor != 1.0 else r[a], out=spare), out=size[t])
+            np.abs(
+                np.subtract(1.0, np.multiply(r[a], factor, out=spare) if factor != 1.0 else r[a], out=spare),
+                out=size[t],
+            )
             law, beside = divmod(slots, kappa.n_laws)
             against = kappa.inertial(law)
             if against is not None:

@@ -28,7 +28,7 @@ def make_tape(plan: EliminationPlan) -> Tape:
     >>> from torsionnet.solve.dynamic_stiffness.graph_plan import make_plan
     >>> tape = make_tape(make_plan([{0: 1.0}, {0: 1.0, 1: -1.0}], 2, [{1: 1.0}], [{}], [{1: 1.0}], ()))
     >>> len(tape), tape.n_registers
-    (30, 10)
+    (20, 7)
     """
     n_read = len(plan.outputs) + len(plan.reactions)
     return (_Forward if n_read <= MOST_FORWARD_READINGS else _Back)(plan).tape(n_read)
