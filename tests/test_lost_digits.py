@@ -92,9 +92,10 @@ def none_missed(seeds, held, respond=starmesh.respond_in_numpy):
     return worst, marked
 
 
-@pytest.mark.parametrize("held", [False, True], ids=["free", "held"])
-def test_no_point_that_lost_digits_goes_unmarked(held):
-    none_missed(range(3), held)
+@pytest.mark.parametrize(("held", "seeds"), [(False, (0, 1, 242)), (True, (0, 167, 170))], ids=["free", "held"])
+def test_no_point_that_lost_digits_goes_unmarked(held, seeds):
+    """The last plants of both have loops with a spring at their end that cancel next to an inertia."""
+    none_missed(seeds, held)
 
 
 @pytest.mark.slow
