@@ -20,8 +20,8 @@ Others work on magnitudes, real numbers that say how many digits are lost:
     TIMES     t = r_a r_b
     RATIO     t = r_a / r_b
     LARGER    t = the larger of r_a and factor r_b
-    OPEN      t = the larger of |1 - factor r_a| and |r_a| times the inertia term in slot p over slot q, where the
-              latter is no sum with a stiffness 0 in its place; slots = n p + q, of n laws
+    OPEN      t = |1 - factor r_a|, or |r_a| times the inertia term in slot p over |slot q| if that is larger and slot p
+              has a stiffness too; p and q in one number, n p + q, of n slots
     PASSED    t = factor r_a r_b times |slot p| over |slot q|
     MARK      the point is uncertain unless factor r_a is at most MOST_LOST times r_b
 
