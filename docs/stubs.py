@@ -103,7 +103,8 @@ def _classes_stub(classes: Mapping[str, type[Declared]]) -> str:
 
     body = re.sub(r"(?<![\w.])(?:torsionnet|collections|pathlib|typing)(?:\.\w+)+", short, body)
     imports[accepted.__name__] |= {name for name in _ACCEPTED if re.search(rf"\b{name}\b", body)}
-    lines = [f"from {module} import {', '.join(sorted(names))}" for module, names in sorted(imports.items())]
+    lines = ["import datetime"] if "datetime.date" in body else []
+    lines += [f"from {module} import {', '.join(sorted(names))}" for module, names in sorted(imports.items())]
     lines += [f"from {cls.__module__} import {name} as _{name}" for name, cls in sorted(classes.items())]
     return f"{HEAD}{_lines(lines)}\n{body}"
 

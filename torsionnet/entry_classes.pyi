@@ -1,4 +1,5 @@
 # Written by `make generate`.
+import datetime
 from collections.abc import Mapping
 from torsionnet.core.entries.accepted_types import Entries, NumberByNumber, Scalar, Scalars, WholeNumber
 from torsionnet.model.report import SECTIONS

@@ -455,8 +455,8 @@ _EXPECTED = {"inertia": "kg*m^2", "stiffness": "N*m/rad", "torque": "N*m", "damp
              "force": "N", "linear stiffness": "N/m", "velocity": "m/s", "per velocity": "s/m", "1": "1"}  # fmt: skip
 _SI_TEXT: dict[Dimension, str] = {}
 DIMENSIONS: dict[str, Dimension] = {"inertia": _dimension(1, 2)}
-DIMENSIONS |= {name: parse_unit(text).dimension for name, text in _EXPECTED.items()}
 """Dimension of each physical quantity of a model, by the name of the quantity."""
+DIMENSIONS |= {name: parse_unit(text).dimension for name, text in _EXPECTED.items()}
 _SI_TEXT |= {DIMENSIONS[name]: text for name, text in _EXPECTED.items()}
 
 

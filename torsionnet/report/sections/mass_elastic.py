@@ -139,8 +139,8 @@ def _changes(tables: Sequence[MassElasticTable], names: Sequence[str]) -> Iterat
     for text, where in places.items():
         yield (f"{text} in {choices_of_some(where, names)}.",)
     shared: dict[tuple[str, ...], dict[str, dict[str, list[str]]]] = {}
-    for (quantity, about, text), where in values.items():
-        shared.setdefault(tuple(where), {}).setdefault(quantity, {}).setdefault(text, []).append(as_words(about))
+    for (quantity, about, text), changed_in in values.items():
+        shared.setdefault(tuple(changed_in), {}).setdefault(quantity, {}).setdefault(text, []).append(as_words(about))
     for conditions, quantities in shared.items():
         parts = "; ".join(_change(quantity, found) for quantity, found in quantities.items())
         yield (f"{parts if parts[1] == ' ' else capital(parts)} in {choices_of_some(conditions, names)}.",)
