@@ -565,3 +565,9 @@ def test_written_whole_in_memory_first(tmp_path):
     write_recording(record(), tmp_path / "r.h5")
     with h5py.File(tmp_path / "r.h5") as file:
         np.testing.assert_array_equal(file["T_T"][:], record()["T_T"].values)
+
+
+def test_what_pyarrow_imports_later_is_imported_before_the_limits_begin():
+    pytest.importorskip("pandas")
+    program = "import sys; from torsionnet.io.foreign.parquet_content import load; load(); sys.exit('pandas' not in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0

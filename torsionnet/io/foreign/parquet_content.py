@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import importlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,6 +23,11 @@ SECONDS_PER_UNIT = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 def load() -> None:
     """Import pyarrow.parquet for Parquet files before the limits of memory and time begin."""
     import pyarrow.parquet  # noqa: F401
+
+    # pyarrow itself imports pandas where that is installed, at the first missing value; on a slow machine that alone
+    # takes longer than a small file is given.
+    with contextlib.suppress(ImportError):
+        importlib.import_module("pandas")
 
 
 @contextlib.contextmanager
