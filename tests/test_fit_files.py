@@ -98,6 +98,14 @@ class TestPlan:
         assert (third.output, third.input, third.excitation) == ("phi", "T_set", "T")
         assert (third.model_output, third.model_input, third.gain, third.settling) == ("phi", "T", True, 0.5)
 
+    def test_name_of_one_alternative_means_it_beside_another_choice(self, plan, tmp_path):
+        plan(FIT)
+        alternatives = "configurations: {stiffness: {soft: {k: 200 N*m/rad}, hard: {k: 800 N*m/rad}}, rotor: {light: {J: 0.1}, heavy: {J: 0.2}}}"
+        (tmp_path / "rig.yaml").write_text(RIG[: RIG.index("configurations:")] + alternatives)
+        soft, _, third = load_fit_plan(tmp_path / "fit.yaml", lambda _: RESPONSE).measurements
+        assert soft.configuration == "stiffness=soft"
+        assert third.configuration == ""
+
     def test_settings(self, plan):
         soft, other, third = plan(FIT).measurements
         assert soft.settings == third.settings == Welch("hann", 4, 0.5, "linear", 2)

@@ -152,11 +152,13 @@ class _Reader:
         return replace(settings, decimation=factor_for(record.sampling_rate, band[1] if band else 0.0))
 
     def _configuration(self, model: Drivetrain, name: str, given: str, path: tuple[str, ...]) -> str:
-        if not given:
-            return name if name in model.configurations else ""
         try:
+            if not given:
+                return model.configured(name).configuration
             model.configured(given)
         except (UsageError, ModelError) as error:
+            if not given:
+                return ""
             self.faults.append(Fault(str(error), (*path, "configuration")))
         return given
 
