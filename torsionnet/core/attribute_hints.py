@@ -36,8 +36,8 @@ def with_argument_hints(cls: T) -> T:
     Traceback (most recent call last):
     TypeError: Shaft.__init__() got an unexpected keyword argument 'diameter'; did you mean "outer_diameter"?
     """
-    if "__init__" not in vars(cls):
-        return cls  # that of its base class says it
+    if "__init__" not in vars(cls) or hasattr(vars(cls)["__init__"], "gives_hints"):
+        return cls  # that of its base class says it, or it does already
     initialise: Callable[..., None] = cls.__init__
 
     @functools.wraps(initialise)
@@ -53,6 +53,7 @@ def with_argument_hints(cls: T) -> T:
             hint = f"; {advice}" if advice else f'; did you mean "{meant}"?' if meant else did_you_mean(found[1], known)
             raise TypeError(f"{error}{hint}") from None
 
+    initialised.gives_hints = True  # type: ignore[attr-defined]
     cls.__init__ = initialised
     return cls
 
