@@ -216,7 +216,7 @@ def overfull(log):
 def headings_alone(text):
     """Pages whose last line above the page number is a heading; the contents, line below line, are none."""
     pages = [[line for line in page.splitlines() if line.strip()] for page in text.split("\f")]
-    heads = [[re.match(r"\d+(\.\d+)?\s{2,}[A-Z]", line) for line in page[-3:-1]] for page in pages]
+    heads = [[re.match(r"\d{1,2}(\.\d{1,2})?\s{2,}[A-Z]", line) for line in page[-3:-1]] for page in pages]
     return [page[-2] for page, head in zip(pages, heads, strict=True) if head and head[-1] and not all(head)]
 
 

@@ -3,6 +3,8 @@
 import ast
 import gc
 import re
+import subprocess
+import sys
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -357,3 +359,17 @@ def test_a_circle_is_found(tmp_path):
         "first": 0,
     }
     assert [module.lines_with_any for module in found if module.path.stem == "four"] == [1]
+
+
+@pytest.mark.slow
+def test_every_module_of_the_schematic_can_be_the_first_that_is_imported():
+    """The package of the schematic and the function plot.schematic share a name, which only some orders forgive."""
+    names = [
+        ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts)
+        for path in (PACKAGE / "plot" / "schematic").rglob("*.py")
+    ]
+    for name in names:
+        done = subprocess.run(
+            [sys.executable, "-c", f"import {name}"], capture_output=True, text=True, cwd=PACKAGE.parent, check=False
+        )
+        assert done.returncode == 0, (name, done.stderr)

@@ -8,14 +8,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.load.absorber import Absorber
 from torsionnet.model.load.load_places import drivers, on_nodes, reacting
-from torsionnet.model.load.lost_torques import has_lost_cylinders, remaining_by_node
 from torsionnet.model.speeds import mean_speeds, speeds_by_reference
 from torsionnet.model.torque_places import torque_place
 
@@ -147,7 +144,14 @@ class ExternalTorques:
         ]
 
     def _remaining(self, speeds: Sequence[float]) -> dict[str, Any]:
-        if self.definition.load is None or not has_lost_cylinders(self.definition):
+        if self.definition.load is None or not self.definition.excitations:
+            return {}
+        # numpy, which few checks of a model need
+        import numpy as np
+
+        from torsionnet.model.load.lost_torques import has_lost_cylinders, remaining_by_node
+
+        if not has_lost_cylinders(self.definition):
             return {}
         return remaining_by_node(self.definition, self.ratios, np.array(speeds), self._drivers, self.absorbers)
 

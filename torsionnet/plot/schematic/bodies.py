@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import torsionnet.plot.schematic.outlines as outlines
 from torsionnet.model.elements import GROUND, Element
 from torsionnet.plot.drawing.pieces import LEADING, ROLES, Piece, Stroke, Texts, label_width
+from torsionnet.plot.schematic import outlines
 from torsionnet.plot.schematic.glyphs import inline_glyph
 from torsionnet.plot.schematic.spring_chains import far_end
 

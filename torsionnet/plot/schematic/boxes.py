@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import torsionnet.plot.schematic.box_symbols as box_symbols
-import torsionnet.plot.schematic.outlines as outlines
 from torsionnet.plot.drawing.pieces import Piece, Stroke, label_width, text_width
+from torsionnet.plot.schematic import box_symbols, outlines
 from torsionnet.plot.schematic.branch_lines import BranchStart
 from torsionnet.plot.schematic.topology import Link, Vertex
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-import torsionnet.plot.schematic.outlines as outlines
 from torsionnet.model.elements import GROUND, Element
 from torsionnet.plot.drawing.pieces import Piece, Stroke, arc, box_array, overlap
+from torsionnet.plot.schematic import outlines
 from torsionnet.plot.schematic.topology import Vertex
 
 STEP, FARTHEST = 4.0, 3000.0

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import torsionnet.plot.schematic.outlines as outlines
 from torsionnet.plot.drawing.pieces import Piece, Stroke, Texts
+from torsionnet.plot.schematic import outlines
 from torsionnet.plot.schematic.texts import break_lines
 
 TOPS = {"input": 19.0, "reaction": 19.0, "motion": 20.0, "torque": 20.0}
