@@ -79,10 +79,15 @@ class Module:
         }
 
     def _meant(self, module: str, name: str) -> list[str]:
-        """Modules that ``from a import b`` loads: a, and a.b if there is such a module."""
+        """Modules that ``from a import b`` loads: a, unless that is a folder without code, and a.b if it is a module."""
         place = self.root.parent / module.replace(".", "/") / name
-        is_module = place.is_dir() or place.with_suffix(".py").is_file()
-        return [module, f"{module}.{name}"] if is_module else [module]
+        if not (place.is_dir() or place.with_suffix(".py").is_file()):
+            return [module]
+        package = place.parent / "__init__.py"
+        is_plain = package.is_file() and all(
+            isinstance(one, ast.Expr) for one in ast.parse(package.read_text(encoding="utf-8")).body
+        )
+        return [f"{module}.{name}"] if is_plain else [module, f"{module}.{name}"]
 
     @property
     def calls(self) -> Iterator[tuple[str, int]]:
