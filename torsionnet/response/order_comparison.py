@@ -15,7 +15,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.core.result_rows import NUMBERS, Out
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
-from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.order_sums import sums_of_lines
 from torsionnet.response.table import Column, Table
@@ -58,11 +58,17 @@ class MeasuredOrder:
         Speeds in rad/s, rising.
     amplitude : (n,) array
         Peak amplitudes, SI.
+    values : (n,) complex array, optional
+        Complex peak amplitudes X of Re X exp(j o phi), SI; None where phases are not known.
+    half_widths : (n,) array, optional
+        Half width of the 95 % interval of real and of imaginary part, SI.
     """
 
     order: float
     speeds: FloatArray
     amplitude: FloatArray
+    values: ComplexArray | None = None
+    half_widths: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.notebook import NotebookResult
+from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.table import Column, Table
 
 FloatArray = NDArray[np.float64]
@@ -74,6 +75,8 @@ class Recording(NotebookResult):
     title : str
     notes : tuple of str
         Origin: file, assumptions made in reading it, processing since.
+    pulses : tuple of PulseChannel
+        Times of the pulses of toothed wheels and encoders on the same clock, each of a length of its own.
 
     Examples
     --------
@@ -90,6 +93,7 @@ class Recording(NotebookResult):
     times: FloatArray | None = None
     title: str = ""
     notes: tuple[str, ...] = ()
+    pulses: tuple[PulseChannel, ...] = ()
 
     def __post_init__(self) -> None:
         lengths = {len(signal.values) for signal in self.signals}
@@ -118,6 +122,21 @@ class Recording(NotebookResult):
         raise UsageError(
             f'no signal is named "{name}"{did_you_mean(name, self.names)}; there is {", ".join(self.names) or "none"}'
         )
+
+    def pulses_of(self, name: str) -> PulseChannel:
+        """Times of the pulses of a channel of a recording in s, by its name.
+
+        Raises
+        ------
+        UsageError
+            There is no such channel of pulses.
+        """
+        for channel in self.pulses:
+            if channel.name == name:
+                return channel
+        known = [channel.name for channel in self.pulses]
+        text = f'no channel of pulses is named "{name}"{did_you_mean(name, known)}'
+        raise UsageError(f"{text}; there is {', '.join(known) or 'none'}")
 
     @property
     def duration(self) -> float:

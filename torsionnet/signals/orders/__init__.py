@@ -1,0 +1,1 @@
+"""Complex orders of recorded signals: tracking, phase references, their scatter."""
