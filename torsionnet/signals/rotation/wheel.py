@@ -1,0 +1,37 @@
+"""Entries of a toothed wheel or encoder that is read by its pulses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count, Flag, Text
+from torsionnet.core.errors import Fault
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wheel(Declared):
+    """A toothed wheel or an encoder, as its pulses are read.
+
+    Examples
+    --------
+    >>> Wheel(teeth=60, missing_teeth=2).teeth
+    60
+    """
+
+    kind: ClassVar[str] = "wheel"
+    article: ClassVar[str] = "a wheel"
+
+    teeth: int = entry(Count("pulses per revolution of the wheel, missing ones included", lower=1, upper=10_000_000))
+    missing_teeth: int = entry(Count("teeth that the gap lacks, as 2 of a wheel 60-2", lower=0), 0)
+    ratio: float = entry(Value("turns of the reference shaft per turn of the wheel", "1", exclusive=True), 1.0)
+    reversed: bool = entry(Flag("whether the wheel turns against the sense of the model"), False)
+    pattern: str = entry(Text("file of its pitch pattern, from the folder of this file"), "")
+
+    def contradictions(self) -> list[Fault]:
+        if self.missing_teeth >= self.teeth - 1:
+            return [Fault(f"a wheel of {self.teeth} teeth cannot lack {self.missing_teeth}", ("missing_teeth",))]
+        return []
