@@ -52,6 +52,8 @@ EXACT = [
     ("0.5 kg·m² GD²", Fraction(1, 8), "inertia"),
     ("0.5 kgf*m^2 GD2", Fraction(1, 8), "inertia"),
     ("4 Nms/rad", 4, "damping"),
+    ("12.5 ns", Fraction(125, 10**10), "time"),
+    ("80 MHz", 80 * 10**6, "frequency"),
     ("4 N*m*s/rad", 4, "damping"),
     ("1 rad/Nm", 1, "compliance"),
     ("1 rad/(N*m)", 1, "compliance"),

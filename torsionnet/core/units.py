@@ -110,21 +110,22 @@ _NUMBER, _MASS, _LENGTH, _TIME = _dimension(), _dimension(kg=1), _dimension(m=1)
 _FORCE, _PRESSURE, _POWER = _dimension(1, 1, -2), _dimension(1, -1, -2), _dimension(1, 2, -3)
 _LB, _G0, _INCH = Fraction("0.45359237"), Fraction("9.80665"), Fraction("0.0254")
 _PREFIXES = {"G": Fraction(10**9), "M": Fraction(10**6), "k": Fraction(1000), "": Fraction(1),
-             "c": Fraction(1, 100), "m": Fraction(1, 1000), "u": Fraction(1, 10**6)}  # fmt: skip
+             "c": Fraction(1, 100), "m": Fraction(1, 1000), "u": Fraction(1, 10**6),
+             "n": Fraction(1, 10**9)}  # fmt: skip
 
 # name: (factor, dimension, prefixes an engineer writes)
 _BASE: dict[str, tuple[Real, Dimension, str]] = {
     "g": (Fraction(1, 1000), _MASS, "km"), "t": (Fraction(1000), _MASS, ""), "lb": (_LB, _MASS, ""),
     "lbm": (_LB, _MASS, ""), "slug": (_LB * _G0 / (12 * _INCH), _MASS, ""),
     "m": (Fraction(1), _LENGTH, "kcmu"), "in": (_INCH, _LENGTH, ""), "ft": (12 * _INCH, _LENGTH, ""),
-    "s": (Fraction(1), _TIME, "mu"), "min": (Fraction(60), _TIME, ""), "h": (Fraction(3600), _TIME, ""),
+    "s": (Fraction(1), _TIME, "mun"), "min": (Fraction(60), _TIME, ""), "h": (Fraction(3600), _TIME, ""),
     "N": (Fraction(1), _FORCE, "GMkm"), "kgf": (_G0, _FORCE, ""), "lbf": (_LB * _G0, _FORCE, ""),
     "Pa": (Fraction(1), _PRESSURE, "GMk"), "psi": (_LB * _G0 / _INCH**2, _PRESSURE, ""),
     "ksi": (1000 * _LB * _G0 / _INCH**2, _PRESSURE, ""), "bar": (Fraction(10**5), _PRESSURE, ""),
     "W": (Fraction(1), _POWER, "GMk"),
     "rad": (Fraction(1), _NUMBER, "mu"), "deg": (math.pi / 180, _NUMBER, ""), "rev": (2 * math.pi, _NUMBER, ""),
     "arcmin": (math.pi / 10800, _NUMBER, ""), "%": (Fraction(1, 100), _NUMBER, ""),
-    "rpm": (math.pi / 30, _dimension(s=-1), ""), "Hz": (Fraction(1), _dimension(s=-1, cycle=1), "km"),
+    "rpm": (math.pi / 30, _dimension(s=-1), ""), "Hz": (Fraction(1), _dimension(s=-1, cycle=1), "Mkm"),
     "cpm": (Fraction(1, 60), _dimension(s=-1, cycle=1), ""), "cycle": (Fraction(1), _dimension(cycle=1), ""),
     "K": (Fraction(1), _dimension(K=1), ""),
 }  # fmt: skip

@@ -1,0 +1,52 @@
+"""Entries on what a channel of pulses holds: counts of a counter, of which clock, or times."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count
+from torsionnet.core.errors import Fault
+
+WIDEST_COUNTER = 64
+"""Most bits of a counter of pulses; wider ones are not built."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PulseReading(Declared):
+    """Reading of the values of a channel of pulses: counts of a clock, which may wrap, or times.
+
+    Without ``tick`` and ``clock`` the values are times of pulses in the unit of the channel.
+
+    Examples
+    --------
+    >>> PulseReading(clock="80 MHz", bits=32).seconds
+    1.25e-08
+    >>> PulseReading(tick="12.5 ns").seconds
+    1.25e-08
+    """
+
+    kind: ClassVar[str] = "pulse reading"
+    article: ClassVar[str] = "a pulse reading"
+
+    tick: float | None = entry(Value("time of one count of the counter", "time", exclusive=True), None)
+    clock: float | None = entry(Value("instead: frequency that the counter counts", "frequency", exclusive=True), None)
+    bits: int | None = entry(
+        Count("width of the counter in bits, which begins at 0 again when it is full", lower=4, upper=WIDEST_COUNTER),
+        None,
+    )
+
+    def contradictions(self) -> list[Fault]:
+        if self.tick is not None and self.clock is not None:
+            return [Fault("tick and clock say the same thing; leave one out", ("clock",))]
+        if self.bits is not None and self.tick is None and self.clock is None:
+            return [Fault("a counter of so many bits needs the time of its tick, or its clock", ("bits",))]
+        return []
+
+    @property
+    def seconds(self) -> float | None:
+        """Time of one count in s, None where the values are times."""
+        return 1 / self.clock if self.clock is not None else self.tick
