@@ -33,6 +33,9 @@ class WheelPattern:
         Whole orders whose share of the pattern the calibration could not tell from vibration.
     notes : tuple of str
         From which records, by which method.
+    reversed : bool
+        Whether it was calibrated while the wheel turned against the sense of the model: a pickup then sees the other
+        edges of the teeth, in the other sequence.
 
     Raises
     ------
@@ -53,6 +56,7 @@ class WheelPattern:
     first: str = ""
     unresolved: tuple[int, ...] = ()
     notes: tuple[str, ...] = ()
+    reversed: bool = False
 
     def __post_init__(self) -> None:
         if len(self.positions) < 2 or len(self.positions) != len(self.half_widths):

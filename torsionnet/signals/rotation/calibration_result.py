@@ -1,0 +1,156 @@
+"""Result of the calibration of a toothed wheel: its pattern, and order by order what is known of it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import numpy as np
+
+from torsionnet.core.listing import comma_list
+from torsionnet.core.notebook import NotebookResult
+from torsionnet.core.units import RPM
+from torsionnet.response.conventions import SI, Conventions
+from torsionnet.response.measured.wheel_pattern import WheelPattern
+from torsionnet.response.table import Column, Table
+from torsionnet.signals.rotation.pitch_order import ABOVE, CALCULATED, PitchOrder
+
+MOST_LISTED = 12
+"""Orders that a note lists at most, so that it stays short."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class WheelCalibration(NotebookResult):
+    """Calibrated wheel with its pitch pattern in rad, and with what is known of each order.
+
+    Attributes
+    ----------
+    pattern : WheelPattern
+        Of all orders that are resolved.
+    orders : tuple of PitchOrder
+        All whole orders up to half the teeth.
+    speeds : tuple of float
+        Lowest and highest speed of the reference shaft, rad/s.
+    windows : int
+        Windows of whole revolutions that were used.
+    revolutions : int
+        Of a window.
+    angle : float or None
+        From the first to the second pickup as the pulses say it, rad.
+    angle_half_width : float
+        Half width of its 95 % interval, rad.
+    source : str
+        Origin of calculated orders.
+    known : bool
+        Whether tooth 0 is the same in every record of the wheel.
+    remarks : tuple of str
+        Repairs of pulses, and how records were aligned.
+    """
+
+    picture: ClassVar[str] = "wheel_pattern"
+
+    pattern: WheelPattern
+    orders: tuple[PitchOrder, ...]
+    speeds: tuple[float, float]
+    windows: int
+    revolutions: int
+    angle: float | None = None
+    angle_half_width: float = 0.0
+    source: str = ""
+    known: bool = True
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def title(self) -> str:
+        """Title of a calibration's table, with the number of teeth."""
+        return f"Pitch pattern of {self.pattern.name or 'the wheel'}, {self.pattern.teeth} teeth"
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Notes on speeds, methods, what is unresolved and why, as sentences."""
+        low, high = (speed * RPM for speed in self.speeds)
+        notes = [f"{self.windows} windows of {self.revolutions} revolutions at {low:.4g} to {high:.4g} rpm"]
+        if self.angle is not None:
+            angle, half = np.degrees([self.angle, self.angle_half_width])
+            notes.append(f"two pickups, {angle:.4f} +-{half:.2g} degrees apart by the pulses themselves")
+        if any(row.by == CALCULATED for row in self.orders):
+            notes.append(f"vibration in orders 'calculated orders' is that of {self.source or 'the calculation'}")
+        above = [row.order for row in self.orders if row.by == ABOVE]
+        if above:
+            notes.append(f"orders {above[0]} to {above[-1]} count as pattern: no vibration is sought there")
+        notes += self._unresolved_notes()
+        notes.append(f"tooth 0 is {self.pattern.first}" if self.pattern.first else "")
+        notes.append(
+            "half orders are not touched by a pattern, whole ones are; positions of unresolved orders are left out"
+        )
+        return (*filter(None, notes), *self.remarks)
+
+    def _unresolved_notes(self) -> list[str]:
+        reasons: dict[str, list[PitchOrder]] = {}
+        for row in self.orders:
+            if not row.resolved:
+                reasons.setdefault(row.why, []).append(row)
+        return [
+            f"not resolved: order {comma_list([_amount(row) for row in rows], MOST_LISTED)}: {why}"
+            for why, rows in reasons.items()
+        ]
+
+    def stored(self) -> WheelPattern:
+        """Pattern of the calibrated wheel in rad with the notes that its file keeps."""
+        return replace(self.pattern, notes=self.notes)
+
+    def table(self, conventions: Conventions = SI) -> Table:
+        """Table of the pitch pattern order by order, with amplitude, interval and method."""
+        scale, unit = conventions.scale("rad"), conventions.unit("rad")
+        columns = (
+            Column("order"),
+            Column("amplitude", unit, 4),
+            Column("half_width", unit, 2),
+            Column("phase", "deg", 4),
+            Column("resolved"),
+            Column("by"),
+            Column("gain", "", 3),
+        )
+        return Table(self.title, columns, tuple(self._row(row, scale) for row in self.orders), self.notes)
+
+    def _row(self, row: PitchOrder, scale: float) -> tuple[Any, ...]:
+        half = row.half_width * scale if math.isfinite(row.half_width) else None
+        phase = float(np.degrees(np.angle(row.value)))
+        resolved = "yes" if row.resolved else "no"
+        return (row.order, abs(row.value) * scale, half, phase, resolved, row.by, row.gain)
+
+    def record(self) -> dict[str, Any]:
+        """Data of the calibration for JSON, angles in rad."""
+        return {
+            "name": self.pattern.name,
+            "teeth": self.pattern.teeth,
+            "missing_teeth": self.pattern.missing,
+            "first_tooth": self.pattern.first,
+            "lowest_speed_rpm": self.speeds[0] * RPM,
+            "highest_speed_rpm": self.speeds[1] * RPM,
+            "windows": self.windows,
+            "angle_rad": self.angle,
+            "angle_half_width_rad": self.angle_half_width if self.angle is not None else None,
+            "unresolved_orders": list(self.pattern.unresolved),
+            "positions_rad": self.pattern.positions.tolist(),
+            "half_widths_rad": self.pattern.half_widths.tolist(),
+            "orders": [
+                {
+                    "order": row.order,
+                    "real_rad": row.value.real,
+                    "imag_rad": row.value.imag,
+                    "half_width_rad": row.half_width if math.isfinite(row.half_width) else None,
+                    "resolved": row.resolved,
+                    "by": row.by,
+                    "gain": row.gain,
+                    "why": row.why,
+                }
+                for row in self.orders
+            ],
+            "notes": list(self.notes),
+        }
+
+
+def _amount(row: PitchOrder) -> str:
+    return f"{row.order} ({np.degrees(abs(row.value)):.2g} degrees)"

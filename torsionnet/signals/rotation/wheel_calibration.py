@@ -1,0 +1,283 @@
+"""Calibration of a toothed wheel: its pitch pattern from pulses at several speeds, or of two pickups."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.core.errors import UsageError
+from torsionnet.response.frequency_response import ComplexArray
+from torsionnet.response.measured.pulse_channel import PulseChannel
+from torsionnet.response.measured.wheel_pattern import WheelPattern
+from torsionnet.response.recording import FloatArray
+from torsionnet.signals.rotation.calculated_orders import CalculatedOrders
+from torsionnet.signals.rotation.calibration_result import WheelCalibration
+from torsionnet.signals.rotation.calibration_windows import (
+    OrderSet,
+    Stack,
+    TestWindows,
+    amplitudes,
+    order_set,
+    stacked,
+    windows_of_test,
+)
+from torsionnet.signals.rotation.constant_part import constant_part, speed_groups
+from torsionnet.signals.rotation.numbered_pulses import NumberedPulses, numbered_pulses
+from torsionnet.signals.rotation.pattern_matching import best_shift
+from torsionnet.signals.rotation.pitch_order import ABOVE, SPEEDS, Evidence, PitchOrder
+from torsionnet.signals.rotation.wheel import Wheel
+
+WIDEST = np.radians(0.01)
+"""Widest half width of an order's interval in rad that counts as resolved: vibration of that size has a phase still."""
+CONVERGED, MOST_STEPS = 1e-9, 40
+"""Change of a tooth's position in rad below which the pattern has converged, and steps in which it does: each leaves
+about the vibration in rad times the order, a few hundredths."""
+PASSES = 2
+"""Solutions of the windows, the second with the pattern of the first in the mean rotation of each window."""
+
+
+@dataclass(frozen=True, eq=False)
+class WheelTest:
+    """Pulses of one wheel in one record: of a pickup, of a second one if there is one, and of an index.
+
+    Attributes
+    ----------
+    first : PulseChannel
+    second : PulseChannel, optional
+        Of a second pickup on the same wheel and the same clock, which each tooth passes after the first.
+    index : PulseChannel, optional
+        One pulse per turn, before tooth 0.
+    load : str
+        Name of the load: records of one load share the torques of the working gas at a speed.
+    """
+
+    first: PulseChannel
+    second: PulseChannel | None = None
+    index: PulseChannel | None = None
+    load: str = ""
+
+
+def calibrate_wheel(
+    tests: Sequence[WheelTest],
+    wheel: Wheel,
+    *,
+    angle: float | None = None,
+    calculated: CalculatedOrders | None = None,
+    cycle: int = 2,
+    constant_orders: Sequence[float] | None = None,
+    poles: Sequence[complex] = (),
+    widest: float = float(WIDEST),
+    name: str = "",
+) -> WheelCalibration:
+    """Pitch pattern of a wheel, order by order, with intervals, and with what stays ambiguous.
+
+    Parameters
+    ----------
+    tests : sequence of WheelTest
+        Steady speeds or run-ups.
+    wheel : Wheel
+    angle : float, optional
+        From the first pickup to the second in the sense of rotation, rad, to better than half a pitch.
+    calculated : CalculatedOrders, optional
+        Calculated vibration of the wheel, by which orders are resolved to which two pickups are blind.
+    cycle : int
+        Revolutions of the reference shaft after which its vibration repeats: 2 of a four-stroke engine.
+    constant_orders : sequence of float, optional
+        With one pickup and no model: orders of the reference shaft in which a part of the vibration may be constant
+        over speed, ``()`` if in none: the rigid response to inertia torques, the twist below a resonance under the
+        torques of the working gas, the motion of a joint. Left out it is not known, and no whole order is resolved.
+    poles : sequence of complex, optional
+        With one pickup and no model: poles of the torsional vibration in rad/s, by which orders change over speed.
+    widest : float, optional
+        Widest half width of an order's interval that counts as resolved, rad.
+    name : str, optional
+        Wheel, with machine and date.
+
+    Raises
+    ------
+    UsageError
+        A range of speeds too small, pulses that do not fit, or a tooth 0 that differs from record to record.
+
+    Examples
+    --------
+    >>> teeth = 12
+    >>> positions = np.radians(0.1) * np.cos(2 * np.pi * np.arange(teeth) / teeth)
+    >>> passed = np.arange(40 * teeth)
+    >>> places = 2 * np.pi * passed / teeth + positions[passed % teeth]
+    >>> pickups = [PulseChannel(n, (places + a) / 100) for n, a in (("A", 0.0), ("B", np.radians(90)))]
+    >>> found = calibrate_wheel([WheelTest(*pickups)], Wheel(teeth=teeth), angle=np.radians(90))
+    >>> float(np.degrees(found.orders[0].value.real).round(6)), found.pattern.unresolved
+    (0.1, (4,))
+    """
+    if not tests:
+        raise UsageError("a calibration needs a record at least")
+    paired = [test.second is not None for test in tests]
+    if any(paired) and angle is None:
+        raise UsageError("two pickups need the angle between them, to better than half a pitch")
+    if any(paired) and not all(paired):
+        raise UsageError("give the second pickup in each record, or in none")
+    orders = order_set(wheel, cycle)
+    numbered = [numbered_pulses(test.first, wheel, test.index) for test in tests]
+    numbered = _aligned(tests, numbered, wheel, angle)
+    between = (angle or 0.0) % (2 * np.pi)
+    positions = np.zeros(wheel.teeth)
+    for _ in range(PASSES):
+        found = [
+            windows_of_test(test.first.name, pulses, test.second, wheel, orders, between, positions, test.load)
+            for test, pulses in zip(tests, numbered, strict=True)
+        ]
+        stack = stacked(found, wheel)
+        groups = speed_groups(stack.speeds)
+        offset = _offset(stack, groups, positions)
+        evidence = Evidence(
+            wheel=wheel,
+            speeds=stack.speeds,
+            groups=groups,
+            loads=stack.loads,
+            angle=None if not any(paired) else between - offset[0],
+            calculated=calculated,
+            constant_orders=None if constant_orders is None else tuple(constant_orders),
+            poles=np.asarray(poles, dtype=complex),
+            widest=widest,
+        )
+        positions, rows = _converged(stack, orders, evidence)
+    _refuse_small_range(rows, stack)
+    return _result(stack, orders, evidence, positions, rows, offset[1], name)
+
+
+def _aligned(
+    tests: Sequence[WheelTest], numbered: list[NumberedPulses], wheel: Wheel, angle: float | None
+) -> list[NumberedPulses]:
+    """Pulses of all tests with the same tooth 0, by the pattern itself where nothing else tells it."""
+    if len(tests) < 2 or all(pulses.known for pulses in numbered):
+        return numbered
+    if angle is None or tests[0].second is None:
+        raise UsageError(
+            f"in {len(tests)} records the first tooth is another one each time, and one pickup cannot find it: record "
+            "an index pulse once per turn, or calibrate from a run-up in one record, or with a second pickup"
+        )
+    alone = [
+        calibrate_wheel([test], wheel, angle=angle, widest=np.inf).pattern.positions for test in tests
+    ]  # fmt: skip
+    done = [numbered[0]]
+    for test, pulses, positions in zip(tests[1:], numbered[1:], alone[1:], strict=True):
+        shift = best_shift(test.first.name, alone[0], positions)
+        remark = f"{test.first.name}: tooth {shift} of the first record comes first, by the shape of the pattern"
+        done.append(replace(pulses, numbers=pulses.numbers + shift, remarks=(*pulses.remarks, remark)))
+    return done
+
+
+def _offset(stack: Stack, groups: NDArray[np.intp], positions: FloatArray) -> tuple[float, float]:
+    """By how much the given angle between two pickups exceeds the true one, and half its 95 % interval, rad."""
+    second = stack.second
+    if not second:
+        return 0.0, 0.0
+    values = np.array([one.terms(positions)[0] for one in second])
+    found = constant_part(values.astype(complex), np.empty((len(values), 0), dtype=complex), groups)
+    return found.value.real, found.half_width * np.sqrt(2)
+
+
+def _converged(stack: Stack, orders: OrderSet, evidence: Evidence) -> tuple[FloatArray, list[PitchOrder]]:
+    """Positions of the teeth in rad of all that is resolved, and the orders of the pattern."""
+    teeth, count = evidence.wheel.teeth, len(orders.orders)
+    tooth = 2 * np.pi * np.arange(teeth) / teeth
+    positions = np.zeros(teeth)
+    known = dict.fromkeys(orders.whole, 0j)
+    for _ in range(MOST_STEPS):
+        first = amplitudes(stack.first, positions, count)
+        second = amplitudes(stack.second, positions, count) if stack.second else None
+        rows = [_row(order, orders, evidence, first, second, known) for order in orders.whole]
+        change = sum(
+            ((row.value - known[row.order]) * np.exp(1j * row.order * tooth)).real for row in rows if row.resolved
+        ) - _beyond(stack, positions, orders, evidence.wheel)
+        known = {row.order: row.value if row.resolved else 0j for row in rows}
+        positions = positions + change
+        if np.abs(change).max() < CONVERGED:
+            break
+    return positions, rows
+
+
+def _row(
+    order: int,
+    orders: OrderSet,
+    evidence: Evidence,
+    first: ComplexArray,
+    second: ComplexArray | None,
+    known: dict[int, complex],
+) -> PitchOrder:
+    """Order of the pattern, with what of it is in the positions already."""
+    place = orders.place(order)
+    others = None if second is None else second[:, place]
+    found = evidence.of(order, order in orders.shared, first[:, place], others)
+    return replace(found, value=found.value + known[order])
+
+
+def _beyond(stack: Stack, positions: FloatArray, orders: OrderSet, wheel: Wheel) -> FloatArray:
+    """Positions in rad that are missing yet of orders above those of vibration, shape (teeth,), with minus sign."""
+    left = np.mean([shown.left(positions) for shown in stack.first], axis=0)
+    left[wheel.teeth - wheel.missing_teeth :] = 0.0
+    if wheel.missing_teeth:
+        return np.asarray(left)
+    lines = np.fft.rfft(left)
+    lines[: orders.whole[-1] + 1] = 0
+    return np.fft.irfft(lines, wheel.teeth)
+
+
+def _refuse_small_range(rows: Sequence[PitchOrder], stack: Stack) -> None:
+    """Refuse a test of which no order could be resolved for want of speeds."""
+    by_speed = [row for row in rows if row.by == SPEEDS]
+    if by_speed and len(by_speed) == len(rows) and all(not np.isfinite(row.half_width) for row in by_speed):
+        raise UsageError(
+            f"the range of speeds, {stack.range_text}, is too small for a calibration with one pickup: at one speed "
+            "the pattern cannot be told from vibration of whole orders; record several speeds or a run-up, add a "
+            "second pickup on the wheel (at 114 degrees it sees orders 1 to 12), or give calculated orders of a model"
+        )
+
+
+def _result(
+    stack: Stack,
+    orders: OrderSet,
+    evidence: Evidence,
+    positions: FloatArray,
+    rows: list[PitchOrder],
+    angle_half_width: float,
+    name: str,
+) -> WheelCalibration:
+    wheel, teeth = evidence.wheel, evidence.wheel.teeth
+    present = np.arange(teeth) < teeth - wheel.missing_teeth
+    centred = np.where(present, positions - positions[present].mean(), 0.0)
+    left = np.array([shown.left(positions) for shown in stack.first])
+    few = len(left) < 2
+    scatter = np.zeros(teeth) if few else 2 * np.nanstd(left, axis=0, ddof=1) / np.sqrt(len(left))
+    of_orders = sum(row.half_width**2 for row in rows if row.resolved)
+    not_known = sum(abs(row.value) ** 2 for row in rows if not row.resolved)
+    widths = np.where(present, np.sqrt(scatter**2 + of_orders + not_known), 0.0)
+    above = list(range(orders.whole[-1] + 1, teeth // 2 + 1))
+    width = float(np.sqrt(np.mean(scatter[present] ** 2) * 2 / teeth))
+    pattern = WheelPattern(
+        centred,
+        widths,
+        wheel.missing_teeth,
+        name,
+        stack.tests[0].pulses.first,
+        tuple(row.order for row in rows if not row.resolved),
+        (),
+        wheel.reversed,
+    )
+    rows += [PitchOrder(order, -pattern.order(order), width, True, ABOVE) for order in above]
+    tests: tuple[TestWindows, ...] = stack.tests
+    return WheelCalibration(
+        pattern=pattern,
+        orders=tuple(rows),
+        speeds=(float(stack.speeds.min()), float(stack.speeds.max())),
+        windows=len(stack.speeds),
+        revolutions=orders.revolutions,
+        angle=evidence.angle,
+        angle_half_width=angle_half_width,
+        source="" if evidence.calculated is None else evidence.calculated.source,
+        known=tests[0].pulses.known,
+        remarks=tuple(dict.fromkeys(text for test in tests for text in test.remarks)),
+    )
