@@ -8,12 +8,14 @@ from collections.abc import Generator, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from torsionnet.core.errors import UsageError
-from torsionnet.io.formats.registry import format_of, reading
+from torsionnet.io.formats.registry import FORMATS, format_of, reading
 from torsionnet.io.records.assembling import ReadOptions, recordings, with_given_clock
 from torsionnet.io.records.channel_choice import choose
 from torsionnet.io.records.encoder_recording import encoder_recording
 from torsionnet.io.records.source import Source
+from torsionnet.io.records.stored_pulses import with_readings
 from torsionnet.response.recording import Recording
+from torsionnet.signals.rotation.pulse_reading import PulseReading
 
 
 def read_recording(
@@ -23,6 +25,7 @@ def read_recording(
     sampling_rate: float | None = None,
     units: Mapping[str, str] | None = None,
     pulses: Mapping[str, float] | None = None,
+    pulse_readings: Mapping[str, PulseReading] | None = None,
     **dialect: str,
 ) -> Recording:
     r"""Read a recording from a file, its values converted to SI, and what was assumed in its notes.
@@ -45,6 +48,10 @@ def read_recording(
         become angles, band-limited between the pulses: see :func:`~torsionnet.signals.encoder.angle_from_pulses`. A
         channel whose values only increase holds the times of the pulses, and may have a length of its own; others
         were sampled with the rest. The record is cut to where there are pulses.
+    pulse_readings : mapping, optional
+        Channels that hold the counts or times of pulses, and how to read them: ``{"n1": PulseReading(clock="80 MHz",
+        bits=32)}``. They become ``Recording.pulses``, each of a length of its own; with an entry in ``pulses`` too,
+        the angle is made of them.
     **dialect : str
         ``separator`` and ``decimal`` of a text file, instead of finding them out.
 
@@ -66,7 +73,7 @@ def read_recording(
     >>> record.notes[0]
     '"time" was taken for the time stamps'
     """
-    options = ReadOptions(names, quantities or {}, units or {}, sampling_rate, pulses or {})
+    options = ReadOptions(names, quantities or {}, units or {}, sampling_rate, pulses or {}, pulse_readings or {})
     with contextlib.closing(_read(Path(path), options, None, dialect)) as found:
         return next(found)
 
@@ -78,16 +85,19 @@ def iter_blocks(
     names: Sequence[str] | Mapping[str, str] | None = None,
     sampling_rate: float | None = None,
     units: Mapping[str, str] | None = None,
+    pulse_readings: Mapping[str, PulseReading] | None = None,
     **dialect: str,
 ) -> Iterator[Recording]:
     """Yield recordings of ``seconds`` each in SI, one after the other, from a large file that is never read as a whole.
 
     Text, NPZ (arrays of one dimension), HDF5, MAT v7.3, TDMS and Parquet files never are in memory as a whole; of
     the other formats the library reads everything. Arguments are those of :func:`read_recording`, without ``pulses``.
+    Each block has the pulses from its first sample to that of the next; those of a whole file are read at once.
     """
     if not seconds > 0:
         raise UsageError(f"blocks must last a positive number of seconds, got {seconds}")
-    return _read(Path(path), ReadOptions(names, quantities or {}, units or {}, sampling_rate), seconds, dialect)
+    options = ReadOptions(names, quantities or {}, units or {}, sampling_rate, {}, pulse_readings or {})
+    return _read(Path(path), options, seconds, dialect)
 
 
 def channel_names(path: str | os.PathLike[str]) -> tuple[str, ...]:
@@ -101,7 +111,8 @@ def _read(
     path: Path, options: ReadOptions, seconds: float | None, dialect: dict[str, str]
 ) -> Generator[Recording, None, None]:
     with _opened(path, dialect) as found:
-        source, options = with_given_clock(found, options)
+        read = with_readings(found, options.readings, options.units, path.name)
+        source, options = with_given_clock(read, options)
         if options.pulses:
             yield encoder_recording(source, options, path.name)
         else:
@@ -127,7 +138,7 @@ def write_recording(recording: Recording, path: str | os.PathLike[str]) -> None:
     Raises
     ------
     UsageError
-        The ending is not known, or two channels would have one name in the file.
+        The ending is not known, two channels would have one name in the file, or the format cannot hold pulses.
     MissingExtraError
         The package for the format is not installed.
 
@@ -142,6 +153,13 @@ def write_recording(recording: Recording, path: str | os.PathLike[str]) -> None:
     <Recording T_T: 2 samples at 10000 Hz, 0.0002 s>
     """
     target = Path(path)
-    write = format_of(target, "recording").write
-    assert write is not None
-    write(recording, target)
+    form = format_of(target, "recording")
+    assert form.write is not None
+    if recording.pulses and not form.holds_pulses:
+        names = ", ".join(channel.name for channel in recording.pulses)
+        endings = ", ".join(other.endings[0] for other in FORMATS if other.holds_pulses)
+        raise UsageError(
+            f'"{target.name}": channels of a {form.label} file are of one length, and pulses have their own ({names}); '
+            f"write one of {endings}, or leave the pulses out: replace(recording, pulses=())"
+        )
+    form.write(recording, target)

@@ -149,8 +149,17 @@ class Recording(NotebookResult):
         return self.start + np.arange(len(self)) / self.sampling_rate if self.times is None else self.times
 
     def select(self, names: Iterable[str]) -> Recording:
-        """Recording of the named signals only, in the order of the names."""
-        return replace(self, signals=tuple(self[name] for name in names))
+        """Recording of the named signals and channels of pulses only, in the order of the names."""
+        wanted = list(names)
+        trains = {channel.name: channel for channel in self.pulses if channel.name in wanted}
+        signals = tuple(self[name] for name in wanted if name not in trains or name in self.names)
+        return replace(self, signals=signals, pulses=tuple(trains[name] for name in wanted if name in trains))
+
+    def with_pulses(self, *channels: PulseChannel) -> Recording:
+        """Copy of the recording with channels of pulses added, or exchanged where one of the same name exists."""
+        new = {channel.name: channel for channel in channels}
+        kept = [new.pop(channel.name, channel) for channel in self.pulses]
+        return replace(self, pulses=(*kept, *new.values()))
 
     def with_signals(self, *signals: Signal) -> Recording:
         """Copy of the recording with signals added, or exchanged where a signal of the same name exists."""
@@ -163,8 +172,9 @@ class Recording(NotebookResult):
         return replace(self, notes=(*self.notes, *notes))
 
     def __repr__(self) -> str:
-        size = f"{len(self)} samples at {self.sampling_rate:g} Hz, {self.duration:g} s"
-        return f"<Recording {', '.join(self.names)}: {size}>"
+        size = f"{len(self)} samples at {self.sampling_rate:g} Hz, {self.duration:g} s" if self.signals else ""
+        trains = ", ".join(f"{channel.name} of {len(channel)} pulses" for channel in self.pulses)
+        return f"<Recording {', '.join(self.names)}: {'; '.join(filter(None, (size, trains)))}>"
 
     def table(self) -> Table:
         """Table of the signals of a recording with unit, mean, standard deviation and range of each.
@@ -175,7 +185,8 @@ class Recording(NotebookResult):
         columns = tuple(map(Column, ("signal", "quantity", "unit", "mean", "standard deviation", "lowest", "highest")))
         rows = tuple(_described(signal) for signal in self.signals)
         span = f"{len(self)} samples at {self.sampling_rate:g} Hz, {self.duration:g} s"
-        return Table(self.title or "Recording", columns, rows, (span, *self.notes))
+        trains = tuple(f"{channel.name}: {channel.span}" for channel in self.pulses)
+        return Table(self.title or "Recording", columns, rows, (span, *trains, *self.notes))
 
 
 def _described(signal: Signal) -> tuple[str | float | None, ...]:

@@ -11,7 +11,7 @@ from pathlib import Path
 from torsionnet.core.atomic import write_bytes
 from torsionnet.io.formats.extras import import_extra, open_foreign
 from torsionnet.io.records.arrays import array_source
-from torsionnet.io.records.recording_description import KEY, plain_keys, recording_json, saved_columns
+from torsionnet.io.records.recording_description import KEY, channel_names, plain_keys, recording_json, saved_columns
 from torsionnet.io.records.source import Source
 from torsionnet.response.recording import Recording
 
@@ -32,7 +32,7 @@ def open_source(path: Path) -> Iterator[Source]:
 
 def write(recording: Recording, path: Path) -> None:
     """Write an HDF5 file of one dataset in SI for every signal, with unit and quantity as attributes."""
-    keys = plain_keys(recording.names, r"[/.\0]")
+    keys = plain_keys(channel_names(recording), r"[/.\0]")
     columns = saved_columns(recording, keys)
     h5py = import_extra("hdf5")
     # Made in memory: on a full disk the library crashes.

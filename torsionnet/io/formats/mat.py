@@ -20,7 +20,14 @@ from torsionnet.io.foreign.content import ROW
 from torsionnet.io.formats import hdf5
 from torsionnet.io.formats.extras import open_foreign
 from torsionnet.io.records.arrays import array_source
-from torsionnet.io.records.recording_description import KEY, TIME, plain_keys, recording_json, saved_columns
+from torsionnet.io.records.recording_description import (
+    KEY,
+    TIME,
+    channel_names,
+    plain_keys,
+    recording_json,
+    saved_columns,
+)
 from torsionnet.io.records.source import Source
 from torsionnet.io.responses import response_description
 from torsionnet.response import FrequencyResponse
@@ -58,8 +65,9 @@ def _is_hdf5(path: Path) -> bool:
 
 def write(recording: Recording, path: Path) -> None:
     """Write a MAT v5 file of one column in SI for every signal, with a description of the recording."""
-    keys = plain_keys(recording.names, "[^A-Za-z0-9_]|^(?=[^A-Za-z])", (TIME, KEY))
-    if any(len(key) > LONGEST_NAME for key in keys) or 8 * len(recording) >= LARGEST_VARIABLE:
+    keys = plain_keys(channel_names(recording), "[^A-Za-z0-9_]|^(?=[^A-Za-z])", (TIME, KEY))
+    longest = max([len(recording), *map(len, recording.pulses)])
+    if any(len(key) > LONGEST_NAME for key in keys) or 8 * longest >= LARGEST_VARIABLE:
         raise UsageError(
             "a MAT v5 file takes names of 63 characters and 2 GB for each signal; write an .h5 or .npz file"
         )

@@ -15,6 +15,7 @@ from torsionnet.io.formats.extras import import_extra, open_foreign
 from torsionnet.io.records.arrays import attribute_text, channel_of
 from torsionnet.io.records.recording_description import check_names, recording_json, with_description
 from torsionnet.io.records.source import Source
+from torsionnet.response.measured.pulse_channel import PULSE_TIMES
 from torsionnet.response.recording import Recording
 
 
@@ -42,5 +43,10 @@ def write(recording: Recording, path: Path) -> None:
     ]
     with atomic_replacement(path) as temporary, asammdf.MDF(version="4.10") as file:
         file.append(signals, comment=recording.title)
+        for channel in filter(len, recording.pulses):
+            train = asammdf.Signal(
+                samples=channel.times, timestamps=channel.times, name=channel.name, unit=channel.unit
+            )
+            file.append([train], comment=PULSE_TIMES)
         file.header.comment = recording_json(recording, with_time=True)
         file.save(temporary, overwrite=True)

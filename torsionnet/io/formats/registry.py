@@ -32,7 +32,10 @@ Holding = Literal["recording", "frequency response"]
 
 @dataclass(frozen=True)
 class Format:
-    """File format, which holds recordings where it has ``open_source``, responses where it has ``read_response``."""
+    """File format, which holds recordings where it has ``open_source``, responses where it has ``read_response``.
+
+    Only where channels may differ in length do files hold pulses.
+    """
 
     label: str
     endings: tuple[str, ...]
@@ -40,6 +43,7 @@ class Format:
     write: Callable[[Recording, Path], None] | None = None
     read_response: Callable[[Path], FrequencyResponse] | None = None
     write_response: Callable[[FrequencyResponse, Path], None] | None = None
+    holds_pulses: bool = False
 
     def holds(self, what: Holding) -> bool:
         """Whether files of the format hold recordings, or frequency responses."""
@@ -49,13 +53,13 @@ class Format:
 FORMATS = (
     Format("text", (".csv", ".txt", ".tsv", ".asc", ".dat", ".lvm"), record_text.open_source, record_text.write),
     Format("CSV", (".csv",), read_response=response_text.read, write_response=response_text.write),
-    Format("NPZ", (".npz",), npz.open_source, npz.write, npz.read_response, npz.write_response),
-    Format("MAT", (".mat",), mat.open_source, mat.write, mat.read_response, mat.write_response),
-    Format("TDMS", (".tdms",), tdms.open_source, tdms.write),
+    Format("NPZ", (".npz",), npz.open_source, npz.write, npz.read_response, npz.write_response, holds_pulses=True),
+    Format("MAT", (".mat",), mat.open_source, mat.write, mat.read_response, mat.write_response, holds_pulses=True),
+    Format("TDMS", (".tdms",), tdms.open_source, tdms.write, holds_pulses=True),
     Format("UFF58", (".uff", ".unv"), record_uff.open_source, record_uff.write, response_uff.read, response_uff.write),
-    Format("HDF5", (".h5", ".hdf5", ".hdf"), hdf5.open_source, hdf5.write),
+    Format("HDF5", (".h5", ".hdf5", ".hdf"), hdf5.open_source, hdf5.write, holds_pulses=True),
     Format("Parquet", (".parquet", ".pq"), parquet.open_source, parquet.write),
-    Format("MDF", (".mf4", ".mdf"), mdf.open_source, mdf.write),
+    Format("MDF", (".mf4", ".mdf"), mdf.open_source, mdf.write, holds_pulses=True),
 )
 """File formats of recordings and frequency responses, with endings, reading and writing functions."""
 

@@ -61,12 +61,14 @@ def write(recording: Recording, path: Path) -> None:
     wave = {INCREMENT: 1 / recording.sampling_rate, OFFSET: recording.start}
     with atomic_replacement(path) as temporary, nptdms.TdmsWriter(str(temporary)) as writer:
         writer.write_segment([root, nptdms.GroupObject(GROUP)])
-        for first in range(0, len(recording), PIECE):
+        for first in range(0, max((len(column.values) for column in columns), default=0), PIECE):
             writer.write_segment([
                 nptdms.ChannelObject(
-                    GROUP, column.name, column.values[first : first + PIECE], _properties(column.attributes, wave)
+                    GROUP, column.name, column.values[first : first + PIECE],
+                    _properties(column.attributes, wave if column.is_sampled else {}),
                 )
                 for column in columns
+                if first < max(len(column.values), 1)
             ])  # fmt: skip
 
 

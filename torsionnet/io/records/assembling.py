@@ -23,7 +23,9 @@ from torsionnet.io.records.clock import (
     time_unit_warnings,
 )
 from torsionnet.io.records.source import Source, is_time
+from torsionnet.io.records.stored_pulses import names_of_signals, rate_of, stored_pulses, with_pulses
 from torsionnet.response.recording import FloatArray, Recording, Signal, is_rate
+from torsionnet.signals.rotation.pulse_reading import PulseReading
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,7 @@ class ReadOptions:
     units: Mapping[str, str] = field(default_factory=dict)
     sampling_rate: float | None = None
     pulses: Mapping[str, float] = field(default_factory=dict)
+    readings: Mapping[str, PulseReading] = field(default_factory=dict)
 
 
 def with_given_clock(source: Source, options: ReadOptions) -> tuple[Source, ReadOptions]:
@@ -43,7 +46,7 @@ def with_given_clock(source: Source, options: ReadOptions) -> tuple[Source, Read
     for name, unit in options.units.items():
         channel = replace(every[name], unit=plain_unit(unit)) if name in every else None
         is_clock = channel is not None and (source.time is None or source.time.name == name)
-        if channel is not None and is_clock and is_time(channel) and name not in options.pulses:
+        if channel is not None and is_clock and is_time(channel) and not {name} & {*options.pulses, *options.readings}:
             others = tuple(other for other in source.channels if other.name != name)
             left = {other: word for other, word in options.units.items() if other != name}
             return replace(source, channels=others, time=channel), replace(options, units=left)
@@ -52,6 +55,19 @@ def with_given_clock(source: Source, options: ReadOptions) -> tuple[Source, Read
 
 def recordings(source: Source, options: ReadOptions, file: str, seconds: float | None = None) -> Iterator[Recording]:
     """Yield recordings of ``seconds`` each in SI, one after the other, or one of the whole file; raise ModelError."""
+    pulses = stored_pulses(source, options.names, file)
+    units = {name: unit for name, unit in options.units.items() if name not in options.readings}
+    rest = replace(options, names=names_of_signals(source, options.names), units=units)
+    if source.pulses and (not source.channels if rest.names is None else not rest.names):
+        rate = options.sampling_rate or source.rate or rate_of(pulses)
+        start = source.start if source.rate else min((float(one.times[0]) for one in pulses if len(one)), default=0.0)
+        yield Recording((), rate, start, None, source.title or file, source.notes, pulses)
+        return
+    yield from with_pulses(_sampled(source, rest, file, seconds), pulses)
+
+
+def _sampled(source: Source, options: ReadOptions, file: str, seconds: float | None) -> Iterator[Recording]:
+    """Yield recordings of the sampled channels, of ``seconds`` each."""
     stamps = source.time.name if source.time else ""
     units = {name: unit for name, unit in options.units.items() if name != stamps}
     choices, faults = choose(source, options.names, options.quantities, units)

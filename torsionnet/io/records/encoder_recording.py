@@ -12,6 +12,7 @@ from torsionnet.core.errors import Fault, ModelError, SolveError, UsageError, un
 from torsionnet.core.units import parse_unit
 from torsionnet.io.records.assembling import ReadOptions, recordings
 from torsionnet.io.records.source import FileChannel, Source
+from torsionnet.io.records.stored_pulses import pulses_of
 from torsionnet.response.recording import FloatArray, Recording, Signal
 from torsionnet.signals.bandlimited import Rotation
 from torsionnet.signals.encoder import angle_from_counts, rotation_of
@@ -50,7 +51,8 @@ def encoder_recording(source: Source, options: ReadOptions, file: str) -> Record
     ModelError
         Names that the file lacks, or pulses that cannot be read.
     """
-    every = {channel.name: channel for channel in (*source.channels, *([source.time] if source.time else []))}
+    stored = [one.channel for one in source.pulses]
+    every = {channel.name: channel for channel in (*stored, *source.channels, *([source.time] if source.time else []))}
     faults = [unknown_name("channel", name, every, ("channels",)) for name in options.pulses if name not in every]
     faults += [
         Fault(f"the steps per revolution must be a positive number, got {steps:g}", ("channels", name))
@@ -77,14 +79,15 @@ def _others(source: Source, options: ReadOptions, file: str) -> Recording | None
     elif names is not None:
         names = [name for name in names if name not in options.pulses]
     channels = tuple(channel for channel in source.channels if channel.name not in options.pulses)
-    if not channels or (names is not None and not names):
+    pulses = tuple(one for one in source.pulses if one.channel.name not in options.pulses)
+    if not (channels or pulses) or (names is not None and not names):
         return None
-    rest = replace(source, channels=channels, time=_clock(source, options))
+    rest = replace(source, channels=channels, pulses=pulses, time=_clock(source, options))
     units, quantities = (
         {name: word for name, word in given.items() if name not in options.pulses}
         for given in (options.units, options.quantities)
     )
-    return next(recordings(rest, ReadOptions(names, quantities, units, options.sampling_rate), file))
+    return next(recordings(rest, replace(options, names=names, quantities=quantities, units=units, pulses={}), file))
 
 
 def _clock(source: Source, options: ReadOptions) -> FileChannel | None:
@@ -94,17 +97,22 @@ def _clock(source: Source, options: ReadOptions) -> FileChannel | None:
 
 def _turning(source: Source, channel: FileChannel, options: ReadOptions, file: str) -> EncoderRotation:
     steps = float(options.pulses[channel.name])
-    raw = next(source.blocks([channel.column], 0))[0]
+    train = next((one for one in source.pulses if one.channel.name == channel.name), None)
+    raw = np.empty(0) if train else next(source.blocks([channel.column], 0))[0]
     raw = raw[np.isfinite(raw)]
-    stamped, unit = holds_pulse_times(raw), options.units.get(channel.name, channel.unit)
+    stamped, unit = bool(train) or holds_pulse_times(raw), options.units.get(channel.name, channel.unit)
+    read: tuple[str, ...] = ()
     try:
-        if stamped:
+        if train:
+            known = pulses_of(source, train, channel.name)
+            stamps, read, unit = known.times, known.notes, "s"
+        elif stamped:
             stamps = raw * (float(parse_unit(plain_unit(unit)).factor) if unit else 1.0)
         else:
             alone = replace(channel, unit="", quantity="", notes=())
             rest = replace(source, channels=(alone,), time=_clock(source, options))
-            train = next(recordings(rest, ReadOptions(sampling_rate=options.sampling_rate), file))
-            stamps = pulse_times(train.signals[0].values, train.time)
+            shape = next(recordings(rest, ReadOptions(sampling_rate=options.sampling_rate), file))
+            stamps = pulse_times(shape.signals[0].values, shape.time)
         times, rotation, remarks = rotation_of(stamps, steps)
     except (UsageError, SolveError) as error:
         raise ModelError([Fault(f"{channel.name}: {error}", ("channels", channel.name))], file) from None
@@ -114,7 +122,7 @@ def _turning(source: Source, channel: FileChannel, options: ReadOptions, file: s
         remarks = (*remarks, f"{text}; if they are in ms, or count ticks, give their unit")
     kind = "time stamps of pulses" if stamped else "a pulse train"
     name = options.names[channel.name] if isinstance(options.names, Mapping) else channel.name
-    notes = (f"angle from {kind}: {len(times)} pulses of {steps:g} a turn, band-limited between them", *remarks)
+    notes = (f"angle from {kind}: {len(times)} pulses of {steps:g} a turn, band-limited between them", *remarks, *read)
     return EncoderRotation(name, steps, times, rotation, notes)
 
 
@@ -137,9 +145,9 @@ def _together(
         assert record is not None
         return record
     first, last = max(one.times[0] for one in turning), min(one.times[-1] for one in turning)
-    if record is None:
+    if record is None or not record.signals:
         rate = options.sampling_rate or max(float(np.ceil(1 / np.diff(one.times).min())) for one in turning)
-        record = Recording((), rate, float(first), title=file)
+        record = replace(record or Recording((), rate, title=file), sampling_rate=rate, start=float(first))
         times = _even(float(first), float(last), rate, turning, file)
     else:
         inside = (record.time >= first) & (record.time <= last)

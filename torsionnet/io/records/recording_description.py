@@ -10,7 +10,8 @@ from typing import Any
 
 from torsionnet.core.errors import UsageError
 from torsionnet.core.plain_names import free_name
-from torsionnet.io.records.source import FileChannel, Source
+from torsionnet.io.records.source import NOWHERE, FileChannel, Source, StoredPulses
+from torsionnet.response.measured.pulse_channel import PULSE_TIMES
 from torsionnet.response.recording import QUANTITY_UNITS, FloatArray, Recording
 
 KEY = "torsionnet_recording"
@@ -19,14 +20,24 @@ TIME = "time"
 """Name of the time stamps of a recording in a file."""
 
 
-def recording_json(recording: Recording, keys: Sequence[str] | None = None, *, with_time: bool = False) -> str:
-    """JSON text of a recording's names, quantities, sampling rate in Hz, start in s, title and notes.
+def channel_names(recording: Recording) -> tuple[str, ...]:
+    """Names of the signals of a recording, then those of its channels of pulses, as a file has to hold them."""
+    return (*recording.names, *(channel.name for channel in recording.pulses))
 
-    ``keys`` name the values in the file.
+
+def recording_json(recording: Recording, keys: Sequence[str] | None = None, *, with_time: bool = False) -> str:
+    """JSON text of a recording's names, quantities, sampling rate in Hz, start in s, title, notes and pulses.
+
+    ``keys`` name the values in the file, those of signals, then those of channels of pulses.
     """
+    named = list(keys or channel_names(recording))
     signals = [
         {"key": key, "name": signal.name, "quantity": signal.quantity, "notes": list(signal.notes)}
-        for key, signal in zip(keys or recording.names, recording, strict=True)
+        for key, signal in zip(named, recording, strict=False)
+    ]
+    pulses = [
+        {"key": key, "name": channel.name, "count": len(channel), "tick": channel.tick, "notes": list(channel.notes)}
+        for key, channel in zip(named[len(signals) :], recording.pulses, strict=True)
     ]
     data = {
         "sampling_rate": recording.sampling_rate,
@@ -36,27 +47,43 @@ def recording_json(recording: Recording, keys: Sequence[str] | None = None, *, w
         "title": recording.title,
         "notes": list(recording.notes),
         "signals": signals,
+        # A record without pulses keeps the bytes that it had before there were pulses in files.
+        **({"pulses": pulses} if pulses else {}),
     }
     return json.dumps(data)
 
 
 @dataclass(frozen=True)
 class SavedColumn:
-    """Values (n,) of a recording's signal in SI with their name in the file, and unit and quantity as attributes."""
+    """Values (n,) of a recording's signal in SI with their name in the file, and unit and quantity as attributes.
+
+    Pulse times have a length of their own.
+    """
 
     name: str
     values: FloatArray
     attributes: dict[str, str]
 
+    @property
+    def is_sampled(self) -> bool:
+        """Whether the values were sampled together with those of the other columns, unlike pulse times."""
+        return self.attributes.get("quantity") != PULSE_TIMES
+
 
 def saved_columns(recording: Recording, keys: Sequence[str] | None = None) -> list[SavedColumn]:
-    """Columns of a recording to save, every signal, and the time stamps where there are any, with unique names."""
+    """Columns of a recording to save, every signal, the time stamps where there are any, pulses, with unique names."""
     check_names(recording)
+    named = list(keys or channel_names(recording))
     columns = [
         SavedColumn(key, signal.values, {"unit": signal.unit, "quantity": signal.quantity})
-        for key, signal in zip(keys or recording.names, recording, strict=True)
+        for key, signal in zip(named, recording, strict=False)
     ]
-    return columns if recording.times is None else [*columns, SavedColumn(TIME, recording.times, {"unit": "s"})]
+    times = [] if recording.times is None else [SavedColumn(TIME, recording.times, {"unit": "s"})]
+    pulses = [
+        SavedColumn(key, channel.times, {"unit": channel.unit, "quantity": PULSE_TIMES})
+        for key, channel in zip(named[len(columns) :], recording.pulses, strict=True)
+    ]
+    return [*columns, *times, *pulses]
 
 
 def with_description(source: Source, text: str) -> Source:
@@ -74,6 +101,7 @@ def with_description(source: Source, text: str) -> Source:
     try:
         data = json.loads(text)
         channels = tuple(_channel(source, entry) for entry in data["signals"])
+        pulses = tuple(_pulse_channel(source, entry) for entry in data.get("pulses", []))
         time = None if data["time"] is None else _named(source, data["time"])
         known = {"rate": float(data["sampling_rate"]), "start": float(data["start"]), "stamped": bool(data["stamped"])}
         words = {"title": str(data["title"]), "notes": tuple(map(str, data["notes"]))}
@@ -81,7 +109,16 @@ def with_description(source: Source, text: str) -> Source:
         raise ValueError(
             f"the description of the recording in the file is damaged ({type(error).__name__}: {error})"
         ) from error
-    return replace(source, channels=channels, time=time, **known, **words)  # type: ignore[arg-type]
+    return replace(source, channels=channels, pulses=pulses, time=time, **known, **words)  # type: ignore[arg-type]
+
+
+def _pulse_channel(source: Source, entry: dict[str, Any]) -> StoredPulses:
+    tick = float(entry["tick"])
+    if not 0 <= tick < float("inf"):
+        raise TypeError(f"tick is {tick}")
+    # Some formats keep no array without values.
+    named = _named(source, entry["key"]) if entry["count"] else FileChannel(entry["key"], NOWHERE)
+    return StoredPulses(replace(named, name=str(entry["name"]), notes=tuple(map(str, entry["notes"]))), tick)
 
 
 def _channel(source: Source, entry: dict[str, Any]) -> FileChannel:
@@ -104,7 +141,7 @@ def _named(source: Source, key: str) -> FileChannel:
 
 def check_names(recording: Recording, *, with_time: bool = False) -> None:
     """Refuse a recording of which two channels would have one name in a file."""
-    names = [*recording.names, *([TIME] if with_time or recording.times is not None else [])]
+    names = [*channel_names(recording), *([TIME] if with_time or recording.times is not None else [])]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
         raise UsageError(f"cannot write two channels of one name: {', '.join(twice)}")

@@ -9,11 +9,15 @@ from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.errors import Position
 from torsionnet.core.units import DIMENSIONS, UnitError, parse_unit
 from torsionnet.io.foreign.content import Blocks
+from torsionnet.signals.rotation.pulse_reading import PulseReading
 
 TIME_NAMES = frozenset({"time", "times", "zeit", "tid", "temps", "timestamp", "timestamps", "time stamp", "x-time"})
 """Names of channels that are taken for time stamps in several languages, in lower case."""
 RATE_NAMES = frozenset({"fs", "sampling_rate", "sample_rate", "samplerate", "samplingrate", "abtastrate"})
 """Names of single numbers in a file that are taken for the sampling rate, in lower case."""
+
+NOWHERE = -1
+"""Column of a channel without values, for which a file has no array."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +34,15 @@ class FileChannel:
     length: int | None = None
     position: Position | None = None
     notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class StoredPulses:
+    """Channel of a file with pulses: times in s with the step of their counter in s, or what ``reading`` says."""
+
+    channel: FileChannel
+    tick: float
+    reading: PulseReading | None = None
 
 
 @dataclass(frozen=True)
@@ -60,15 +73,20 @@ class Source:
     discovered: list[str] = field(default_factory=list)
     place: Callable[[int], Position | None] = lambda _row: None
     stated: StatedInterval | None = None
+    pulses: tuple[StoredPulses, ...] = ()
 
     def with_time_channel(self) -> Source:
         """Source with the channel of time stamps, known by its name or unit, taken out of the others."""
         for channel in self.channels:
             if is_time(channel):
                 others = tuple(other for other in self.channels if other is not channel)
-                note = f'"{channel.name}" was taken for the time stamps'
-                return replace(self, channels=others, time=channel, notes=(*self.notes, note))
+                return replace(self, channels=others, time=channel, notes=(*self.notes, time_note(channel)))
         return self
+
+
+def time_note(channel: FileChannel) -> str:
+    """Note on a recording that a channel was taken for the time stamps."""
+    return f'"{channel.name}" was taken for the time stamps'
 
 
 def is_time(channel: FileChannel) -> bool:

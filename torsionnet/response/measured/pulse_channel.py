@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,3 +57,14 @@ class PulseChannel:
     def __len__(self) -> int:
         """Number of pulses."""
         return len(self.times)
+
+    @property
+    def span(self) -> str:
+        """Number of the pulses and the time in s from the first to the last, as words."""
+        count = f"{len(self)} pulse{'s' * (len(self) != 1)}"
+        return f"{count} from {self.times[0]:.6g} to {self.times[-1]:.6g} s" if len(self) else count
+
+    def between(self, first: float, last: float) -> PulseChannel:
+        """Channel of the pulses from the time ``first`` up to before ``last``, both in s."""
+        begin, end = np.searchsorted(self.times, [first, last])
+        return replace(self, times=self.times[begin:end])

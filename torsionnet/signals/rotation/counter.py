@@ -1,0 +1,205 @@
+"""Times of pulses from the counts of a clock, whose counter may wrap, or from time stamps."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from torsionnet.core.errors import UsageError
+from torsionnet.core.listing import comma_list
+from torsionnet.response.measured.pulse_channel import PulseChannel
+from torsionnet.response.recording import FloatArray
+from torsionnet.signals.rotation.pulse_reading import PulseReading
+
+LARGEST_EXACT = 2.0**53
+"""Largest whole number up to which a double tells every count from the next."""
+USUAL_BITS = (16, 24, 32, 48, 64)
+"""Widths in bits of common counters, of which the narrowest that fits is proposed."""
+NEAR_WRAP = 0.5
+"""Share of the time of one wrap from which on an interval between pulses is so long that the next may be longer than
+a whole wrap."""
+SAME_INTERVAL = 0.25
+"""Relative difference of neighbouring intervals, up to which the second is the first with one more wrap in it; a speed
+changes by less from pulse to pulse, and a wrap that is left out changes the interval by half or more."""
+MOST_LISTED = 3
+"""Number of pulses that a message lists at most, so that it stays short."""
+
+
+def pulse_channel(name: str, values: ArrayLike, reading: PulseReading, factor: float = 1.0) -> PulseChannel:
+    """Times of pulses in s, shape (n,), with name and remarks, from counts of a clock or from time stamps.
+
+    Time 0 is where the counter stands at 0. A counter that begins at 0 again when it is full is unwrapped. That it
+    wrapped more than once between two pulses cannot be told from the counts; it shows in the intervals around, where
+    one is close to the time of a wrap and the next is far shorter, and is refused.
+
+    Parameters
+    ----------
+    name : str
+        Name of the channel.
+    values : (n,) array
+        Counts, or times of the pulses. Values that are no numbers at the end, as a column shorter than the others of
+        a text file has, are left out.
+    reading : PulseReading
+        Tick or clock and width of the counter; without either, the values are times.
+    factor : float
+        s per unit of the times, where the values are times.
+
+    Raises
+    ------
+    UsageError
+        Counts that are no whole numbers or do not fit the counter, times that do not rise, or an interval that may
+        be longer than a wrap.
+
+    Examples
+    --------
+    >>> found = pulse_channel("n1", [65000, 65300, 64, 364], PulseReading(tick="1 us", bits=16))
+    >>> found.times.round(9).tolist()
+    [0.065, 0.0653, 0.0656, 0.0659]
+    >>> found.notes[1]
+    'unwrapped: 1 wrap of 16 bits'
+    """
+    raw = _numbers(name, values)
+    seconds = reading.seconds
+    if seconds is None:
+        return PulseChannel(name, _rising(name, raw * factor), notes=("times of pulses as recorded",))
+    counts, remarks = _unwrapped(name, _whole(name, raw), reading)
+    kept, double = _without_equal(counts)
+    return PulseChannel(name, kept * seconds, seconds, (_clock_note(reading, seconds), *remarks, *double))
+
+
+def lowest_speed(reading: PulseReading, teeth: int) -> float:
+    """Speed in rad/s of a wheel below which its pulses are further apart than one wrap of the counter.
+
+    Below it the counts do not tell how often the counter has wrapped. It is 0 for a counter that does not wrap.
+
+    Examples
+    --------
+    >>> slow = lowest_speed(PulseReading(clock="80 MHz", bits=16), teeth=60)
+    >>> round(slow * 60 / (2 * np.pi), 1)
+    1220.7
+    """
+    if reading.bits is None or reading.seconds is None:
+        return 0.0
+    return 2 * np.pi / (teeth * reading.seconds * 2.0**reading.bits)
+
+
+def _numbers(name: str, values: ArrayLike) -> FloatArray:
+    raw = np.asarray(values, dtype=np.float64).ravel()
+    finite = np.isfinite(raw)
+    known = np.flatnonzero(finite)
+    last = int(known[-1]) + 1 if len(known) else 0
+    if not last:
+        raise UsageError(f"{name}: there are no pulses, none of its {len(raw)} values is a number")
+    missing = np.flatnonzero(~finite[:last])
+    if len(missing):
+        places = comma_list([f"{place}" for place in missing], MOST_LISTED)
+        raise UsageError(
+            f"{name}: values among the pulses are no numbers, {len(missing)} of them: pulses {places}; mend the record"
+        )
+    return raw[:last]
+
+
+def _rising(name: str, times: FloatArray) -> FloatArray:
+    fall = np.flatnonzero(np.diff(times) <= 0)
+    if len(fall):
+        at = int(fall[0])
+        raise UsageError(
+            f"{name}: times of pulses have to rise, {times[at + 1]:.9g} s follows {times[at]:.9g} s at pulse {at + 1}; "
+            "if the channel holds the counts of a clock, give its tick or clock and its bits; if it is the signal of "
+            "the teeth itself, give its level"
+        )
+    return times
+
+
+def _whole(name: str, raw: FloatArray) -> FloatArray:
+    off = np.flatnonzero(raw != np.rint(raw))
+    if len(off):
+        raise UsageError(
+            f"{name}: counts are whole numbers, pulse {off[0]} has {raw[off[0]]:.9g}; if these are times, leave tick, "
+            "clock and bits out"
+        )
+    if float(np.abs(raw).max()) > LARGEST_EXACT:
+        raise UsageError(
+            f"{name}: counts above 2^53, as {np.abs(raw).max():.6g}, are no longer exact; take the first count off "
+            "all of them before export"
+        )
+    return raw
+
+
+def _unwrapped(name: str, counts: FloatArray, reading: PulseReading) -> tuple[FloatArray, list[str]]:
+    """Counts that no longer wrap, and remarks on the wraps."""
+    if reading.bits is None:
+        fall = np.flatnonzero(np.diff(counts) < 0)
+        if len(fall):
+            at, largest = int(fall[0]), float(counts.max())
+            likely = next(bits for bits in USUAL_BITS if largest < 2.0**bits)
+            raise UsageError(
+                f"{name}: the count falls from {counts[at]:.0f} to {counts[at + 1]:.0f} after pulse {at}, as that of a "
+                f"counter that is full and begins again; give its bits ({likely} if it wraps at {2**likely})"
+            )
+        return counts, []
+    span = 2.0**reading.bits
+    remarks = list[str]()
+    if (counts < 0).any() and float(counts.min()) >= -span / 2 and float(counts.max()) < span / 2:
+        remarks.append(f"counts from {counts.min():.0f}: read as numbers of {reading.bits} bits without a sign")
+        counts = np.where(counts < 0, counts + span, counts)
+    beyond = np.flatnonzero((counts < 0) | (counts >= span))
+    if len(beyond):
+        raise UsageError(
+            f"{name}: a counter of {reading.bits} bits counts from 0 to {span - 1:.0f}, pulse {beyond[0]} has "
+            f"{counts[beyond[0]]:.0f}; correct bits"
+        )
+    steps = np.diff(counts)
+    wraps = steps < 0
+    steps = np.where(wraps, steps + span, steps)
+    _check_wraps(name, steps, span, reading)
+    found = counts[0] + np.concatenate([[0.0], np.cumsum(steps)])
+    total = int(np.count_nonzero(wraps))
+    remarks.append(f"unwrapped: {total} wrap{'s' * (total != 1)} of {reading.bits} bits")
+    seconds = reading.seconds
+    assert seconds is not None
+    longest = float(steps.max()) * seconds if len(steps) else 0.0
+    limit = f"pulses more than {span * seconds:.4g} s apart cannot be told from closer ones"
+    remarks.append(f"{limit}: below {1 / (span * seconds):.4g} pulses a second")
+    if longest > NEAR_WRAP * span * seconds:
+        remarks[-1] = f"warning: {remarks[-1]}; the longest interval is {longest:.4g} s"
+    return found, remarks
+
+
+def _check_wraps(name: str, steps: FloatArray, span: float, reading: PulseReading) -> None:
+    """Raise an error where an interval fits those around it only with a whole wrap more than was counted."""
+    before, after = steps[:-1], steps[1:]
+    # A double pulse makes one interval short, and the next is as long as ever; a speed too low keeps them short.
+    beyond, earlier = np.append(steps[2:], 0.0), np.insert(steps[:-2], 0, 0.0)
+    slower = (np.abs(after + span - before) < SAME_INTERVAL * before) & (beyond < NEAR_WRAP * before)
+    faster = (np.abs(before + span - after) < SAME_INTERVAL * after) & (earlier < NEAR_WRAP * after)
+    at = np.flatnonzero((before > NEAR_WRAP * span) & slower | (after > NEAR_WRAP * span) & faster)
+    if not len(at):
+        return
+    pulse, seconds = int(at[0]) + 1, reading.seconds
+    assert seconds is not None
+    raise UsageError(
+        f"{name}: around pulse {pulse} the interval jumps from {before[at[0]] * seconds:.4g} to "
+        f"{after[at[0]] * seconds:.4g} s: the counter of {reading.bits} bits wraps after {span * seconds:.4g} s, and "
+        f"has wrapped more often than its counts show; cut the record where it has more than "
+        f"{1 / (span * seconds):.4g} pulses a second, or take a wider counter or a slower clock"
+    )
+
+
+def _without_equal(counts: FloatArray) -> tuple[FloatArray, tuple[str, ...]]:
+    """Counts without those equal to the one before, and a remark that counts these."""
+    equal = np.flatnonzero(np.diff(counts) == 0) + 1
+    if not len(equal):
+        return counts, ()
+    where = comma_list([f"pulse {place}" for place in equal], MOST_LISTED)
+    kept: Any = np.delete(counts, equal)
+    return kept, (
+        f"warning: {len(equal)} pulse{'s' * (len(equal) > 1)} at the count of the one before left out: {where}",
+    )
+
+
+def _clock_note(reading: PulseReading, seconds: float) -> str:
+    clock = f"a clock of {reading.clock:.9g} Hz" if reading.clock is not None else f"ticks of {seconds:.9g} s"
+    return f"times from the counts of {clock}, 0 where the counter stands at 0"
