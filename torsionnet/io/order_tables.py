@@ -33,8 +33,9 @@ def read_orders(path: str | os.PathLike[str], output: Channel, configuration: st
     Parameters
     ----------
     path : path
-        Headings with units and rows below: speed, order, and amplitude, rms or peak_to_peak, or real and imag; or a
-        file of ``torsionnet orders``, of which the columns of the output are taken, and orders of the reference shaft.
+        Headings with units and rows below: speed, order, and amplitude, rms or peak_to_peak, with or without phase, or
+        real and imag, with or without half_width; or a file of ``torsionnet orders`` or of ``torsionnet track``, of
+        which the columns of the output are taken, and orders of the reference shaft.
     output : Channel
     configuration : str, optional
         Configuration whose rows are taken from a file with several.
@@ -58,8 +59,16 @@ def read_orders(path: str | os.PathLike[str], output: Channel, configuration: st
         raise UsageError(
             f"{Path(path).name} is in {QUANTITY_UNITS[lines.quantity]}, but {output.name} is in {output.unit}"
         )
-    groups = zip(lines.keys.tolist(), lines.speeds, lines.values, strict=True)
-    return tuple(MeasuredOrder(order, speeds, np.abs(values)) for order, speeds, values in groups)
+    return tuple(
+        MeasuredOrder(
+            order,
+            lines.speeds[line],
+            np.abs(lines.values[line]),
+            lines.values[line] if lines.has_phase else None,
+            lines.half_widths[line] if lines.half_widths else None,
+        )
+        for line, order in enumerate(lines.keys.tolist())
+    )
 
 
 def is_written_table(path: str | os.PathLike[str]) -> bool:

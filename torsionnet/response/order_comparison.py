@@ -16,6 +16,10 @@ from torsionnet.core.result_rows import NUMBERS, Out
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
+from torsionnet.response.measured.calculated_order import between_speeds, bound_note, largest_amplitudes
+from torsionnet.response.measured.common_turn import common_turn
+from torsionnet.response.measured.order_agreement import OrderAgreement, order_agreement
+from torsionnet.response.measured.order_pair import OrderPair
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.order_sums import sums_of_lines
 from torsionnet.response.table import Column, Table
@@ -78,16 +82,21 @@ class ComparedOrder:
     Attributes
     ----------
     measured : MeasuredOrder
-        Measured order, at speeds within the calculated range.
+        At the measured speeds that were calculated.
     calculated : (n,) array
-        Amplitude at the measured speeds, SI; linear between the calculated speeds.
+        Amplitude at these speeds, SI.
     curve : (n_speeds,) array
         Amplitude at all calculated speeds, SI.
+    pair : OrderPair
+        The same as complex values where both sides have a phase.
+    agreement : OrderAgreement
     """
 
     measured: MeasuredOrder
     calculated: FloatArray
     curve: FloatArray
+    pair: OrderPair
+    agreement: OrderAgreement
 
 
 def compared_orders(
@@ -95,7 +104,8 @@ def compared_orders(
 ) -> tuple[ComparedOrder, ...]:
     """Measured orders that were also calculated, with both amplitudes (SI) over speed.
 
-    Excitations with the same order are added with their phases.
+    Excitations with the same order are added with their phases. Where the response is that of the worst of several
+    cases, or of engines at unknown angles, its amplitude is the largest of all: an upper bound without a phase.
 
     Raises
     ------
@@ -103,19 +113,43 @@ def compared_orders(
         There is no such output, or no measured order was calculated.
     """
     place, found = response.output(output), []
+    rising = np.argsort(response.speeds)
+    speeds = response.speeds[rising]
     for one in measured:
         lines = [
             number
             for number, line in enumerate(response.lines)
             if not line.fixed and math.isclose(float(line.relative), one.order, rel_tol=SAME_ORDER_DIFFERENCE)
         ]
-        low, high = response.speeds.min(), response.speeds.max()
-        inside = (one.speeds >= low * (1 - 1e-9)) & (one.speeds <= high * (1 + 1e-9))
-        if lines and inside.any():
-            kept = MeasuredOrder(one.order, one.speeds[inside], one.amplitude[inside])
-            size = np.abs(response.values[:, lines, place].sum(axis=1))
-            rising = np.argsort(response.speeds)
-            found.append(ComparedOrder(kept, np.interp(kept.speeds, response.speeds[rising], size[rising]), size))
+        inside = (one.speeds >= speeds[0] * (1 - 1e-9)) & (one.speeds <= speeds[-1] * (1 + 1e-9))
+        if not lines or not inside.any():
+            continue
+        kept = MeasuredOrder(
+            one.order,
+            one.speeds[inside],
+            one.amplitude[inside],
+            None if one.values is None else one.values[inside],
+            None if one.half_widths is None else one.half_widths[inside],
+        )
+        bound = largest_amplitudes(response, lines, place)
+        if bound is None:
+            values = response.values[:, lines, place].sum(axis=1)
+            size, at = np.abs(values), between_speeds(speeds, values[rising], kept.speeds)
+        else:
+            size, at = bound, np.interp(kept.speeds, speeds, bound[rising]).astype(complex)
+        phased = kept.values if bound is None else None
+        pair = OrderPair(
+            one.order,
+            kept.speeds,
+            kept.amplitude.astype(complex) if phased is None else phased,
+            np.abs(at).astype(complex) if phased is None else at,
+            phased is not None,
+            kept.half_widths,
+            speeds,
+            size[rising],
+            bound is not None,
+        )
+        found.append(ComparedOrder(kept, np.abs(at), size, pair, order_agreement(pair)))
     if not found:
         orders = ", ".join(f"{one.order:g}" for one in measured)
         text = f"none of the measured orders of {response.reference} ({orders}) was calculated at its speeds"
@@ -126,34 +160,69 @@ def compared_orders(
 def order_comparison(
     response: OrderResponse, output: str | None, measured: Sequence[MeasuredOrder], conventions: Conventions = SI
 ) -> Table:
-    """Table of the largest amplitude of each order, measured and calculated, and their RMS difference over speed."""
+    """Table of the peak of each order, measured and calculated, with their differences in % and degrees and a verdict.
+
+    Differences are (measured - calculated)/calculated, as of measured responses and in a measurement plan.
+    """
     channel = response.outputs[response.output(output)]
     scale, unit = conventions.scale(channel.unit), conventions.unit(channel.unit)
-    rows, pairs = [], compared_orders(response, output, measured)
+    rows: list[tuple[object, ...]] = []
+    pairs = compared_orders(response, output, measured)
     for pair in pairs:
-        test, model = pair.measured.amplitude, pair.calculated
+        test, model, apart = pair.measured.amplitude, pair.calculated, pair.agreement
         first, second = int(np.argmax(test)), int(np.argmax(model))
-        rms = float(np.sqrt(np.mean((model - test) ** 2) / np.mean(test**2))) if test.any() else math.nan
-        peak = float(100 * (model[second] / test[first] - 1)) if test[first] else math.nan
         at = pair.measured.speeds * RPM
-        rows.append(
-            (pair.measured.order, test[first] * scale, at[first], model[second] * scale, at[second], peak, 100 * rms)
-        )
+        peaks = (test[first] * scale, at[first], model[second] * scale, at[second])
+        numbers = (apart.peak, apart.rms, apart.phase_at_peak, apart.phase_rms, apart.intervals)
+        rows.append((pair.measured.order, *peaks, *numbers, apart.verdict))
     columns = (
         Column("order"),
         Column("measured peak", unit),
         Column("at", "rpm"),
         Column("calculated peak", unit),
         Column("at", "rpm"),
-        Column("difference of peaks", "%"),
-        Column("RMS difference", "%"),
+        Column("difference of peaks", "%", 4),
+        Column("RMS difference", "%", 4),
+        Column("phase at peak", "deg", 4),
+        Column("RMS phase", "deg", 4),
+        Column("in half widths", "", 4),
+        Column("verdict"),
     )
+    unused = {
+        place
+        for place, name in ((7, "phase_at_peak"), (8, "phase_rms"), (9, "intervals"))
+        if all(getattr(pair.agreement, name) is None for pair in pairs)
+    }
+    kept = [place for place in range(len(columns)) if place not in unused]
+    cells = tuple(tuple(row[place] for place in kept) for row in rows)
+    notes = (*comparison_notes(response, pairs), *_left_out(measured, pairs))
+    title = f"{response.title}: {channel.name}, test and model"
+    return Table(title, tuple(columns[place] for place in kept), cells, notes)
+
+
+def comparison_notes(response: OrderResponse, pairs: Sequence[ComparedOrder]) -> tuple[str, ...]:
+    """Notes below a table of compared orders: what differences mean, what is compared, what would explain them."""
     notes = [
-        f"orders of {response.reference}; peak amplitudes; RMS difference over the measured speeds, of the measured RMS"
+        f"orders of {response.reference}; peak amplitudes; differences are (measured - calculated)/calculated, RMS "
+        "over the measured speeds"
     ]
+    if any(pair.pair.has_phase for pair in pairs):
+        notes.append("RMS differences are of complex values; phases are measured less calculated")
+    if any(pair.agreement.intervals is not None for pair in pairs):
+        notes.append(
+            "in half widths: RMS distance over half of the 95 % interval; agrees: a true model differs by more in 5 of "
+            "100 tests"
+        )
+    if any(pair.pair.bound for pair in pairs):
+        notes.append(bound_note(response))
+    notes += [f"order {pair.measured.order:g}: {text}" for pair in pairs if (text := pair.agreement.sentence)]
+    common = common_turn([pair.pair for pair in pairs])
+    return (*notes, common) if common else tuple(notes)
+
+
+def _left_out(measured: Sequence[MeasuredOrder], pairs: Sequence[ComparedOrder]) -> tuple[str, ...]:
     left_out = [f"{one.order:g}" for one in measured if all(one.order != pair.measured.order for pair in pairs)]
-    notes += [f"measured, but not calculated: {', '.join(left_out)}"] if left_out else []
-    return Table(f"{response.title}: {channel.name}, test and model", columns, tuple(rows), tuple(notes))
+    return (f"measured, but not calculated: {', '.join(left_out)}",) if left_out else ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,12 +250,28 @@ class OrderSumRow:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredOrderRow:
-    """Measured and calculated peak amplitudes of one order in SI units of the output over speed in rpm."""
+    """Measured and calculated peak amplitudes of one order in SI units of the output over speed in rpm.
+
+    Phases, in degrees, are measured less calculated; distances are in half widths of the 95 % interval.
+    """
 
     of_reference: float
     speeds: Annotated[FloatArray, Out(json="speeds_rpm")]
     measured: FloatArray
     calculated: FloatArray
+    is_bound: bool
+    half_widths: FloatArray | None
+    phases: Annotated[FloatArray | None, Out(json="phases_deg")]
+    verdict: str
+    sentence: str
+    peak: Annotated[float | None, Out(json="peak_difference_percent")]
+    rms: Annotated[float | None, Out(json="rms_difference_percent")]
+    phase_at_peak: Annotated[float | None, Out(json="phase_at_peak_deg")]
+    phase_rms: Annotated[float | None, Out(json="phase_rms_deg")]
+    intervals: Annotated[float | None, Out(json="rms_in_half_widths")]
+    offset: Annotated[float | None, Out(json="offset_deg")]
+    delay: Annotated[float | None, Out(json="delay_s")]
+    factor: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,7 +330,17 @@ def _output_row(run: OrderResponse, place: int, measured: Sequence[MeasuredOrder
         ),
         tuple(OrderSumRow(one.name, one.fixed, one.order, values.real, values.imag) for one, values in sums),
         None if measured is None else tuple(
-            MeasuredOrderRow(pair.measured.order, pair.measured.speeds * RPM, pair.measured.amplitude, pair.calculated)
-            for pair in compared_orders(run, channel.name, measured)
+            _measured_row(pair) for pair in compared_orders(run, channel.name, measured)
         ),
+    )  # fmt: skip
+
+
+def _measured_row(one: ComparedOrder) -> MeasuredOrderRow:
+    pair, found = one.pair, one.agreement
+    return MeasuredOrderRow(
+        one.measured.order, one.measured.speeds * RPM, one.measured.amplitude, one.calculated, pair.bound,
+        pair.half_widths,
+        np.degrees(np.angle(np.conj(pair.calculated) * pair.measured)) if pair.has_phase else None,
+        found.verdict, found.sentence, found.peak, found.rms, found.phase_at_peak, found.phase_rms, found.intervals,
+        None if found.offset is None else math.degrees(found.offset), found.delay, found.factor,
     )  # fmt: skip

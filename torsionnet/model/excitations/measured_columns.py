@@ -5,8 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import EntryError
@@ -19,7 +21,7 @@ POWERS = {"torque": 0, "angle": 0, "speed": 1, "acceleration": 2}
 PEAKS = {"amplitude": 1.0, "rms": np.sqrt(2), "peak_to_peak": 0.5}
 """Factor from the recorded size of a line to its peak value, by name of the column."""
 KEYS = ("order", "frequency", "speed")
-KNOWN = (*KEYS, *PEAKS, "phase", "real", "imag")
+KNOWN = (*KEYS, *PEAKS, "phase", "real", "imag", "half_width")
 _HEADING = re.compile(r"\s*(\w+)\s*(?:\[([^\]]*)\])?\s*")
 
 
@@ -38,6 +40,10 @@ class MeasuredLines:
         rad/s, rising, of each line; empty where the recording has no speeds.
     values : tuple of (n,) complex arrays
         Peak values in SI; one where there are no speeds.
+    has_phase : bool
+        Whether the recording states phases.
+    half_widths : tuple of (n,) arrays
+        Half width of the 95 % interval of real and imaginary part, SI, of each line; empty where none is stated.
     """
 
     quantity: str
@@ -45,6 +51,8 @@ class MeasuredLines:
     keys: FloatArray
     speeds: tuple[FloatArray, ...]
     values: tuple[ComplexArray, ...]
+    has_phase: bool = True
+    half_widths: tuple[FloatArray, ...] = ()
 
     def at(self, line: int, speeds: FloatArray) -> ComplexArray:
         """Complex peak values in SI units of a recorded line at speeds in rad/s, shape (n_speeds,).
@@ -76,6 +84,8 @@ def measured_lines(headings: Sequence[str], rows: FloatArray) -> MeasuredLines:
     key = _key(columns)
     numbers = {name: rows[:, place] for name, (place, _) in columns.items()}
     quantity, values = _values(columns, numbers)
+    has_phase = "phase" in columns or "real" in columns
+    widths = _half_widths(columns, numbers, quantity)
     keys = numbers[key] * (_factor(columns[key][1], "frequency", key) if key == "frequency" else 1)
     if (keys <= 0).any():
         raise UsageError(f"{key} is above 0; the mean value is no vibration, leave its row out")
@@ -86,13 +96,31 @@ def measured_lines(headings: Sequence[str], rows: FloatArray) -> MeasuredLines:
         _require(
             all(len(group) == 1 for group in groups), f"every {key} has one row, unless there is a column of speeds"
         )
-        return MeasuredLines(quantity, key == "frequency", found, (), tuple(values[group] for group in groups))
+        return MeasuredLines(
+            quantity, key == "frequency", found, (), _parts(values, groups), has_phase, _parts(widths, groups)
+        )
     sorted_groups = [group[np.argsort(speeds[group])] for group in groups]
     _require(
         all((np.diff(speeds[group]) > 0).all() for group in sorted_groups), f"every {key} has one row at each speed"
     )
-    at, of = tuple(speeds[group] for group in sorted_groups), tuple(values[group] for group in sorted_groups)
-    return MeasuredLines(quantity, key == "frequency", found, at, of)
+    at, of = _parts(speeds, sorted_groups), _parts(values, sorted_groups)
+    return MeasuredLines(quantity, key == "frequency", found, at, of, has_phase, _parts(widths, sorted_groups))
+
+
+def _parts(values: NDArray[Any] | None, groups: Sequence[NDArray[np.int64]]) -> tuple[NDArray[Any], ...]:
+    return () if values is None else tuple(values[group] for group in groups)
+
+
+def _half_widths(
+    columns: dict[str, tuple[int, str]], numbers: dict[str, FloatArray], quantity: str
+) -> FloatArray | None:
+    """Half widths of the intervals in SI as of peak values, shape (n_rows,); None where no column states them."""
+    if "half_width" not in columns:
+        return None
+    own, factor = _quantity("half_width", columns["half_width"][1])
+    _require(own == quantity, f"half_width is one of {quantity}, as the amplitudes are")
+    size = next((name for name in PEAKS if name in columns), "amplitude")
+    return np.asarray(factor * PEAKS[size] * numbers["half_width"])
 
 
 def _require(holds: bool, text: str) -> None:

@@ -1,0 +1,121 @@
+"""What may have happened to a measured order that differs from the calculated one: sign, zero, delay, factor, shift."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.core.units import RPM
+from torsionnet.response.frequency_response import ComplexArray, FloatArray
+from torsionnet.response.measured.interval_statistics import amplitude_scores, complex_scores, consistent
+from torsionnet.response.measured.order_pair import OrderPair
+from torsionnet.response.measured.phase_turns import LONGEST_DELAY, best_turn
+
+WRONG_SIGN, OFFSET, DELAY, FACTOR = "wrong sign", "reference offset", "time delay", "constant factor"
+"""Verdicts on an order that one number explains."""
+LEAST_EXPLAINED = 0.9
+"""Share of the squared difference that an explanation must remove if it does not bring the order into the interval."""
+
+
+@dataclass(frozen=True, eq=False)
+class Explanation:
+    """Calculated values in SI as the test would have shown them, and how many numbers were fitted to it.
+
+    Attributes
+    ----------
+    verdict : str
+    sentence : str
+    values : (n,) complex array
+    fitted : int
+    offset : float, optional
+        Angle in rad of the reference shaft by which the test's zero lies after the calculation's.
+    delay : float, optional
+        Time in s by which the signal comes late.
+    factor : float, optional
+        Ratio of measured to calculated amplitudes.
+    """
+
+    verdict: str
+    sentence: str
+    values: ComplexArray
+    fitted: int = 1
+    offset: float | None = None
+    delay: float | None = None
+    factor: float | None = None
+
+
+def explanations(pair: OrderPair, weights: FloatArray) -> Iterator[Explanation]:
+    """Yield what may have happened to a measured order, with calculated values in SI to match, simplest first.
+
+    ``weights`` are those of squared differences at each speed.
+    """
+    model = pair.calculated
+    power = float((weights * np.abs(model) ** 2).sum())
+    if not power:
+        return
+    products = weights * np.conj(model) * pair.measured
+    if pair.has_phase:
+        yield Explanation(WRONG_SIGN, "the signal has the opposite sign", -model, 0)
+        turn = float(np.angle(products.sum()))
+        offset = turn / pair.order
+        yield Explanation(OFFSET, offset_words(offset), model * np.exp(1j * turn), offset=offset)
+        if len(pair.speeds) > 1:
+            omega = pair.order * pair.speeds
+            delay = best_turn(-omega, products, -LONGEST_DELAY, LONGEST_DELAY)
+            yield Explanation(DELAY, delay_words(delay), model * np.exp(-1j * omega * delay), delay=delay)
+    factor = float(products.sum().real) / power
+    if factor > 0:
+        words = f"amplitudes {abs(factor - 1) * 100:.3g} % {'above' if factor > 1 else 'below'} the calculated ones"
+        yield Explanation(FACTOR, f"{words} at every speed", factor * model, factor=factor)
+
+
+def offset_words(offset: float) -> str:
+    """Text on an offset of the test's zero in rad, with degrees of the reference shaft."""
+    side = "later" if offset > 0 else "earlier"
+    return f"the zero of the angle lies {abs(math.degrees(offset)):.3g} degrees {side} than in the calculation"
+
+
+def delay_words(delay: float) -> str:
+    """Text on a delay of the measured signal in s, with its size in ms."""
+    return f"the signal comes {abs(delay) * 1e3:.3g} ms {'late' if delay > 0 else 'early'}"
+
+
+def holds(one: Explanation, pair: OrderPair) -> bool:
+    """Whether an explanation brings the measured values of an order into their intervals."""
+    widths = pair.half_widths
+    assert widths is not None
+    if pair.has_phase:
+        return consistent(complex_scores(pair.measured, one.values, widths), one.fitted)
+    return consistent(amplitude_scores(np.abs(pair.measured), np.abs(one.values), widths), one.fitted)
+
+
+def best_explanation(pair: OrderPair, weights: FloatArray) -> Explanation | None:
+    """Explanation that removes most of the squared difference from calculated values in SI; None if it is not much."""
+
+    def left(values: ComplexArray) -> float:
+        return float((weights * np.abs(pair.measured - values) ** 2).sum())
+
+    found = [(left(one.values), one) for one in explanations(pair, weights)]
+    least, best = min(found, key=lambda one: one[0], default=(math.inf, None))
+    return best if least <= (1 - LEAST_EXPLAINED) * left(pair.calculated) else None
+
+
+def peak_shift(pair: OrderPair, half_width: float) -> str:
+    """Sentence on a measured peak at another speed than the calculated one; empty if there is no such shift."""
+    test = np.abs(pair.measured)
+    inside = (pair.curve_speeds >= pair.speeds[0]) & (pair.curve_speeds <= pair.speeds[-1])
+    if min(int(inside.sum()), len(test)) < 3:  # a peak needs a lower value on either side
+        return ""
+    speeds, curve = pair.curve_speeds[inside], pair.curve[inside]
+    at, of = int(test.argmax()), int(curve.argmax())
+    if at in (0, len(test) - 1) or of in (0, len(curve) - 1):
+        return ""  # a maximum at an end of the speeds is no peak
+    near = np.flatnonzero(test >= test[at] - half_width)
+    low, high = pair.speeds[max(near[0] - 1, 0)], pair.speeds[min(near[-1] + 1, len(test) - 1)]
+    if low <= speeds[of] <= high:
+        return ""
+    share = 100 * (pair.speeds[at] / speeds[of] - 1)
+    return f"peak at {pair.speeds[at] * RPM:.5g} rpm instead of {speeds[of] * RPM:.5g} rpm ({share:+.2g} %)"
