@@ -66,6 +66,6 @@ def _misfit(interval: float, level: float) -> float:
 
 def running_median(values: FloatArray, count: int) -> FloatArray:
     """Median of the ``count`` values around each value, (n,), in their unit."""
-    count = min(count, (len(values) - 1) // 2 * 2 + 1)
-    wide = np.pad(values, count // 2, mode="reflect")
-    return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(wide, count), axis=-1))
+    from scipy.ndimage import median_filter
+
+    return np.asarray(median_filter(values, min(count, (len(values) - 1) // 2 * 2 + 1), mode="mirror"))

@@ -152,7 +152,9 @@ def repaired_pulses(times: ArrayLike, steps_per_revolution: float = 0.0) -> Puls
     steps[missing.after] += missing.counts
     _check(clean, steps, kept)
     numbers = np.concatenate([[0], np.cumsum(steps)])
-    spurious = np.setdiff1d(np.arange(len(stamps)), kept)
+    left_out = np.ones(len(stamps), dtype=bool)
+    left_out[kept] = False
+    spurious = np.flatnonzero(left_out)
     period = _period(numbers[missing.after], clean[missing.after], steps_per_revolution)
     return Pulses(clean, numbers, spurious, missing, stamps[spurious], period)
 
@@ -172,19 +174,16 @@ def _check(times: FloatArray, steps: NDArray[np.intp], places: NDArray[np.intp])
     each = intervals / steps
     if len(each) <= MEDIAN_INTERVALS:
         return
-    for gap in np.flatnonzero(steps > 1):
-        sides = [
-            side
-            for side in (each[max(gap - SIDE_INTERVALS, 0) : gap], each[gap + 1 : gap + 1 + SIDE_INTERVALS])
-            if len(side)
-        ]
-        counts = intervals[gap] / np.array([np.median(side) for side in sides])
-        if np.ptp(counts) > 1 or abs(counts.mean() - steps[gap]) > UNCLEAR_COUNT:
-            where = f"the gap of {intervals[gap]:.4g} s after pulse {places[gap]} at {times[gap]:.6g} s"
-            raise UsageError(
-                f"{where} is {counts.min():.2f} to {counts.max():.2f} times as long as those around it: how many "
-                "pulses are missing cannot be told; cut the record there"
-            )
+    gaps = np.flatnonzero(steps > 1)
+    sides = np.array([_level_beside(each, gaps, -1), _level_beside(each, gaps, 1)])
+    of_sides = intervals[gaps] / np.where(np.isnan(sides), sides[::-1], sides)
+    unclear = (np.ptp(of_sides, axis=0) > 1) | (np.abs(of_sides.mean(axis=0) - steps[gaps]) > UNCLEAR_COUNT)
+    for gap, counts in zip(gaps[unclear], of_sides.T[unclear], strict=True):
+        where = f"the gap of {intervals[gap]:.4g} s after pulse {places[gap]} at {times[gap]:.6g} s"
+        raise UsageError(
+            f"{where} is {counts.min():.2f} to {counts.max():.2f} times as long as those around it: how many "
+            "pulses are missing cannot be told; cut the record there"
+        )
     change = np.maximum(each[1:] / each[:-1], each[:-1] / each[1:])
     at = int(change.argmax())
     if change[at] > MOST_INTERVAL_RATIO:
@@ -192,6 +191,17 @@ def _check(times: FloatArray, steps: NDArray[np.intp], places: NDArray[np.intp])
             f"the intervals on either side of pulse {places[at + 1]} at {times[at + 1]:.6g} s differ by a factor of "
             f"{change[at]:.2f}: neither a lost pulse nor one too many explains that; cut the record there"
         )
+
+
+def _level_beside(values: FloatArray, places: NDArray[np.intp], side: int) -> FloatArray:
+    """Median of the values on one side of each place, (n,), in their unit; NaN where there are none."""
+    around = places[:, None] + side * np.arange(1, SIDE_INTERVALS + 1)
+    inside = (around >= 0) & (around < len(values))
+    known = np.where(inside, values[np.clip(around, 0, len(values) - 1)], np.nan)
+    result = np.full(len(places), np.nan)
+    some = inside.any(axis=1)
+    result[some] = np.nanmedian(known[some], axis=1)
+    return result
 
 
 def _period(numbers: NDArray[np.intp], times: FloatArray, steps: float) -> int:

@@ -1,0 +1,66 @@
+"""Values of a band-limited motion at pulses that are missing, from those around them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.response.recording import FloatArray
+
+FILLED_BAND = 2 / 3
+"""Share of half the pulses of a turn up to which orders are filled into a gap: the more, the more noise the few pulses
+around must bear."""
+FILLED_NOISE = 1e-5
+"""Power of noise per pulse over that of the motion with which values are filled in, so that wide gaps stay bounded."""
+NEIGHBOURS = 24
+"""Number of pulses on either side of a gap from which it is filled; more change the values by less than the noise."""
+WIDEST_GAP = 8
+"""Most pulses in a gap that those around it tell anything about; a wider one keeps the spline through it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Gaps:
+    """Gaps of one width between the pulses of an encoder, with the weights of the pulses around them.
+
+    Attributes
+    ----------
+    within : (n_gaps, width) int array
+        Numbers of the missing pulses.
+    around : (n_gaps, 2 * NEIGHBOURS) int array
+        Numbers of the pulses around each gap.
+    weights : (width, 2 * NEIGHBOURS) array
+    """
+
+    within: NDArray[np.intp]
+    around: NDArray[np.intp]
+    weights: FloatArray
+
+    def filled(self, values: FloatArray) -> FloatArray:
+        """Values of a motion at the missing pulses in its unit, (n_gaps, width), from those at all whole numbers."""
+        return np.asarray(values[self.around] @ self.weights.T)
+
+
+def gaps_of(numbers: NDArray[np.intp]) -> tuple[Gaps, ...]:
+    """Gaps between the numbers of an encoder's pulses by width, those too wide or too near the ends left out."""
+    widths = np.diff(numbers) - 1
+    found = []
+    for width in (int(one) for one in np.unique(widths[widths > 0]) if one <= WIDEST_GAP):
+        first = numbers[:-1][widths == width] + 1
+        first = first[(first >= NEIGHBOURS) & (first + width + NEIGHBOURS <= numbers[-1] + 1)]
+        before, after = np.arange(-NEIGHBOURS, 0), np.arange(width, width + NEIGHBOURS)
+        places = np.r_[before, after]
+        found.append(Gaps(first[:, None] + np.arange(width), first[:, None] + places, _weights(width, places)))
+    return tuple(found)
+
+
+def _weights(width: int, places: NDArray[np.intp]) -> FloatArray:
+    """Weights (width, n) of the values at ``places`` for those from 0 to ``width``, of the least mean square error.
+
+    The motion is taken to have the same power at all orders up to the band filled (N. Wiener, Extrapolation,
+    Interpolation and Smoothing of Stationary Time Series, 1949).
+    """
+    own = np.sinc(FILLED_BAND * (places[:, None] - places)) + FILLED_NOISE * np.eye(len(places))
+    across = np.sinc(FILLED_BAND * (np.arange(width)[:, None] - places))
+    return np.asarray(np.linalg.solve(own, across.T).T)
