@@ -32,9 +32,10 @@ from torsionnet.signals.sample_counts import check_count
 KERNEL_HALF_LENGTH = 40
 """Number of pulses on either side from which a value between encoder pulses is interpolated, as the error falls
 exponentially with it."""
-KERNEL_VARIANCE = KERNEL_HALF_LENGTH / (np.pi * (1 - 5 / 6))
-"""Variance of the kernel's Gaussian in squared encoder steps, so that orders up to 5/6 of half the pulses are kept and
-their images are not."""
+KEPT_BAND = 5 / 6
+"""Share of half the pulses of a turn up to which orders are kept and their images are not."""
+KERNEL_VARIANCE = KERNEL_HALF_LENGTH / (np.pi * (1 - KEPT_BAND))
+"""Variance of the kernel's Gaussian in squared encoder steps, which sets how much of the band is kept."""
 POINTS_PER_TURN = 8
 """Number of points per turn of the mean rotation, which therefore holds orders up to half as many."""
 SPLINE_DEGREE = 7
@@ -81,7 +82,9 @@ class Rotation:
         stamps = times if len(times) == len(standing) else _spline(standing[numbers], times)(standing)
         stamps[numbers] = times
         every = max(2, round(steps_per_revolution / POINTS_PER_TURN))
-        points = numbers[np.unique(np.r_[np.searchsorted(numbers, np.arange(0, len(standing), every)), len(numbers) - 1])]
+        points = numbers[
+            np.unique(np.r_[np.searchsorted(numbers, np.arange(0, len(standing), every)), len(numbers) - 1])
+        ]
         self.mean_rotation = _spline(stamps[points], standing[points])
         places = self.mean_rotation(stamps)
         self.deviation: FloatArray = _values_at_whole_numbers(places, standing - places, stamps, gaps_of(numbers))
@@ -158,7 +161,7 @@ def _sum(around: NDArray[np.float64], places: FloatArray, polynomials: FloatArra
 
 
 @cache
-def _polynomials(slope: bool) -> FloatArray:  # noqa: FBT001
+def _polynomials(slope: bool) -> FloatArray:
     """Coefficients of the kernel of each sample around a place, of powers of twice the distance to the nearest one."""
     nodes = np.cos(np.pi * (np.arange(POLYNOMIAL_DEGREE + 1) + 0.5) / (POLYNOMIAL_DEGREE + 1))
     offset = nodes[:, None] / 2 - np.arange(-KERNEL_HALF_LENGTH, KERNEL_HALF_LENGTH + 1)

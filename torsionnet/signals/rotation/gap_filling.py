@@ -9,11 +9,14 @@ from numpy.typing import NDArray
 
 from torsionnet.response.recording import FloatArray
 
-FILLED_BAND = 2 / 3
-"""Share of half the pulses of a turn up to which orders are filled into a gap: the more, the more noise the few pulses
-around must bear."""
+FILLED_BAND, FILLED_BAND_WIDTH = 2 / 3, 4 / 3
+"""Largest share of half the pulses of a turn up to which orders are filled into a gap, and its product with the number
+of pulses that the gap lacks: with more, noise of the pulses around grows more than fourfold in the gap."""
 FILLED_NOISE = 1e-5
 """Power of noise per pulse over that of the motion with which values are filled in, so that wide gaps stay bounded."""
+HALVED_BANDS = 4
+"""Number of bands, each half as wide as the last, whose power is ten times as large: amplitudes of angles fall with the
+order."""
 NEIGHBOURS = 24
 """Number of pulses on either side of a gap from which it is filled; more change the values by less than the noise."""
 WIDEST_GAP = 8
@@ -55,12 +58,23 @@ def gaps_of(numbers: NDArray[np.intp]) -> tuple[Gaps, ...]:
     return tuple(found)
 
 
+def filled_band(width: int) -> float:
+    """Share of half the pulses of a turn up to which orders are filled into a gap of so many missing pulses."""
+    return min(FILLED_BAND, FILLED_BAND_WIDTH / width) if width else 1.0
+
+
 def _weights(width: int, places: NDArray[np.intp]) -> FloatArray:
     """Weights (width, n) of the values at ``places`` for those from 0 to ``width``, of the least mean square error.
 
-    The motion is taken to have the same power at all orders up to the band filled (N. Wiener, Extrapolation,
-    Interpolation and Smoothing of Stationary Time Series, 1949).
+    The motion is taken to have the same power at all orders up to the band filled, and ten times as much in each half
+    of a band (N. Wiener, Extrapolation, Interpolation and Smoothing of Stationary Time Series, 1949).
     """
-    own = np.sinc(FILLED_BAND * (places[:, None] - places)) + FILLED_NOISE * np.eye(len(places))
-    across = np.sinc(FILLED_BAND * (np.arange(width)[:, None] - places))
+    own = _covariance(places[:, None] - places, filled_band(width)) + FILLED_NOISE * np.eye(len(places))
+    across = _covariance(np.arange(width)[:, None] - places, filled_band(width))
     return np.asarray(np.linalg.solve(own, across.T).T)
+
+
+def _covariance(distances: NDArray[np.intp], band: float) -> FloatArray:
+    """Covariance of a motion at pulses so many steps apart, over its power at orders in the upper half of the band."""
+    halves = 2.0 ** np.arange(HALVED_BANDS)
+    return np.asarray(sum(10 ** np.log2(n) * np.sinc(band / n * distances) for n in halves))

@@ -1,8 +1,10 @@
-"""Rotation of a shaft from the pulses of a toothed wheel, band-limited between them."""
+"""Rotation of a shaft from the pulses of a toothed wheel, band-limited between them, and its uncertainty."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +13,18 @@ from torsionnet.core.errors import UsageError
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.measured.wheel_pattern import WheelPattern
 from torsionnet.response.recording import FloatArray
-from torsionnet.signals.bandlimited import Rotation
+from torsionnet.signals.bandlimited import KEPT_BAND, Rotation
 from torsionnet.signals.pulses import repaired_pulses
+from torsionnet.signals.rotation.gap_filling import filled_band
+from torsionnet.signals.rotation.pulse_deviations import PulseDeviations, seen_deviations
+from torsionnet.signals.rotation.tooth_zero import tooth_after_gap, tooth_after_index
+from torsionnet.signals.rotation.turning_back import refuse_turning_back
 from torsionnet.signals.rotation.wheel import Wheel
+
+HALF_WIDTH_DEVIATIONS = 1.96
+"""Half width of the 95 % interval of a normal variable over its standard deviation."""
+WHOLE_ORDER = 1e-6
+"""Largest distance of an order from a whole number of vibrations per turn of a wheel at which teeth reach it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,11 +39,17 @@ class WheelRotation:
         Times of the pulses kept, s.
     numbers : (n,) int array
         Tooth of each pulse, counted on from turn to turn; tooth 0 is the first after the gap of a wheel with missing
-        teeth, else that of the first pulse.
+        teeth, the first at or after an index pulse, else that of the first pulse.
     rotation : Rotation
-        Rotation in pitches since the first pulse, at places of even pitch.
+        Rotation in pitches since the place of the first tooth on a wheel of even pitch.
     remarks : tuple of str
         Repairs, with their counts.
+    deviations : PulseDeviations
+        Errors of the times of pulses and of the places of teeth.
+    gap : str
+        Gap of the wheel as it was found, in words; empty where it has none.
+    zero : str
+        Which tooth is 0, in words.
     """
 
     name: str
@@ -41,28 +58,189 @@ class WheelRotation:
     numbers: NDArray[np.intp]
     rotation: Rotation
     remarks: tuple[str, ...] = ()
+    deviations: PulseDeviations = PulseDeviations()
+    gap: str = ""
+    zero: str = "the tooth of the first pulse"
 
     def angle(self, times: FloatArray) -> FloatArray:
         """Angle of the reference shaft in rad at times in s between first and last pulse, shape (n,).
 
         It is 0 at tooth 0.
         """
-        turns = (self.rotation.at(times) + self.numbers[0]) / self.wheel.teeth
-        return np.asarray(2 * np.pi * self.wheel.ratio * (-turns if self.wheel.reversed else turns))
+        return np.asarray(self._pitch * (self.rotation.at(times) + self.numbers[0]))
+
+    def speed(self, times: FloatArray) -> FloatArray:
+        """Speed of the reference shaft in rad/s at times in s between first and last pulse, shape (n,)."""
+        return np.asarray(self._pitch * self.rotation.rate(times))
+
+    @property
+    def _pitch(self) -> float:
+        """Angle of the reference shaft in rad from tooth to tooth, negative of a wheel that turns against it."""
+        return 2 * np.pi * self.wheel.ratio * (-1 if self.wheel.reversed else 1) / self.wheel.teeth
+
+    @cached_property
+    def speeds(self) -> FloatArray:
+        """Speed of the reference shaft in rad/s at the pulses, shape (n,)."""
+        return self.speed(self.times)
+
+    @property
+    def revolutions(self) -> float:
+        """Turns of the reference shaft from the first to the last pulse."""
+        return float(self.numbers[-1] - self.numbers[0]) * self.wheel.ratio / self.wheel.teeth
+
+    @property
+    def angle_deviation(self) -> FloatArray:
+        """Standard deviation of the angle of the reference shaft in rad at the pulses, shape (n,).
+
+        It holds what counter and jitter leave at the speed there, and what is known or seen of the places of teeth.
+        """
+        of_times = self.deviations.time * self.speeds
+        return np.asarray(np.hypot(of_times, self.deviations.place * self.wheel.ratio))
+
+    @property
+    def alias_order(self) -> float:
+        """Order of the reference shaft from which on orders alias: half the teeth that pass in one of its turns."""
+        return self.wheel.teeth / (2 * self.wheel.ratio)
+
+    @property
+    def highest_order(self) -> float:
+        """Highest order of the reference shaft that the teeth tell, with the part that interpolation and gap leave."""
+        return self.alias_order * min(KEPT_BAND, filled_band(self.wheel.missing_teeth))
+
+    def aliased(self, order: float) -> float:
+        """Order that an order of the reference shaft reads as, itself up to half the teeth."""
+        per_turn = 2 * self.alias_order
+        return abs(order - per_turn * round(order / per_turn))
+
+    def order_deviation(self, order: float) -> float:
+        """RMS in rad of what errors of pulses add to the peak amplitude of an order of the reference shaft's angle.
+
+        Independent errors of the places of z teeth add 2 sigma/sqrt(z) to each order that is whole on the wheel;
+        those of the times of n pulses 2 sigma/sqrt(n) to every order of the whole record.
+        """
+        of_times = 2 * float(np.sqrt(np.mean((self.deviations.time * self.speeds) ** 2) / len(self.times)))
+        on_wheel = order * self.wheel.ratio
+        whole = abs(on_wheel - round(on_wheel)) < WHOLE_ORDER
+        there = self.wheel.teeth - self.wheel.missing_teeth
+        of_places = 2 * self.deviations.place * self.wheel.ratio / np.sqrt(there) if whole else 0.0
+        return float(np.hypot(of_times, of_places))
+
+    def check_orders(self, orders: Iterable[float]) -> None:
+        """Refuse orders of the reference shaft that the teeth of the wheel do not tell.
+
+        Raises
+        ------
+        UsageError
+            With all of them, and what would help.
+        """
+        beyond = [order for order in orders if order > self.highest_order]
+        if not beyond:
+            return
+        listed = ", ".join(f"{order:g}" for order in beyond)
+        reads = max(beyond)
+        alias = f", order {reads:g} would read as {self.aliased(reads):g}" if reads >= self.alias_order else ""
+        raise UsageError(
+            f"{self.name}: order{'s' * (len(beyond) > 1)} {listed}: {self.wheel.teeth} teeth tell orders up to "
+            f"{self.highest_order:.4g}, and from {self.alias_order:g} on orders alias{alias}; leave them out, or take "
+            "a wheel or encoder of more teeth, or a second pickup that sees the teeth half a pitch later"
+        )
 
 
-def wheel_rotation(channel: PulseChannel, wheel: Wheel, pattern: WheelPattern | None = None) -> WheelRotation:
+def wheel_rotation(
+    channel: PulseChannel,
+    wheel: Wheel,
+    pattern: WheelPattern | None = None,
+    *,
+    index: PulseChannel | None = None,
+    first: int | None = None,
+) -> WheelRotation:
     """Rotation of the reference shaft from the pulses of a wheel, without the errors of its pitch pattern.
+
+    Between the pulses it is band-limited, so that an order reads as large as it is, up to
+    :attr:`WheelRotation.highest_order`.
+
+    Parameters
+    ----------
+    channel : PulseChannel
+        Times of the pulses, s.
+    wheel : Wheel
+        Teeth, gap, and turns of the reference shaft per turn of the wheel.
+    pattern : WheelPattern, optional
+        Places of the teeth, which are removed.
+    index : PulseChannel, optional
+        Pulses that come once per turn of the wheel, or once in several turns; the first tooth at or after is tooth 0.
+    first : int, optional
+        Tooth of the first pulse, where neither gap nor index tells it.
 
     Raises
     ------
     UsageError
-        Pulses that cannot be repaired, or a pattern of another number of teeth.
+        Pulses that cannot be repaired or do not fit the teeth, no gap or two that could be it, a shaft that may have
+        turned back, or a pattern of another number of teeth.
+
+    Examples
+    --------
+    A wheel of 60 teeth at 600 r/min, stamped by a counter of 1 MHz.
+
+    >>> times = np.round(np.arange(6000) / 600, 6)
+    >>> found = wheel_rotation(PulseChannel("n1", times, tick=1e-6), Wheel(teeth=60))
+    >>> round(found.revolutions, 3), found.highest_order, round(float(found.speeds.mean() * 30 / np.pi), 3)
+    (99.983, 25.0, 600.0)
+    >>> round(float(np.degrees(found.deviations.tick / np.sqrt(12) * found.speeds.mean())), 5)
+    0.00104
     """
     if pattern is not None and pattern.teeth != wheel.teeth:
         raise UsageError(f"{channel.name}: a pattern of {pattern.teeth} teeth does not fit a wheel of {wheel.teeth}")
-    found = repaired_pulses(channel.times, wheel.teeth)
+    refuse_turning_back(channel.times, channel.name)
+    try:
+        found = repaired_pulses(channel.times)
+    except UsageError as error:
+        raise UsageError(f"{channel.name}: {error}") from None
+    after_gap, gap = tooth_after_gap(found, wheel, channel.name) if first is None else (None, "")
+    found = replace(found, period=wheel.teeth if wheel.missing_teeth else 0)
+    remarks, zero = list(found.remarks), "the tooth of the first pulse"
+    if after_gap is not None:
+        first, zero = after_gap, "the first tooth after the gap"
+    elif first is not None:
+        zero = "the tooth given"
+    elif index is not None:
+        plain = Rotation(found.times, found.numbers, wheel.teeth)
+        first = tooth_after_index(plain, found.times, index, wheel.teeth, channel.name)
+        zero = f"the first tooth at or after a pulse of {index.name}"
+    elif pattern is not None:
+        remarks.append("the pattern was removed as if the first pulse were tooth 0: neither gap nor index tells it")
+    numbers = found.numbers + (first or 0)
+    offsets = None if pattern is None else _offsets(pattern, numbers, channel.name)
+    rotation = Rotation(found.times, found.numbers, wheel.teeth, offsets)
     return WheelRotation(
-        channel.name, wheel, found.times, found.numbers,
-        Rotation(found.times, found.numbers, wheel.teeth), found.remarks,
+        channel.name, wheel, found.times, numbers, rotation, tuple(remarks),
+        _deviations(channel, wheel, pattern, found.times, numbers, rotation, offsets), gap, zero,
     )  # fmt: skip
+
+
+def _offsets(pattern: WheelPattern, numbers: NDArray[np.intp], name: str) -> FloatArray:
+    """Pitches by which each pulse stands beyond its place."""
+    pitch = 2 * np.pi / pattern.teeth
+    if np.abs(pattern.positions).max() >= pitch / 2:
+        raise UsageError(f"{name}: teeth of the pattern stand half a pitch or more beyond their places, in rad?")
+    return np.asarray(pattern.positions[numbers % pattern.teeth] / pitch)
+
+
+def _deviations(
+    channel: PulseChannel,
+    wheel: Wheel,
+    pattern: WheelPattern | None,
+    times: FloatArray,
+    numbers: NDArray[np.intp],
+    rotation: Rotation,
+    offsets: FloatArray | None,
+) -> PulseDeviations:
+    pitch = 2 * np.pi / wheel.teeth
+    standing = numbers - numbers[0] + (0.0 if offsets is None else offsets)
+    residuals = pitch * (standing - rotation.mean_rotation(times))
+    speeds = pitch * rotation.mean_rotation(times, 1)
+    jitter, places = seen_deviations(residuals, speeds, numbers, wheel.teeth)
+    known = None
+    if pattern is not None:
+        known = float(np.sqrt(np.mean(pattern.half_widths**2))) / HALF_WIDTH_DEVIATIONS
+    return PulseDeviations(channel.tick, jitter, places, known)

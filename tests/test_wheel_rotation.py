@@ -1,0 +1,218 @@
+"""Rotation of a shaft from the teeth of a wheel: how orders read, which tooth is which, what is refused."""
+
+import numpy as np
+import pytest
+from known_rotation import order_of, pulse_times, shaft
+
+from torsionnet.core.errors import UsageError
+from torsionnet.response.measured.pulse_channel import PulseChannel
+from torsionnet.response.measured.wheel_pattern import WheelPattern
+from torsionnet.signals.rotation.wheel import Wheel
+from torsionnet.signals.rotation.wheel_rotation import wheel_rotation
+
+RPM = 2 * np.pi / 60
+TENTH = np.radians(0.1)
+
+
+def pulses(angle, teeth=60, turns=40, missing=0, positions=None, first=0, turn=2 * np.pi):
+    """Times of the pulses of a wheel whose tooth ``first`` passes first; ``turn`` in rad of the shaft."""
+    numbers = np.arange(teeth + first, teeth + first + turns * teeth)  # the first turn passes before the record
+    numbers = numbers[numbers % teeth < teeth - missing]
+    places = turn * numbers / teeth + (0 if positions is None else np.asarray(positions)[numbers % teeth])
+    return pulse_times(angle, places, 1.2 * places[-1] / (angle(np.ones(1))[0] / 1.0))
+
+
+def beyond_whole_turns(angle):
+    return angle - 2 * np.pi * np.round(angle.mean() / (2 * np.pi))
+
+
+def inner(found, count=20_000):
+    """Times well inside of the pulses, at all places between them."""
+    span = found.times[-1] - found.times[0]
+    return np.linspace(found.times[0] + 0.05 * span, found.times[-1] - 0.05 * span, count)
+
+
+class TestOrders:
+    @pytest.mark.parametrize(("order", "straight"), [(6, 0.9675), (12, 0.8751), (15, 0.8106), (20, 0.6839)])
+    def test_straight_lines_read_sinc_squared_of_60_teeth_and_the_rotation_does_not(self, order, straight):
+        amplitude = TENTH / 50 * np.exp(0.3j)  # small, as twice order 20 is an image of it, too
+        mean, angle = shaft(1500 * RPM, {order: amplitude})
+        times = pulses(angle)
+        found = wheel_rotation(PulseChannel("n1", times), Wheel(teeth=60))
+        at = inner(found)
+        assert abs(order_of(found.angle(at) - mean(at), mean(at), order) / amplitude - 1) < 2e-4
+        lines = np.interp(at, times, np.arange(len(times)) * 2 * np.pi / 60)
+        read = abs(order_of(lines - mean(at), mean(at), order)) / abs(amplitude)
+        assert read == pytest.approx(straight, abs=4e-4)
+        assert np.sinc(order / 60) ** 2 == pytest.approx(straight, abs=1e-4)
+
+    def test_order_54_of_60_teeth_reads_as_6_and_is_refused(self):
+        mean, angle = shaft(1500 * RPM, {54: TENTH / 10})
+        found = wheel_rotation(PulseChannel("n1", pulses(angle)), Wheel(teeth=60))
+        at = inner(found)
+        read = found.angle(at) - mean(at)
+        assert abs(order_of(read, mean(at), 6)) == pytest.approx(TENTH / 10, rel=0.01)
+        assert abs(order_of(read, mean(at), 54)) < 1e-3 * TENTH
+        assert (found.aliased(54), found.alias_order, found.highest_order) == (6, 30, 25)
+        found.check_orders([0.5, 12, 25])
+        with pytest.raises(
+            UsageError, match=r"order 54: 60 teeth tell orders up to 25, .* order 54 would read as 6; .*pickup"
+        ):
+            found.check_orders([6, 54])
+
+    @pytest.mark.parametrize(
+        ("teeth", "missing", "order", "limit"), [(60, 2, 12, 1e-4), (60, 2, 20, 3e-3), (36, 1, 12, 3e-3)]
+    )
+    def test_orders_of_a_wheel_with_a_gap(self, teeth, missing, order, limit):
+        mean, angle = shaft(1500 * RPM, {order: TENTH * 1j})
+        times = pulses(angle, teeth, missing=missing, first=7)
+        found = wheel_rotation(PulseChannel("n1", times), Wheel(teeth=teeth, missing_teeth=missing))
+        assert found.highest_order == pytest.approx(teeth / 3)
+        at = inner(found)
+        assert abs(order_of(found.angle(at) - mean(at), mean(at), order) / (TENTH * 1j) - 1) < limit
+
+    def test_speed_is_the_derivative_of_the_angle(self):
+        _, angle = shaft(1500 * RPM, {6: TENTH, 12: TENTH / 2j})
+        found = wheel_rotation(PulseChannel("n1", pulses(angle)), Wheel(teeth=60))
+        at, step = inner(found, 500), 1e-6
+        assert np.abs(found.speed(at) - (angle(at + step) - angle(at - step)) / (2 * step)).max() < 1e-5
+        assert found.speeds.mean() / RPM == pytest.approx(1500, rel=5e-4)
+
+    def test_a_wheel_behind_a_gear_that_turns_backwards(self):
+        """1.5 turns of the shaft per turn of the wheel: in one turn of the shaft 20 of 30 teeth pass."""
+        _, angle = shaft(1500 * RPM, {4: TENTH})
+        times = pulses(angle, 30, turn=1.5 * 2 * np.pi)
+        found = wheel_rotation(PulseChannel("n1", times), Wheel(teeth=30, ratio=1.5, reversed=True))
+        at = inner(found)
+        assert np.abs(beyond_whole_turns((found.angle(at) + angle(at)) / 1.5)).max() < 1e-6
+        assert (found.alias_order, found.revolutions) == (10, pytest.approx(59.95))
+
+    def test_the_pattern_of_a_wheel_is_removed(self):
+        places = np.radians(0.05) * np.random.default_rng(3).normal(size=60)
+        places -= places.mean()
+        _, angle = shaft(1500 * RPM, {6: TENTH})
+        times = pulses(angle, positions=places, missing=2, first=20)
+        wheel, channel = Wheel(teeth=60, missing_teeth=2), PulseChannel("n1", times)
+        pattern = WheelPattern(np.where(np.arange(60) < 58, places, 0), np.full(60, 1e-6), missing=2)
+        plain, found = wheel_rotation(channel, wheel), wheel_rotation(channel, wheel, pattern)
+        at = inner(found)
+        assert np.abs(beyond_whole_turns(found.angle(at) - angle(at))).max() < 2e-7
+        assert np.abs(beyond_whole_turns(plain.angle(at) - angle(at))).max() > np.radians(0.05)
+        assert found.zero == "the first tooth after the gap"
+        assert found.numbers[0] == 20
+
+
+class TestUncertainty:
+    def test_a_counter_of_1_MHz_at_600_rpm_leaves_0_00104_degrees(self):
+        _, angle = shaft(600.37 * RPM, {6: np.radians(0.2), 0.5: np.radians(0.1)})
+        true = pulses(angle, turns=60)
+        times = np.floor(true / 1e-6) * 1e-6
+        seen = np.degrees(np.std((times - true) * 600 * RPM))
+        assert seen == pytest.approx(0.00104, rel=0.03)
+        found = wheel_rotation(PulseChannel("n1", times, tick=1e-6), Wheel(teeth=60))
+        assert np.degrees(found.deviations.tick / np.sqrt(12) * 600 * RPM) == pytest.approx(0.00104, abs=5e-6)
+        assert np.degrees(found.deviations.jitter * 600 * RPM) == pytest.approx(0.00104, rel=0.1)
+        assert np.degrees(np.median(found.angle_deviation)) == pytest.approx(0.00104, rel=0.15)
+
+    def test_jitter_and_tooth_errors_are_told_apart(self):
+        draw = np.random.default_rng(11)
+        places, turns = np.radians(0.05) * draw.normal(size=60), 100
+        _, angle = shaft(900 * RPM, {3: TENTH, 6: 2 * TENTH, 7.5: TENTH / 2}, acceleration=2.0)
+        jitter = 2e-6
+        times = pulses(angle, positions=places, turns=turns)
+        times = times + jitter * draw.normal(size=len(times))
+        found = wheel_rotation(PulseChannel("n1", times, tick=1e-7), Wheel(teeth=60))
+        assert found.deviations.jitter == pytest.approx(jitter, rel=0.1)
+        assert found.deviations.places == pytest.approx(places.std(), rel=0.35)
+
+    def test_what_independent_tooth_errors_add_to_whole_orders(self):
+        """0.0129 degrees for 0.05 degrees at 60 teeth, as the mean square over wheels of their own Fourier lines."""
+        draw = np.random.default_rng(5)
+        wheels = np.radians(0.05) * draw.normal(size=(4000, 60))
+        lines = 2 * np.abs(np.fft.fft(wheels, axis=1)[:, 6]) / 60
+        rms = np.sqrt(np.mean(lines**2))
+        _, angle = shaft(900 * RPM)
+        times = pulses(angle, positions=wheels[0])
+        found = wheel_rotation(PulseChannel("n1", times), Wheel(teeth=60))
+        scale = np.radians(0.05) / found.deviations.places
+        assert np.degrees(found.order_deviation(6) * scale) == pytest.approx(np.degrees(rms), rel=0.02)
+        assert np.degrees(rms) == pytest.approx(0.0129, abs=2e-4)
+        assert found.order_deviation(6.5) < 1e-3 * found.order_deviation(6)
+
+
+class TestTooth0:
+    def test_an_index_pulse_names_it(self):
+        _, angle = shaft(1500 * RPM, {3: TENTH})
+        times = pulses(angle, first=11)
+        index = PulseChannel("cam", pulse_times(angle, 4 * np.pi * np.arange(1, 20) + 0.3, 2.0))
+        found = wheel_rotation(PulseChannel("n1", times), Wheel(teeth=60), index=index)
+        # The index is 0.3 rad, 2.86 pitches, behind tooth 0 of the shaft: tooth 3 comes next.
+        assert found.numbers[0] == (11 - 3) % 60
+        assert found.zero == "the first tooth at or after a pulse of cam"
+
+    def test_an_index_that_does_not_fit_the_teeth(self):
+        _, angle = shaft(1500 * RPM)
+        index = PulseChannel("cam", pulse_times(angle, 2 * np.pi * np.arange(2, 39), 3.0))
+        with pytest.raises(UsageError, match=r"60\.00 to 60\.00 pulses, not whole turns of 59"):
+            wheel_rotation(PulseChannel("n1", pulses(angle)), Wheel(teeth=59), index=index)
+
+    def test_two_candidates_for_a_gap(self):
+        _, angle = shaft(1500 * RPM)
+        every = pulses(angle)
+        twice = every[~np.isin(np.arange(len(every)) % 60, [10, 11, 45, 46])]
+        channel, wheel = PulseChannel("n1", twice), Wheel(teeth=60, missing_teeth=2)
+        with pytest.raises(
+            UsageError, match=r"2 gaps of 2 teeth in every turn, after pulse 9 .* and after pulse 44 .*index"
+        ):
+            wheel_rotation(channel, wheel)
+        assert wheel_rotation(channel, wheel, first=48).numbers[0] == 48
+
+    @pytest.mark.parametrize(
+        ("teeth", "missing", "message"),
+        [
+            (60, 0, "2 pulses are missing in every turn of 60.*missing_teeth: 2"),
+            (60, 1, r"no gap of 1 missing teeth returns every 60 pulses; gaps that return there: of 2 after pulse 50"),
+            (58, 2, "pulses are missing every 60 pulses"),
+        ],
+    )
+    def test_wheels_that_do_not_fit_their_gap(self, teeth, missing, message):
+        _, angle = shaft(1500 * RPM)
+        channel = PulseChannel("n1", pulses(angle, missing=2, first=7))
+        with pytest.raises(UsageError, match=message):
+            wheel_rotation(channel, Wheel(teeth=teeth, missing_teeth=missing))
+
+    def test_repairs_beside_a_gap_are_said_and_the_gap_is_none(self):
+        _, angle = shaft(1500 * RPM)
+        times = np.delete(pulses(angle, missing=2), [300, 700])
+        times = np.sort(np.append(times, times[500] + 2e-5))
+        found = wheel_rotation(PulseChannel("n1", times), Wheel(teeth=60, missing_teeth=2))
+        assert [one.split(":")[0] for one in found.remarks] == [
+            "1 pulse too many left out", "2 pulses missing and counted",
+        ]  # fmt: skip
+        assert found.gap == "gap of 2 teeth found in 39 turns, first after pulse 57 of the record"
+
+
+class TestRefused:
+    @pytest.mark.parametrize("share", [0.0, 0.3, 0.5, 0.9])
+    def test_a_reversal_without_direction(self, share):
+        """Constant deceleration through 0: pulses at the same places on the way back."""
+        places = np.arange(300) + share
+        half = np.sqrt(places / 1e3)
+        times = np.concatenate([-half[::-1], half])[1 if share == 0 else 0 :]
+        times = np.unique(times) + 1
+        with pytest.raises(UsageError, match=r"stands still around (1|0\.9\d*) s.* second track"):
+            wheel_rotation(PulseChannel("n1", times), Wheel(teeth=60))
+
+    @pytest.mark.parametrize("slope", [-30.0, 30.0])
+    def test_none_is_seen_where_the_shaft_turns_on(self, slope):
+        _, angle = shaft(700 * RPM, {0.5: 10 * TENTH, 1: 10 * TENTH}, acceleration=slope)
+        seconds = 2.0
+        count = int(angle(np.array([seconds]))[0] / (2 * np.pi / 60))
+        times = pulse_times(angle, np.arange(2, count) * 2 * np.pi / 60, seconds)
+        assert wheel_rotation(PulseChannel("n1", times), Wheel(teeth=60)).remarks == ()
+
+    def test_a_pattern_of_other_teeth(self):
+        with pytest.raises(UsageError, match="a pattern of 36 teeth does not fit a wheel of 60"):
+            wheel_rotation(
+                PulseChannel("n1", np.arange(9.0)), Wheel(teeth=60), WheelPattern(np.zeros(36), np.zeros(36))
+            )

@@ -1,0 +1,106 @@
+"""Tooth 0 of a wheel: the first after its gap, or the first after an index pulse; others do not fit the pulses."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from torsionnet.core.errors import UsageError
+from torsionnet.core.listing import comma_list
+from torsionnet.signals.pulses import Pulses
+
+if TYPE_CHECKING:
+    from torsionnet.response.measured.pulse_channel import PulseChannel
+    from torsionnet.response.recording import FloatArray
+    from torsionnet.signals.bandlimited import Rotation
+    from torsionnet.signals.rotation.wheel import Wheel
+
+RETURNING_SHARE = 0.8
+"""Least share of the turns in which pulses are missing at a tooth that has none, less than 1 as disturbances may put
+pulses there."""
+FEWEST_TURNS = 3
+"""Fewest turns in which pulses that are missing return, so that lost pulses do not pass for a gap."""
+LARGEST_INDEX_SPREAD = 0.5
+"""Largest distance in pitches of an index pulse from its mean place, as one further away belongs to another tooth."""
+
+
+def tooth_after_gap(found: Pulses, wheel: Wheel, name: str) -> tuple[int | None, str]:
+    """Tooth of the first pulse, counted from the first after the gap of a wheel, and the gap in words.
+
+    None where neither the wheel has a gap nor the pulses show one.
+
+    Raises
+    ------
+    UsageError
+        The gap is not there, there are several, or one where the wheel has none.
+    """
+    if found.period and wheel.teeth % found.period:
+        raise UsageError(
+            f"{name}: pulses are missing every {found.period} pulses, a wheel with a gap, of {found.period} teeth with "
+            f"the missing ones; give this number instead of {wheel.teeth}"
+        )
+    returning = _returning_gaps(found, wheel.teeth)
+    fitting = [after for after, missing in returning if missing == wheel.missing_teeth]
+    shown = comma_list([f"of {missing} after pulse {after}" for after, missing in returning], 4) or "none"
+    if not wheel.missing_teeth:
+        if returning:
+            after, missing = returning[0]
+            raise UsageError(
+                f"{name}: {missing} pulses are missing in every turn of {wheel.teeth}, first after pulse {after}: give "
+                f"missing_teeth: {missing} if the wheel has a gap there, or another number of teeth"
+            )
+        return None, ""
+    turns = int(found.numbers[-1]) // wheel.teeth
+    if len(fitting) > 1:
+        places = " and ".join(f"after pulse {after} of the record" for after in fitting)
+        raise UsageError(
+            f"{name}: there are {len(fitting)} gaps of {wheel.missing_teeth} teeth in every turn, {places}: which "
+            "is the gap cannot be told; name the channel of an index pulse (index:), or the number of the tooth"
+        )
+    if not fitting:
+        few = f" in the {turns} turns of the record, of which {FEWEST_TURNS} are needed" if turns < FEWEST_TURNS else ""
+        raise UsageError(
+            f"{name}: no gap of {wheel.missing_teeth} missing teeth returns every {wheel.teeth} pulses{few}; gaps "
+            f"that return there: {shown}. Give the numbers of the wheel: teeth counts the missing ones, too"
+        )
+    first = int(fitting[0]) + wheel.missing_teeth + 1
+    text = f"gap of {wheel.missing_teeth} teeth found in {turns} turns, first after pulse {fitting[0]} of the record"
+    return -first % wheel.teeth, text
+
+
+def _returning_gaps(found: Pulses, teeth: int) -> list[tuple[int, int]]:
+    """Numbers of the pulses of the first turn after which pulses are missing in nearly every turn, and how many."""
+    phases = found.numbers[found.missing.after] % teeth
+    pairs, often = np.unique(np.column_stack([phases, found.missing.counts]), axis=0, return_counts=True)
+    turns = found.numbers[-1] / teeth
+    returning = pairs[often >= max(FEWEST_TURNS, RETURNING_SHARE * (turns - 1))]
+    return [(phase, missing) for phase, missing in returning.tolist()]
+
+
+def tooth_after_index(rotation: Rotation, times: FloatArray, index: PulseChannel, teeth: int, name: str) -> int:
+    """Tooth of the first pulse, counted from the first at or after an index pulse.
+
+    Raises
+    ------
+    UsageError
+        The index comes less than twice, or not after whole turns.
+    """
+    inside = index.times[(index.times >= times[0]) & (index.times <= times[-1])]
+    if len(inside) < 2:
+        raise UsageError(
+            f"{name}: the index {index.name} has {len(inside)} pulses from {times[0]:.6g} to {times[-1]:.6g} s, and "
+            "2 are needed to compare them with the teeth; take a longer record"
+        )
+    places = rotation.at(inside)
+    turning = np.exp(2j * np.pi * places / teeth)
+    mean = float(np.angle(turning.mean()) * teeth / (2 * np.pi))
+    away = np.abs(np.angle(turning * np.exp(-2j * np.pi * mean / teeth))) * teeth / (2 * np.pi)
+    if away.max() > LARGEST_INDEX_SPREAD:
+        each = np.diff(places)
+        raise UsageError(
+            f"{name}: from pulse to pulse of the index {index.name} there are {each.min():.2f} to {each.max():.2f} "
+            f"pulses, not whole turns of {teeth}: the number of teeth is wrong, the index belongs to another shaft, or "
+            "has lost or double pulses"
+        )
+    return int(-np.ceil(mean)) % teeth
