@@ -18,6 +18,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "read_mass_elastic": "torsionnet.io.mass_elastic_reading",
         "read_recording": "torsionnet.io.recording_files",
         "read_tors": "torsionnet.io.tors_reading",
+        "read_wheel_pattern": "torsionnet.io.wheel_pattern_files",
         "to_mass_elastic": "torsionnet.io.mass_elastic_writing",
         "to_matlab": "torsionnet.io.matlab",
         "to_modelica": "torsionnet.io.modelica",
@@ -29,5 +30,6 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "write_modelica": "torsionnet.io.modelica",
         "write_recording": "torsionnet.io.recording_files",
         "write_tors": "torsionnet.io.tors_writing",
+        "write_wheel_pattern": "torsionnet.io.wheel_pattern_files",
     },
 )
