@@ -19,6 +19,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "read_recording": "torsionnet.io.recording_files",
         "read_tors": "torsionnet.io.tors_reading",
         "read_wheel_pattern": "torsionnet.io.wheel_pattern_files",
+        "read_tracked_orders": "torsionnet.io.tracked_order_tables",
         "to_mass_elastic": "torsionnet.io.mass_elastic_writing",
         "to_matlab": "torsionnet.io.matlab",
         "to_modelica": "torsionnet.io.modelica",
@@ -31,5 +32,6 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "write_recording": "torsionnet.io.recording_files",
         "write_tors": "torsionnet.io.tors_writing",
         "write_wheel_pattern": "torsionnet.io.wheel_pattern_files",
+        "write_tracked_orders": "torsionnet.io.tracked_order_tables",
     },
 )

@@ -45,6 +45,9 @@ class TrackedOrders(NotebookResult):
     title : str
     notes : tuple of str
         Method, bandwidth, repairs.
+    undecided : tuple of float
+        Orders whose sign is not known, since which turn of a cycle begins at the reference is not: their values are
+        amplitudes, without a phase.
 
     Examples
     --------
@@ -69,6 +72,7 @@ class TrackedOrders(NotebookResult):
     reference: str = ""
     title: str = ""
     notes: tuple[str, ...] = ()
+    undecided: tuple[float, ...] = ()
 
     @property
     def unit(self) -> str:
@@ -94,7 +98,7 @@ class TrackedOrders(NotebookResult):
         return np.asarray(self.values[place])
 
     def measured(self) -> tuple[MeasuredOrder, ...]:
-        """Orders of the signal over rising speed, to lay beside calculated ones."""
+        """Orders of the signal over rising speed, to lay beside calculated ones; without phases that are not known."""
         rising = np.argsort(self.speeds, kind="stable")
         rising = rising[np.r_[True, np.diff(self.speeds[rising]) > 0]]
         values = self.values[:, rising] if self.reference else None
@@ -103,7 +107,7 @@ class TrackedOrders(NotebookResult):
                 float(order),
                 self.speeds[rising],
                 np.abs(self.values[place, rising]),
-                None if values is None else values[place],
+                None if values is None or float(order) in self.undecided else values[place],
                 self.half_widths[place, rising],
             )
             for place, order in enumerate(self.orders)

@@ -1,0 +1,209 @@
+"""Files of tracked complex orders: CSV with a row for each time and order, and columns for each channel."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from torsionnet.core.atomic import write_text
+from torsionnet.core.delimited.dialect import detect_encoding
+from torsionnet.core.errors import Fault, ModelError, Position, UsageError
+from torsionnet.core.units import RPM, UnitError, convert
+from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.response.recording import QUANTITY_UNITS, FloatArray
+
+LEADING_COLUMNS = ("time [s]", "speed [rpm]", "order")
+"""First columns of a file of tracked orders."""
+PARTS = ("real", "imag", "half_width", "half_range")
+"""Columns of each channel: complex peak amplitude, half width of its interval, half range of the signal."""
+_COLUMN = re.compile(r"(?P<name>.*) (?P<part>real|imag|half_width|half_range) \[(?P<unit>[^\]]*)\]")
+_TITLE, _REFERENCE, _NOTE, _UNDECIDED = "title", "reference", "note", "sign undecided"
+MOST_FAULTS = 20
+"""Most faulty cells of a file that a message lists."""
+
+
+def write_tracked_orders(orders: Sequence[TrackedOrders], path: str | os.PathLike[str]) -> None:
+    """Write tracked orders of channels with common times and orders as a CSV file, in SI units, whole or not at all.
+
+    Raises
+    ------
+    UsageError
+        The channels differ in times, orders or reference.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> one = TrackedOrders(
+    ...     "T", "torque", np.array([6.0]), np.array([0.5]), np.array([20.0]), np.array([[3 + 4j]]), np.ones((1, 1)),
+    ...     reference="top dead centre of cylinder 1",
+    ... )
+    >>> path = Path(tempfile.mkdtemp(), "orders.csv")
+    >>> write_tracked_orders([one], path)
+    >>> (again,) = read_tracked_orders(path)
+    >>> again.along(6).tolist(), again.reference
+    ([(3+4j)], 'top dead centre of cylinder 1')
+    """
+    write_text(path, tracked_orders_text(orders))
+
+
+def tracked_orders_text(orders: Sequence[TrackedOrders]) -> str:
+    """Text of a file of tracked orders."""
+    first = _common(orders)
+    out = io.StringIO()
+    heads = [(_TITLE, first.title), (_REFERENCE, first.reference)]
+    heads += [(_UNDECIDED, ", ".join(f"{order!r}" for order in first.undecided))]
+    for one in orders:
+        heads += [(_NOTE, f"{one.name}: {note}") for note in one.notes]
+    for key, text in heads:
+        if text:
+            out.write(f"# {key}: {' '.join(text.split())}\n")
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow([*LEADING_COLUMNS, *(f"{one.name} {part} [{one.unit}]" for one in orders for part in PARTS)])
+    for at, (time, rpm) in enumerate(zip(first.times.tolist(), first.rpm.tolist(), strict=True)):
+        for place, order in enumerate(first.orders.tolist()):
+            cells: list[float | str] = [time, rpm, order]
+            for one in orders:
+                value, width = complex(one.values[place, at]), float(one.half_widths[place, at])
+                half = "" if one.half_range is None else float(one.half_range[at])
+                cells += [value.real, value.imag, "" if np.isnan(width) else width, half]
+            writer.writerow(cells)
+    return out.getvalue()
+
+
+def _common(orders: Sequence[TrackedOrders]) -> TrackedOrders:
+    if not orders:
+        raise UsageError("there are no tracked orders to write")
+    first = orders[0]
+    for one in orders[1:]:
+        alike = one.times.shape == first.times.shape and one.orders.shape == first.orders.shape
+        if not (alike and np.allclose(one.times, first.times) and np.allclose(one.orders, first.orders)):
+            raise UsageError(f"{one.name} and {first.name} were tracked at other times or orders: write them apart")
+        if (one.reference, one.undecided) != (first.reference, first.undecided):
+            raise UsageError(f"{one.name} and {first.name} have other references of phase: write them apart")
+    return first
+
+
+def read_tracked_orders(path: str | os.PathLike[str]) -> tuple[TrackedOrders, ...]:
+    """Tracked orders of each channel of a file, complex peak amplitudes in SI over time and speed.
+
+    Raises
+    ------
+    UsageError
+        No such file, or it has not the columns of tracked orders.
+    ModelError
+        Cells without a number, or an order that some time lacks; all faults with their place.
+    """
+    file = Path(path)
+    heads, notes, rows = _read(file)
+    heading, *body = rows or [(0, [])]
+    channels = _channels(file.name, heading[1])
+    numbers = _numbers(file, heading[1], body)
+    times, begins = np.unique(numbers[:, 0], return_index=True)
+    orders = np.unique(numbers[:, 2])
+    if len(numbers) != len(times) * len(orders):
+        raise UsageError(
+            f"{file.name}: {len(times)} times and {len(orders)} orders need {len(times) * len(orders)} rows, and there "
+            f"are {len(numbers)}: a row for each time and order"
+        )
+    sorted_rows = numbers[np.lexsort((numbers[:, 2], numbers[:, 0]))].reshape(len(times), len(orders), -1)
+    undecided = tuple(float(text) for text in heads.get(_UNDECIDED, "").split(",") if text.strip())
+    found = []
+    for name, (quantity, columns) in channels.items():
+        parts = {part: sorted_rows[:, :, place] * factor for part, (place, factor) in columns.items()}
+        widths = parts.get("half_width", np.full(sorted_rows.shape[:2], np.nan))
+        half: FloatArray | None = parts["half_range"][:, 0] if "half_range" in parts else None
+        found.append(TrackedOrders(
+            name, quantity, orders, times, numbers[begins, 1] / RPM, (parts["real"] + 1j * parts["imag"]).T, widths.T,
+            None if half is None or np.isnan(half).all() else half, heads.get(_REFERENCE, ""), heads.get(_TITLE, ""),
+            tuple(note.removeprefix(f"{name}: ") for note in notes if note.startswith(f"{name}: ")), undecided,
+        ))  # fmt: skip
+    return tuple(found)
+
+
+def is_tracked_table(path: str | os.PathLike[str]) -> bool:
+    """Whether a file has the leading columns of tracked orders."""
+    try:
+        rows = _read(Path(path))[2]
+    except UsageError:
+        return False
+    return bool(rows) and tuple(rows[0][1][: len(LEADING_COLUMNS)]) == LEADING_COLUMNS
+
+
+def _read(file: Path) -> tuple[dict[str, str], list[str], list[tuple[int, list[str]]]]:
+    """Heads by key, notes, and rows with the number of their line."""
+    try:
+        lines = file.read_text(encoding=detect_encoding(file), errors="replace").splitlines()
+    except OSError as error:
+        raise UsageError(f"cannot read {file}: {error.strerror}") from None
+    heads: dict[str, str] = {}
+    notes: list[str] = []
+    rows: list[tuple[int, list[str]]] = []
+    for number, line in enumerate(lines, 1):
+        if line.startswith("#"):
+            key, _, text = line[1:].strip().partition(": ")
+            if key == _NOTE:
+                notes.append(text)
+            else:
+                heads[key] = text
+        elif line.strip():
+            rows.append((number, next(csv.reader([line]))))
+    return heads, notes, rows
+
+
+def _channels(file: str, heading: list[str]) -> dict[str, tuple[str, dict[str, tuple[int, float]]]]:
+    """Quantity of each channel, and the place of each of its columns with the factor to SI."""
+    found: dict[str, tuple[str, dict[str, tuple[int, float]]]] = {}
+    units = {unit: quantity for quantity, unit in QUANTITY_UNITS.items()}
+    if tuple(heading[: len(LEADING_COLUMNS)]) != LEADING_COLUMNS:
+        raise UsageError(
+            f"{file} is no file of tracked orders: its columns begin with {', '.join(LEADING_COLUMNS)}; "
+            "torsionnet track -o writes such a file"
+        )
+    for place, text in enumerate(heading):
+        match = _COLUMN.fullmatch(text)
+        if not match:
+            continue
+        quantity, factor = units.get(match["unit"]), 1.0
+        for unit, one in units.items():
+            if quantity is None and match["unit"]:
+                try:
+                    quantity, factor = one, float(convert(1, match["unit"], unit))
+                except UnitError:
+                    continue
+        found.setdefault(match["name"], (quantity or "", {}))[1][match["part"]] = (place, factor)
+    lacking = [name for name, (_, parts) in found.items() if not {"real", "imag"} <= parts.keys()]
+    if lacking or not found:
+        names = lacking or ["NAME"]
+        raise UsageError(f"{file} has no columns {names[0]} real and {names[0]} imag, with a unit in brackets")
+    return found
+
+
+def _numbers(file: Path, heading: list[str], body: list[tuple[int, list[str]]]) -> FloatArray:
+    """Numbers of all rows, NaN for empty cells of half widths and half ranges."""
+    may_lack = [text.endswith("]") and (" half_width [" in text or " half_range [" in text) for text in heading]
+    found, faults = [], []
+    for line, cells in body:
+        row = []
+        for place, text in enumerate(heading):
+            cell = cells[place].strip() if place < len(cells) else ""
+            try:
+                row.append(float("nan") if not cell and may_lack[place] else float(cell))
+            except ValueError:
+                column = len(",".join(cells[:place])) + (place > 0) + 1
+                said = f'"{cell}" is no number' if cell else "there is no number"
+                faults.append(
+                    Fault(f"{text}: {said}", position=Position(file.name, line, column, column + max(len(cell), 1)))
+                )
+                row.append(float("nan"))
+        found.append(row)
+    if faults:
+        raise ModelError(faults[:MOST_FAULTS], str(file))
+    if not found:
+        raise UsageError(f"{file.name} has no rows below its headings")
+    return np.array(found)

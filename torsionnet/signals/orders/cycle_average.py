@@ -1,0 +1,184 @@
+"""Complex orders by angular resampling and synchronous averaging over blocks of whole cycles.
+
+Each signal is read at equal steps of the mean angle of rotation. Two neighbouring cycles under a Hann window as long as
+both give one estimate of every multiple of 1/cycle at once: the window has its zeros there, and an order that grows
+leaks less into its neighbours than through the edges of a single cycle. A block averages its estimates, under a window
+that is flat but for half a Hann window on either side.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.core.errors import UsageError
+from torsionnet.response.frequency_response import ComplexArray
+from torsionnet.response.recording import FloatArray
+from torsionnet.signals.orders.mean_rotation import MeanRotation
+
+FINER = 4
+"""Factor by which an averaged wave is interpolated for its half range; a sine's peak is then missed by 2 % at most at
+the highest order that the samples hold."""
+FEWEST_PAIRS = 3
+"""Fewest estimates of a block from whose scatter about a straight line an interval is made."""
+
+Reader = Callable[[FloatArray], FloatArray]
+"""Function that gives signals, shape (n_signals, n), at times in s that only move on."""
+
+
+@dataclass(frozen=True)
+class CycleAverage:
+    """Averaging of orders over blocks of whole cycles.
+
+    Attributes
+    ----------
+    cycles : int
+        Cycles of a block, 2 or more.
+    step : float
+        Change of speed in rad/s that a block may hold, instead of a number of cycles; 0 where the number counts.
+    """
+
+    cycles: int = 8
+    step: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.cycles < 2 or self.step < 0:
+            raise UsageError("a block has two cycles or more, and its step of speed is not negative")
+
+    def blocks(self, mean: MeanRotation) -> NDArray[np.intp]:
+        """Numbers of the cycles at which blocks begin, and that at which the last one ends, shape (n_blocks + 1,)."""
+        count = len(mean.ends) - 1
+        if not self.step:
+            whole = max(count // self.cycles, 1)
+            return np.array([*range(0, whole * self.cycles, self.cycles), count], dtype=np.intp)
+        speeds = np.diff(mean.angles) / np.diff(mean.ends)
+        bins = np.floor(speeds / self.step)
+        begins, last = [0], bins[0]
+        for at in range(2, count):
+            if bins[at] != last and at - begins[-1] >= FEWEST_PAIRS + 1:
+                begins.append(at)
+                last = bins[at]
+        if count - begins[-1] < FEWEST_PAIRS + 1 and len(begins) > 1:
+            begins.pop()
+        return np.array([*begins, count], dtype=np.intp)
+
+
+@dataclass(frozen=True, eq=False)
+class AveragedBlock:
+    """Orders of the signals in one block of cycles.
+
+    Attributes
+    ----------
+    values : (n_signals, n_orders) complex array
+    scatter : (n_signals, n_orders) array
+        Sum over the estimates of |estimate - straight line|^2.
+    next_scatter : (n_signals, n_orders) array
+        Real part of the sum of the products of that difference with that of the next estimate.
+    count : int
+        Estimates, one fewer than cycles.
+    half_range : (n_signals,) array
+        (max - min)/2 of the wave averaged over the cycles.
+    """
+
+    values: ComplexArray
+    scatter: FloatArray
+    next_scatter: FloatArray
+    count: int
+    half_range: FloatArray
+
+
+def averaged_blocks(
+    read: Reader,
+    mean: MeanRotation,
+    orders: FloatArray,
+    begins: NDArray[np.intp],
+    per_cycle: Callable[[float], int],
+    transmitted: Callable[[float], FloatArray],
+    zero: float,
+) -> Iterator[AveragedBlock]:
+    """Yield the orders of each block of whole cycles.
+
+    Parameters
+    ----------
+    read : callable
+        Signals at times.
+    mean : MeanRotation
+    orders : (n_orders,) array
+        Multiples of 1/cycle.
+    begins : (n_blocks + 1,) int array
+        Cycles at which blocks begin.
+    per_cycle : callable
+        Samples of a cycle by its duration in s.
+    transmitted : callable
+        Share of each order that the interpolation between samples keeps, by the mean speed in rad/s.
+    zero : float
+        Mean angle of rotation, rad, that counts as 0.
+    """
+    turn = 2 * np.pi * mean.cycle
+    places = np.rint(orders * mean.cycle).astype(np.intp)
+    for begin, end in pairwise(begins.tolist()):
+        bounds = mean.ends[begin : end + 1]
+        count, cycles = per_cycle(float(np.diff(bounds).max())), end - begin
+        first = mean.angles[begin] + turn * np.arange(cycles * count) / count
+        last = min(first[-1], mean.angles[-1])
+        waves = read(mean.times_at(np.minimum(first, last)))
+        waves = without_drift(waves.reshape(len(waves), cycles, count))
+        turned = np.exp(-1j * orders * (mean.angles[begin] - zero)) / transmitted(
+            (mean.angles[end] - mean.angles[begin]) / (bounds[-1] - bounds[0])
+        )
+        yield _averaged(waves, places, turned)
+
+
+def without_drift(waves: FloatArray) -> FloatArray:
+    """Waves (n_signals, n_cycles, n) of cycles without their mean and without the slope of the means, in their unit."""
+    means = waves.mean(axis=2)
+    slopes = np.gradient(means, axis=1) if means.shape[1] > 1 else np.zeros_like(means)
+    ramp = (np.arange(waves.shape[2]) - (waves.shape[2] - 1) / 2) / waves.shape[2]
+    return np.asarray(waves - means[:, :, None] - slopes[:, :, None] * ramp)
+
+
+def _averaged(waves: FloatArray, places: NDArray[np.intp], turned: ComplexArray) -> AveragedBlock:
+    size = waves.shape[2]
+    rising = 0.5 - 0.5 * np.cos(np.pi * (np.arange(size) + 0.5) / size)
+    pairs = waves[:, :-1] * rising + waves[:, 1:] * rising[::-1]
+    lines = 2 * np.fft.rfft(pairs, axis=2)[:, :, places] / size
+    lines = lines * turned
+    count = lines.shape[1]
+    values = lines.mean(axis=1)
+    rest = lines - values[:, None]
+    if count >= FEWEST_PAIRS:
+        line = np.arange(count) - (count - 1) / 2
+        slope = (rest * line[:, None]).sum(axis=1) / (line**2).sum()
+        rest = rest - slope[:, None] * line[:, None]
+    scatter = (np.abs(rest) ** 2).sum(axis=1)
+    following = (rest[:, 1:] * rest[:, :-1].conj()).real.sum(axis=1)
+    return AveragedBlock(values, scatter, following, count, _half_range(waves.mean(axis=1)))
+
+
+def _half_range(waves: FloatArray) -> FloatArray:
+    """Half of (max - min) of periodic waves (n_signals, n), interpolated between their samples."""
+    size = waves.shape[-1]
+    fine = np.fft.irfft(np.fft.rfft(waves, axis=-1), FINER * size, axis=-1) * FINER
+    return np.asarray((fine.max(axis=-1) - fine.min(axis=-1)) / 2)
+
+
+def whole_multiples(orders: Sequence[float] | FloatArray, cycle: int) -> FloatArray:
+    """Orders as an array, all of them multiples of 1/cycle.
+
+    Raises
+    ------
+    UsageError
+        One is no multiple.
+    """
+    wanted = np.asarray(orders, dtype=np.float64)
+    odd = wanted[np.abs(wanted * cycle - np.rint(wanted * cycle)) > 1e-9]
+    if len(odd):
+        raise UsageError(
+            f"order {odd[0]:g} is no multiple of 1/{cycle}: an average over whole cycles cannot tell it; take "
+            "--method vold-kalman, or a longer cycle"
+        )
+    return wanted

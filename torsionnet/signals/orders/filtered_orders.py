@@ -1,0 +1,210 @@
+"""Orders of signals by Vold-Kalman filters, segment by segment with overlap, and their intervals.
+
+Half widths join two parts. Noise: the residual around the frequency of each order, as the white noise that would have
+the same density there, times what the filter passes of white noise, which is drawn; so that crossing orders, ends of
+the record and coloured noise count. Bias: what the filter takes from its own envelopes when they are filtered once
+more, doubled, since at the edge of its band it took twice as much from the true ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.core.errors import UsageError
+from torsionnet.response.frequency_response import ComplexArray
+from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.response.recording import FloatArray
+from torsionnet.signals.orders.mean_rotation import MeanRotation
+from torsionnet.signals.orders.phase_reference import PhaseReference
+from torsionnet.signals.orders.tracked_signals import Tracked, tracked_values
+from torsionnet.signals.orders.vold_kalman import COEFFICIENTS_PER_BANDWIDTH, EnvelopeFilter, VoldKalman
+
+MOST_UNKNOWNS = 16_000
+"""Unknowns of a segment, which limit the memory to about 100 MB."""
+OVERLAP = 4.0
+"""Overlap of segments on either side, in times 1/bandwidth: the filter's memory of an end falls by e^-2 in each."""
+VALUES_PER_BANDWIDTH = 2
+"""Values of an order in the time 1/bandwidth, enough to draw its course."""
+NOISE_DRAWS, NOISE_SEED = 12, 11
+"""Draws of white noise from which its share in each envelope is taken, 24 parts each, smoothed over the time
+1/bandwidth; with a seed, so that the same record gives the same interval."""
+NORMAL_HALF_WIDTH = 1.96
+"""Half width of a 95 % interval in standard deviations."""
+BIAS_FACTOR = 2.0
+"""True over apparent loss of an envelope's fluctuation at half of the filter's response: a (1 - H) over a H (1 - H)."""
+LEAST_INTERVALS = 4
+"""Fewest intervals between knots of a segment, so that there is a spline."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """Envelopes of one segment at the times asked for, with half widths, each (n_signals, n_orders, n)."""
+
+    values: ComplexArray
+    widths: FloatArray
+
+
+def filtered_orders(
+    one: Tracked,
+    shafts: Sequence[tuple[MeanRotation, FloatArray]],
+    settings: VoldKalman,
+    zero: PhaseReference,
+) -> list[list[TrackedOrders]]:
+    """Complex orders of signals in SI by Vold-Kalman filters, a list for each shaft with one entry for each signal.
+
+    Raises
+    ------
+    UsageError
+        The record is shorter than 1/bandwidth.
+    """
+    begin = max(one.begin, *(shaft.ends[0] for shaft, _ in shafts))
+    end = min(one.end, *(shaft.ends[-1] for shaft, _ in shafts))
+    lowest, highest = _extreme_bandwidths(shafts, settings, begin, end)
+    if not (end - begin) * lowest > 1:
+        raise UsageError(
+            f"{max(end - begin, 0):.4g} s are too short for a bandwidth of {lowest:.3g} Hz, which needs more than "
+            f"{1 / lowest:.3g} s: take a larger one"
+        )
+    step = 1 / (COEFFICIENTS_PER_BANDWIDTH * highest)
+    lines = 1 + 2 * sum(len(orders) for _, orders in shafts)
+    margin = int(np.ceil(OVERLAP / lowest / step))
+    inside = max(MOST_UNKNOWNS // lines, LEAST_INTERVALS, margin)
+    total = max(int(np.ceil((end - begin) / step)), LEAST_INTERVALS)
+    step = (end - begin) / total
+    count = max(int((end - begin) * highest * VALUES_PER_BANDWIDTH), 1)
+    times = begin + (end - begin) * (np.arange(count) + 0.5) / count
+    parts = []
+    for first in range(0, total, inside):
+        last = min(first + inside, total)
+        knots = begin + step * np.arange(max(first - margin, 0), min(last + margin, total) + 1)
+        upper = begin + step * last
+        own = times[(times >= begin + step * first) & ((times < upper) | (last == total))]
+        parts.append(_segment(one, shafts, settings, zero, knots, own))
+    values = np.concatenate([part.values for part in parts], axis=2)
+    widths = np.concatenate([part.widths for part in parts], axis=2)
+    return _results(one, shafts, settings, zero, times, values, widths)
+
+
+def _results(
+    one: Tracked, shafts: Sequence[tuple[MeanRotation, FloatArray]], settings: VoldKalman, zero: PhaseReference,
+    times: FloatArray, values: ComplexArray, widths: FloatArray,
+) -> list[list[TrackedOrders]]:  # fmt: skip
+    said = f"{settings.words}; intervals from the residual and from the bend of the envelopes"
+    found, at = [], 0
+    for number, (shaft, orders) in enumerate(shafts):
+        mine = slice(at, at + len(orders))
+        at += len(orders)
+        speeds = shaft.speed(times)
+        mark = zero if number == 0 else PhaseReference(float(shaft.angles[0]), "")
+        kept = values[:, mine]
+        wide = np.hypot(widths[:, mine], one.uncertain(orders)[:, None] if number == 0 else 0.0)
+        ranges = half_ranges(kept, orders, shaft.cycle)
+        notes = (*shaft.notes, said, *one.notes)
+        if number:
+            notes = (*notes, f"orders of {shaft.name}")
+        found.append([
+            tracked_values(signal, orders, times, speeds, kept[place], wide[place], ranges[place], mark, notes)
+            for place, signal in enumerate(one.signals)
+        ])  # fmt: skip
+    return found
+
+
+def half_ranges(values: ComplexArray, orders: FloatArray, cycle: int) -> FloatArray:
+    """Half of (max - min) of the sum of orders over a cycle, (n_signals, n_times), in the unit of the orders."""
+    points = int(np.ceil(16 * max(orders.max(), 1) * cycle))
+    angles = 2 * np.pi * cycle * np.arange(points) / points
+    turning = np.exp(1j * np.outer(orders, angles))
+    found = np.empty(values.shape[::2])
+    for signal, lines in enumerate(values):
+        for begin in range(0, lines.shape[1], 256):
+            wave = (lines[:, begin : begin + 256].T @ turning).real
+            found[signal, begin : begin + 256] = np.ptp(wave, axis=1) / 2
+    return found
+
+
+def _extreme_bandwidths(
+    shafts: Sequence[tuple[MeanRotation, FloatArray]], settings: VoldKalman, begin: float, end: float
+) -> tuple[float, float]:
+    widths = []
+    for mean, orders in shafts:
+        kept = (mean.ends >= begin) & (mean.ends <= end)
+        if not kept.any():
+            raise UsageError(f"{mean.name} does not turn while the record lasts: are both on one clock?")
+        speeds = mean.speed(mean.ends[kept]) / (2 * np.pi)
+        widths += [settings.bandwidths(np.outer(orders, [speeds.min(), speeds.max()]))]
+    both = np.concatenate([width.ravel() for width in widths])
+    return float(both.min()), float(both.max())
+
+
+def _segment(
+    one: Tracked, shafts: Sequence[tuple[MeanRotation, FloatArray]], settings: VoldKalman, zero: PhaseReference,
+    knots: FloatArray, times: FloatArray,
+) -> _Part:  # fmt: skip
+    at, values = one.samples(float(knots[0]), float(knots[-1]))
+    phases, widths = [], []
+    middles = (knots[1:] + knots[:-1]) / 2
+    for number, (mean, orders) in enumerate(shafts):
+        start = zero.angle if number == 0 else mean.angles[0]
+        phases.append(np.outer(orders, mean.angle(at) - start))
+        widths.append(settings.bandwidths(np.outer(orders, mean.speed(middles) / (2 * np.pi))))
+    phase, width = np.concatenate(phases), np.concatenate(widths)
+    least = width.min(axis=0, keepdims=True)
+    filtered = EnvelopeFilter(at, phase, knots, np.concatenate([least, width]), settings.poles)
+    noise = np.random.default_rng(NOISE_SEED).standard_normal((NOISE_DRAWS, len(at)))
+    solved = filtered.solve(np.concatenate([values, noise]))
+    own, drawn = solved[:, :, : len(values)], solved[:, :, len(values) :]
+    _, envelopes = filtered.envelopes(own, times)
+    lost = np.abs(filtered.envelopes(filtered.lost(own), times)[1])
+    dense = middles
+    passed = (np.abs(filtered.envelopes(drawn, dense)[1]) ** 2).mean(axis=0) / 2
+    density = _density(filtered, filtered.residual(own, values), phase, knots)
+    reach = COEFFICIENTS_PER_BANDWIDTH
+    variance = _mean_around(passed, reach) * _mean_around(density, 5 * reach)
+    noise_width = np.sqrt(_at(variance, dense, times))
+    bias = _largest_around(lost, VALUES_PER_BANDWIDTH // 2)
+    return _Part(envelopes, np.hypot(NORMAL_HALF_WIDTH * noise_width, BIAS_FACTOR * bias))
+
+
+def _density(filtered: EnvelopeFilter, residual: FloatArray, phases: FloatArray, knots: FloatArray) -> FloatArray:
+    """Variance of white noise as dense as the residual around each order, (n_signals, n_orders, n_intervals)."""
+    starts = np.searchsorted(filtered.times, knots[:-1])
+    counts = np.diff([*starts, len(filtered.times)])
+    filled = np.flatnonzero(counts)
+    found = np.empty((len(residual), len(phases), len(counts)))
+    for order, phase in enumerate(phases):
+        turned = residual * np.exp(-1j * phase)
+        sums = np.add.reduceat(turned, starts[filled], axis=1)
+        power = np.abs(sums) ** 2 / counts[filled]
+        found[:, order] = [np.interp(np.arange(len(counts)), filled, line) for line in power]
+    return found / _kept_of_noise(filtered.poles)
+
+
+def _kept_of_noise(poles: int) -> float:
+    """Share of white noise around an order that the residual keeps, over the band of one interval between knots."""
+    place = np.linspace(0, COEFFICIENTS_PER_BANDWIDTH, 2001)[1:]
+    response = 1 / (1 + (np.sqrt(2) - 1) * place ** (2.0 * poles))
+    return float(((1 - response) ** 2).mean())
+
+
+def _mean_around(values: FloatArray, reach: int) -> FloatArray:
+    """Mean of values over neighbours on both sides along the last axis, in their unit."""
+    from scipy.ndimage import uniform_filter1d
+
+    return np.asarray(uniform_filter1d(values, 2 * reach + 1, axis=-1, mode="nearest"))
+
+
+def _largest_around(values: FloatArray, reach: int) -> FloatArray:
+    """Largest of values among neighbours on both sides along the last axis, in their unit."""
+    from scipy.ndimage import maximum_filter1d
+
+    return np.asarray(maximum_filter1d(values, 2 * reach + 1, axis=-1, mode="nearest"))
+
+
+def _at(values: FloatArray, places: FloatArray, times: FloatArray) -> FloatArray:
+    """Values (n_signals, n_orders, n) between their places, in their unit."""
+    wide = np.broadcast_to(values, (*values.shape[:-1], len(places)))
+    flat = wide.reshape(-1, len(places))
+    return np.array([np.interp(times, places, line) for line in flat]).reshape(*wide.shape[:-1], len(times))

@@ -1,0 +1,180 @@
+"""Mean angle of rotation of a shaft, without its vibration, from its angle over whole cycles.
+
+Over a whole cycle the vibration of a shaft in steady running has no mean. With theta the angle read and t_k the ends
+of its cycles, the mean angle phi is the smooth curve that has the same integral over each cycle as theta:
+S, the spline through theta(t_k), and the derivative of the spline through the sums of the integrals of theta - S.
+It is exact for steady running and for sweeps that a polynomial describes over a few cycles; what is slower than a
+cycle (a governor that hunts) belongs to the mean rotation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from torsionnet.core.errors import UsageError
+from torsionnet.response.measured.pulse_channel import PulseChannel
+from torsionnet.response.recording import FloatArray
+from torsionnet.signals.orders.cycle_integrals import Cycles, cycles_of
+from torsionnet.signals.record_blocks import Recordings, blocks_in_order
+from torsionnet.signals.rotation.wheel_rotation import WheelRotation
+
+SPLINE_DEGREE = 5
+"""Degree of the spline through the ends of cycles: a sweep whose acceleration changes over a cycle is followed, and
+noise of single cycles is not yet amplified."""
+NEWTON_STEPS = 4
+"""Steps of Newton's method from a time interpolated between ends of cycles; each doubles the digits, and a sweep leaves
+1e-3 at the first guess."""
+FEWEST_CYCLES = 2
+"""Least number of whole cycles from which a mean angle of rotation is made."""
+READ_TOGETHER = 100_000
+"""Pulses whose angle is read together, which limits the memory."""
+
+
+@dataclass(frozen=True, eq=False)
+class MeanRotation:
+    """Mean angle of rotation of a shaft over time, between the ends of its first and its last whole cycle.
+
+    Attributes
+    ----------
+    cycle : int
+        Revolutions of a cycle.
+    ends : (n + 1,) array
+        Times of the ends of the cycles, s.
+    angles : (n + 1,) array
+        Mean angle at these times, rad.
+    name : str
+        Channel or wheel it was read from.
+    notes : tuple of str
+    """
+
+    cycle: int
+    ends: FloatArray
+    angles: FloatArray
+    name: str
+    notes: tuple[str, ...] = ()
+    _parts: tuple[Any, ...] = field(repr=False, default=())
+
+    def angle(self, times: FloatArray) -> FloatArray:
+        """Mean angle of rotation in rad at times in s, shape (n,)."""
+        return np.asarray(sum(part(times) for part in self._parts))
+
+    def speed(self, times: FloatArray) -> FloatArray:
+        """Mean speed of rotation in rad/s at times in s, shape (n,)."""
+        return np.asarray(sum(part(times, 1) for part in self._parts))
+
+    def times_at(self, angles: FloatArray) -> FloatArray:
+        """Times in s at which the mean angle of rotation in rad is reached, shape (n,)."""
+        times = np.interp(angles, self.angles, self.ends)
+        for _ in range(NEWTON_STEPS):
+            times = times - (self.angle(times) - angles) / self.speed(times)
+        return np.asarray(times)
+
+
+def mean_rotation(
+    source: WheelRotation | PulseChannel | Recordings, name: str = "", *, cycle: int = 2, per_turn: float = 1
+) -> MeanRotation:
+    """Mean angle of rotation of a shaft over time, without its vibration.
+
+    Parameters
+    ----------
+    source : WheelRotation, PulseChannel, Recording or blocks of one
+        The rotation of a wheel; pulses that come ``per_turn`` times in a turn; or a record with a channel of the
+        angle (rad) or the speed (rad/s) of the shaft. Blocks are read one after the other.
+    name : str, optional
+        Channel of the record.
+    cycle : int, optional
+        Revolutions of a cycle, whose vibration has no mean: 2 of a four-stroke engine, so that half orders have none.
+    per_turn : float, optional
+        Pulses in a turn of the shaft.
+
+    Raises
+    ------
+    UsageError
+        The record has fewer than two whole cycles, the channel is neither angle nor speed, or the shaft turns
+        backwards.
+
+    Examples
+    --------
+    >>> from torsionnet.response.recording import Recording, Signal
+    >>> time = np.arange(10_001) / 1000
+    >>> angle = 60 * time + 0.1 * np.cos(3 * 60 * time)
+    >>> mean = mean_rotation(Recording((Signal("a", "angle", angle),), sampling_rate=1000), "a")
+    >>> mean.speed(np.array([5.0])).round(4), (mean.angle(np.array([5.0])) - 300).round(6) + 0
+    (array([60.]), array([0.]))
+    """
+    if isinstance(source, PulseChannel):
+        read: Iterator[tuple[FloatArray, FloatArray]]
+        read = iter([(source.times, 2 * np.pi / per_turn * np.arange(float(len(source))))])
+        label = source.name
+    elif isinstance(source, WheelRotation):
+        read, label = _of_wheel(source), source.name
+    else:
+        read, label = _of_channel(source, name), name
+    return mean_of_cycles(cycles_of(read, 2 * np.pi * cycle, label), cycle, label)
+
+
+def mean_of_cycles(cycles: Cycles, cycle: int, name: str) -> MeanRotation:
+    """Mean angle of rotation in rad over time from the ends and the integrals of its cycles."""
+    from scipy.interpolate import make_interp_spline
+
+    count = len(cycles.integrals)
+    if count < FEWEST_CYCLES:
+        raise UsageError(
+            f"{name}: {count} whole cycles of {cycle} revolutions; orders need {FEWEST_CYCLES} or more: record longer"
+        )
+    degree = _odd_degree(count + 1)
+    through = make_interp_spline(cycles.ends, cycles.angles, k=degree)
+    rest = cycles.integrals - _integrals(through, cycles.ends, cycles.angles)
+    sums = make_interp_spline(cycles.ends, np.concatenate([[0.0], np.cumsum(rest)]), k=degree)
+    parts = (through, sums.derivative())
+    angles = through(cycles.ends) + parts[1](cycles.ends)
+    if not (np.diff(angles) > 0).all():
+        raise UsageError(f"{name}: the mean angle of rotation does not rise throughout; cut the record there")
+    said = f"orders over the mean angle of rotation, that of {name} with its vibration taken out over {cycle} turns"
+    return MeanRotation(cycle, cycles.ends, np.asarray(angles), name, (said,), parts)
+
+
+def _odd_degree(count: int) -> int:
+    degree = min(SPLINE_DEGREE, count - 1)
+    return degree - (degree % 2 == 0)
+
+
+def _integrals(spline: Any, ends: FloatArray, angles: FloatArray) -> FloatArray:
+    """Integral of spline - angle at the begin over each interval, exact for its degree."""
+    places, weights = np.polynomial.legendre.leggauss(3)
+    half, middle = np.diff(ends) / 2, (ends[1:] + ends[:-1]) / 2
+    values = spline(middle[:, None] + half[:, None] * places) - angles[:-1, None]
+    return np.asarray(half * (values @ weights))
+
+
+def _of_wheel(rotation: WheelRotation) -> Iterator[tuple[FloatArray, FloatArray]]:
+    for begin in range(0, len(rotation.times), READ_TOGETHER):
+        times = rotation.times[begin : begin + READ_TOGETHER]
+        yield times, rotation.angle(times)
+
+
+def _of_channel(recordings: Recordings, name: str) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """Times and angles of a channel, block by block; a speed is integrated."""
+    turned, last = 0.0, None
+    whole: Iterable[Any] = blocks_in_order(recordings)
+    for number, (block, continued) in enumerate(whole):
+        if number and not continued:
+            raise UsageError(f"{name}: the blocks do not follow one another: track each record by itself")
+        signal = block[name]
+        if signal.quantity == "angle":
+            yield block.time, signal.values
+            continue
+        if signal.quantity != "velocity":
+            raise UsageError(
+                f"{name} is {signal.quantity or 'of no known quantity'}, and the rotation needs an angle or a speed of "
+                f"the shaft: say --quantity {name}=velocity, with its unit, or name another channel"
+            )
+        values = signal.values if last is None else np.concatenate([[last], signal.values])
+        steps = 0.5 * (values[1:] + values[:-1]) / block.sampling_rate
+        angles = turned + np.cumsum(np.concatenate([[0.0] if last is None else [], steps]))
+        turned, last = float(angles[-1]), float(signal.values[-1])
+        yield block.time, angles

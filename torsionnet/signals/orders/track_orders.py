@@ -1,0 +1,160 @@
+"""Complex orders of the signals of a turning machine, by averages over cycles or by Vold-Kalman filters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.response.recording import FloatArray
+from torsionnet.signals.orders.cycle_average import CycleAverage, averaged_blocks, whole_multiples
+from torsionnet.signals.orders.cycle_intervals import half_widths
+from torsionnet.signals.orders.filtered_orders import filtered_orders
+from torsionnet.signals.orders.mean_rotation import MeanRotation, mean_rotation
+from torsionnet.signals.orders.phase_reference import PhaseReference
+from torsionnet.signals.orders.record_window import RecordWindow
+from torsionnet.signals.orders.tracked_signals import Tracked, Twist, of_record, of_twist, of_wheel, tracked_values
+from torsionnet.signals.orders.vold_kalman import VoldKalman
+from torsionnet.signals.record_blocks import Recordings
+from torsionnet.signals.rotation.wheel_rotation import WheelRotation
+
+
+def track_orders(
+    recordings: Recordings | None,
+    rotation: WheelRotation | MeanRotation,
+    channels: Sequence[str] = (),
+    wheels: Sequence[WheelRotation] = (),
+    twists: Sequence[Twist] = (),
+    *,
+    orders: Sequence[float],
+    method: CycleAverage | VoldKalman | None = None,
+    reference: PhaseReference | None = None,
+    further: Sequence[tuple[MeanRotation, Sequence[float]]] = (),
+) -> tuple[TrackedOrders, ...]:
+    """Complex orders of signals and of the vibration of wheels over time and speed, with 95 % intervals.
+
+    Parameters
+    ----------
+    recordings : Recording or blocks of one, optional
+        Record of the channels. Blocks are read one after the other and dropped.
+    rotation : WheelRotation or MeanRotation
+        Rotation of the reference shaft.
+    channels : sequence of str, optional
+        Signals of the record.
+    wheels : sequence of WheelRotation, optional
+        Wheels whose vibration is tracked, each in the angle of its own shaft, rad.
+    twists : sequence of Twist, optional
+        Pairs of these wheels whose twist, or torque from twist, is tracked.
+    orders : sequence of float
+        Vibrations per revolution of the reference shaft.
+    method : CycleAverage or VoldKalman, optional
+        Averages over blocks of eight cycles by default.
+    reference : PhaseReference, optional
+        Where phases are 0; without one they count from the begin of the record and are not for comparison.
+    further : sequence of (MeanRotation, orders), optional
+        Orders of other shafts that are tracked together with these, by Vold-Kalman filters only.
+
+    Returns
+    -------
+    tuple of TrackedOrders
+        One for each channel and wheel; behind them, those of further shafts.
+
+    Raises
+    ------
+    UsageError
+        An order above half the teeth of a wheel, below one in a cycle, or none; the record and the rotation share no
+        two cycles.
+
+    Examples
+    --------
+    >>> from torsionnet.response.recording import Recording, Signal
+    >>> time = np.arange(20_000) / 1000
+    >>> angle = 60 * time + 0.5 * time**2
+    >>> record = Recording(
+    ...     (Signal("a", "angle", angle), Signal("T", "torque", 5 * np.cos(3 * angle + 1))), sampling_rate=1000
+    ... )
+    >>> (found,) = track_orders(record, mean_rotation(record, "a"), ["T"], orders=[3, 4.5])
+    >>> print(abs(found.along(3)).min().round(3), abs(found.along(3)).max().round(3))
+    5.0 5.0
+    """
+    chosen = method or CycleAverage()
+    mean = rotation if isinstance(rotation, MeanRotation) else mean_rotation(rotation)
+    wanted = np.unique(np.asarray(orders, dtype=np.float64))
+    _check_orders(wanted, wheels)
+    zero = reference or PhaseReference(float(mean.angles[0]), "")
+    found: list[TrackedOrders] = []
+    kinds = [of_wheel(wheel, mean) for wheel in wheels]
+    kinds += [of_twist(_named(wheels, one.first), _named(wheels, one.second), one, mean) for one in twists]
+    if channels:
+        assert recordings is not None
+        kinds.insert(0, of_record(RecordWindow(recordings, channels), wanted))
+    behind: list[TrackedOrders] = []
+    for one in kinds:
+        if isinstance(chosen, VoldKalman):
+            shafts = [(mean, wanted), *((shaft, np.unique(np.asarray(more, float))) for shaft, more in further)]
+            first, *others = filtered_orders(one, shafts, chosen, zero)
+            found += first
+            behind += [each for other in others for each in other]
+        else:
+            if further:
+                raise UsageError("orders of further shafts are told apart by Vold-Kalman filters only")
+            found += averaged_orders(one, mean, wanted, chosen, zero)
+    return (*found, *behind)
+
+
+def averaged_orders(
+    one: Tracked, mean: MeanRotation, orders: FloatArray, method: CycleAverage, zero: PhaseReference
+) -> list[TrackedOrders]:
+    """Orders of signals averaged over blocks of whole cycles, complex peak amplitudes in SI."""
+    shared = within(mean, one.begin, one.end)
+    begins = method.blocks(shared)
+    wanted = whole_multiples(orders, mean.cycle)
+    blocks = list(averaged_blocks(one.read, shared, wanted, begins, one.per_cycle, one.transmitted, zero.angle))
+    widths = np.hypot(half_widths(blocks), one.uncertain(wanted)[:, None])
+    values = np.moveaxis(np.array([block.values for block in blocks]), 0, -1)
+    bounds = shared.ends[begins]
+    times = (bounds[1:] + bounds[:-1]) / 2
+    speeds = np.diff(shared.angles[begins]) / np.diff(bounds)
+    size = "blocks of whole cycles" if method.step else f"blocks of {method.cycles} cycles"
+    said = f"synchronous average over {size} of {mean.cycle} turns, intervals from the scatter between cycles"
+    ranges = np.array([block.half_range for block in blocks]).T
+    return [
+        tracked_values(signal, wanted, times, speeds, values[place], widths[place], ranges[place], zero,
+                       (*mean.notes, said, *one.notes))
+        for place, signal in enumerate(one.signals)
+    ]  # fmt: skip
+
+
+def within(mean: MeanRotation, begin: float, end: float) -> MeanRotation:
+    """Mean rotation over its whole cycles between two times in s."""
+    kept = np.flatnonzero((mean.ends >= begin - 1e-12) & (mean.ends <= end + 1e-12))
+    if len(kept) < 3:
+        raise UsageError(
+            f"{mean.name} has {max(len(kept) - 1, 0)} whole cycles between {begin:.6g} and {end:.6g} s, and an average "
+            "needs two or more: record longer, or take the rotation from the same record"
+        )
+    return replace(mean, ends=mean.ends[kept], angles=mean.angles[kept])
+
+
+def _check_orders(orders: FloatArray, wheels: Sequence[WheelRotation]) -> None:
+    if not len(orders) or orders[0] <= 0:
+        raise UsageError("orders are positive numbers of vibrations per revolution; give one or more")
+    for wheel in wheels:
+        highest = wheel.wheel.teeth / (2 * abs(wheel.wheel.ratio))
+        if orders[-1] >= highest:
+            raise UsageError(
+                f"{wheel.name}: order {orders[-1]:g} is not below half its {wheel.wheel.teeth} teeth a turn, order "
+                f"{highest:g}, and would show as order {abs(2 * highest - orders[-1]):g}: leave out the orders above"
+            )
+
+
+def _named(wheels: Sequence[WheelRotation], name: str) -> WheelRotation:
+    for wheel in wheels:
+        if wheel.name == name:
+            return wheel
+    known = [wheel.name for wheel in wheels]
+    text = f'no wheel is named "{name}"{did_you_mean(name, known)}'
+    raise UsageError(f"{text}; there is {', '.join(known) or 'none'}")

@@ -1,0 +1,180 @@
+"""Signals as trackers of orders read them: channels of a record, vibration of wheels, twist between two wheels."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.response.frequency_response import ComplexArray
+from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.response.recording import FloatArray, Signal
+from torsionnet.signals.orders.mean_rotation import MeanRotation
+from torsionnet.signals.orders.phase_reference import PhaseReference
+from torsionnet.signals.orders.record_window import RecordWindow
+from torsionnet.signals.rotation.wheel_rotation import WheelRotation
+
+SAMPLES_PER_TOOTH = 4
+"""Samples in a pitch of a wheel, so that the highest order it holds has eight in a period."""
+IMAGES = 3
+"""Images on either side that the response of a cubic spline is summed from; the next ones add less than 1e-5."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tracked:
+    """Signals of one kind that are tracked together: those of the record, or one wheel.
+
+    Attributes
+    ----------
+    signals : tuple of Signal
+        Names and quantities; the values are not used.
+    read : callable
+        Values (n_signals, n) at times in s that only move on.
+    begin, end : float
+        First and last time, s.
+    per_cycle : callable
+        Samples of a cycle by its duration in s.
+    transmitted : callable
+        Share of each order (n_orders,) that is kept between samples, by mean speed in rad/s.
+    samples : callable
+        Times and values of the samples between two times, (n,) and (n_signals, n).
+    uncertain : callable
+        Half width that the signal itself leaves in each order, SI, (n_orders,).
+    """
+
+    signals: tuple[Signal, ...]
+    read: Callable[[FloatArray], FloatArray]
+    begin: float
+    end: float
+    per_cycle: Callable[[float], int]
+    transmitted: Callable[[float], FloatArray]
+    samples: Callable[[float, float], tuple[FloatArray, FloatArray]]
+    uncertain: Callable[[FloatArray], FloatArray]
+    notes: tuple[str, ...] = ()
+
+
+def of_record(window: RecordWindow, orders: FloatArray) -> Tracked:
+    """Signals of a record in SI, read between its samples by cubic splines whose response is known."""
+
+    def read(times: FloatArray) -> FloatArray:
+        from scipy.interpolate import CubicSpline
+
+        at, values = window.between(float(times[0]), float(times[-1]))
+        return np.asarray(CubicSpline(at, values, axis=1)(times))
+
+    def samples(begin: float, end: float) -> tuple[FloatArray, FloatArray]:
+        at, values = window.between(begin, end)
+        inside = (at >= begin) & (at <= end)
+        return at[inside], values[:, inside]
+
+    window.reaches(window.start)
+    return Tracked(
+        window.signals,
+        read,
+        window.start,
+        np.inf,
+        lambda duration: max(int(np.ceil(duration * window.rate)), 8),
+        lambda speed: spline_response(orders * speed / (2 * np.pi * window.rate)),
+        samples,
+        np.zeros_like,
+    )
+
+
+def spline_response(share: FloatArray) -> FloatArray:
+    """Amplitude that a cubic spline through samples keeps of a sine, by its frequency over the sampling rate."""
+    images = sum((share / (share - k)) ** 4 for k in range(-IMAGES, IMAGES + 1) if k)
+    return np.asarray(1 / (1 + np.asarray(images)))
+
+
+@dataclass(frozen=True)
+class Twist:
+    """Twist between two wheels, referred to the reference shaft, or the torque that it means.
+
+    Attributes
+    ----------
+    first, second : str
+        Names of the wheels: twist is the angle of the first minus that of the second, each times its ratio.
+    stiffness : float
+        Stiffness between them in N m/rad, referred to the reference shaft; 0 where the twist itself is wanted. Torque
+        is stiffness times twist: damping between the wheels is left out.
+    """
+
+    first: str
+    second: str
+    stiffness: float = 0.0
+
+    @property
+    def signal(self) -> Signal:
+        """Signal of the twist, with its name and quantity, without values."""
+        name = f"{self.first}-{self.second}"
+        if self.stiffness:
+            return Signal(f"torque({name})", "torque", np.empty(0), (f"twist times {self.stiffness:.6g} N m/rad",))
+        return Signal(f"twist({name})", "angle", np.empty(0))
+
+
+def of_wheel(wheel: WheelRotation, mean: MeanRotation) -> Tracked:
+    """Vibration of a wheel beyond the mean rotation in rad, in the angle of its own shaft."""
+    return _of_wheels(((wheel, 1 / wheel.wheel.ratio),), mean, Signal(wheel.name, "angle", np.empty(0)))
+
+
+def of_twist(first: WheelRotation, second: WheelRotation, twist: Twist, mean: MeanRotation) -> Tracked:
+    """Twist between two wheels in rad, or its torque in N m, referred to the reference shaft."""
+    scale = twist.stiffness or 1.0
+    return _of_wheels(((first, scale), (second, -scale)), mean, twist.signal)
+
+
+def _of_wheels(parts: tuple[tuple[WheelRotation, float], ...], mean: MeanRotation, signal: Signal) -> Tracked:
+    begin, end = max(wheel.times[0] for wheel, _ in parts), min(wheel.times[-1] for wheel, _ in parts)
+    per_turn = max(wheel.wheel.teeth / abs(wheel.wheel.ratio) for wheel, _ in parts)
+    rest = sum(weight for _, weight in parts)
+
+    def read(times: FloatArray) -> FloatArray:
+        inside = np.clip(times, begin, end)
+        angles = sum(weight * wheel.angle(inside) for wheel, weight in parts)
+        return np.asarray(angles - rest * mean.angle(inside))[None]
+
+    def samples(start: float, stop: float) -> tuple[FloatArray, FloatArray]:
+        bounds = np.array([max(start, begin, mean.ends[0]), min(stop, end, mean.ends[-1])])
+        first, last = mean.angle(bounds)
+        step = np.pi / per_turn
+        times = mean.times_at(step * np.arange(np.ceil(first / step), np.floor(last / step) + 1))
+        return times, read(times)
+
+    def uncertain(orders: FloatArray) -> FloatArray:
+        return np.sqrt(sum((weight * _of_pattern(wheel, orders)) ** 2 for wheel, weight in parts))
+
+    remarks = [f"{wheel.name}: {remark}" for wheel, _ in parts for remark in wheel.remarks]
+    return Tracked(
+        (signal,), read, float(begin), float(end),
+        lambda _: int(np.ceil(SAMPLES_PER_TOOTH * per_turn * mean.cycle)),
+        lambda _: np.ones(1), samples, uncertain, (*signal.notes, *remarks),
+    )  # fmt: skip
+
+
+def _of_pattern(wheel: WheelRotation, orders: FloatArray) -> FloatArray:
+    """Half width in rad that the interval of a wheel's pitch pattern leaves in orders, of the reference shaft's angle.
+
+    Positions with independent errors of half width h leave h sqrt(2/z) in real and in imaginary part of each whole
+    order of the wheel.
+    """
+    pattern = getattr(wheel, "pattern", None)
+    if pattern is None:
+        return np.zeros_like(orders)
+    half = abs(wheel.wheel.ratio) * float(np.sqrt(2 / pattern.teeth * np.mean(pattern.half_widths**2)))
+    own = orders * wheel.wheel.ratio
+    return np.where(np.abs(own - np.rint(own)) < 1e-9, half, 0.0)
+
+
+def tracked_values(
+    signal: Signal, orders: FloatArray, times: FloatArray, speeds: FloatArray, values: ComplexArray,
+    widths: FloatArray, half_range: FloatArray | None, zero: PhaseReference, notes: tuple[str, ...],
+) -> TrackedOrders:  # fmt: skip
+    """Orders of one signal in SI, those whose sign is not known as amplitudes without a phase."""
+    half = np.abs(orders - np.rint(orders)) > 1e-9
+    undecided = half & (not zero.turn_known)
+    values = np.where(undecided[:, None], np.abs(values), values)
+    return TrackedOrders(
+        signal.name, signal.quantity, orders, times, speeds, values, widths, half_range, zero.words,
+        notes=(*notes, *zero.notes), undecided=tuple(orders[undecided].tolist()) if zero.words else (),
+    )  # fmt: skip
