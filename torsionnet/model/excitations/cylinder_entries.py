@@ -37,6 +37,7 @@ class CylindersEntry(Listed[int]):
 
 
 GAS_FACTOR = Value("gas torque of a cylinder over that of a sound one", "1", below=10)
+MISFIRE_SHARE = Value("share of the injection that a cylinder has lost", "1")
 
 
 def by_cylinder(description: str, of: Value, form: str) -> Named[float]:

@@ -19,6 +19,7 @@ from torsionnet.model.element_base.nodes import NodeName
 from torsionnet.model.excitations.cylinder_entries import (
     CYLINDER,
     GAS_FACTOR,
+    MISFIRE_SHARE,
     CylindersEntry,
     by_cylinder,
     number_fault,
@@ -95,6 +96,14 @@ class EngineEntries(ReactingExcitation):
         ),
         (),
     )
+    misfire_share: Mapping[str, float] = entry(
+        by_cylinder(
+            "cylinders that misfire in part: share of the way from the fired to the motored gas torque",
+            MISFIRE_SHARE,
+            "{4: 30 %}",
+        ),
+        None,
+    )
     gas_off: tuple[int, ...] = entry(
         Listed(
             "cylinders without any gas torque, as with the running gear removed", CYLINDER, form="a list of cylinders"
@@ -140,6 +149,11 @@ class EngineEntries(ReactingExcitation):
     def has_lost_cylinder(self) -> bool:
         """Whether a cylinder works without injection or without gas torque: what is called misfire of an engine."""
         return bool(self.misfire) or bool(self.gas_off)
+
+    @property
+    def has_lost_torque(self) -> bool:
+        """Whether a cylinder works without injection or gas torque, or has lost a share of its injection."""
+        return self.has_lost_cylinder or any((self.misfire_share or {}).values())
 
     @cached_property
     def absorbs(self) -> bool:

@@ -127,17 +127,32 @@ def _cylinders(engine: EngineEntries) -> Iterator[Fault]:
         for index, number in enumerate(numbers):
             if number not in engine.numbers:
                 yield Fault(f"there is no cylinder {number}; there are {comma_list(engine.numbers)}", (key, index))
-    for number in engine.factors or {}:
-        if int(number) not in engine.numbers:
-            text = f"there is no cylinder {number}; there are {comma_list(engine.numbers)}"
-            yield Fault(text, ("factors", number), on_key=True)
+    for key in ("factors", "misfire_share"):
+        for number in getattr(engine, key) or {}:
+            if int(number) not in engine.numbers:
+                text = f"there is no cylinder {number}; there are {comma_list(engine.numbers)}"
+                yield Fault(text, (key, number), on_key=True)
+    yield from _misfire_shares(engine)
+
+
+def _misfire_shares(engine: EngineEntries) -> Iterator[Fault]:
+    """Faults of shares of misfire above the whole, and of cylinders that have no injection to lose."""
+    silent = {*(() if engine.misfire == EACH else engine.misfire), *engine.gas_off}
+    for number, share in (engine.misfire_share or {}).items():
+        if share > 1:
+            text = f"a cylinder loses at most 100 % of its injection, not {100 * share:g} %"
+            yield Fault(text, ("misfire_share", number))
+        if int(number) in silent:
+            text = f"cylinder {number} has no injection already, by misfire or gas_off; name it once"
+            yield Fault(text, ("misfire_share", number), on_key=True)
 
 
 def _gas(engine: EngineEntries) -> Iterator[Fault]:
     gas = engine.gas
-    if engine.misfire and (gas is None or not gas.has_motored):
-        text = "a cylinder without injection follows the motored trace; give gas: {motored: compression.csv}"
-        yield Fault(text, ("misfire",), on_key=True)
+    for key in ("misfire", "misfire_share"):
+        if getattr(engine, key) and (gas is None or not gas.has_motored):
+            text = "a cylinder without injection follows the motored trace; give gas: {motored: compression.csv}"
+            yield Fault(text, (key,), on_key=True)
     for key in ("factors", "spread", "load"):
         if getattr(engine, key) and gas is None:
             yield Fault(f"{key} is about gas torque; give gas: {{fired: p100.csv}}", (key,), on_key=True)

@@ -16,6 +16,8 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, not_none
 from torsionnet.core.entries.words import OneOf
 from torsionnet.core.errors import Fault, Path
+from torsionnet.model.excitations.harmonic_torque import TableByOrder
+from torsionnet.model.excitations.order_correction import OrderCorrection, corrections
 from torsionnet.model.excitations.order_excitation import ComplexArray, FloatArray
 from torsionnet.model.excitations.pressure_trace import PressureTrace
 from torsionnet.model.excitations.table_by_pressure import TableByPressure, interpolated
@@ -71,6 +73,14 @@ class GasPressure(Declared):
     motored: PressureTrace | None = entry(TraceEntry("the pressure without injection, but with compression"), None)
     motored_harmonics: Tables | None = entry(
         HarmonicTables("instead: tangential pressure by order without injection"), None
+    )
+    correction: Mapping[float, OrderCorrection] = entry(
+        TableByOrder(
+            "order -> complex factor on the gas torque with injection, as a test of orders finds it",
+            Nested("real and imaginary part", lambda: OrderCorrection, "order_correction", shown=OrderCorrection.form),
+            fewest=0,
+        ),
+        None,
     )
     crank_end: PressureTrace | None = entry(
         TraceEntry("pressure below the piston of a double-acting cylinder, over the same angles as above it"), None
@@ -136,6 +146,7 @@ class GasPressure(Declared):
         else:
             tables[None] = self._of_trace(not_none(self.fired), crank, orders)
         values = np.array(list(tables.values())) + self._below_piston(crank, orders)
+        values = values * corrections(self.correction, orders)
         known = [pressure for pressure in tables if pressure is not None]
         return values if not known or pressures is None else interpolated(known, values, pressures)
 

@@ -36,10 +36,13 @@ def mean_torque_shares(engine: EngineEntries, speeds: FloatArray) -> dict[int, F
     """
     whole, out = np.ones(len(speeds)), {*engine.gas_off}
     silent = {*engine.numbers} if engine.misfire == EACH else {*engine.misfire}
-    without = _without_injection(engine, speeds) if silent else whole
+    shares = {int(number): share for number, share in (engine.misfire_share or {}).items()}
+    without = _without_injection(engine, speeds) if silent or shares else whole
+    part = without
     if engine.misfire == EACH:
         without = 1 - (1 - without) / len(engine.numbers)
-    return {number: 0 * whole if number in out else without if number in silent else whole for number in engine.numbers}
+    found = {number: whole + shares.get(number, 0.0) * (part - whole) for number in engine.numbers}
+    return found | dict.fromkeys(silent, without) | dict.fromkeys(out, 0 * whole)
 
 
 def _without_injection(engine: EngineEntries, speeds: FloatArray) -> FloatArray:

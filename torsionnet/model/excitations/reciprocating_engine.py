@@ -52,7 +52,10 @@ class ReciprocatingEngine(EngineEntries):
 
     def phase_vectors(self, order: float) -> dict[str, tuple[str, complex]]:
         silent = {*self._without_injection, *self.gas_off}
-        sizes = {number: 0.0 if number in silent else self._factor(number) for number in self.numbers}
+        sizes = {
+            number: 0.0 if number in silent else self._factor(number) * (1 - self._lost_share(number))
+            for number in self.numbers
+        }
         phase_factors = {number: np.exp(-1j * order * angle) for number, angle in self.acting_phases.items()}
         return {
             str(number): (node, complex(sizes[number] * phase_factors[number])) for number, node in self.numbers.items()
@@ -98,11 +101,16 @@ class ReciprocatingEngine(EngineEntries):
             return np.zeros_like(fired)
         if number in self._without_injection:
             return motored
-        return np.asarray(fired * self._factor(number))
+        lost = self._lost_share(number)
+        return np.asarray(fired * (self._factor(number) * (1 - lost)) + motored * lost)
 
     def _factor(self, number: int) -> float:
         """Dimensionless factor on the gas torque of a cylinder against the other cylinders."""
         return float((self.factors or {}).get(str(number), 1.0))
+
+    def _lost_share(self, number: int) -> float:
+        """Share of the way from fired to motored gas torque that a cylinder has gone by misfire."""
+        return float((self.misfire_share or {}).get(str(number), 0.0))
 
     def fired_harmonics(self, speeds: FloatArray) -> ComplexArray:
         """Gas torque of a firing cylinder in N m, shape (n_speeds, n_orders), before the shift to its firing angle."""

@@ -51,8 +51,8 @@ class TangentialHarmonic(Declared):
         return complex(self.amplitude * np.exp(1j * not_none(self.phase)) * (-1j if phase_of == "sine" else 1))
 
 
-_BY_ORDER = TableByOrder("order -> tangential pressure", Nested("", lambda: TangentialHarmonic, "tangential_harmonic"))
-_BY_PRESSURE = TableByPressure("mean indicated pressure -> orders", _BY_ORDER)
+BY_ORDER = TableByOrder("order -> tangential pressure", Nested("", lambda: TangentialHarmonic, "tangential_harmonic"))
+_BY_PRESSURE = TableByPressure("mean indicated pressure -> orders", BY_ORDER)
 
 
 class HarmonicTables(Composite[Tables]):
@@ -66,11 +66,11 @@ class HarmonicTables(Composite[Tables]):
             if None in raw:
                 return dict(raw), []
             return _BY_PRESSURE.read(raw)
-        table, faults = _BY_ORDER.read(raw)
+        table, faults = BY_ORDER.read(raw)
         return {None: table}, faults
 
     def plain(self, value: Any) -> Json:
-        return _BY_ORDER.plain(value[None]) if None in value else _BY_PRESSURE.plain(value)
+        return BY_ORDER.plain(value[None]) if None in value else _BY_PRESSURE.plain(value)
 
     def schema(self) -> Schema:
         return {**_BY_PRESSURE.schema(), "description": self.description, "additionalProperties": True}

@@ -149,9 +149,9 @@ class ExternalTorques:
         # numpy, which few checks of a model need
         import numpy as np
 
-        from torsionnet.model.load.lost_torques import has_lost_cylinders, remaining_by_node
+        from torsionnet.model.load.lost_torques import has_lost_torque, remaining_by_node
 
-        if not has_lost_cylinders(self.definition):
+        if not has_lost_torque(self.definition):
             return {}
         return remaining_by_node(self.definition, self.ratios, np.array(speeds), self._drivers, self.absorbers)
 

@@ -23,6 +23,12 @@ def has_lost_cylinders(definition: Definition) -> bool:
     return any(isinstance(one, EngineEntries) and one.enabled and one.has_lost_cylinder for one in machines)
 
 
+def has_lost_torque(definition: Definition) -> bool:
+    """Whether a piston machine that runs has a cylinder that gives less torque by misfire, in part or whole."""
+    machines = definition.excitations.values()
+    return any(isinstance(one, EngineEntries) and one.enabled and one.has_lost_torque for one in machines)
+
+
 def remaining_by_node(
     definition: Definition,
     ratios: Mapping[str, float],
@@ -50,7 +56,7 @@ def remaining_by_node(
     }
     found: dict[str, FloatArray] = {}
     for name, machine in machines.items():
-        if not machine.has_lost_cylinder:
+        if not machine.has_lost_torque:
             continue
         ratio = abs(ratios.get(machine.shaft, 0.0))
         if not ratio:
