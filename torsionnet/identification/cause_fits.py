@@ -129,5 +129,5 @@ def explaining_fits(tried: Sequence[CauseFit], whole: float) -> list[CauseFit]:
 
 def _noise(problem: FitProblem) -> float:
     """Sum of squared weighted residuals to expect from the stated errors of all measurements, 0 if one states none."""
-    stated = all(block.measurement.error is not None for block in problem.blocks)
+    stated = all(block.noise_is_stated for block in problem.blocks)
     return problem.effective_count if stated else 0.0

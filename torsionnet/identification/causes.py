@@ -1,4 +1,4 @@
-"""Usual causes of a misfit as additional unknowns of a fit (delay, gain, kind of damping, a value taken as known)."""
+"""Usual causes of a misfit as additional unknowns of a fit (delay, gain, kind of damping, misfire, another value)."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from torsionnet.core.expressions import Expression, Number
 from torsionnet.identification.fit_problem import FitProblem, lay_out_problem
 from torsionnet.identification.unknown_parameter import Unknown
 from torsionnet.model.elements import Damper, Element, Gear, HystereticSpring, Spring
+from torsionnet.model.excitations.engine_entries import EngineEntries
+from torsionnet.model.excitations.excitation_numbers import numbers_by_name
 
 AnySpring: TypeAlias = Spring | HystereticSpring
 Change: TypeAlias = Callable[[AssembledModel], AssembledModel]
@@ -23,6 +25,9 @@ damping)."""
 REPLACED_FIELDS = {"hysteretic": "damping", "viscous": "loss_factor", "ratio": "teeth"}
 """Field of an element that each kind of cause replaces, the other kind of damping or the teeth behind a ratio."""
 
+CHANNEL_CAUSES = ("delay", "gain", "reference_angle")
+"""Names of the causes of a misfit that are unknowns of a measuring channel."""
+
 
 @dataclass(frozen=True)
 class Cause:
@@ -30,21 +35,28 @@ class Cause:
 
     Attributes
     ----------
-    kind : {"delay", "gain", "hysteretic", "viscous", "ratio", "value"}
+    kind : {"delay", "gain", "reference_angle", "hysteretic", "viscous", "ratio", "value", "misfire", "gas_torque"}
     unknown : str
-        Name of the additional unknown: ``I_2``, ``dmf.loss_factor``, ``delay``.
+        Name of the additional unknown: ``I_2``, ``dmf.loss_factor``, ``delay``, ``engine.misfire_share.4``.
     element : str
         Name of the element whose kind of damping, or whose ratio made by teeth, is changed.
+    part : str
+        Part of a machine that the cause is in: ``cylinder 4 of engine``.
     """
 
     kind: str
     unknown: str
     element: str = ""
+    part: str = ""
 
     @property
     def is_of_channel(self) -> bool:
-        """Whether the cause is a delay or gain of the output's measuring channel."""
-        return self.unknown in ("delay", "gain")
+        """Whether the cause is a delay, gain or reference angle of the output's measuring channel."""
+        return self.unknown in CHANNEL_CAUSES
+
+    def place(self, outputs: str) -> str:
+        """Name of what the cause is in: outputs of a channel's cause, a value, an element, a cylinder."""
+        return outputs if self.is_of_channel else self.unknown if self.is_value else self.part or self.element
 
     @property
     def is_value(self) -> bool:
@@ -55,9 +67,13 @@ class Cause:
 def possible_causes(problem: FitProblem) -> tuple[Cause, ...]:
     """Causes of a misfit that can be tried in a fit, those that are not among its unknowns already."""
     free = {extra for block in problem.blocks for extra in block.extra}
-    channel = [Cause(name, name) for name in ("delay", "gain") if name not in free]
+    has_phases = any(block.line_orders is not None and block.has_phase for block in problem.blocks)
+    asked = CHANNEL_CAUSES if has_phases else CHANNEL_CAUSES[:2]
+    channel = [Cause(name, name) for name in asked if name not in free]
     rigs = [block.response.drivetrain for block in problem.blocks]
     listed = [*_values(rigs[0]), *_ratios(rigs[0]), *_dampings(rigs[0])]
+    if any(block.line_orders is not None for block in problem.blocks):
+        listed += [*_misfires(rigs[0]), *_amplitudes(rigs[0], has_phases=has_phases)]
     return (*channel, *(cause for cause in listed if cause.unknown not in problem.unknowns))
 
 
@@ -89,6 +105,27 @@ def _ratios(rig: AssembledModel) -> Iterator[Cause]:
     for element in rig.definition.active:
         if isinstance(element, Gear) and element.teeth is not None:
             yield Cause("ratio", f"{element.name}.ratio", element.name)
+
+
+def _misfires(rig: AssembledModel) -> Iterator[Cause]:
+    """Causes of a misfit by a cylinder that misfires in part, or gives another gas torque where none is motored."""
+    for name, engine in rig.definition.excitations.items():
+        if not isinstance(engine, EngineEntries) or not engine.enabled or engine.gas is None:
+            continue
+        silent = {*engine.gas_off, *(() if isinstance(engine.misfire, str) else engine.misfire)}
+        kind, entry = ("misfire", "misfire_share") if engine.gas.has_motored else ("gas_torque", "factors")
+        for number in engine.numbers:
+            if number not in silent:
+                yield Cause(kind, f"{name}.{entry}.{number}", part=f"cylinder {number} of {name}")
+
+
+def _amplitudes(rig: AssembledModel, *, has_phases: bool) -> Iterator[Cause]:
+    """Causes of a misfit by a wrong amplitude or phase of an order of a propeller or another given torque."""
+    tables = (".orders.", ".blade_orders.")
+    for name, one in rig.definition.excitations.items():
+        for number in numbers_by_name(name, one) if one.enabled else ():
+            if any(table in number.name for table in tables) and (has_phases or not number.is_phase):
+                yield Cause("value", number.name)
 
 
 def _dampings(rig: AssembledModel) -> Iterator[Cause]:

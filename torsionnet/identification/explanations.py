@@ -30,7 +30,9 @@ def explanations(problem: FitProblem, values: FloatArray, solve: Solve, errors: 
     """Explanations of the misfit of a fit, the best first, with others about as good; empty if none removes most."""
     whole = sum_of_squares(problem, values)
     starts = [values, problem.start]  # a wrong model may have led far off
-    first = list(dict.fromkeys(cause for start in starts for cause in _promising(problem, start)))
+    # A reference angle is found from afar, which a linear step does not show.
+    turned = [cause for cause in possible_causes(problem) if cause.kind == "reference_angle"]
+    first = list(dict.fromkeys([*turned, *(cause for start in starts for cause in _promising(problem, start))]))
     tried = fit_causes(problem, first, starts, solve)
     good = explaining_fits(tried, whole)
     if not good:  # the linear estimate may have picked the wrong causes
@@ -89,7 +91,7 @@ def _explained(one: CauseFit, left: float, solve: Solve, errors: Errors) -> Expl
     before = tried.start[tried.names.index(cause.unknown)] if cause.is_value else None
     return Explanation(
         kind=cause.kind,
-        of=" and ".join(outputs) if cause.is_of_channel else cause.unknown if cause.is_value else cause.element,
+        of=cause.place(" and ".join(outputs)),
         unknown=cause.unknown,
         values=dict(zip(tried.names, at.tolist(), strict=True)),
         standard_errors=errors(tried, found),

@@ -21,12 +21,11 @@ from torsionnet.identification.parameter_quantity import ParameterQuantity, para
 from torsionnet.identification.profile import profile_interval
 from torsionnet.identification.stepwise_search import large_misfit_warnings
 from torsionnet.identification.verdict_words import verdicts
-from torsionnet.response.recording import Recording
 
 SINGULAR_RATIO = 1e-9
 """Singular value of the scaled derivatives, over the largest, below which the data do not determine a combination of
 parameters, as less is rounding."""
-EXTRA_UNITS = {"delay": "s", "gain": ""}
+EXTRA_UNITS = {"delay": "s", "gain": "", "reference_angle": "rad"}
 UNDETERMINED_VARIANCE_RATIO = 1e12
 """Variance that an undetermined combination of parameters is given, over the total variance, so large that it dominates
 the correlation."""
@@ -154,13 +153,11 @@ def _compared(problem: FitProblem, number: int, values: FloatArray) -> Compared:
         fitted=predicted,
         deviation=np.hypot(size[:count], size[count:]) / np.sqrt(2),
         misfit=float(np.sqrt(np.mean(residual**2))),
-        unit=_response_unit(block.response.request.outputs[0].unit, block.response.request.measured[0].unit),
-        has_phase=isinstance(block.measurement.data, Recording) or block.measurement.data.has_phase,
+        unit=block.unit,
+        has_phase=block.has_phase,
+        orders=block.line_orders,
+        speeds=block.line_speeds,
     )
-
-
-def _response_unit(output: str, into: str) -> str:
-    return "1" if output == into else f"{output}/({into})" if "*" in into else f"{output}/{into}"
 
 
 def _notes(problem: FitProblem, loss: str, factor: float, *, scaled: bool) -> tuple[str, ...]:
@@ -168,7 +165,20 @@ def _notes(problem: FitProblem, loss: str, factor: float, *, scaled: bool) -> tu
     by = ", by which the errors are scaled" if scaled else ""
     robust = "" if loss == "linear" else f", robust loss {loss}"
     first = f"from {', '.join(labels)}{robust}; reduced chi squared {factor:.3g}{by}"
-    return (first, *filter(None, (block.remark for block in problem.blocks)))
+    return (first, *filter(None, (block.remark for block in problem.blocks)), *unnamed_configurations(problem))
+
+
+def unnamed_configurations(problem: FitProblem) -> tuple[str, ...]:
+    """Remark on measurements that name no configuration of a model that has some, one sentence or none."""
+    taken = []
+    for block in problem.blocks:
+        rig = block.response.drivetrain
+        if not block.measurement.configuration and rig.axes and not rig.configuration:
+            taken.append(block.measurement.label)
+    if not taken:
+        return ()
+    known = ", ".join(problem.blocks[0].response.drivetrain.configurations)
+    return (f"{', '.join(taken)} names no configuration, so the model as written is compared; there are {known}",)
 
 
 def load_fit(path: str | os.PathLike[str]) -> Fit:

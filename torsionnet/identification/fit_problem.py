@@ -13,6 +13,8 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.identification.noise_sources import sensor_noise_powers, weighted_mean
+from torsionnet.identification.orders.order_block import OrderBlock
+from torsionnet.identification.orders.parametric_orders import numbers_of_excitations
 from torsionnet.identification.parameter_quantity import parameter_quantity
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
@@ -20,7 +22,10 @@ from torsionnet.identification.residuals.measurement_blocks import make_block
 from torsionnet.identification.residuals.record_block import RecordBlock
 from torsionnet.identification.unknown_parameter import Unknown
 
-CHANNEL_UNKNOWNS = {"delay": (0.0, (-np.inf, np.inf), "s"), "gain": (1.0, (-np.inf, np.inf), "")}
+CHANNEL_UNKNOWNS = {
+    "delay": (0.0, (-np.inf, np.inf), "s"), "gain": (1.0, (-np.inf, np.inf), ""),
+    "reference_angle": (0.0, (-np.inf, np.inf), "rad"),
+}  # fmt: skip
 GAIN_BOUNDS_OF_MAGNITUDES = (0.0, np.inf)
 """Lower and upper bound of a channel's gain where only magnitudes are compared, which do not show whether it is
 reversed."""
@@ -114,7 +119,7 @@ class FitProblem:
             if "gain" in block.extra and block.form != "magnitude":
                 predicted, (real, imaginary) = block.predicted(start[place])[0], np.split(block.deviations, 2)
                 if np.sum((predicted.conj() * block.measured).real / (real**2 + imaginary**2)) < 0:
-                    found[place[-1]] *= -1
+                    found[place[len(block.response.names) + block.extra.index("gain")]] *= -1
         return found
 
     @property
@@ -186,7 +191,24 @@ def make_problem(
     if len(set(labels)) != len(labels):
         twice = sorted({label for label in labels if labels.count(label) > 1})
         raise UsageError(f"several measurements are called {', '.join(twice)}; give them names")
-    return lay_out_problem(model, [make_block(model, one, tuple(unknowns), form) for one in measurements], unknowns)
+    blocks = [make_block(model, one, tuple(unknowns), form) for one in measurements]
+    if idle := [name for name in unknowns if all(name not in block.response.names for block in blocks)]:
+        does = "does" if len(idle) == 1 else "do"
+        raise UsageError(f"{', '.join(idle)} {does} not act on responses; add a measurement of orders, or leave it out")
+    _refuse_unseen_phases(model, blocks, unknowns)
+    return lay_out_problem(model, blocks, unknowns)
+
+
+def _refuse_unseen_phases(
+    model: AssembledModel, blocks: Sequence[MeasurementBlock], unknowns: Mapping[str, Unknown]
+) -> None:
+    """Raise UsageError for phases of excitations to be found where no measurement of orders has phases."""
+    phases = [number.name for number in numbers_of_excitations(model, tuple(unknowns)).values() if number.is_phase]
+    blind = [block.measurement.label for block in blocks if block.line_orders is not None and not block.has_phase]
+    seeing = any(block.line_orders is not None and block.has_phase for block in blocks)
+    if phases and blind and not seeing:
+        text = f"{', '.join(phases)} cannot be found: {', '.join(blind)} has no phases against a reference"
+        raise UsageError(f"{text}; track the orders against a pulse, or fix the phase")
 
 
 def lay_out_problem(
@@ -201,7 +223,8 @@ def lay_out_problem(
     entries_of_blocks: list[list[str]] = []
     for block in blocks:
         mine = []
-        for number, (name, unknown) in enumerate(unknowns.items()):
+        for number, name in enumerate(block.response.names):
+            unknown = unknowns[name]
             entry = f"{name}[{block.measurement.label}]" if unknown.per_configuration else name
             mine.append(entry)
             begin = float(block.response.start[number])
@@ -215,6 +238,11 @@ def lay_out_problem(
             entries[entry] = begin, GAIN_BOUNDS_OF_MAGNITUDES if extra == "gain" and block.form == "magnitude" else span
         entries_of_blocks.append(mine)
     entries |= {entry: (value, entries[entry][1]) for entry, value in (known or {}).items() if entry in entries}
+    for block, mine in zip(blocks, entries_of_blocks, strict=True):
+        entry = f"reference_angle[{block.measurement.label}]"
+        if isinstance(block, OrderBlock) and entry in mine and entry not in (known or {}):
+            values = np.array([entries[one][0] for one in mine])
+            entries[entry] = block.nearest_reference_angle(values), entries[entry][1]
     order = {entry: index for index, entry in enumerate(entries)}
     limits = np.array([bounds for _, bounds in entries.values()]).reshape(-1, 2)
     return FitProblem(
@@ -232,7 +260,8 @@ def lay_out_problem(
 def _begin(model: AssembledModel, name: str, unknown: Unknown, value: float) -> tuple[float, tuple[float, float]]:
     start = value if unknown.start is None else unknown.start
     stated = model.parameter_definitions[name].bounds if name in model.parameter_definitions else None
-    bounds = unknown.bounds or stated or physical_bounds(model, name, start)
+    number = numbers_of_excitations(model, [name]).get(name)
+    bounds = unknown.bounds or stated or (number.bounds if number else physical_bounds(model, name, start))
     if not bounds[0] <= start <= bounds[1]:
         raise UsageError(
             f"{name} begins at {start:g}, outside its bounds {bounds[0]:g} to {bounds[1]:g}; change start or bounds"

@@ -10,6 +10,7 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.result_rows import NUMBER_ROWS, Out
+from torsionnet.core.units import RPM
 from torsionnet.identification.fit_result import FitResult
 from torsionnet.identification.lack_of_fit import LackOfFit
 from torsionnet.identification.ranking import RankedCause, Ranking
@@ -40,6 +41,8 @@ class ComparedRow:
     misfit: float
     measured: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
     fitted: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
+    orders: Annotated[FloatArray | None, Out(optional=True)]
+    speeds: Annotated[FloatArray | None, Out(json="speeds_rpm", optional=True)]
 
 
 @dataclass(frozen=True)
@@ -77,9 +80,12 @@ def fit_record(found: FitResult, profiles: Intervals, true: Mapping[str, float],
         for name, value in found.values.items()
     )  # fmt: skip
     measurements = tuple(
-        ComparedRow(one.name, one.unit, one.frequencies, one.misfit, *map(_parts, (one.measured, one.fitted)))
+        ComparedRow(
+            one.name, one.unit, one.frequencies, one.misfit, _parts(one.measured), _parts(one.fitted), one.orders,
+            None if one.speeds is None else one.speeds * RPM,
+        )
         for one in found.comparisons
-    )
+    )  # fmt: skip
     return FitRecord(
         found.title, parameters, found.correlation, found.chi_squared, found.degrees_of_freedom, found.aicc,
         found.verdicts, found.lack_of_fit, found.notes, measurements, None if ranking is None else ranking.causes,

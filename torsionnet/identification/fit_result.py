@@ -19,7 +19,7 @@ from torsionnet.response import Column, Table
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """Frequency responses (n,) of test and fitted model for one measurement, by the same estimator, SI.
+    """Frequency responses or orders (n,) of test and fitted model for one measurement, by the same estimator, SI.
 
     Attributes
     ----------
@@ -35,6 +35,8 @@ class Compared:
     unit : str
     has_phase : bool
         Whether the test has a phase; without, its values are magnitudes.
+    orders, speeds : (n,) array, optional
+        Of a measurement of orders: the order of each line and the speed of the reference shaft, rad/s.
     """
 
     name: str
@@ -45,6 +47,8 @@ class Compared:
     misfit: float
     unit: str
     has_phase: bool = True
+    orders: FloatArray | None = None
+    speeds: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -83,9 +87,15 @@ class FitResult(NotebookResult):
     def configured(self, model: Drivetrain) -> Drivetrain:
         """Copy of the model with the fitted values of the parameters that all configurations share.
 
-        Values fitted per configuration are in ``values`` only.
+        Values fitted per configuration are in ``values`` only. Numbers of excitations are entries of the model, which
+        it has in every configuration that does not change them.
         """
+        from torsionnet.identification.orders.parametric_orders import numbers_of_excitations
+
         shared = {name: value for name, value in self.values.items() if name in model.parameter_definitions}
+        numbers = numbers_of_excitations(model, [name for name in self.values if "." in name and "[" not in name])
+        if numbers:
+            model = model.with_excitation_numbers({name: self.values[name] for name in numbers})
         return model.configured(**shared)
 
     @property

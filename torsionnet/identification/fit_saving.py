@@ -62,12 +62,16 @@ class SavedCurves(Declared):
     fitted_real: tuple[float, ...] = entry(PlainNumbers("real part of the model, SI"))
     fitted_imag: tuple[float, ...] = entry(PlainNumbers("imaginary part of the model, SI"))
     deviation: tuple[float, ...] = entry(PlainNumbers("standard deviation of each line, SI"))
+    orders: tuple[float, ...] = entry(PlainNumbers("of measured orders: order of each line"), ())
+    speeds: tuple[float, ...] = entry(PlainNumbers("of measured orders: speed at each line, rad/s"), ())
 
     COLUMNS = ("measured_real", "measured_imag", "fitted_real", "fitted_imag", "deviation")
+    OF_ORDERS = ("orders", "speeds")
 
     def contradictions(self) -> list[Fault]:
         n = len(self.frequencies)
-        lengths = {name: len(getattr(self, name)) for name in self.COLUMNS}
+        columns = (*self.COLUMNS, *(self.OF_ORDERS if self.orders or self.speeds else ()))
+        lengths = {name: len(getattr(self, name)) for name in columns}
         return [
             Fault(f"{name} has {count} numbers for {n} frequencies", (name,))
             for name, count in lengths.items()
@@ -138,6 +142,8 @@ def _saved_curves(one: Compared) -> SavedCurves:
         "fitted_imag": one.fitted.imag,
         "deviation": one.deviation,
     }
+    if one.orders is not None and one.speeds is not None:
+        columns |= {"orders": one.orders, "speeds": one.speeds}
     return SavedCurves(name=one.name, unit=one.unit, misfit=one.misfit, has_phase=one.has_phase, **columns)
 
 
@@ -200,4 +206,6 @@ def _compared(one: SavedCurves) -> Compared:
         one.misfit,
         one.unit,
         one.has_phase,
+        np.array(one.orders, dtype=float) if one.orders else None,
+        np.array(one.speeds, dtype=float) if one.speeds else None,
     )

@@ -172,9 +172,7 @@ def _check_information(problem: FitProblem) -> None:
     seen = max(float(np.max(np.abs(block.measured)) / np.min(block.deviations)) for block in problem.blocks)
     idle = [name for name, size in zip(problem.names, effects, strict=True) if not size > IDLE_EFFECT * seen]
     if idle:
-        pairs = ", ".join(
-            dict.fromkeys(f"{block.measurement.output}/{block.measurement.input}" for block in problem.blocks)
-        )
+        pairs = ", ".join(dict.fromkeys(block.measurement.channels for block in problem.blocks))
         does = "does" if len(idle) == 1 else "do"
         raise UsageError(f"{', '.join(idle)} {does} not act on {pairs}; leave {'it' if len(idle) == 1 else 'them'} out")
 

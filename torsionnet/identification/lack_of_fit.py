@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -61,9 +61,10 @@ class Explanation:
 
     Attributes
     ----------
-    kind : {"delay", "gain", "hysteretic", "viscous", "ratio", "value"}
+    kind : {"delay", "gain", "reference_angle", "hysteretic", "viscous", "ratio", "value", "misfire", "gas_torque"}
     of : str
-        The signal that is late or too large, the element with another kind of damping, or the value set free.
+        The signal that is late, too large or turned, the element with another kind of damping, the value set free, or
+        the cylinder that misfires.
     values, standard_errors : mapping of str to float
         Values and errors of all parameters with the additional unknown, which is among them, SI.
     before : float or None
@@ -153,7 +154,7 @@ def _judge_block(block: MeasurementBlock, residual: FloatArray, covariance: Floa
     mean, square = float(np.trace(R)), float(np.sum(R**2))
     total = float(r @ r) / mean
     chances = [float(stats.f.sf(total, mean**2 / square, noise.certainty))]
-    waves = _waves(count, len(r) // count)
+    waves = _waves(count, len(r) // count, block.runs)
     sizes, directions = np.linalg.eigh(waves.T @ R @ waves)
     seen = sizes > ABSORBED_VARIANCE_SHARE * sizes[-1]
     pattern = float(np.mean((directions[:, seen].T @ (waves.T @ r)) ** 2 / sizes[seen]))
@@ -164,7 +165,12 @@ def _judge_block(block: MeasurementBlock, residual: FloatArray, covariance: Floa
     return Misfit(block.measurement.label, float(np.sqrt(total)), float(size), min(1.0, 2 * min(chances)))
 
 
-def _waves(count: int, parts: int) -> FloatArray:
-    """Cosines over the lines, in each part of the residuals on its own, (parts * n_lines, parts * PATTERN_COUNT)."""
-    places = (np.arange(count) + 0.5) / count
-    return np.asarray(np.kron(np.eye(parts), np.cos(np.pi * np.outer(places, np.arange(min(PATTERN_COUNT, count))))))
+def _waves(count: int, parts: int, runs: Sequence[slice]) -> FloatArray:
+    """Cosines over each run of lines, in each part of the residuals on its own, (parts * n_lines, n_patterns)."""
+    columns = []
+    for run in runs:
+        length = run.stop - run.start
+        waves = np.zeros((count, min(PATTERN_COUNT, length)))
+        waves[run] = np.cos(np.pi * np.outer((np.arange(length) + 0.5) / length, np.arange(waves.shape[1])))
+        columns.append(waves)
+    return np.asarray(np.kron(np.eye(parts), np.concatenate(columns, axis=1)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from torsionnet.core.number_text import value_with_error
@@ -12,6 +13,9 @@ ADVICE_BY_CAUSE = {
     "gain": "find it along (gain: true), or look for a wrong ratio, calibration or sign",
     "hysteretic": "give the spring a loss factor instead of a viscous damping",
     "viscous": "give the spring a viscous damping instead of a loss factor",
+    "reference_angle": "find it along (reference_angle: true), or correct where the reference stands",
+    "misfire": "look at its injection, or find the share along",
+    "gas_torque": "look at its injection, or find the factor along",
     "ratio": "look for other teeth, or correct the ratio",
     "value": "free it too, or correct it",
 }
@@ -61,6 +65,12 @@ def cause_in_words(kind: str, of: str, value: float, before: float | None) -> st
         return f"a delay of {1e3 * value:.3g} ms in {of}"
     if kind == "gain":
         return f"a gain of {value:.4g} in {of}{' (a channel is reversed)' * (value < 0)}"
+    if kind == "reference_angle":
+        return f"a reference angle of {math.degrees(value):.4g} deg in {of}"
+    if kind == "misfire":
+        return f"a misfire of {of} ({100 * value:.3g} % of its injection lost)"
+    if kind == "gas_torque":
+        return f"a gas torque of {of} {value:.3g} times that of the others"
     if kind == "hysteretic":
         return f"hysteretic instead of viscous damping in {of} (loss factor {value:.3g})"
     if kind == "viscous":

@@ -13,7 +13,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.threads import one_thread
 from torsionnet.identification.cause_fits import CauseFit, explaining_fits, fit_causes, overall_misfit, sum_of_squares
-from torsionnet.identification.causes import possible_causes
+from torsionnet.identification.causes import CHANNEL_CAUSES, possible_causes
 from torsionnet.identification.fit import Fit
 from torsionnet.identification.fit_problem import FitProblem, make_problem
 from torsionnet.identification.fit_search import LeastSquaresSolution, local_optimum
@@ -29,9 +29,10 @@ class RankedCause:
 
     Attributes
     ----------
-    kind : {"delay", "gain", "hysteretic", "viscous", "ratio", "value"}
+    kind : {"delay", "gain", "reference_angle", "hysteretic", "viscous", "ratio", "value", "misfire", "gas_torque"}
     of : str
-        The value, the signals of a gain or delay, or the element with another kind of damping.
+        The value, the signals of a gain, delay or reference angle, the element with another kind of damping, or the
+        cylinder that misfires.
     unknown : str
         Name of the value freed: ``gearbox.ratio``, ``gain``.
     before : float or None
@@ -100,7 +101,7 @@ class Ranking(NotebookResult):
         )
         rows = []
         for one in self.causes:
-            what = f"{one.kind} of {one.of}" if one.unknown in ("delay", "gain") else one.unknown
+            what = f"{one.kind.replace('_', ' ')} of {one.of}" if one.unknown in CHANNEL_CAUSES else one.unknown
             rows.append((what, one.before, one.value, one.factor, 100 * one.misfit, "yes" if one.explains else "no"))
         note = f"misfit {100 * self.misfit:.3g} % (RMS of model minus test over test) with nothing freed"
         return Table("What would explain the misfit", columns, tuple(rows), (self.verdict, note))
@@ -117,7 +118,8 @@ def rank_causes(
     """Ranking of the causes of a misfit, each value freed alone, by the misfit that is left.
 
     Tried are a gain and a delay of the outputs' channels, every inertia, stiffness, damping and ratio of the model, and
-    the other kind of damping of its springs.
+    the other kind of damping of its springs; for measured orders also the angle of their reference, a misfire of each
+    cylinder, and amplitudes and phases of propellers and other given torques.
 
     Parameters
     ----------
@@ -186,7 +188,7 @@ def _ranked(one: CauseFit, whole: float, *, explains: bool) -> RankedCause:
     outputs = " and ".join(dict.fromkeys(block.measurement.output for block in one.problem.blocks))
     return RankedCause(
         kind=cause.kind,
-        of=outputs if cause.is_of_channel else cause.unknown if cause.is_value else cause.element,
+        of=cause.place(outputs),
         unknown=cause.unknown,
         before=begin if cause.is_value else None,
         value=value,

@@ -262,6 +262,32 @@ class Model:
             return self
         return self._as_chosen(self.with_definition(with_named_entries(self._base, fitting)))
 
+    def with_excitation_numbers(self, values: Mapping[str, float]) -> Self:
+        """Copy of the model with other numbers in its excitations, in SI units.
+
+        Parameters
+        ----------
+        values : mapping
+            Place of a number -> value in SI: ``"engine.misfire_share.4"``, ``"propeller.blade_orders.1.share"``.
+            Configurations that change the same entries still do.
+
+        Raises
+        ------
+        UsageError
+            An excitation has no such number, or there is no such excitation.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> model = tn.load("engine_generator_set").with_excitation_numbers({"engine.misfire_share.4": 0.3})
+        >>> model.definition.excitations["engine"].misfire_share
+        {'4': 0.3}
+        """
+        from torsionnet.model.excitations.excitation_numbers import with_numbers
+
+        changed = with_numbers(self._base.excitations, values)
+        return self._as_chosen(self.with_definition(replace(self._base, excitations=changed)))
+
     def with_part(
         self,
         name: str,

@@ -2,27 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from torsionnet.core.errors import UsageError
 from torsionnet.response import FrequencyResponse
+from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.response.order_comparison import MeasuredOrder
 from torsionnet.response.recording import Recording
 from torsionnet.signals.welch import Welch
+
+ONLY_OF_ORDERS = ("orders_used", "speeds", "speed_of", "reference_angle")
+"""Attributes of a measurement that belong to orders of turning machinery."""
 
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """Measurement for a fit, a record of signals or an estimated frequency response, with channels and band.
+    """Measurement for a fit: a record of signals, an estimated frequency response or orders, with channels and band.
 
     Attributes
     ----------
-    data : Recording or FrequencyResponse
+    data : Recording, FrequencyResponse, TrackedOrders or sequence of MeasuredOrder
         With a record, the model predicts the output from the measured input, and test and prediction go through the
-        same estimator, which avoids a bias by leakage. A record begins at rest, or see ``settling``.
+        same estimator, which avoids a bias by leakage. A record begins at rest, or see ``settling``. Orders are
+        compared with those that the excitations of the model cause at the same speeds, over their intervals; without
+        phases only amplitudes are.
     output, input : str
-        Names in the data, and in the model unless ``model_output`` and ``model_input`` say otherwise.
+        Names in the data, and in the model unless ``model_output`` and ``model_input`` say otherwise. Orders have no
+        input, and those of a tracked channel have its name.
     configuration : str, optional
         Configuration of the model: ``"II"``, ``"gear=II,clutch=open"``.
     band : tuple of float, optional
@@ -45,12 +54,22 @@ class Measurement:
     name : str, optional
         By default the configuration.
     error : float, optional
-        Relative standard error of a response, instead of what its coherence says: 0.05 is 5 % of every magnitude.
+        Relative standard error of a response, instead of what its coherence says: 0.05 is 5 % of every magnitude. Of
+        orders it holds where they have no interval.
+    orders_used : tuple of float, optional
+        Orders that are compared; by default all that the model excites.
+    speeds : tuple of float, optional
+        Lowest and highest speed of the reference shaft in rad/s at which orders are compared.
+    speed_of : str, optional
+        Node of the shaft of which the test's orders and speeds are; by default that of the model's speeds.
+    reference_angle : bool, optional
+        Whether the angle is found along by which the test's reference comes after the zero of the model's angle of
+        rotation, rad.
     """
 
-    data: Recording | FrequencyResponse
-    output: str
-    input: str
+    data: Recording | FrequencyResponse | TrackedOrders | Sequence[MeasuredOrder]
+    output: str = ""
+    input: str = ""
     configuration: str = ""
     band: tuple[float, float] | None = None
     excluded: tuple[tuple[float, float], ...] = ()
@@ -64,8 +83,18 @@ class Measurement:
     settling: float = 0.0
     name: str = ""
     error: float | None = None
+    orders_used: tuple[float, ...] = ()
+    speeds: tuple[float, float] | None = None
+    speed_of: str = ""
+    reference_angle: bool = False
 
     def __post_init__(self) -> None:
+        if not isinstance(self.data, Recording | FrequencyResponse):
+            self._take_orders(self.data)
+        elif wrong := [name for name in ONLY_OF_ORDERS if getattr(self, name)]:
+            raise UsageError(f"{', '.join(wrong)} {'belong' if len(wrong) > 1 else 'belongs'} to measured orders")
+        elif not (self.output and self.input):
+            raise UsageError("name the output and the input of a record or response")
         for low, high in (*([self.band] if self.band else ()), *self.excluded):
             if not (np.isfinite(low) and low >= 0 and high > low):
                 raise UsageError(f"a band goes from a frequency >= 0 to a higher one, in Hz, got {low}, {high}")
@@ -80,6 +109,35 @@ class Measurement:
                 "error is for a response that was estimated before; leave it "
                 "out for a record, whose noise is taken from the data"
             )
+
+    def _take_orders(self, data: TrackedOrders | Sequence[MeasuredOrder]) -> None:
+        """Check what is said about orders, and bring them and their output to the stored form."""
+        if isinstance(data, TrackedOrders):
+            object.__setattr__(self, "output", self.output or data.name)
+        else:
+            listed = tuple(data)
+            if not listed or not all(isinstance(one, MeasuredOrder) for one in listed):
+                raise UsageError("a measurement is a record, a frequency response, tracked orders or MeasuredOrders")
+            object.__setattr__(self, "data", listed)
+        if not self.output:
+            raise UsageError("name the output of the model that the orders were measured at")
+        if self.input or self.model_input or self.excitation:
+            raise UsageError("orders have no input: the excitations of the model cause them; leave input out")
+        if self.settings or self.settling or self.reference:
+            raise UsageError("settings, settling and reference belong to records; these are orders")
+        object.__setattr__(self, "orders_used", tuple(map(float, self.orders_used)))
+        if self.speeds is not None and not 0 <= self.speeds[0] < self.speeds[1]:
+            raise UsageError(f"a range of speeds goes from a lower to a higher one, in rad/s, got {self.speeds}")
+
+    @property
+    def has_orders(self) -> bool:
+        """Whether the measurement is of orders of turning machinery, not a record or a frequency response."""
+        return not isinstance(self.data, Recording | FrequencyResponse)
+
+    @property
+    def channels(self) -> str:
+        """Text with output and input of the measurement, or orders and output: ``theta_1/T_T``, ``orders of T_cpl``."""
+        return f"orders of {self.output}" if self.has_orders else f"{self.output}/{self.input}"
 
     @property
     def label(self) -> str:

@@ -8,28 +8,54 @@ fit do.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.identification.orders.parametric_orders import parameters_of_drivetrain
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.noise import Noise, noise_between_lines
 from torsionnet.identification.residuals.residual_forms import Form, residuals_in_form
-from torsionnet.solve.sensitivity import ParametricResponse, parametric_response
+from torsionnet.response import FrequencyResponse
+from torsionnet.solve.sensitivity import Evaluation, parametric_response
+
+
+class ParametricCurve(Protocol):
+    """Protocol of a curve of the model (frequency response or orders) as a function of unknowns, in SI units."""
+
+    @property
+    def drivetrain(self) -> AssembledModel: ...
+
+    @property
+    def names(self) -> tuple[str, ...]: ...
+
+    @property
+    def start(self) -> FloatArray: ...
+
+    @property
+    def frequencies(self) -> FloatArray: ...
+
+    @property
+    def unit(self) -> str: ...
+
+    def at(self, values: Sequence[float] | FloatArray) -> Evaluation: ...
 
 
 @dataclass(eq=False)
 class MeasurementBlock(ABC):
     """Weighted residuals of one measurement against the model, with their derivatives and covariance.
 
-    Vectors of values hold the ``parameters`` of the model first, then delay and gain where they are fitted.
+    Vectors of values hold the ``parameters`` of the model first, then delay, gain and reference angle where they are
+    fitted.
     """
 
     measurement: Measurement
-    response: ParametricResponse
+    response: ParametricCurve
     form: Form = field(default="complex", kw_only=True)
 
     @property
@@ -46,6 +72,37 @@ class MeasurementBlock(ABC):
     @abstractmethod
     def frequencies(self) -> FloatArray:
         """Frequencies of the lines at which test and model are compared, Hz, (n_b,)."""
+
+    @property
+    def runs(self) -> tuple[slice, ...]:
+        """Slices of lines along which a misfit may have a pattern: all lines of a response, those of each order."""
+        return (slice(0, len(self.frequencies)),)
+
+    @property
+    def line_orders(self) -> FloatArray | None:
+        """Order of each line, vibrations per revolution, (n_b,); None for what is no measurement of orders."""
+        return None
+
+    @property
+    def line_speeds(self) -> FloatArray | None:
+        """Speed of the reference shaft at each line of orders, rad/s, (n_b,); None as well for responses."""
+        return None
+
+    @property
+    def has_phase(self) -> bool:
+        """Whether the test has phases, so that complex values can be compared."""
+        data = self.measurement.data
+        return not isinstance(data, FrequencyResponse) or data.has_phase
+
+    @property
+    def noise_is_stated(self) -> bool:
+        """Whether the noise of the lines is stated with the test, and not estimated from residuals."""
+        return self.measurement.error is not None
+
+    @property
+    def unit(self) -> str:
+        """SI unit of the values compared."""
+        return self.response.unit
 
     @property
     def description(self) -> str:
@@ -147,16 +204,18 @@ class MeasurementBlock(ABC):
         found, old = copy(self), self.response
         found.measurement = measurement
         output, into = measurement.model_output or measurement.output, measurement.model_input or measurement.input
+        names = parameters_of_drivetrain(rig, parameters)
         found.response = parametric_response(
-            rig, output, into, old.frequencies, parameters, excitation=measurement.excitation
+            rig, output, into, old.frequencies, names, excitation=measurement.excitation
         )
         return found
 
     @property
     def extra(self) -> tuple[str, ...]:
-        """Names of the channel's unknowns (delay, gain), which follow the parameters among the values."""
-        asked = (("delay", self.measurement.delay), ("gain", self.measurement.gain))
-        return tuple(name for name, wanted in asked if wanted)
+        """Names of the channel's unknowns (delay, gain, reference angle), which follow the parameters in the values."""
+        one = self.measurement
+        asked = {"delay": one.delay, "gain": one.gain, "reference_angle": one.reference_angle and one.has_orders}
+        return tuple(name for name, wanted in asked.items() if wanted)
 
     def _distorted(self, values: FloatArray, f: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """Response of the model with delay and gain of the channel, SI, (n_f,), and derivatives (n_f, n)."""
@@ -166,10 +225,16 @@ class MeasurementBlock(ABC):
         extra = dict(zip(self.extra, values[count:], strict=True))
         turn = -2j * np.pi * f
         late = np.exp(turn * extra.get("delay", 0.0))
+        if "reference_angle" in extra:
+            assert self.line_orders is not None
+            late = late * np.exp(1j * self.line_orders * extra["reference_angle"])
         channel = extra.get("gain", 1.0) * late
         columns = [slopes * channel[:, None]]
         if "delay" in extra:
             columns.append((turn * G * channel)[:, None])
         if "gain" in extra:
             columns.append((G * late)[:, None])
+        if "reference_angle" in extra:
+            assert self.line_orders is not None
+            columns.append((1j * self.line_orders * G * channel)[:, None])
         return np.asarray(G * channel), np.concatenate(columns, axis=1)

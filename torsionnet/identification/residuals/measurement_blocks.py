@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
+from torsionnet.identification.orders.order_block import order_block
+from torsionnet.identification.orders.parametric_orders import parameters_of_drivetrain
 from torsionnet.identification.residuals.instrument import Instrument, choose_instrument
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
@@ -45,8 +47,10 @@ def make_block(
     rig = model.configured(measurement.configuration) if measurement.configuration else model
     data = measurement.data
     if isinstance(data, Recording):
-        return _of_record(rig, measurement, data, parameters, form)
-    return _of_response(rig, measurement, data, parameters, form)
+        return _of_record(rig, measurement, data, parameters_of_drivetrain(rig, parameters), form)
+    if isinstance(data, FrequencyResponse):
+        return _of_response(rig, measurement, data, parameters_of_drivetrain(rig, parameters), form)
+    return order_block(rig, measurement, parameters, form)
 
 
 def _of_record(

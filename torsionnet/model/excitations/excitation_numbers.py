@@ -101,6 +101,14 @@ def excitation_number(excitations: Mapping[str, OrderExcitation], name: str) -> 
     return ExcitationNumber(name, owner, path, value, spec.dimension, bounds, absent)
 
 
+def numbers_by_name(name: str, excitation: OrderExcitation) -> Iterator[ExcitationNumber]:
+    """Numbers (SI) in the entries of an excitation that are given, in the order of its entries."""
+    for number in _names(excitation):
+        found = excitation_number({name: excitation}, f"{name}.{number}")
+        if found is not None:
+            yield found
+
+
 def with_number(excitation: OrderExcitation, number: ExcitationNumber, value: float) -> OrderExcitation:
     """Copy of an excitation in which one number has another value in SI, without any check.
 
@@ -108,6 +116,23 @@ def with_number(excitation: OrderExcitation, number: ExcitationNumber, value: fl
     """
     changed: OrderExcitation = _put(excitation, number.path, value, number.absent)
     return changed
+
+
+def with_numbers(excitations: Mapping[str, OrderExcitation], values: Mapping[str, float]) -> dict[str, OrderExcitation]:
+    """Excitations by name with other numbers, in SI, by their dotted names; unchecked as :func:`with_number`.
+
+    Raises
+    ------
+    UsageError
+        No excitation has such a number.
+    """
+    found = dict(excitations)
+    for name, value in values.items():
+        number = excitation_number(found, name)
+        if number is None:
+            raise UsageError(f'no excitation has a number "{name}"{did_you_mean(name.partition(".")[0], found)}')
+        found[number.excitation] = with_number(found[number.excitation], number, float(value))
+    return found
 
 
 Found = tuple[tuple[Any, ...], float, Value, "Declared | None"]

@@ -69,6 +69,12 @@ class ParametricResponse:
         return self.unknowns.names
 
     @property
+    def unit(self) -> str:
+        """SI unit of the first output over the first input of the transfer functions, 1 for a ratio of like signals."""
+        output, into = self.request.outputs[0].unit, self.request.measured[0].unit
+        return "1" if output == into else f"{output}/({into})" if "*" in into else f"{output}/{into}"
+
+    @property
     def start(self) -> FloatArray:
         """Parameter values (n_p,) of the drivetrain as given, in SI units."""
         return np.array(self.unknowns.start)

@@ -1,0 +1,203 @@
+"""Measured orders of a fit as lines: order, speed, complex amplitude and its standard deviation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.core.errors import UsageError
+from torsionnet.core.listing import comma_list
+from torsionnet.core.units import RPM
+from torsionnet.identification.orders.parametric_orders import same_order
+from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.response.order_comparison import MeasuredOrder
+
+if TYPE_CHECKING:
+    from torsionnet.identification.residuals.measurement import Measurement
+
+OrderData: TypeAlias = TrackedOrders | tuple[MeasuredOrder, ...]
+"""Orders as a fit takes them: a tracked channel, or single orders of one output."""
+DEVIATIONS_PER_HALF_WIDTH = 1.959964
+"""Half width of a 95 % interval of a normal distribution over its standard deviation."""
+
+
+@dataclass(frozen=True, eq=False)
+class OrderLines:
+    """Measured amplitudes of orders at speeds, sorted by order and speed, SI.
+
+    Attributes
+    ----------
+    orders, speeds : (n_lines,) arrays
+        Vibrations per revolution of the reference shaft, and its speed in rad/s.
+    values : (n_lines,) complex array
+        Peak amplitudes, SI; without phases the sizes.
+    deviations : (n_lines,) array
+        Standard deviation of real and of imaginary part, SI.
+    is_known : bool
+        Whether the deviations are stated or measured; else only their ratios are supposed.
+    has_phase : bool
+    left_out : tuple of float
+        Orders of the test that the model does not excite.
+    """
+
+    orders: FloatArray
+    speeds: FloatArray
+    values: ComplexArray
+    deviations: FloatArray
+    is_known: bool
+    has_phase: bool
+    left_out: tuple[float, ...] = ()
+
+    @property
+    def runs(self) -> tuple[slice, ...]:
+        """Slice of the lines of each order."""
+        ends = [0, *(np.flatnonzero(np.diff(self.orders)) + 1).tolist(), len(self.orders)]
+        return tuple(slice(first, last) for first, last in pairwise(ends))
+
+
+def has_phases(data: OrderData) -> bool:
+    """Whether measured orders have phases against a reference, so that complex amplitudes can be compared."""
+    if isinstance(data, TrackedOrders):
+        return bool(data.reference)
+    return all(one.values is not None for one in data)
+
+
+def measured_orders(data: OrderData) -> tuple[float, ...]:
+    """Orders of a measurement, rising."""
+    orders = data.orders.tolist() if isinstance(data, TrackedOrders) else [one.order for one in data]
+    return tuple(sorted(dict.fromkeys(map(float, orders))))
+
+
+def order_lines(measurement: Measurement, excited: Sequence[float]) -> OrderLines:
+    """Lines of a measurement of orders that a model with the ``excited`` orders can be compared with.
+
+    Raises
+    ------
+    UsageError
+        An order asked for that was not measured or that the model does not excite, or nothing left to compare.
+    """
+    faults = order_faults(measurement, excited)
+    if faults:
+        raise UsageError("; ".join(f"{measurement.label}: {text}" for _, text in faults))
+    data: OrderData = measurement.data  # type: ignore[assignment]
+    wanted = measurement.orders_used or tuple(one for one in measured_orders(data) if _among(one, excited))
+    rows = [row for row in _rows(data) if _among(row[0], wanted)]
+    orders, speeds, values, widths = (np.concatenate(part) for part in zip(*map(_columns, rows), strict=True))
+    kept = _kept(measurement, orders, speeds) & np.isfinite(values) & (values != 0)
+    if not kept.any():
+        raise UsageError(f"{measurement.label} has nothing to compare: {_speeds_there(speeds)}")
+    order = np.lexsort((speeds[kept], orders[kept]))
+    orders, speeds, values, widths = (part[kept][order] for part in (orders, speeds, values, widths))
+    phases = has_phases(data)
+    values = values if phases else np.abs(values).astype(complex)
+    deviations, known = _deviations(measurement, orders, values, widths)
+    left_out = () if measurement.orders_used else tuple(one for one in measured_orders(data) if not _among(one, wanted))
+    return OrderLines(orders, speeds, values, deviations, known, phases, left_out)
+
+
+def order_faults(measurement: Measurement, excited: Sequence[float]) -> list[tuple[str, str]]:
+    """Faults of a measurement of orders as pairs of the entry and what is wrong with it, all at once."""
+    data: OrderData = measurement.data  # type: ignore[assignment]
+    there, found = measured_orders(data), []
+    if missing := [one for one in measurement.orders_used if not _among(one, there)]:
+        text = f"order {_orders(missing)} was not measured; there are {_orders(there)}"
+        found.append(("orders_used", text))
+    if silent := [one for one in measurement.orders_used if _among(one, there) and not _among(one, excited)]:
+        text = f"the model does not excite order {_orders(silent)}; its orders are {_orders(excited)}"
+        found.append(("orders_used", f"{text}; leave it out, or give the model what excites it"))
+    if not measurement.orders_used and not any(_among(one, excited) for one in there):
+        text = f"the model excites none of the measured orders {_orders(there)}; its orders are {_orders(excited)}"
+        found.append(("orders", text))
+    speeds = np.concatenate([_columns(row)[1] for row in _rows(data)])
+    if measurement.speeds is not None and not _inside(measurement.speeds, speeds).any():
+        low, high = (edge * RPM for edge in measurement.speeds)
+        found.append(("speeds", f"nothing was measured from {low:g} to {high:g} rpm: {_speeds_there(speeds)}"))
+    if not has_phases(data):
+        if measurement.reference_angle:
+            text = "a reference angle is found from phases, but the phases of these orders have no reference"
+            found.append(("reference_angle", f"{text}; track them against a pulse or an encoder's index"))
+        if measurement.delay:
+            found.append(("delay", "a delay is found from phases, but these orders have none against a reference"))
+    return found
+
+
+Row = tuple[float, FloatArray, ComplexArray, FloatArray]
+
+
+def _rows(data: OrderData) -> list[Row]:
+    """Order, speeds, values and half widths of each measured order."""
+    if isinstance(data, TrackedOrders):
+        every = zip(data.orders.tolist(), data.values, data.half_widths, strict=True)
+        return [(order, data.speeds, values, widths) for order, values, widths in every]
+    return [
+        (
+            one.order,
+            one.speeds,
+            np.asarray(one.amplitude if one.values is None else one.values, dtype=complex),
+            np.full(len(one.speeds), np.nan) if one.half_widths is None else one.half_widths,
+        )
+        for one in data
+    ]
+
+
+def _columns(row: Row) -> tuple[FloatArray, FloatArray, ComplexArray, FloatArray]:
+    order, speeds, values, widths = row
+    return np.full(len(speeds), order), np.asarray(speeds, dtype=float), values, widths
+
+
+def _kept(measurement: Measurement, orders: FloatArray, speeds: FloatArray) -> NDArray[np.bool_]:
+    """Lines (n_lines,) in the bands of speed and frequency of a measurement."""
+    hertz = orders * speeds / (2 * np.pi)
+    kept = hertz > 0
+    if measurement.speeds is not None:
+        kept &= _inside(measurement.speeds, speeds)
+    if measurement.band is not None:
+        kept &= (hertz >= measurement.band[0]) & (hertz <= measurement.band[1])
+    for low, high in measurement.excluded:
+        kept &= (hertz < low) | (hertz > high)
+    return np.asarray(kept)
+
+
+def _inside(band: tuple[float, float], speeds: FloatArray) -> NDArray[np.bool_]:
+    rounding = 1e-9
+    return np.asarray((speeds >= band[0] * (1 - rounding)) & (speeds <= band[1] * (1 + rounding)))
+
+
+def _deviations(
+    measurement: Measurement, orders: FloatArray, values: ComplexArray, widths: FloatArray
+) -> tuple[FloatArray, bool]:
+    """Standard deviations (n_lines,) of real and imaginary part in SI, and whether they are known.
+
+    From the half widths; where there is none, from the relative error stated, else as of the other lines. Without any
+    of these the noise is supposed to be a share of the RMS amplitude of the order, since noise of a channel does not
+    follow the amplitude from speed to speed.
+    """
+    stated = np.isfinite(widths) & (widths > 0)
+    found = np.where(stated, widths / DEVIATIONS_PER_HALF_WIDTH, np.nan)
+    if measurement.error is not None:
+        return np.where(stated, found, measurement.error * np.abs(values)), True
+    if stated.any():
+        return np.where(stated, found, np.median(found[stated])), True
+    level = np.empty(len(orders))
+    for order in np.unique(orders):
+        mine = orders == order
+        level[mine] = np.sqrt(np.mean(np.abs(values[mine]) ** 2))
+    return level, False
+
+
+def _among(order: float, known: Sequence[float]) -> bool:
+    return any(same_order(order, one) for one in known)
+
+
+def _orders(orders: Sequence[float]) -> str:
+    return comma_list([f"{one:g}" for one in orders], none="none")
+
+
+def _speeds_there(speeds: FloatArray) -> str:
+    return f"its speeds go from {speeds.min() * RPM:.4g} to {speeds.max() * RPM:.4g} rpm"

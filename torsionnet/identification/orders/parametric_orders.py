@@ -1,0 +1,273 @@
+"""Order response of a drivetrain as a function of parameters of the drivetrain and of its excitations.
+
+A measured order is compared with the sum of all order lines of that order, X = sum_l G(f_l) T_l with the receptances G
+per unit torque and the torques T of the excitations. G depends on parameters of the drivetrain, with exact derivatives;
+T on numbers of the excitations, with differences that are exact where T is linear in them, as it is in shares, factors
+and amplitudes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.core.errors import UsageError
+from torsionnet.core.listing import comma_list
+from torsionnet.model.channels import Sensor
+from torsionnet.model.excitations.excitation_numbers import ExcitationNumber, excitation_number, with_number
+from torsionnet.model.model import Model
+from torsionnet.response.order_comparison import SAME_ORDER_DIFFERENCE
+from torsionnet.solve.running.operating_groups import drivetrains_at_speeds
+from torsionnet.solve.running.order_response import OrderRequest, settled_values
+from torsionnet.solve.sensitivity import Evaluation, ParametricResponse, parametric_response
+
+DIFFERENCE_STEP = 1e-4
+"""Step of a central difference over the number, or over its usual size: the error of a phase is then 2e-9 of its
+derivative, and rounding 1e-12 of the torque."""
+USUAL_SIZES = {"pressure": 1e5, "torque": 100.0, "speed": 10.0, "acceleration": 100.0}
+"""Usual size of a number in SI by dimension, for the step where the number is 0; 1 of all others."""
+
+
+def numbers_of_excitations(model: Model, names: Sequence[str]) -> dict[str, ExcitationNumber]:
+    """Numbers of excitations (SI) among the names of unknowns, by name; all other names are parameters or fields.
+
+    Raises
+    ------
+    UsageError
+        An excitation has no such number.
+    """
+    definition, found = model.definition, {}
+    for name in names:
+        element, _, field = name.rpartition(".")
+        of_element = element in definition.elements and field in definition.elements[element].scalars()
+        if name not in definition.parameters and not of_element:
+            number = excitation_number(definition.excitations, name)
+            if number is not None:
+                found[name] = number
+    return found
+
+
+def parameters_of_drivetrain(model: Model, names: Sequence[str]) -> tuple[str, ...]:
+    """Names of the unknowns of a fit that are parameters or fields of the drivetrain, not numbers of excitations."""
+    numbers = numbers_of_excitations(model, names)
+    return tuple(name for name in names if name not in numbers)
+
+
+@dataclass(frozen=True, eq=False)
+class _Pairs:
+    """Pairs of a measured line and an order line of the model that is part of it.
+
+    Attributes
+    ----------
+    measured : (n,) int array
+        Index of the measured line.
+    speed, line : (n,) int arrays
+        Indices of its speed and of the model's line.
+    """
+
+    measured: NDArray[np.intp]
+    speed: NDArray[np.intp]
+    line: NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class ParametricOrders:
+    """Complex order amplitudes of an output at measured orders and speeds, as functions of unknowns, in SI.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> rig = tn.load("engine_generator_set").configured("normal")
+    >>> orders = parametric_orders(rig, "T_cpl", np.array([3.0]), np.array([90.0]), ["engine.misfire_share.4"])
+    >>> found = orders.at(orders.start)
+    >>> bool(abs(found.values[0, 0, 0] - rig.order_response("T_cpl", speeds=[90.0]).values[0, 5, 0]) < 1e-6)
+    True
+    """
+
+    drivetrain: AssembledModel
+    names: tuple[str, ...]
+    orders: FloatArray
+    speeds: FloatArray
+    numbers: Mapping[str, ExcitationNumber]
+    speed_of: str
+    unit: str
+    _request: OrderRequest
+    _pairs: _Pairs
+    _signs: NDArray[np.bool_]
+    """Pairs whose vibration runs backwards in phase, (n_pairs,)."""
+    _responses: tuple[tuple[ParametricResponse, NDArray[np.intp], NDArray[np.intp]], ...]
+    """Receptances, the pairs that they belong to, and the frequency of each of these."""
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """Frequency in Hz of each measured line, order times speed, shape (n_lines,)."""
+        return np.asarray(self.orders * self.speeds / (2 * np.pi))
+
+    @cached_property
+    def start(self) -> FloatArray:
+        """Values (n,) of the unknowns in the model as given, in SI units."""
+        of_model = dict(zip(self._structural, self._responses[0][0].start.tolist(), strict=True))
+        return np.array([of_model[name] if name in of_model else self.numbers[name].value for name in self.names])
+
+    @cached_property
+    def _structural(self) -> tuple[str, ...]:
+        return tuple(name for name in self.names if name not in self.numbers)
+
+    def at(self, values: Sequence[float] | FloatArray) -> Evaluation:
+        """Amplitudes (n_lines, 1, 1) and derivatives (n_lines, 1, 1, n), in SI units, at values (n,) of the unknowns.
+
+        Raises
+        ------
+        SolveError
+            They are not finite there.
+        """
+        given = dict(zip(self.names, map(float, values), strict=True))
+        gains, slopes = self._gains([given[name] for name in self._structural])
+        numbers = {name: given[name] for name in self.numbers}
+        loads = self._loads(numbers)
+        found = np.zeros(len(self.orders), dtype=complex)
+        jacobian = np.zeros((len(self.orders), len(self.names)), dtype=complex)
+        np.add.at(found, self._pairs.measured, (gains * loads).sum(axis=1))
+        for place, name in enumerate(self.names):
+            if name in self.numbers:
+                moved = gains * self._load_slopes(name, numbers)
+            else:
+                moved = slopes[:, :, self._structural.index(name)] * loads
+            np.add.at(jacobian[:, place], self._pairs.measured, moved.sum(axis=1))
+        return Evaluation(found[:, None, None], jacobian[:, None, None])
+
+    def _gains(self, values: Sequence[float]) -> tuple[ComplexArray, ComplexArray]:
+        """Receptances (n_pairs, n_inputs) and their derivatives (n_pairs, n_inputs, n_structural)."""
+        count = len(self._pairs.measured)
+        first = self._responses[0][0]
+        gains = np.zeros((count, len(first.loads)), dtype=complex)
+        slopes = np.zeros((count, len(first.loads), len(values)), dtype=complex)
+        for response, pairs, frequency in self._responses:
+            found = response.at(values)
+            gains[pairs], slopes[pairs] = found.values[frequency, 0], found.jacobian[frequency, 0]
+        backward = self._signs
+        gains[backward], slopes[backward] = gains[backward].conj(), slopes[backward].conj()
+        return gains, slopes
+
+    def _loads(self, numbers: Mapping[str, float]) -> ComplexArray:
+        """Complex torques or motions (n_pairs, n_inputs) with these numbers of the excitations."""
+        changed = dict(self._request.excitations)
+        for name, value in numbers.items():
+            number = self.numbers[name]
+            changed[number.excitation] = with_number(changed[number.excitation], number, value)
+        found = replace(self._request, excitations=changed).loads(self._request.speeds)
+        return np.asarray(found.loads[self._pairs.speed, self._pairs.line])
+
+    def _load_slopes(self, name: str, numbers: Mapping[str, float]) -> ComplexArray:
+        number = self.numbers[name]
+        step = DIFFERENCE_STEP * (abs(numbers[name]) or USUAL_SIZES.get(number.dimension, 1.0))
+        ends = [self._loads({**numbers, name: numbers[name] + sign * step}) for sign in (1, -1)]
+        return np.asarray((ends[0] - ends[1]) / (2 * step))
+
+
+def parametric_orders(
+    drivetrain: AssembledModel,
+    output: str | Sensor,
+    orders: FloatArray,
+    speeds: FloatArray,
+    names: Sequence[str],
+    speed_of: str = "",
+) -> ParametricOrders:
+    """Amplitudes of an output at pairs of order and speed, ready to be evaluated with derivatives at any values.
+
+    Parameters
+    ----------
+    drivetrain : Drivetrain
+        In the configuration wanted, with excitations.
+    output : str or Sensor
+    orders : (n_lines,) array
+        Vibrations per revolution of the reference shaft.
+    speeds : (n_lines,) array
+        Speed of the reference shaft at each, rad/s.
+    names : sequence of str
+        Parameters, fields of elements (``damper.stiffness``), numbers of excitations (``engine.misfire_share.4``).
+    speed_of : str, optional
+        Node of the reference shaft; by default that of the model.
+
+    Raises
+    ------
+    UsageError
+        An unknown name, an order that the model does not excite, or excitations whose orders are no single condition.
+    """
+    numbers = numbers_of_excitations(drivetrain, names)
+    at, place = np.unique(speeds, return_inverse=True)
+    request = OrderRequest.of(drivetrain, at, speed_of or None)
+    idle = [one.excitation for one in numbers.values() if one.excitation not in request.excitations]
+    if idle:
+        raise UsageError(f"{comma_list(dict.fromkeys(idle))} is switched off in this configuration; leave it out")
+    pairs, hertz = _pairs_of(request, orders, place.ravel())
+    structural = tuple(name for name in names if name not in numbers)
+    responses = tuple(_responses(request, output, pairs, np.abs(hertz), structural))
+    unit = responses[0][0].request.outputs[0].unit
+    return ParametricOrders(
+        drivetrain, tuple(names), orders, speeds, numbers, speed_of, unit, request, pairs, hertz < 0, responses
+    )
+
+
+def excited_orders(drivetrain: AssembledModel, speed_of: str = "") -> tuple[float, ...]:
+    """Orders of the reference shaft that the excitations of a drivetrain have, rising, without fixed frequencies.
+
+    Raises
+    ------
+    UsageError
+        The drivetrain has no excitations, or the reference shaft is not known.
+    """
+    request = OrderRequest.of(drivetrain, None if drivetrain.definition.speeds else [1.0], speed_of or None)
+    lines = request.loads(request.speeds[:1]).lines
+    return tuple(sorted({float(line.relative) for line in lines if not line.fixed and line.relative}))
+
+
+def same_order(first: float, second: float) -> bool:
+    """Whether two orders are the same but for the few digits of a tracked order."""
+    return bool(abs(first - second) <= SAME_ORDER_DIFFERENCE * max(abs(first), abs(second)))
+
+
+def _pairs_of(request: OrderRequest, orders: FloatArray, speed: NDArray[np.intp]) -> tuple[_Pairs, FloatArray]:
+    """Pairs of measured and model lines, and the frequency of each pair in Hz (n_pairs,)."""
+    loads = request.loads(request.speeds)
+    several = [one.name for one in loads.by_excitation if one.torques.alternatives is not None]
+    if several:
+        text = f"{comma_list(several)} misfires in each cylinder in turn, which is no single condition"
+        raise UsageError(f"{text}; choose a configuration without misfire: each")
+    parts: list[tuple[int, int, int]] = []
+    for order in np.unique(orders).tolist():
+        lines = [
+            number for number, line in enumerate(loads.lines)
+            if not line.fixed and line.relative and same_order(float(line.relative), order)
+        ]  # fmt: skip
+        if not lines:
+            known = comma_list(sorted({float(line.relative) for line in loads.lines if not line.fixed}), none="none")
+            raise UsageError(f"the model does not excite order {order:g}; its orders are {known}")
+        parts += [(int(one), int(speed[one]), line) for one in np.flatnonzero(orders == order) for line in lines]
+    measured, at, line = np.array(parts, dtype=np.intp).T
+    return _Pairs(measured, at, line), np.asarray(loads.hertz[at, line])
+
+
+def _responses(
+    request: OrderRequest, output: str | Sensor, pairs: _Pairs, hertz: FloatArray, structural: tuple[str, ...]
+) -> list[tuple[ParametricResponse, NDArray[np.intp], NDArray[np.intp]]]:
+    rig, found = request.drivetrain, []
+    inputs: list[Any] = list(request.loads(request.speeds[:1]).inputs)
+    twisted = [one.of for one in inputs if one.quantity == "twist"]
+    if twisted:
+        text = f"an excitation imposes the twist of {comma_list(twisted)}, of which fits have no derivatives"
+        raise UsageError(f"{text}; switch that excitation off for the fit")
+    settled = settled_values(request) if rig.definition.following else {}
+    for one, places in drivetrains_at_speeds(rig, request.reference, request.speeds, settled):
+        mine = np.flatnonzero(np.isin(pairs.speed, places))
+        if len(mine):
+            frequencies, where = np.unique(hertz[mine], return_inverse=True)
+            found.append((parametric_response(one, output, inputs, frequencies, structural), mine, where.ravel()))
+    return found
