@@ -15,6 +15,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.identification.noise_sources import sensor_noise_powers, weighted_mean
 from torsionnet.identification.orders.order_block import OrderBlock
 from torsionnet.identification.orders.parametric_orders import numbers_of_excitations
+from torsionnet.identification.orders.reference_angles import reference_angles
 from torsionnet.identification.parameter_quantity import parameter_quantity
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
@@ -120,6 +121,28 @@ class FitProblem:
                 predicted, (real, imaginary) = block.predicted(start[place])[0], np.split(block.deviations, 2)
                 if np.sum((predicted.conj() * block.measured).real / (real**2 + imaginary**2)) < 0:
                     found[place[len(block.response.names) + block.extra.index("gain")]] *= -1
+        return found
+
+    def starts_with_other_references(self, start: FloatArray) -> list[FloatArray]:
+        """Start values, each (n,), with other likely angles of the references of measured orders; often none.
+
+        All measurements begin at the angles nearest to one of those of the first: they were often made together.
+        """
+        turned = [
+            (place[len(block.response.names) + block.extra.index("reference_angle")], block, place)
+            for block, place in zip(self.blocks, self.unknown_indices, strict=True)
+            if isinstance(block, OrderBlock) and "reference_angle" in block.extra
+        ]
+        likely = [(index, reference_angles(block, start[place])) for index, block, place in turned]
+        found = []
+        for angle in likely[0][1] if likely else ():
+            other = start.copy()
+            for index, angles in likely:
+                other[index] = min(
+                    angles, key=lambda one: abs(np.exp(0.5j * one) - np.exp(0.5j * angle)), default=angle
+                )
+            if not np.array_equal(other, start):
+                found.append(other)
         return found
 
     @property
@@ -241,8 +264,8 @@ def lay_out_problem(
     for block, mine in zip(blocks, entries_of_blocks, strict=True):
         entry = f"reference_angle[{block.measurement.label}]"
         if isinstance(block, OrderBlock) and entry in mine and entry not in (known or {}):
-            values = np.array([entries[one][0] for one in mine])
-            entries[entry] = block.nearest_reference_angle(values), entries[entry][1]
+            nearest = reference_angles(block, np.array([entries[one][0] for one in mine]))
+            entries[entry] = nearest[0] if nearest else 0.0, entries[entry][1]
     order = {entry: index for index, entry in enumerate(entries)}
     limits = np.array([bounds for _, bounds in entries.values()]).reshape(-1, 2)
     return FitProblem(

@@ -139,8 +139,9 @@ def _moved(before: FloatArray, after: FloatArray) -> float:
 
 
 def _starts_and_reversed(problem: FitProblem, count: int, seed: int) -> list[FloatArray]:
-    """Start values, each (n,), and those with a reversed channel where that is nearer to the test."""
+    """Start values, each (n,), with other likely reference angles, and with a channel reversed where that is nearer."""
     found = _starts(problem, count, seed)
+    found += problem.starts_with_other_references(found[0])
     return [
         *found,
         *(other for one in found if (other := problem.start_with_reversed_channels(one)).tobytes() != one.tobytes()),

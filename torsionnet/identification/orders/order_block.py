@@ -24,11 +24,6 @@ from torsionnet.identification.residuals.residual_forms import Form
 from torsionnet.identification.residuals.response_block import STATED_ERROR_CERTAINTY
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 
-ANGLES_PER_PERIOD = 16
-"""Number of angles within a period of the highest order at which the nearest reference angle is looked for."""
-LONGEST_CYCLE = 4 * np.pi
-"""Crank angle in rad of the longest common cycle, of a four-stroke engine, after which a reference comes again."""
-
 
 @dataclass(eq=False)
 class OrderBlock(MeasurementBlock):
@@ -148,23 +143,6 @@ class OrderBlock(MeasurementBlock):
         found.measurement = measurement
         found.response = _response(rig, measurement, self.lines, parameters)
         return found
-
-    def nearest_reference_angle(self, values: FloatArray) -> float:
-        """Reference angle in rad at which the model with ``values`` of its unknowns is nearest to the test.
-
-        The sum of squares has many minima over the angle, as many as the highest order has periods in a cycle.
-        """
-        count = len(self.response.names)
-        found = self.response.at(values[:count]).values[:, 0, 0]
-        steps = int(np.ceil(ANGLES_PER_PERIOD * max(float(self.lines.orders.max()), 1.0) * LONGEST_CYCLE / (2 * np.pi)))
-        angles = (np.arange(steps) - steps // 2) * (LONGEST_CYCLE / steps)
-        product = found.conj() * self.measured / self.noise
-        orders, place = np.unique(self.lines.orders, return_inverse=True)
-        by_order = np.zeros(len(orders), dtype=complex)
-        np.add.at(by_order, place.ravel(), product)
-        likeness = (np.exp(-1j * angles[:, None] * orders) @ by_order).real
-        best = likeness >= likeness.max() * (1 - 1e-12)
-        return float(angles[best][np.argmin(np.abs(angles[best]))])
 
 
 def order_block(rig: AssembledModel, measurement: Measurement, parameters: tuple[str, ...], form: Form) -> OrderBlock:
