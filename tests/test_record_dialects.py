@@ -134,9 +134,13 @@ class TestTdms:
         assert "begins at 2 s, its wf_start_offset" in found.notes
         assert not any("warning" in note for note in found.notes)
 
-    def test_offsets_and_intervals_that_differ_warn(self, tmp_path):
-        found = self.waves(tmp_path, (0.0, 0.5), (1e-3, 2e-3))
+    def test_offsets_that_differ_warn_and_several_rates_are_refused(self, tmp_path):
+        found = self.waves(tmp_path, (0.0, 0.5))
         assert [note for note in found.notes if note.startswith("warning: ")] == [
-            "warning: channels have sampling intervals between 0.001 and 0.002 s; that of the first was taken for all",
-            "warning: channels have starts (wf_start_offset) between 0 and 0.5 s; that of the first was taken for all",
+            "warning: channels have starts between 0 and 0.5 s; that of the first was taken for all; resample=True moves "
+            "them to their times",
         ]
+        with pytest.raises(
+            ModelError, match=r"sampled at 2 rates: 500 Hz \(b\), 1000 Hz \(a\); sampling_rate= chooses"
+        ):
+            self.waves(tmp_path, (0.0, 0.5), (1e-3, 2e-3))

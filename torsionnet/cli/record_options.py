@@ -29,7 +29,9 @@ class RecordReading(Arguments):
         "--unit", type=PairOption("CHANNEL", "UNIT", "M1=kNm"), help="Its unit in the file. Repeatable."
     )
     rate: float | None = option(
-        "--rate", type=FiniteFloat(0, min_open=True), help="Sampling rate in Hz, if the file has none."
+        "--rate",
+        type=FiniteFloat(0, min_open=True),
+        help="Sampling rate in Hz, if the file has none, or which of several.",
     )
     separator: str | None = option("--separator", help="Between the cells of a text file, instead of finding it out.")
     decimal: str | None = option("--decimal", type=click.Choice([".", ","]), help="Decimal sign of a text file.")
@@ -39,7 +41,9 @@ class RecordReading(Arguments):
         help="A channel of encoder pulses, or of their times, and its steps per revolution: it becomes an angle. "
         "Repeatable.",
     )
-    resample: bool = option("--resample", help="Make uneven time stamps even by splines.")
+    resample: bool = option(
+        "--resample", help="Make uneven time stamps even by splines, and bring channels of other rates to --rate."
+    )
 
     @property
     def arguments(self) -> dict[str, Any]:

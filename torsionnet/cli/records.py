@@ -37,7 +37,7 @@ def load_record(
     wanted = None if names is None else list(dict.fromkeys(names))
     if Path(path).is_file() and Path(path).stat().st_size > LARGE_FILE and not reading.pulses:
         return _checked_blocks(path, reading, wanted, window, advance)
-    record = read_recording(path, names=wanted, **reading.arguments)
+    record = read_recording(path, names=wanted, resample=reading.resample, **reading.arguments)
     for note in record.notes:
         if not note.startswith("warning:"):  # those come with the result
             message("note", note)

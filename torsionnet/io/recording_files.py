@@ -26,6 +26,8 @@ def read_recording(
     units: Mapping[str, str] | None = None,
     pulses: Mapping[str, float] | None = None,
     pulse_readings: Mapping[str, PulseReading] | None = None,
+    *,
+    resample: bool = False,
     **dialect: str,
 ) -> Recording:
     r"""Read a recording from a file, its values converted to SI, and what was assumed in its notes.
@@ -40,7 +42,7 @@ def read_recording(
         Channels to read, under new names where it is a mapping; all of the file if left out. A channel asked for by
         name must have a quantity; others that have none are kept as they are, with a note.
     sampling_rate : float, optional
-        Hz, where the file does not tell it.
+        Hz, where the file does not tell it; of a file with channels of several rates, the one that is read.
     units : mapping, optional
         Unit of channels where the file has none or a wrong one; one of time makes a channel the time stamps.
     pulses : mapping, optional
@@ -52,6 +54,9 @@ def read_recording(
         Channels that hold the counts or times of pulses, and how to read them: ``{"n1": PulseReading(clock="80 MHz",
         bits=32)}``. They become ``Recording.pulses``, each of a length of its own; with an entry in ``pulses`` too,
         the angle is made of them.
+    resample : bool
+        Bring the channels of other sampling rates to ``sampling_rate``, band-limited, with a note in each. Without it
+        they are left out, with a note, or refused where they are named.
     **dialect : str
         ``separator`` and ``decimal`` of a text file, instead of finding them out.
 
@@ -73,7 +78,9 @@ def read_recording(
     >>> record.notes[0]
     '"time" was taken for the time stamps'
     """
-    options = ReadOptions(names, quantities or {}, units or {}, sampling_rate, pulses or {}, pulse_readings or {})
+    options = ReadOptions(
+        names, quantities or {}, units or {}, sampling_rate, pulses or {}, pulse_readings or {}, resample
+    )
     with contextlib.closing(_read(Path(path), options, None, dialect)) as found:
         return next(found)
 

@@ -1,4 +1,4 @@
-"""Resampling of recordings with non-uniform time stamps to a uniform sampling rate."""
+"""Resampling of recordings with non-uniform time stamps to a uniform rate, and of signals to other sampling times."""
 
 from __future__ import annotations
 
@@ -14,6 +14,67 @@ from torsionnet.signals.timing import gaps
 LEAST_RATE_SHARE = 0.99
 """Least new rate as a share of a recording's mean rate, below 1 only by rounding, as a lower one needs an anti-alias
 filter."""
+
+VALID_SHARE = 0.8
+"""Share of half the lower of two sampling rates up to which a signal brought from one to the other is valid."""
+STOP_BAND_SHARE = 1e-4
+"""Share of an amplitude that the interpolating filter leaves above half the lower sampling rate, -80 dB."""
+VALUES_PER_CHUNK = 2**21
+"""Number of products of samples and filter coefficients formed together, which limits the memory."""
+
+
+def interpolated_at(values: FloatArray, rate: float, start: float, times: FloatArray, new_rate: float) -> FloatArray:
+    """Values (n,) of a uniformly sampled signal at other times, band-limited, in its unit.
+
+    The filter is a sinc under a Kaiser window, between 0.8 and 1.0 times half the lower of the two rates, so that
+    what the new rate cannot hold is removed and not folded. Beyond its ends the signal is reflected about its end
+    points.
+
+    Parameters
+    ----------
+    values : (m,) array
+        Samples, finite.
+    rate, start : float
+        Their sampling rate, Hz, and the time of the first, s.
+    times : (n,) array
+        New times, s, within the span of the samples.
+    new_rate : float
+        Sampling rate of the new times, Hz.
+
+    Examples
+    --------
+    >>> slow = np.sin(2 * np.pi * 3 * np.arange(400) / 100)
+    >>> times = 1.0 + np.arange(5) / 1000
+    >>> found = interpolated_at(slow, 100.0, 0.0, times, 1000.0)
+    >>> bool(np.abs(found - np.sin(2 * np.pi * 3 * times)).max() < 1e-4)
+    True
+    """
+    from scipy.signal import kaiser_beta, kaiserord
+
+    lower = min(rate, new_rate)
+    count, _ = kaiserord(-20 * np.log10(STOP_BAND_SHARE), (1 - VALID_SHARE) * lower / rate)
+    half, beta = count // 2 + 1, float(kaiser_beta(-20 * np.log10(STOP_BAND_SHARE)))
+    cutoff = (1 + VALID_SHARE) / 2 * lower / rate
+    wide = _reflected(np.asarray(values, dtype=np.float64), half)
+    places = (np.asarray(times, dtype=np.float64) - start) * rate
+    found = np.empty(len(places))
+    shifts = np.arange(-half, half + 1)
+    for begin in range(0, len(places), max(1, VALUES_PER_CHUNK // len(shifts))):
+        part = slice(begin, begin + max(1, VALUES_PER_CHUNK // len(shifts)))
+        whole = np.clip(np.rint(places[part]).astype(np.intp), 0, len(values) - 1)
+        away = (places[part] - whole)[:, None] - shifts
+        inside = np.sqrt(np.maximum(1 - (away / (half + 0.5)) ** 2, 0.0))
+        weights = np.sinc(cutoff * away) * np.i0(beta * inside)
+        weights /= weights.sum(axis=1, keepdims=True)
+        found[part] = np.einsum("ij,ij->i", weights, wide[whole[:, None] + shifts + half])
+    return found
+
+
+def _reflected(values: FloatArray, count: int) -> FloatArray:
+    """Values with ``count`` more at either end, reflected about the end points; one value stays the same."""
+    if len(values) < 2:
+        return np.pad(values, count, mode="edge")
+    return np.pad(values, count, mode="reflect", reflect_type="odd")
 
 
 def resampled(recording: Recording, rate: float | None = None, *, bridge_gaps: bool = False) -> Recording:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from torsionnet.core.atomic import atomic_replacement
 from torsionnet.io.foreign import StoredArray
-from torsionnet.io.foreign.content import Plain
 from torsionnet.io.formats.extras import import_extra, open_foreign
 from torsionnet.io.records.arrays import attribute_text, channel_of
 from torsionnet.io.records.recording_description import KEY, recording_json, saved_columns, with_description
@@ -26,31 +26,25 @@ def open_source(path: Path) -> Iterator[Source]:
     """Yield the channels of a TDMS file, with sampling rate (Hz) and start (s) from the waveform properties."""
     with open_foreign(path, "tdms") as content:
         channels = [_channel(item, number) for number, item in enumerate(content.arrays)]
-        waves = [item.attributes for item in content.arrays if item.attributes.get(INCREMENT)]
-        rate = 1 / float(waves[0][INCREMENT] or 0) if waves else None
-        start = float(waves[0].get(OFFSET) or 0.0) if waves else 0.0
+        rates = [channel.rate for channel in channels if channel.rate]
+        starts = [channel.start for channel in channels if channel.start is not None]
         title = str(content.attributes.get("name", path.stem))
-        notes = (*_notes(waves, INCREMENT, "sampling intervals"), *_notes(waves, OFFSET, "starts (wf_start_offset)"))
-        if start:
-            notes = (*notes, f"begins at {start:g} s, its wf_start_offset")
+        start = starts[0] if starts else 0.0
+        notes = (f"begins at {start:g} s, its wf_start_offset",) if start else ()
+        rate = rates[0] if rates else None
         source = Source(tuple(channels), content.blocks, rate=rate, start=start, title=title, notes=notes)
         text = str(content.attributes.get(KEY, ""))
-        yield with_description(source, text) if text or not waves else source
-
-
-def _notes(waves: Sequence[Mapping[str, Plain]], name: str, what: str) -> tuple[str, ...]:
-    """Warning where channels of a TDMS file differ in a waveform property in s; empty where they agree."""
-    found = sorted({float(wave.get(name) or 0) for wave in waves})
-    if len(found) < 2:
-        return ()
-    listed = " and ".join(f"{value:.6g}" for value in (found[0], found[-1]))
-    return (f"warning: channels have {what} between {listed} s; that of the first was taken for all",)
+        yield with_description(source, text) if text or not rates else source
 
 
 def _channel(item: StoredArray, number: int) -> FileChannel:
     group = attribute_text(item, "group")
     unit = attribute_text(item, "unit_string", "NI_UnitDescription")
-    return channel_of(item, number, f"{group}/{item.name}" if "group" in item.attributes else item.name, unit)
+    found = channel_of(item, number, f"{group}/{item.name}" if "group" in item.attributes else item.name, unit)
+    interval = float(item.attributes.get(INCREMENT) or 0)
+    if not interval:
+        return found
+    return replace(found, rate=1 / interval, start=float(item.attributes.get(OFFSET) or 0.0))
 
 
 def write(recording: Recording, path: Path) -> None:

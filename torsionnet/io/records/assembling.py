@@ -22,6 +22,7 @@ from torsionnet.io.records.clock import (
     time_faults,
     time_unit_warnings,
 )
+from torsionnet.io.records.several_rates import choose_rate, read_others, with_others
 from torsionnet.io.records.source import Source, is_time
 from torsionnet.io.records.stored_pulses import names_of_signals, rate_of, stored_pulses, with_pulses
 from torsionnet.response.recording import FloatArray, Recording, Signal, is_rate
@@ -38,6 +39,7 @@ class ReadOptions:
     sampling_rate: float | None = None
     pulses: Mapping[str, float] = field(default_factory=dict)
     readings: Mapping[str, PulseReading] = field(default_factory=dict)
+    resample: bool = False
 
 
 def with_given_clock(source: Source, options: ReadOptions) -> tuple[Source, ReadOptions]:
@@ -74,9 +76,14 @@ def _sampled(source: Source, options: ReadOptions, file: str, seconds: float | N
     if stamps in options.units:
         text = f'{stamps} was taken for the time stamps, and "{options.units[stamps]}" is no unit of time'
         faults.append(Fault(text))
-    faults += length_faults(source, choices) + _rate_faults(source, options)
+    chosen = choose_rate(source, choices, options)
+    every, source, choices = choices, chosen.source, chosen.together
+    # Channels of several rates differ in length: one of the two is said.
+    faults += chosen.faults or length_faults(source, choices)
+    faults += _rate_faults(source, options)
     if faults:
         raise ModelError(faults, file)
+    others = read_others(source, chosen.others, file)
     rate, done, begin = options.sampling_rate or source.rate, 0, 0.0
     count = 0 if seconds is None else max(1, round(seconds * (rate or _first_rate(source))))
     columns = [choice.channel.column for choice in choices]
@@ -84,7 +91,7 @@ def _sampled(source: Source, options: ReadOptions, file: str, seconds: float | N
     for block in source.blocks([*columns, *stamps_of], count):
         clock = _clock(source, options, block[len(columns) :], rate, done, file, begin)
         rate, begin = rate or clock.rate, begin if done else clock.start
-        yield _recording(source, choices, block, clock, file)
+        yield with_others(_recording(source, choices, block, clock, file), chosen, every, others, file)
         done += len(block[0])
     if not done:
         raise ModelError([Fault("there are no samples in the file; export the record again")], file)

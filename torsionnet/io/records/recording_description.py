@@ -129,6 +129,8 @@ def _channel(source: Source, entry: dict[str, Any]) -> FileChannel:
         quantity=quantity,
         unit=QUANTITY_UNITS.get(quantity, ""),
         notes=tuple(map(str, entry["notes"])),
+        rate=None,
+        start=None,
     )
 
 

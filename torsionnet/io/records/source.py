@@ -24,7 +24,8 @@ NOWHERE = -1
 class FileChannel:
     """Channel of a recording as the file has it, with its name, unit and number (``column``) for ``Source.blocks``.
 
-    ``quantity`` is None where the file says nothing, empty where it says that none is known.
+    ``quantity`` is None where the file says nothing, empty where it says that none is known. ``rate`` (Hz) and
+    ``start`` (s) are those of the channel alone, where the file has them for each.
     """
 
     name: str
@@ -34,6 +35,8 @@ class FileChannel:
     length: int | None = None
     position: Position | None = None
     notes: tuple[str, ...] = ()
+    rate: float | None = None
+    start: float | None = None
 
 
 @dataclass(frozen=True)
