@@ -1,0 +1,227 @@
+"""Natural frequencies and damping ratios from ambient records, by stochastic subspace identification."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import io
+import logging
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from torsionnet.core.errors import MissingExtraError, SolveError, UsageError
+from torsionnet.modal.operational.operational_modes import NORMAL_95, OperationalModes
+from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
+from torsionnet.response.recording import Recording
+
+PYOMA_NEEDED = 'ambient records need the package pyOMA_2: pip install "torsionnet[ambient]"'
+"""Message where the package of the subspace identification is not installed."""
+BLOCK_ROWS = 30
+"""Block rows of the Hankel matrix: some cycles of a tenth of the highest frequency."""
+SAMPLES_PER_CYCLE = 3.2
+"""Sampling rate over the highest frequency of interest, which leaves room for the anti-alias filter."""
+SEGMENTS = 50
+"""Parts of the record whose scatter gives the intervals."""
+HIGHEST_ORDER = 20
+"""Highest order of the model, twice the number of modes and poles of noise."""
+LARGEST_DAMPING = 0.3
+"""Damping ratio above which a pole is one of noise."""
+SAME_FREQUENCY, SAME_DAMPING = 0.01, 0.2
+"""Relative changes of frequency and damping up to which a pole is stable from one order of the model to the next."""
+STABLE_ORDERS = 4
+"""Orders of the model at which a mode must be stable."""
+SINE_KURTOSIS = -0.75
+"""Excess kurtosis of a narrow band below which it holds a sine (-1.5), not a mode excited by noise (0)."""
+NEAR_ORDER = 0.02
+"""Relative distance of a natural frequency from that of an order at which it is named."""
+FEWEST_CYCLES = 200
+"""Cycles of a mode below which its damping from an ambient record is biased and scatters widely."""
+
+
+@dataclass(frozen=True, eq=False)
+class AmbientPoles:
+    """Poles of the models of rising order of an ambient record, for a stabilisation diagram.
+
+    Attributes
+    ----------
+    orders : (n,) int array
+        Order of the model of each pole.
+    poles : (n,) complex array
+        rad/s, Im > 0.
+    stable : (n,) bool array
+        Whether the order before has it, too.
+    """
+
+    orders: FloatArray
+    poles: ComplexArray
+    stable: FloatArray
+
+
+def modes_from_ambient(
+    recording: Recording,
+    channels: Sequence[str],
+    *,
+    highest: float,
+    orders: Sequence[float] = (),
+    speeds: tuple[float, float] | None = None,
+    model_order: int = HIGHEST_ORDER,
+) -> OperationalModes:
+    """Natural frequencies and damping ratios from a record of vibration that noise excites, with 95 % intervals.
+
+    Covariance-driven stochastic subspace identification with intervals by M. Doehler and L. Mevel (2013), of the
+    package pyOMA_2. Orders of a running machine look like lightly damped modes; such are marked.
+
+    Parameters
+    ----------
+    recording : Recording
+    channels : sequence of str
+    highest : float
+        Highest frequency of interest, Hz.
+    orders : sequence of float, optional
+        Orders of the machine that runs meanwhile.
+    speeds : (float, float), optional
+        Lowest and highest speed meanwhile, rad/s.
+    model_order : int, optional
+        Highest order of the model.
+
+    Raises
+    ------
+    MissingExtraError
+        pyOMA_2 is not installed.
+    UsageError
+        Channels or frequencies do not fit the record.
+    SolveError
+        No mode is stable.
+    """
+    from scipy.signal import resample_poly
+
+    if not channels:
+        raise UsageError("name at least one channel of the ambient record")
+    if recording.times is not None:
+        raise UsageError("an ambient record is read from even samples: resample it first")
+    if not 0 < highest < recording.sampling_rate / 2:
+        raise UsageError(f"the highest frequency must lie between 0 and {recording.sampling_rate / 2:g} Hz")
+    rows = np.stack([recording[name].values for name in channels])
+    if not np.isfinite(rows).all():
+        raise UsageError("the record has values that are no numbers; repair it first")
+    factor = max(1, int(recording.sampling_rate / (SAMPLES_PER_CYCLE * highest)))
+    rows = rows - rows.mean(axis=1, keepdims=True)
+    thinned = resample_poly(rows, 1, factor, axis=1) if factor > 1 else rows
+    step = factor / recording.sampling_rate
+    scaled = thinned / np.maximum(thinned.std(axis=1, keepdims=True), np.finfo(float).tiny)
+    found = _subspace(scaled, step, model_order)
+    evidence, poles, errors = _stable(*found, highest)
+    if not len(poles):
+        raise SolveError("no mode is stable: record longer, or give a higher order of the model")
+    remarks = tuple(
+        _remark(pole, scaled, step, tuple(orders), speeds, recording.duration) for pole in poles
+    )
+    notes = [f"{recording.duration:.4g} s at {1 / step:.4g} Hz, model orders up to {model_order}"]
+    notes.append("the excitation is taken for white noise; orders of a running machine are none")
+    if any("order" in remark or "sine" in remark for remark in remarks):
+        notes.append("warning: some of these are orders of the machine rather than modes: see the remarks")
+    frequencies, zeta = NORMAL_95 * errors[0], NORMAL_95 * errors[1]
+    name, unit = ", ".join(channels), recording[channels[0]].unit if len(channels) == 1 else ""
+    return OperationalModes(
+        poles, frequencies, zeta, np.full(len(poles), np.nan), name, unit, "ambient record (stochastic subspace)",
+        evidence, remarks, recording.title, tuple(notes),
+    )  # fmt: skip
+
+
+def _package() -> Any:
+    """Module of pyOMA_2 for stochastic subspaces, whose import leaves numpy's warnings and the log as they were."""
+    kept = np.geterr()
+    try:
+        module = importlib.import_module("pyoma2.functions.ssi")
+    except ImportError as error:
+        raise MissingExtraError(PYOMA_NEEDED) from error
+    finally:
+        np.seterr(**kept)
+    logging.getLogger("pyoma2").setLevel(logging.WARNING)
+    return module
+
+
+def _subspace(rows: FloatArray, step: float, highest: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Frequencies in Hz, damping ratios and their standard errors, (n, n_orders), NaN where an order has fewer."""
+    ssi = _package()
+    if rows.shape[1] < SEGMENTS * 2 * BLOCK_ROWS:
+        raise SolveError(
+            f"{rows.shape[1] * step:.3g} s are too short for an ambient record: take {SEGMENTS * 2 * BLOCK_ROWS * step:.3g} "
+            "s or more"
+        )
+    highest = min(highest, BLOCK_ROWS * len(rows) - len(rows))
+    with contextlib.redirect_stderr(io.StringIO()), np.errstate(all="ignore"):  # its bars of progress
+        hankel, spread = ssi.build_hank(rows, rows, BLOCK_ROWS, "cov", calc_unc=True, nb=SEGMENTS)
+        observed, states, outputs, _ = ssi.SSI_fast(hankel, BLOCK_ROWS, highest)
+        found = ssi.SSI_poles(
+            observed, states, outputs, highest, step, HC=False, calc_unc=True, H=hankel, T=spread
+        )  # fmt: skip
+    return found[0], found[1], found[4], found[5]
+
+
+def _stable(
+    frequencies: FloatArray, damping: FloatArray, frequency_errors: FloatArray, damping_errors: FloatArray, top: float
+) -> tuple[AmbientPoles, ComplexArray, FloatArray]:
+    """All poles, those of the modes (rad/s) and the standard errors of their frequencies (Hz) and damping ratios."""
+    listed: list[tuple[int, float, float, float, float, bool]] = []
+    before: list[tuple[float, float]] = []
+    for order in range(2, frequencies.shape[1], 2):
+        here: list[tuple[float, float]] = []
+        for place in range(frequencies.shape[0]):
+            f, zeta = frequencies[place, order], damping[place, order]
+            if not (0 < f <= top and 0 < zeta < LARGEST_DAMPING) or any(abs(f - g) < 1e-9 * f for g, _ in here):
+                continue
+            here.append((f, zeta))
+            same = any(abs(f / g - 1) < SAME_FREQUENCY and abs(zeta / z - 1) < SAME_DAMPING for g, z in before)
+            listed.append((order, f, zeta, frequency_errors[place, order], damping_errors[place, order], same))
+        before = here
+    table = np.array([one[:5] for one in listed]).reshape(-1, 5)
+    stable = np.array([one[5] for one in listed], dtype=bool)
+    evidence = AmbientPoles(table[:, 0], _poles(table[:, 1], table[:, 2]), stable)
+    chosen = []
+    for group in _groups(table[stable]):
+        if len(group) >= STABLE_ORDERS:
+            chosen.append(group[np.argsort(group[:, 4])[len(group) // 2 if not np.isfinite(group[:, 4]).any() else 0]])
+    modes = np.array(chosen).reshape(-1, 5)
+    return evidence, _poles(modes[:, 1], modes[:, 2]), modes[:, 3:].T
+
+
+def _groups(rows: FloatArray) -> list[FloatArray]:
+    """Poles of about one frequency, rows of order, frequency, damping ratio and errors."""
+    rising = rows[np.argsort(rows[:, 1], kind="stable")]
+    if not len(rising):
+        return []
+    breaks = np.flatnonzero(np.diff(rising[:, 1]) > SAME_FREQUENCY * rising[1:, 1]) + 1
+    return np.split(rising, breaks)
+
+
+def _poles(frequencies: FloatArray, damping: FloatArray) -> ComplexArray:
+    return np.asarray(2 * np.pi * frequencies * (-damping + 1j * np.sqrt(1 - damping**2)))
+
+
+def _remark(
+    pole: complex, rows: FloatArray, step: float, orders: tuple[float, ...], speeds: tuple[float, float] | None, length: float
+) -> str:
+    frequency = abs(pole) / (2 * np.pi)
+    found = []
+    if speeds is not None:
+        low, high = np.array(speeds) / (2 * np.pi)
+        near = [o for o in orders if low * o * (1 - NEAR_ORDER) <= frequency <= high * o * (1 + NEAR_ORDER)]
+        found += [f"at order {near[0]:g}: it may be no mode"] if near else []
+    if _kurtosis(rows, step, frequency) < SINE_KURTOSIS:
+        found.append("vibrates as a sine, not as noise: an order rather than a mode")
+    if frequency * length < FEWEST_CYCLES:
+        found.append(f"only {frequency * length:.0f} cycles: record longer")
+    return "; ".join(found)
+
+
+def _kurtosis(rows: FloatArray, step: float, frequency: float) -> float:
+    """Smallest excess kurtosis of the channels in a narrow band about a frequency in Hz."""
+    from scipy.stats import kurtosis
+
+    lines = np.fft.rfftfreq(rows.shape[1], step)
+    narrow = np.fft.rfft(rows, axis=1) * (np.abs(lines / frequency - 1) < NEAR_ORDER)
+    return float(np.min(kurtosis(np.fft.irfft(narrow, rows.shape[1], axis=1), axis=1)))

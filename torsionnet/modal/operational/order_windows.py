@@ -1,0 +1,142 @@
+"""Complex orders of a passage through a resonance in windows of angle, with the weights that made them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
+
+WINDOWS_WANTED = 40
+"""Windows wanted over a passage: a mode and its background have four complex unknowns, and intervals need many more
+values than unknowns."""
+FEWEST_WINDOWS = 10
+"""Windows below which a passage is too short for a fit."""
+FEWEST_CYCLES = 3.0
+"""Shortest window in cycles of the order: Hann's window then suppresses the mean and the order's mirror image."""
+LONGEST_WINDOW = 4.0
+"""Longest window in revolutions: Hann's window then keeps orders half apart, those of a four-stroke engine."""
+
+
+@dataclass(frozen=True, eq=False)
+class OrderWindows:
+    """Complex amplitudes of orders in windows over a passage, and how each follows from the amplitude over time.
+
+    Attributes
+    ----------
+    orders : tuple of float
+        Vibrations per revolution of the reference shaft; the first is the one whose frequency names the places.
+    times : (n,) array
+        s, at equal steps.
+    angle : (n,) array
+        Mean angle of rotation of the reference shaft, rad.
+    weights : (n_windows, n) sparse matrix
+        Share of each time in each window.
+    values : (n_orders, n_windows) complex array
+        Peak amplitudes, SI.
+    frequencies : (n_windows,) array
+        Frequency of the first order in the middle of each window, Hz.
+    whitening : (n_windows, n_windows) array
+        Matrix that makes noise of the values uncorrelated and of one size.
+    revolutions : float
+        Length of a window; 0 where the values were tracked elsewhere.
+    amplitudes_only : bool
+        Whether phases are not known.
+    """
+
+    orders: tuple[float, ...]
+    times: FloatArray
+    angle: FloatArray
+    weights: csr_matrix
+    values: ComplexArray
+    frequencies: FloatArray
+    whitening: FloatArray
+    revolutions: float
+    amplitudes_only: bool = False
+
+    def within(self, low: float, high: float) -> OrderWindows:
+        """Windows in whose middle the frequency of the first order lies between two frequencies in Hz."""
+        inside = np.flatnonzero((self.frequencies >= low) & (self.frequencies <= high))
+        if len(inside) < FEWEST_WINDOWS:
+            raise SolveError(
+                f"only {len(inside)} values of order {self.orders[0]:g} lie between {low:.4g} and {high:.4g} Hz; take "
+                "a wider band, shorter windows or a slower run-up"
+            )
+        rows = self.weights[inside]
+        whitening = self.whitening[np.ix_(inside, inside)] if not self.revolutions else _whitening(rows)
+        return OrderWindows(
+            self.orders, self.times, self.angle, rows, self.values[:, inside], self.frequencies[inside], whitening,
+            self.revolutions, self.amplitudes_only,
+        )  # fmt: skip
+
+
+def order_windows(
+    times: FloatArray, values: FloatArray, angle: FloatArray, orders: Sequence[float], revolutions: float | None = None
+) -> OrderWindows:
+    """Complex amplitudes of orders of a signal in Hann windows of angle that overlap by half.
+
+    Parameters
+    ----------
+    times, values : (n,) arrays
+        s, at equal steps, and SI.
+    angle : (n,) array
+        Mean angle of rotation of the reference shaft, rad, rising or falling.
+    orders : sequence of float
+    revolutions : float, optional
+        Length of a window; by default four revolutions, or less where the passage is quick.
+    """
+    turned = np.abs(angle - angle[0]) / (2 * np.pi)
+    if (np.diff(turned) <= 0).any():
+        raise UsageError("the shaft must turn in one sense all the time: its mean angle of rotation stands or turns back")
+    shortest = FEWEST_CYCLES / min(orders)
+    if revolutions is None:
+        revolutions = max(shortest, min(LONGEST_WINDOW, 2 * turned[-1] / WINDOWS_WANTED))
+    elif revolutions < shortest * (1 - 1e-9):
+        raise UsageError(
+            f"windows of {revolutions:g} revolutions are shorter than {FEWEST_CYCLES:g} cycles of order "
+            f"{min(orders):g}; take {shortest:.3g} or more"
+        )
+    count = int((turned[-1] - revolutions) / (revolutions / 2)) + 1
+    if count < FEWEST_WINDOWS:
+        raise SolveError(
+            f"{turned[-1]:.3g} revolutions hold {max(count, 0)} windows of {revolutions:.3g} revolutions, too few for "
+            "a fit; record a longer or slower run-up"
+        )
+    middles = revolutions / 2 * (1 + np.arange(count))
+    weights = _hann(turned, middles, revolutions)
+    straight = values - np.polynomial.Polynomial.fit(times, values, 1)(times)
+    found = np.array([2 * (weights @ (straight * np.exp(-1j * order * angle))) for order in orders])
+    rate = np.gradient(turned, times)
+    frequencies = orders[0] * np.asarray(weights @ rate)
+    return OrderWindows(
+        tuple(orders), times, angle, weights, found, frequencies, _whitening(weights), revolutions
+    )
+
+
+def _hann(turned: FloatArray, middles: FloatArray, length: float) -> csr_matrix:
+    from scipy.sparse import csr_matrix
+
+    share = np.gradient(turned)
+    rows, columns, parts = [], [], []
+    for row, middle in enumerate(middles):
+        first, last = np.searchsorted(turned, [middle - length / 2, middle + length / 2])
+        one = (0.5 + 0.5 * np.cos(2 * np.pi * (turned[first:last] - middle) / length)) * share[first:last]
+        rows.append(np.full(last - first, row))
+        columns.append(np.arange(first, last))
+        parts.append(one / one.sum())
+    places = (np.concatenate(rows), np.concatenate(columns))
+    return csr_matrix((np.concatenate(parts), places), shape=(len(middles), len(turned)))
+
+
+def _whitening(weights: csr_matrix) -> FloatArray:
+    """Inverse of the Cholesky factor of the values' covariance for white noise of the signal, over its mean size."""
+    covariance = (weights @ weights.T).toarray()
+    factor = np.linalg.cholesky(covariance / np.mean(np.diag(covariance)))
+    return np.asarray(np.linalg.inv(factor))

@@ -1,0 +1,226 @@
+"""Fit of modes to the complex orders of a passage through resonances, the swept and not the steady response."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from torsionnet.core.errors import SolveError
+from torsionnet.modal.operational.order_windows import OrderWindows
+from torsionnet.modal.operational.swept_response import Excitation, Sweep, sweep_of, swept_response
+from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
+
+START_FREQUENCIES, START_DAMPING = 40, (0.005, 0.01, 0.02, 0.04, 0.08, 0.16)
+"""Natural frequencies tried over the band, and damping ratios tried with each, before the fit is refined."""
+LARGEST_DAMPING = 0.7
+"""Damping ratio from which a mode has no resonance."""
+CLEAR_CORRELATION = 2.0
+"""Correlation of neighbouring residuals, in its standard errors, above which it widens the intervals."""
+
+
+@dataclass(frozen=True, eq=False)
+class RunUpFit:
+    """Modes fitted to a passage, with covariance, fitted amplitudes, and what each mode contributes.
+
+    Attributes
+    ----------
+    poles : (n_modes,) complex array
+        rad/s, rising in size.
+    covariance : (2 n_modes, 2 n_modes) array
+        Of the logarithms of all natural frequencies, then of all damping ratios.
+    fitted : (n_orders, n_windows) complex array
+        SI.
+    parts : (n_modes, n_orders, n_windows) complex array
+        Contribution of each mode, SI.
+    misfit : float
+        RMS of the residuals over that of the values.
+    correlation : float
+        Correlation of neighbouring residuals, whitened.
+    degrees : int
+        Degrees of freedom of the residuals, real and imaginary parts counted.
+    """
+
+    poles: ComplexArray
+    covariance: FloatArray
+    fitted: ComplexArray
+    parts: ComplexArray
+    misfit: float
+    correlation: float
+    degrees: int
+
+
+class _Passage:
+    """Columns of the linear part of the fit, for poles that are tried."""
+
+    def __init__(self, windows: OrderWindows, excitation: Excitation, derivative: int, background: int) -> None:
+        self.windows, self.derivative = windows, derivative
+        self.sweeps = [sweep_of(windows.times, windows.angle, order, excitation) for order in windows.orders]
+        self.fixed = [self._fixed(sweep, background) for sweep in self.sweeps]
+        self.data = [windows.whitening @ one for one in windows.values]
+
+    def _fixed(self, sweep: Sweep, background: int) -> FloatArray:
+        middle, width = sweep.speed.mean(), np.ptp(sweep.speed) / 2 or 1.0
+        powers = [sweep.excitation * ((sweep.speed - middle) / width) ** power for power in range(background + 1)]
+        return np.asarray(np.stack([self.windows.weights @ one for one in powers], axis=1))
+
+    def mode(self, pole: complex) -> list[ComplexArray]:
+        """What a mode adds to each order per amplitude of each order's excitation, (n_orders, n_windows) for each."""
+        found = []
+        for sweep in self.sweeps:
+            response = swept_response(pole, sweep, self.derivative)
+            rows = [
+                self.windows.weights @ (response * np.exp(1j * (sweep.phase - other.phase))) if other is not sweep
+                else self.windows.weights @ response
+                for other in self.sweeps
+            ]  # fmt: skip
+            found.append(np.array(rows))
+        return found
+
+    def columns(self, poles: ComplexArray) -> ComplexArray:
+        """Matrix (n_orders n_windows, n_columns) of the fit, not yet whitened."""
+        count, size = len(self.sweeps), self.windows.values.shape[1]
+        columns = [one.reshape(-1) for pole in poles for one in self.mode(pole)]
+        for place, fixed in enumerate(self.fixed):
+            for column in fixed.T:
+                block = np.zeros((count, size), dtype=complex)
+                block[place] = column
+                columns.append(block.reshape(-1))
+        return np.stack(columns, axis=1)
+
+    def whitened(self, columns: ComplexArray) -> ComplexArray:
+        blocks = columns.reshape(len(self.sweeps), -1, columns.shape[1])
+        return np.concatenate([self.windows.whitening @ block for block in blocks])
+
+
+def fit_run_up(
+    windows: OrderWindows, excitation: Excitation, derivative: int, modes: int, background: int
+) -> RunUpFit:
+    """Modes fitted to the orders of a passage by least squares, the linear unknowns eliminated (variable projection).
+
+    Linear unknowns are the amplitude of each mode and each order, and a background that is a polynomial in speed for
+    each order: what distant modes add. Without phases they are searched for with the poles.
+    """
+    passage = _Passage(windows, excitation, derivative, background)
+    start = _started(passage, windows, modes)
+    solve = _amplitudes if windows.amplitudes_only else _projected
+    solution, jacobian, residuals, amplitudes = solve(passage, start)
+    poles = _poles(solution)
+    columns = passage.columns(poles)
+    unknown = 2 * columns.shape[1] + 2 * modes - (len(windows.orders) if windows.amplitudes_only else 0)
+    degrees = len(residuals) - unknown
+    if degrees < 1:
+        raise SolveError(f"{len(residuals)} values do not determine {unknown} unknowns: fit fewer modes")
+    correlation, inflation = _correlated(residuals, windows)
+    variance = float(residuals @ residuals) / degrees * inflation
+    covariance = np.linalg.pinv(jacobian.T @ jacobian)[: 2 * modes, : 2 * modes] * variance
+    shape = (len(windows.orders), -1)
+    fitted = (columns @ amplitudes).reshape(shape)
+    count = len(windows.orders)
+    parts = [
+        (columns[:, m * count : (m + 1) * count] @ amplitudes[m * count : (m + 1) * count]).reshape(shape)
+        for m in range(modes)
+    ]
+    left = np.abs(windows.values) - np.abs(fitted) if windows.amplitudes_only else windows.values - fitted
+    misfit = float(np.sqrt(np.mean(np.abs(left) ** 2) / np.mean(np.abs(windows.values) ** 2)))
+    rising = np.argsort(np.abs(poles))
+    both = np.concatenate([rising, rising + modes])
+    return RunUpFit(
+        poles[rising], covariance[np.ix_(both, both)], fitted, np.array(parts)[rising], misfit, correlation, degrees
+    )
+
+
+def _poles(logarithms: FloatArray) -> ComplexArray:
+    omega, zeta = np.exp(logarithms).reshape(2, -1)
+    return np.asarray(omega * (-zeta + 1j * np.sqrt(1 - zeta**2)))
+
+
+def _started(passage: _Passage, windows: OrderWindows, modes: int) -> FloatArray:
+    """Logarithms of natural frequencies (rad/s) and damping ratios that fit best of a grid, one mode after another."""
+    low, high = windows.frequencies.min(), windows.frequencies.max()
+    grid = [
+        (2 * np.pi * f, zeta)
+        for f in np.linspace(low, high, START_FREQUENCIES + 2)[1:-1]
+        for zeta in START_DAMPING
+    ]
+    candidates = [np.stack([one.reshape(-1) for one in passage.mode(complex(_poles(np.log(g))[0]))], axis=1) for g in grid]
+    data = np.concatenate(passage.data)
+    columns = passage.whitened(passage.columns(np.zeros(0, dtype=complex)))
+    chosen: list[tuple[float, float]] = []
+    for _ in range(modes):
+        basis = np.linalg.qr(columns)[0]
+        left = data - basis @ (basis.conj().T @ data)
+        gains = []
+        for one in candidates:
+            new = passage.whitened(one)
+            new = new - basis @ (basis.conj().T @ new)
+            part = np.linalg.qr(new)[0]
+            gains.append(float(np.linalg.norm(part.conj().T @ left)))
+        best = int(np.argmax(gains))
+        chosen.append(grid[best])
+        columns = np.concatenate([columns, passage.whitened(candidates[best])], axis=1)
+    return np.log(np.array(chosen).T.reshape(-1))
+
+
+def _projected(passage: _Passage, start: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, ComplexArray]:
+    """Logarithms of frequencies and damping ratios, Jacobian and residuals (real, then imaginary), amplitudes."""
+    data = np.concatenate(passage.data)
+    scale = np.linalg.norm(data)
+
+    def solved(at: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        columns = passage.whitened(passage.columns(_poles(at)))
+        amplitudes = np.linalg.lstsq(columns, data, rcond=None)[0]
+        return (data - columns @ amplitudes) / scale, amplitudes
+
+    def residuals(at: FloatArray) -> FloatArray:
+        left = solved(at)[0]
+        return np.concatenate([left.real, left.imag])
+
+    found = _least_squares(residuals, start, len(start))
+    return found.x, found.jac, found.fun, solved(found.x)[1]
+
+
+def _amplitudes(passage: _Passage, start: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, ComplexArray]:
+    """Results as of the complex fit, for values without phases: complex amplitudes are unknowns of the search."""
+    size = np.abs(np.concatenate(passage.windows.values))
+    scale, count = np.linalg.norm(size), len(start)
+    first = passage.columns(_poles(start))
+    steady = np.linalg.lstsq(first, size.astype(complex), rcond=None)[0]
+    gains = np.max(np.abs(first), axis=0)
+    steady = np.where(np.arange(len(steady)) < len(passage.sweeps), size.max() / gains + 0j, 0.01 * size.max() / gains)
+
+    def amplitudes(at: FloatArray) -> ComplexArray:
+        real, imag = at[count:].reshape(2, -1)
+        return np.asarray((real + 1j * imag) / gains * size.max())
+
+    def residuals(at: FloatArray) -> FloatArray:
+        fitted = passage.columns(_poles(at[:count])) @ amplitudes(at)
+        return np.asarray((size - np.abs(fitted)) / scale)
+
+    begin = np.concatenate([start, (steady * gains).real / size.max(), (steady * gains).imag / size.max()])
+    found = _least_squares(residuals, begin, count)
+    return found.x[:count], found.jac, found.fun, amplitudes(found.x)
+
+
+def _least_squares(residuals: Any, start: FloatArray, count: int) -> Any:
+    """Result of scipy's least squares, the first ``count`` unknowns logarithms of frequencies and damping ratios."""
+    from scipy.optimize import least_squares
+
+    lower, upper = np.full(len(start), -np.inf), np.full(len(start), np.inf)
+    upper[count // 2 : count] = np.log(LARGEST_DAMPING)
+    return least_squares(
+        residuals, np.minimum(start, upper - 1e-6), bounds=(lower, upper), jac="3-point", x_scale="jac",
+        xtol=1e-10, ftol=1e-12, gtol=1e-14, max_nfev=200,
+    )  # fmt: skip
+
+
+def _correlated(residuals: FloatArray, windows: OrderWindows) -> tuple[float, float]:
+    """Correlation of neighbouring residuals, and how many times larger it makes the variance of what is fitted."""
+    size = windows.values.shape[1]
+    rows = residuals.reshape(-1, size)
+    products = float(np.sum(rows[:, 1:] * rows[:, :-1]))
+    power = float(np.sum(rows**2))
+    correlation = products / power if power else 0.0
+    clear = correlation > CLEAR_CORRELATION / np.sqrt(rows.size)
+    return correlation, (1 + correlation) / (1 - correlation) if clear else 1.0
