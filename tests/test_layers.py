@@ -45,6 +45,7 @@ SAME_THING = {
         "mass_elastic",
         "mean_response",
         "modes",
+        "operational_modes",
         "order_response",
         "orders",
         "parameters",

@@ -38,6 +38,7 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "spectrogram": "Level over time and frequency of a record.",
     "fit": "Find parameters of a model from records or responses.",
     "identify-modes": "Natural frequencies and damping ratios from a record, without a model.",
+    "damping": "Natural frequencies and damping ratios from a run-up, a free decay or ambient vibration.",
     "report": "The document on a model: HTML, PDF, LaTeX or Markdown.",
     "export": "The model for Matlab, Modelica, openTorsion, as an FMU or a sheet.",
     "import": "A model file out of a maker's sheet or another program.",

@@ -16,6 +16,7 @@ OUTPUTS: dict[str, str] = {
     "compare": "torsionnet.cli.frf_output:ComparisonRecord",
     "critical-speeds": "list[torsionnet.response.critical_speeds:CriticalSpeedsRecord]",
     "damper": "list[torsionnet.response.damper_optimum:DamperRecord]",
+    "damping": "torsionnet.modal.operational.operational_modes:OperationalModesRecord",
     "equations": "list[torsionnet.cli.equation_output:ConfiguredMotion|TransferFunctionRecord]",
     "estimate": "torsionnet.cli.frf_output:EstimateRecord",
     "fit": "torsionnet.identification.fit_record:FitRecord|RankingRecord",

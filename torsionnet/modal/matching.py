@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, TypeAlias
+from typing import Annotated, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +16,7 @@ from torsionnet.modal.criteria import mac
 from torsionnet.modal.modal_estimate import IdentifiedMode, ModalEstimate
 from torsionnet.modal.poles import as_poles, damping_ratios, natural_frequencies, upper_half, without_rounding
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
-from torsionnet.response import SI, Column, Conventions, Modes, Table
+from torsionnet.response import SI, Channel, Column, Conventions, Modes, Table
 from torsionnet.response.mode_numbers import MODE_NUMBER, OSCILLATORY, REAL, mode_numbers
 
 IntArray: TypeAlias = NDArray[np.int_]
@@ -105,8 +105,21 @@ class Match(NotebookResult):
             yield (None, self._name(m), None, float(f[1][m] * scale), None, None, float(z[1][m]), None, None)
 
 
+class FoundModes(Protocol):
+    """Modes found in a measurement, with poles in rad/s, and shapes (n_out, n_modes) at the outputs."""
+
+    @property
+    def poles(self) -> ComplexArray: ...
+    @property
+    def shapes(self) -> ComplexArray: ...
+    @property
+    def outputs(self) -> tuple[Channel, ...]: ...
+    @property
+    def title(self) -> str: ...
+
+
 def match(
-    estimate: ModalEstimate,
+    estimate: FoundModes,
     model: Modes | ArrayLike,
     *,
     shapes: ArrayLike | None = None,
@@ -120,7 +133,8 @@ def match(
 
     Parameters
     ----------
-    estimate : ModalEstimate
+    estimate : ModalEstimate or OperationalModes
+        Modes from responses or, without shapes, from a run-up, a decay or an ambient record.
     model : Modes or (n_model,) complex array
         Modes of a drivetrain (rigid-body modes are left out), or poles in rad/s.
     shapes : (n_out, n_model) array, optional
@@ -163,7 +177,7 @@ def match(
 
 
 def _of_model(
-    estimate: ModalEstimate, model: Modes | ArrayLike, shapes: ArrayLike | None, at: Mapping[str, str] | None
+    estimate: FoundModes, model: Modes | ArrayLike, shapes: ArrayLike | None, at: Mapping[str, str] | None
 ) -> tuple[ComplexArray, tuple[ComplexArray, ComplexArray] | None]:
     """Poles of the model in rad/s, and shapes of estimate and model at common sensors, None with fewer than two."""
     if isinstance(model, Modes):
@@ -180,7 +194,7 @@ def _of_model(
 
 
 def _of_modes(
-    estimate: ModalEstimate, model: Modes, at: Mapping[str, str] | None
+    estimate: FoundModes, model: Modes, at: Mapping[str, str] | None
 ) -> tuple[ComplexArray, tuple[ComplexArray, ComplexArray] | None]:
     names = [channel.name for channel in estimate.outputs]
     for output in at or {}:
@@ -229,13 +243,16 @@ class IdentifiedModesRecord:
     against_model: Annotated[tuple[MatchedMode, ...] | None, Out(optional=True)]
 
 
+def matched_modes(compared: Match) -> tuple[MatchedMode, ...]:
+    """Pairs of identified modes and modes of a model as plain data, with relative errors."""
+    pairs = zip(
+        compared.identified.tolist(), compared.model.tolist(), compared.frequency_errors.tolist(),
+        compared.damping_errors.tolist(), strict=True,
+    )  # fmt: skip
+    return tuple(MatchedMode(i + 1, compared.model_numbers[m], *errors) for i, m, *errors in pairs)
+
+
 def identified_modes_record(found: ModalEstimate, compared: Match | None) -> IdentifiedModesRecord:
     """Identified modes as plain data for JSON, with the modes of a model that they were compared with."""
-    pairs = None if compared is None else tuple(
-        MatchedMode(i + 1, compared.model_numbers[m], *errors)
-        for i, m, *errors in zip(
-            compared.identified.tolist(), compared.model.tolist(), compared.frequency_errors.tolist(),
-            compared.damping_errors.tolist(), strict=True,
-        )
-    )  # fmt: skip
+    pairs = None if compared is None else matched_modes(compared)
     return IdentifiedModesRecord(found.title, found.method, found.notes, found.rows(), pairs)

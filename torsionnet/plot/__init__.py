@@ -25,6 +25,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "mac_matrix": "torsionnet.plot.mac",
         "mode_shapes": "torsionnet.plot.shapes",
         "nyquist": "torsionnet.plot.nyquist",
+        "operational_modes": "torsionnet.plot.operational_modes",
         "order_map": "torsionnet.plot.time_frequency",
         "order_overlay": "torsionnet.plot.order_overlay",
         "order_response": "torsionnet.plot.order_response",

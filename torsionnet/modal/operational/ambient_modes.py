@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.core.errors import MissingExtraError, SolveError, UsageError
 from torsionnet.modal.operational.operational_modes import NORMAL_95, OperationalModes
@@ -31,6 +32,8 @@ LARGEST_DAMPING = 0.3
 """Damping ratio above which a pole is one of noise."""
 SAME_FREQUENCY, SAME_DAMPING = 0.01, 0.2
 """Relative changes of frequency and damping up to which a pole is stable from one order of the model to the next."""
+UNDAMPED = 0.001
+"""Damping ratio below which a pole is that of a sine, and its sign is chance."""
 STABLE_ORDERS = 4
 """Orders of the model at which a mode must be stable."""
 SINE_KURTOSIS = -0.75
@@ -57,7 +60,7 @@ class AmbientPoles:
 
     orders: FloatArray
     poles: ComplexArray
-    stable: FloatArray
+    stable: NDArray[np.bool_]
 
 
 def modes_from_ambient(
@@ -116,9 +119,7 @@ def modes_from_ambient(
     evidence, poles, errors = _stable(*found, highest)
     if not len(poles):
         raise SolveError("no mode is stable: record longer, or give a higher order of the model")
-    remarks = tuple(
-        _remark(pole, scaled, step, tuple(orders), speeds, recording.duration) for pole in poles
-    )
+    remarks = tuple(_remark(pole, scaled, step, tuple(orders), speeds, recording.duration) for pole in poles)
     notes = [f"{recording.duration:.4g} s at {1 / step:.4g} Hz, model orders up to {model_order}"]
     notes.append("the excitation is taken for white noise; orders of a running machine are none")
     if any("order" in remark or "sine" in remark for remark in remarks):
@@ -148,9 +149,9 @@ def _subspace(rows: FloatArray, step: float, highest: int) -> tuple[FloatArray, 
     """Frequencies in Hz, damping ratios and their standard errors, (n, n_orders), NaN where an order has fewer."""
     ssi = _package()
     if rows.shape[1] < SEGMENTS * 2 * BLOCK_ROWS:
+        needed = SEGMENTS * 2 * BLOCK_ROWS * step
         raise SolveError(
-            f"{rows.shape[1] * step:.3g} s are too short for an ambient record: take {SEGMENTS * 2 * BLOCK_ROWS * step:.3g} "
-            "s or more"
+            f"{rows.shape[1] * step:.3g} s are too short for an ambient record: take {needed:.3g} s or more"
         )
     highest = min(highest, BLOCK_ROWS * len(rows) - len(rows))
     with contextlib.redirect_stderr(io.StringIO()), np.errstate(all="ignore"):  # its bars of progress
@@ -172,19 +173,19 @@ def _stable(
         here: list[tuple[float, float]] = []
         for place in range(frequencies.shape[0]):
             f, zeta = frequencies[place, order], damping[place, order]
-            if not (0 < f <= top and 0 < zeta < LARGEST_DAMPING) or any(abs(f - g) < 1e-9 * f for g, _ in here):
+            if not (0 < f <= top and -UNDAMPED < zeta < LARGEST_DAMPING) or any(abs(f - g) < 1e-9 * f for g, _ in here):
                 continue
             here.append((f, zeta))
-            same = any(abs(f / g - 1) < SAME_FREQUENCY and abs(zeta / z - 1) < SAME_DAMPING for g, z in before)
+            same = any(
+                abs(f / g - 1) < SAME_FREQUENCY and abs(zeta - z) < max(SAME_DAMPING * abs(z), UNDAMPED)
+                for g, z in before
+            )
             listed.append((order, f, zeta, frequency_errors[place, order], damping_errors[place, order], same))
         before = here
     table = np.array([one[:5] for one in listed]).reshape(-1, 5)
     stable = np.array([one[5] for one in listed], dtype=bool)
     evidence = AmbientPoles(table[:, 0], _poles(table[:, 1], table[:, 2]), stable)
-    chosen = []
-    for group in _groups(table[stable]):
-        if len(group) >= STABLE_ORDERS:
-            chosen.append(group[np.argsort(group[:, 4])[len(group) // 2 if not np.isfinite(group[:, 4]).any() else 0]])
+    chosen = [group[np.argsort(group[:, 4])[0]] for group in _groups(table[stable]) if len(group) >= STABLE_ORDERS]
     modes = np.array(chosen).reshape(-1, 5)
     return evidence, _poles(modes[:, 1], modes[:, 2]), modes[:, 3:].T
 
@@ -203,7 +204,12 @@ def _poles(frequencies: FloatArray, damping: FloatArray) -> ComplexArray:
 
 
 def _remark(
-    pole: complex, rows: FloatArray, step: float, orders: tuple[float, ...], speeds: tuple[float, float] | None, length: float
+    pole: complex,
+    rows: FloatArray,
+    step: float,
+    orders: tuple[float, ...],
+    speeds: tuple[float, float] | None,
+    length: float,
 ) -> str:
     frequency = abs(pole) / (2 * np.pi)
     found = []

@@ -146,7 +146,8 @@ def _refined(
     linear = np.linalg.lstsq(columns, values, rcond=None)[0]
     unknown = columns.shape[1] + len(origin)
     variance = float(found.fun @ found.fun) / max(len(t) - unknown, 1) * _inflation(found.fun)
-    covariance = np.linalg.pinv(found.jac.T @ found.jac) * variance * np.outer(scale, scale)
+    jacobian = np.asarray(found.jac)
+    covariance = np.linalg.pinv(jacobian.T @ jacobian) * variance * np.outer(scale, scale)
     rising = np.argsort(np.abs(final))
     both = np.concatenate([rising, rising + count])
     amplitudes = linear[:count] + 1j * linear[count : 2 * count]

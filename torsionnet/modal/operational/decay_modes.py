@@ -102,10 +102,10 @@ def modes_from_decay(
     cycles = fit.poles.imag * span / (2 * np.pi)
     if cycles.max() < FEWEST_CYCLES:
         raise SolveError(
-            f"the decay holds {cycles.max():.2g} cycles of {fit.poles[0].imag / 2 / np.pi:.3g} Hz, too few for damping; "
+            f"the decay holds {cycles.max():.2g} cycles of {fit.poles[-1].imag / 2 / np.pi:.3g} Hz, too few; "
             f"{FEWEST_CYCLES:g} or more are needed: give start and end, or record less noise"
         )
-    frequencies, zeta, errors = _with_errors(fit)
+    errors = _half_widths(fit)
     waves = np.real(fit.amplitudes * np.exp(np.outer(section.times - section.times[0], fit.poles)))
     largest = int(np.abs(fit.amplitudes).argmax())
     alone = section.values - fit.rest - np.delete(waves, largest, axis=1).sum(axis=1)
@@ -116,7 +116,9 @@ def modes_from_decay(
     misfit = float(np.sqrt(np.mean(fit.residuals**2)) / section.values.std())
     notes = list(section.notes)
     if misfit > GREAT_MISFIT:
-        notes.append(f"warning: {misfit:.0%} of the decay (RMS) is no sum of damped vibrations: noise, or still excited")
+        notes.append(
+            f"warning: {misfit:.0%} of the decay (RMS) is no sum of damped vibrations: noise, or still excited"
+        )
     if decrement is not None and decrement.depends_on_amplitude:
         notes.append(f"warning: damping depends on amplitude: {decrement.change(signal.unit)}")
     evidence = DecayFit(
@@ -129,14 +131,13 @@ def modes_from_decay(
     )  # fmt: skip
 
 
-def _with_errors(fit: ExponentialFit) -> tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray]]:
-    """Frequencies in Hz, damping ratios, and half widths of their 95 % intervals, each (n_modes,)."""
+def _half_widths(fit: ExponentialFit) -> FloatArray:
+    """Half widths of the 95 % intervals of frequencies in Hz and of damping ratios, (2, n_modes)."""
     size, count = np.abs(fit.poles), len(fit.poles)
-    frequencies, zeta = size / (2 * np.pi), -fit.poles.real / size
     errors = np.zeros((2, count))
     for mode, (a, b) in enumerate(zip(fit.poles.real, fit.poles.imag, strict=True)):
         places = [mode, mode + count]
         slopes = np.array([[a, b] / size[mode] / (2 * np.pi), [-(b**2), a * b] / size[mode] ** 3])
         variances = np.diag(slopes @ fit.covariance[np.ix_(places, places)] @ slopes.T)
         errors[:, mode] = NORMAL_95 * np.sqrt(np.maximum(variances, 0))
-    return frequencies, zeta, (errors[0], errors[1])
+    return errors

@@ -126,4 +126,4 @@ def _regression(x: FloatArray, y: FloatArray, weights: FloatArray, degree: int) 
     found = np.linalg.lstsq(columns, y * weights, rcond=None)[0]
     left = y * weights - columns @ found
     variance = float(left @ left) / max(len(x) - degree - 1, 1)
-    return found, np.linalg.inv(columns.T @ columns) * variance
+    return np.asarray(found), np.asarray(np.linalg.inv(columns.T @ columns) * variance)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 import torsionnet.modal.poles as pole_numbers
 from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.result_rows import Out
+from torsionnet.modal.matching import Match, MatchedMode, matched_modes
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 from torsionnet.response import SI, Conventions, Table
 from torsionnet.response.frequency_response import Channel
@@ -44,6 +45,7 @@ class OperationalModesRecord:
     method: str
     notes: tuple[str, ...]
     modes: tuple[OperationalMode, ...]
+    against_model: Annotated[tuple[MatchedMode, ...] | None, Out(optional=True)] = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -128,9 +130,10 @@ class OperationalModes(NotebookResult):
         notes = (f"95 % intervals of random errors{unit}", *self.notes)
         return result_table(title, self.rows(), OperationalMode, (), conventions, notes)
 
-    def record(self) -> OperationalModesRecord:
-        """Modes found without an input as plain data for JSON."""
-        return OperationalModesRecord(self.title, self.channel, self.unit, self.method, self.notes, self.rows())
+    def record(self, compared: Match | None = None) -> OperationalModesRecord:
+        """Modes found without an input as plain data for JSON, with those of a model that they were compared with."""
+        pairs = None if compared is None else matched_modes(compared)
+        return OperationalModesRecord(self.title, self.channel, self.unit, self.method, self.notes, self.rows(), pairs)
 
     def __repr__(self) -> str:
         listed = ", ".join(

@@ -92,9 +92,11 @@ def order_windows(
     revolutions : float, optional
         Length of a window; by default four revolutions, or less where the passage is quick.
     """
-    turned = np.abs(angle - angle[0]) / (2 * np.pi)
+    turned = np.asarray(np.abs(angle - angle[0]) / (2 * np.pi), dtype=np.float64)
     if (np.diff(turned) <= 0).any():
-        raise UsageError("the shaft must turn in one sense all the time: its mean angle of rotation stands or turns back")
+        raise UsageError(
+            "the shaft must turn in one sense all the time: its mean angle of rotation stands or turns back"
+        )
     shortest = FEWEST_CYCLES / min(orders)
     if revolutions is None:
         revolutions = max(shortest, min(LONGEST_WINDOW, 2 * turned[-1] / WINDOWS_WANTED))
@@ -115,9 +117,7 @@ def order_windows(
     found = np.array([2 * (weights @ (straight * np.exp(-1j * order * angle))) for order in orders])
     rate = np.gradient(turned, times)
     frequencies = orders[0] * np.asarray(weights @ rate)
-    return OrderWindows(
-        tuple(orders), times, angle, weights, found, frequencies, _whitening(weights), revolutions
-    )
+    return OrderWindows(tuple(orders), times, angle, weights, found, frequencies, _whitening(weights), revolutions)
 
 
 def _hann(turned: FloatArray, middles: FloatArray, length: float) -> csr_matrix:

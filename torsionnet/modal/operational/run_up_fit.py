@@ -94,9 +94,7 @@ class _Passage:
         return np.concatenate([self.windows.whitening @ block for block in blocks])
 
 
-def fit_run_up(
-    windows: OrderWindows, excitation: Excitation, derivative: int, modes: int, background: int
-) -> RunUpFit:
+def fit_run_up(windows: OrderWindows, excitation: Excitation, derivative: int, modes: int, background: int) -> RunUpFit:
     """Modes fitted to the orders of a passage by least squares, the linear unknowns eliminated (variable projection).
 
     Linear unknowns are the amplitude of each mode and each order, and a background that is a polynomial in speed for
@@ -140,11 +138,11 @@ def _started(passage: _Passage, windows: OrderWindows, modes: int) -> FloatArray
     """Logarithms of natural frequencies (rad/s) and damping ratios that fit best of a grid, one mode after another."""
     low, high = windows.frequencies.min(), windows.frequencies.max()
     grid = [
-        (2 * np.pi * f, zeta)
-        for f in np.linspace(low, high, START_FREQUENCIES + 2)[1:-1]
-        for zeta in START_DAMPING
+        (2 * np.pi * f, zeta) for f in np.linspace(low, high, START_FREQUENCIES + 2)[1:-1] for zeta in START_DAMPING
     ]
-    candidates = [np.stack([one.reshape(-1) for one in passage.mode(complex(_poles(np.log(g))[0]))], axis=1) for g in grid]
+    candidates = [
+        np.stack([one.reshape(-1) for one in passage.mode(complex(_poles(np.log(g))[0]))], axis=1) for g in grid
+    ]
     data = np.concatenate(passage.data)
     columns = passage.whitened(passage.columns(np.zeros(0, dtype=complex)))
     chosen: list[tuple[float, float]] = []
@@ -160,7 +158,7 @@ def _started(passage: _Passage, windows: OrderWindows, modes: int) -> FloatArray
         best = int(np.argmax(gains))
         chosen.append(grid[best])
         columns = np.concatenate([columns, passage.whitened(candidates[best])], axis=1)
-    return np.log(np.array(chosen).T.reshape(-1))
+    return np.asarray(np.log(np.array(chosen).T.reshape(-1)))
 
 
 def _projected(passage: _Passage, start: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, ComplexArray]:
@@ -171,14 +169,14 @@ def _projected(passage: _Passage, start: FloatArray) -> tuple[FloatArray, FloatA
     def solved(at: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         columns = passage.whitened(passage.columns(_poles(at)))
         amplitudes = np.linalg.lstsq(columns, data, rcond=None)[0]
-        return (data - columns @ amplitudes) / scale, amplitudes
+        return np.asarray((data - columns @ amplitudes) / scale), np.asarray(amplitudes)
 
     def residuals(at: FloatArray) -> FloatArray:
         left = solved(at)[0]
         return np.concatenate([left.real, left.imag])
 
     found = _least_squares(residuals, start, len(start))
-    return found.x, found.jac, found.fun, solved(found.x)[1]
+    return np.asarray(found.x), np.asarray(found.jac), np.asarray(found.fun), solved(found.x)[1]
 
 
 def _amplitudes(passage: _Passage, start: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, ComplexArray]:
@@ -200,7 +198,7 @@ def _amplitudes(passage: _Passage, start: FloatArray) -> tuple[FloatArray, Float
 
     begin = np.concatenate([start, (steady * gains).real / size.max(), (steady * gains).imag / size.max()])
     found = _least_squares(residuals, begin, count)
-    return found.x[:count], found.jac, found.fun, amplitudes(found.x)
+    return np.asarray(found.x[:count]), np.asarray(found.jac), np.asarray(found.fun), amplitudes(found.x)
 
 
 def _least_squares(residuals: Any, start: FloatArray, count: int) -> Any:

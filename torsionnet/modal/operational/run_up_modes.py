@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,11 +11,10 @@ from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.modal.operational.mean_rotation import mean_rotation
 from torsionnet.modal.operational.operational_modes import OperationalModes
 from torsionnet.modal.operational.order_windows import OrderWindows, order_windows
-from torsionnet.modal.operational.run_up_fit import RunUpFit, fit_run_up
-from torsionnet.modal.operational.steady_reading import steady_reading
-from torsionnet.modal.operational.swept_response import DERIVATIVES, Excitation, sweep_of, swept_response
+from torsionnet.modal.operational.swept_fit import swept_modes
+from torsionnet.modal.operational.swept_response import Excitation
 from torsionnet.modal.operational.tracked_windows import tracked_windows
-from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
+from torsionnet.modal.spectral_lines import FloatArray
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.recording import Recording
 
@@ -27,35 +25,6 @@ PROMINENT = 0.1
 """Prominence of a peak over the largest amplitude, from which it can be a resonance."""
 SAMPLES_PER_CYCLE = 16
 """Samples per cycle of the highest frequency of the order that are kept; more tell nothing new."""
-GREAT_MISFIT = 0.1
-"""RMS residual over RMS amplitude above which other modes or an uneven excitation are suspected."""
-FAST_SWEEP = 0.2
-"""Sweep rate in units of (zeta f0)^2 from which the steady reading is off by percents, and the note on it is given."""
-
-
-@dataclass(frozen=True, eq=False)
-class SweptFit:
-    """Measured order of a passage through resonances beside the fitted swept response, over order frequency in Hz.
-
-    Attributes
-    ----------
-    order : float
-    frequencies : (n,) array
-        Frequency of the order in the middle of each window, Hz.
-    measured, fitted : (n,) complex arrays
-        Peak amplitudes in windows, SI.
-    parts : (n_modes, n) complex array
-        Contribution of each mode.
-    steady : (n_modes, n) complex array
-        Response of each mode had the machine stayed at each speed, for its amplitude.
-    """
-
-    order: float
-    frequencies: FloatArray
-    measured: ComplexArray
-    fitted: ComplexArray
-    parts: ComplexArray
-    steady: ComplexArray
 
 
 def modes_from_run_up(
@@ -136,7 +105,7 @@ def modes_from_run_up(
     if windows.revolutions < 2 and len(orders) == 1:
         note += f"; orders nearer than {2 / windows.revolutions:.2g} are not kept apart: give those there are, too"
     about = (channel, signal.quantity, signal.unit, recording.title)
-    return _fitted(windows, about, modes, excitation, background, (note,))
+    return swept_modes(windows, about, modes, excitation, background, (note,))
 
 
 def modes_from_tracked_orders(
@@ -180,7 +149,7 @@ def modes_from_tracked_orders(
     if revolutions is None and bandwidth is None:
         notes.append("warning: how far the tracking smears is not known; give its bandwidth, or read the signal itself")
     about = (tracked.name, tracked.quantity, tracked.unit, tracked.title)
-    return _fitted(windows, about, modes, excitation, background, tuple(notes))
+    return swept_modes(windows, about, modes, excitation, background, tuple(notes))
 
 
 def _check(orders: tuple[float, ...], modes: int, background: int) -> None:
@@ -232,92 +201,3 @@ def _section(
     line = np.polynomial.Polynomial.fit(times, values, 1)(times)
     kept = slice(None, None, factor)
     return times[kept], resample_poly(values - line, 1, factor) + line[kept], angle[kept]
-
-
-def _fitted(
-    windows: OrderWindows,
-    about: tuple[str, str, str, str],
-    modes: int,
-    excitation: Excitation,
-    background: int,
-    notes: tuple[str, ...],
-) -> OperationalModes:
-    channel, quantity, unit, title = about
-    derivative = DERIVATIVES.get(quantity, 0)
-    fit = fit_run_up(windows, excitation, derivative, modes, background)
-    factor = _student(fit.degrees)
-    errors = factor * np.sqrt(np.diag(fit.covariance)).reshape(2, -1)
-    frequencies, zeta = np.abs(fit.poles) / (2 * np.pi), -fit.poles.real / np.abs(fit.poles)
-    evidence = SweptFit(
-        windows.orders[0], windows.frequencies, windows.values[0], fit.fitted[0], fit.parts[:, 0],
-        _steady(fit, windows, excitation, derivative),
-    )  # fmt: skip
-    remarks = tuple(
-        "; ".join(_remarks(windows, f, z, error)) for f, z, error in zip(frequencies, zeta, errors[1], strict=True)
-    )
-    law = "constant" if excitation == "constant" else "as the square of the speed"
-    said = [f"amplitude of the excitation {law}", *notes, *_notes(fit, windows, excitation, derivative)]
-    return OperationalModes(
-        fit.poles, frequencies * errors[0], zeta * errors[1], np.abs(fit.parts[:, 0]).max(axis=1), channel, unit,
-        f"swept response of order {windows.orders[0]:g}", evidence, remarks, title, tuple(said),
-    )  # fmt: skip
-
-
-def _student(degrees: int) -> float:
-    from scipy.stats import t
-
-    return float(t.ppf(0.975, degrees))
-
-
-def _steady(fit: RunUpFit, windows: OrderWindows, excitation: Excitation, derivative: int) -> ComplexArray:
-    """Response of each mode had the machine stayed at each speed, (n_modes, n), with the amplitudes of the fit."""
-    omega = 2 * np.pi * windows.frequencies
-    sweep = sweep_of(windows.times, windows.angle, windows.orders[0], excitation)
-    growth = np.ones(len(omega)) if excitation == "constant" else (omega / np.abs(sweep.speed).max()) ** 2
-    found = []
-    for pole, part in zip(fit.poles, fit.parts[:, 0], strict=True):
-        swept = windows.weights @ swept_response(pole, sweep, derivative)
-        gain = np.vdot(swept, part) / np.vdot(swept, swept)
-        compliance = abs(pole) ** 2 / ((1j * omega - pole) * (1j * omega - pole.conjugate()))
-        found.append(gain * growth * compliance * (1j * omega) ** derivative)
-    return np.array(found)
-
-
-def _notes(fit: RunUpFit, windows: OrderWindows, excitation: Excitation, derivative: int) -> list[str]:
-    pole = fit.poles[int(np.abs(fit.parts[:, 0]).max(axis=1).argmax())]
-    f0, zeta = abs(pole) / (2 * np.pi), -pole.real / abs(pole)
-    found = []
-    sweep = sweep_of(windows.times, windows.angle, windows.orders[0], excitation)
-    passed = int(np.abs(np.abs(sweep.speed) - abs(pole)).argmin())
-    rate = abs(float(np.gradient(sweep.speed, sweep.step)[passed])) / (2 * np.pi)
-    if rate > FAST_SWEEP * (zeta * f0) ** 2:
-        read = steady_reading(np.abs(sweep.speed) / (2 * np.pi), np.abs(swept_response(pole, sweep, derivative)))
-        steady = 1 / (2 * zeta * np.sqrt(1 - zeta**2)) * abs(pole) ** derivative
-        steady *= sweep.excitation[passed]
-        found.append(
-            f"the order passes {f0:.4g} Hz at {rate:.3g} Hz/s: peak and half power read as a steady response would give "
-            f"{read.frequency:.4g} Hz, damping ratio {read.damping_ratio:.3g} and a peak {read.peak / steady - 1:+.0%}"
-        )
-    if fit.misfit > GREAT_MISFIT:
-        found.append(
-            f"warning: the fit leaves {fit.misfit:.0%} of the amplitude (RMS): noise, more modes in the band, or an "
-            "excitation that changes with speed in another way"
-        )
-    if windows.amplitudes_only:
-        found.append("amplitudes alone are fitted, phases are not known")
-    return found
-
-
-def _remarks(windows: OrderWindows, f: float, zeta: float, error: float) -> list[str]:
-    low, high = windows.frequencies.min(), windows.frequencies.max()
-    if not low < f < high:
-        raise SolveError(
-            f"the fitted natural frequency of {f:.4g} Hz is outside the {low:.4g} to {high:.4g} Hz that order "
-            f"{windows.orders[0]:g} runs through: the resonance is not passed"
-        )
-    found = []
-    if not low < f * (1 - zeta) < f * (1 + zeta) < high:
-        found.append("its half-power width is not passed as a whole")
-    if error > 0.5:
-        found.append("damping is hardly determined")
-    return found

@@ -15,11 +15,15 @@ STEPS_PER_RADIAN = 16
 MOST_STEPS = 500_000
 """Largest number of steps in time, as more would take too much memory."""
 KERNEL_TAILS = 3.0
-"""Reach of the kernel of a Vold-Kalman filter in units of the inverse of its bandwidth: further out lies under 0.1 %."""
+"""Reach of the kernel of a Vold-Kalman filter over its inverse bandwidth: further out lies under 0.1 %."""
 
 
 def tracked_windows(
-    tracked: TrackedOrders, order: float, amplitudes_only: bool | None, revolutions: float | None, bandwidth: float | None
+    tracked: TrackedOrders,
+    order: float,
+    amplitudes_only: bool | None,
+    revolutions: float | None,
+    bandwidth: float | None,
 ) -> OrderWindows:
     """Tracked order as values over a fine time, each a mean of the response with the weights of its tracking."""
     from scipy.interpolate import CubicSpline
