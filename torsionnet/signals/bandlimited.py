@@ -63,6 +63,8 @@ class Rotation:
         Steps by which each pulse stands beyond its number, less than half a step.
     """
 
+    kept_band = KEPT_BAND
+
     def __init__(
         self,
         times: FloatArray,

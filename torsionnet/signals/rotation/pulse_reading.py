@@ -1,4 +1,4 @@
-"""Entries on what a channel of pulses holds: counts of a counter, of which clock, or times."""
+"""Entries on what a channel of pulses holds: counts of a counter, of which clock, times, or the signal of teeth."""
 
 from __future__ import annotations
 
@@ -6,10 +6,14 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.scalars import AnyNumber, Value
 from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count
+from torsionnet.core.entries.words import Count, OneOf, Text
 from torsionnet.core.errors import Fault
+from torsionnet.signals.pulse_train import HYSTERESIS
+
+SIGNAL_ENTRIES = ("level", "hysteresis", "edge", "pickup", "second")
+"""Entries of a reading that describe the signal of teeth, which a counter does not have."""
 
 WIDEST_COUNTER = 64
 """Most bits of a counter of pulses; wider ones are not built."""
@@ -17,7 +21,7 @@ WIDEST_COUNTER = 64
 
 @dataclass(frozen=True, kw_only=True)
 class PulseReading(Declared):
-    """Reading of the values of a channel of pulses: counts of a clock, which may wrap, or times.
+    """Reading of the values of a channel of pulses: counts of a clock, which may wrap, times, or the signal of teeth.
 
     Without ``tick`` and ``clock`` the values are times of pulses in the unit of the channel.
 
@@ -39,12 +43,30 @@ class PulseReading(Declared):
         None,
     )
 
+    level: float | None = entry(AnyNumber("value that a tooth signal passes, in its unit; default: the middle"), None)
+    hysteresis: float = entry(
+        Value("share of its height by which a tooth signal must pass on either side", "1", exclusive=True, below=0.5),
+        HYSTERESIS,
+    )
+    edge: str = entry(OneOf("which flanks of a tooth signal are pulses", ("rising", "falling")), "rising")
+    pickup: str = entry(
+        OneOf("whether a tooth signal switches, or grows with the speed", ("switching", "inductive")), "switching"
+    )
+    second: str = entry(Text("channel of a second track a quarter pitch further, which tells the direction"), "")
+
     def contradictions(self) -> list[Fault]:
         if self.tick is not None and self.clock is not None:
             return [Fault("tick and clock say the same thing; leave one out", ("clock",))]
         if self.bits is not None and self.tick is None and self.clock is None:
             return [Fault("a counter of so many bits needs the time of its tick, or its clock", ("bits",))]
+        if self.seconds is not None and self.is_of_a_signal:
+            return [Fault("a counter has no level, hysteresis, edge, pickup or second track", ("tick",))]
         return []
+
+    @property
+    def is_of_a_signal(self) -> bool:
+        """Whether an entry is given that only the signal of teeth has, as its level."""
+        return any(getattr(self, name) != self.defaults()[name] for name in SIGNAL_ENTRIES)
 
     @property
     def seconds(self) -> float | None:

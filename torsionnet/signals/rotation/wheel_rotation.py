@@ -13,10 +13,12 @@ from torsionnet.core.errors import UsageError
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.measured.wheel_pattern import WheelPattern
 from torsionnet.response.recording import FloatArray
-from torsionnet.signals.bandlimited import KEPT_BAND, Rotation
+from torsionnet.signals.bandlimited import Rotation
 from torsionnet.signals.pulses import repaired_pulses
 from torsionnet.signals.rotation.gap_filling import filled_band
 from torsionnet.signals.rotation.pulse_deviations import PulseDeviations, seen_deviations
+from torsionnet.signals.rotation.quadrature import DirectedPulses
+from torsionnet.signals.rotation.reversing import ReversingRotation
 from torsionnet.signals.rotation.tooth_zero import tooth_after_gap, tooth_after_index
 from torsionnet.signals.rotation.turning_back import refuse_turning_back
 from torsionnet.signals.rotation.wheel import Wheel
@@ -40,7 +42,7 @@ class WheelRotation:
     numbers : (n,) int array
         Tooth of each pulse, counted on from turn to turn; tooth 0 is the first after the gap of a wheel with missing
         teeth, the first at or after an index pulse, else that of the first pulse.
-    rotation : Rotation
+    rotation : Rotation or ReversingRotation
         Rotation in pitches since the place of the first tooth on a wheel of even pitch.
     remarks : tuple of str
         Repairs, with their counts.
@@ -50,17 +52,20 @@ class WheelRotation:
         Gap of the wheel as it was found, in words; empty where it has none.
     zero : str
         Which tooth is 0, in words.
+    backwards : bool
+        Whether two tracks showed that the wheel turns backwards all the time.
     """
 
     name: str
     wheel: Wheel
     times: FloatArray
     numbers: NDArray[np.intp]
-    rotation: Rotation
+    rotation: Rotation | ReversingRotation
     remarks: tuple[str, ...] = ()
     deviations: PulseDeviations = PulseDeviations()
     gap: str = ""
     zero: str = "the tooth of the first pulse"
+    backwards: bool = False
 
     def angle(self, times: FloatArray) -> FloatArray:
         """Angle of the reference shaft in rad at times in s between first and last pulse, shape (n,).
@@ -76,7 +81,7 @@ class WheelRotation:
     @property
     def _pitch(self) -> float:
         """Angle of the reference shaft in rad from tooth to tooth, negative of a wheel that turns against it."""
-        return 2 * np.pi * self.wheel.ratio * (-1 if self.wheel.reversed else 1) / self.wheel.teeth
+        return 2 * np.pi * self.wheel.ratio * (-1 if self.wheel.reversed != self.backwards else 1) / self.wheel.teeth
 
     @cached_property
     def speeds(self) -> FloatArray:
@@ -85,8 +90,8 @@ class WheelRotation:
 
     @property
     def revolutions(self) -> float:
-        """Turns of the reference shaft from the first to the last pulse."""
-        return float(self.numbers[-1] - self.numbers[0]) * self.wheel.ratio / self.wheel.teeth
+        """Turns of the reference shaft from the first to the last pulse, those in either direction added up."""
+        return float(np.abs(np.diff(self.numbers)).sum()) * self.wheel.ratio / self.wheel.teeth
 
     @property
     def angle_deviation(self) -> FloatArray:
@@ -94,7 +99,7 @@ class WheelRotation:
 
         It holds what counter and jitter leave at the speed there, and what is known or seen of the places of teeth.
         """
-        of_times = self.deviations.time * self.speeds
+        of_times = self.deviations.time * np.abs(self.speeds)
         return np.asarray(np.hypot(of_times, self.deviations.place * self.wheel.ratio))
 
     @property
@@ -105,7 +110,7 @@ class WheelRotation:
     @property
     def highest_order(self) -> float:
         """Highest order of the reference shaft that the teeth tell, with the part that interpolation and gap leave."""
-        return self.alias_order * min(KEPT_BAND, filled_band(self.wheel.missing_teeth))
+        return self.alias_order * min(self.rotation.kept_band, filled_band(self.wheel.missing_teeth))
 
     def aliased(self, order: float) -> float:
         """Order that an order of the reference shaft reads as, itself up to half the teeth."""
@@ -191,7 +196,13 @@ def wheel_rotation(
     """
     if pattern is not None and pattern.teeth != wheel.teeth:
         raise UsageError(f"{channel.name}: a pattern of {pattern.teeth} teeth does not fit a wheel of {wheel.teeth}")
-    refuse_turning_back(channel.times, channel.name)
+    backwards = False
+    if isinstance(channel, DirectedPulses):
+        if channel.turns_back:
+            return _reversing(channel, wheel, pattern, first)
+        backwards = bool(channel.numbers[-1] < 0)
+    else:
+        refuse_turning_back(channel.times, channel.name)
     try:
         found = repaired_pulses(channel.times)
     except UsageError as error:
@@ -214,8 +225,27 @@ def wheel_rotation(
     rotation = Rotation(found.times, found.numbers, wheel.teeth, offsets)
     return WheelRotation(
         channel.name, wheel, found.times, numbers, rotation, tuple(remarks),
-        _deviations(channel, wheel, pattern, found.times, numbers, rotation, offsets), gap, zero,
+        _deviations(channel, wheel, pattern, found.times, numbers, rotation, offsets), gap, zero, backwards,
     )  # fmt: skip
+
+
+def _reversing(channel: DirectedPulses, wheel: Wheel, pattern: WheelPattern | None, first: int | None) -> WheelRotation:
+    if wheel.missing_teeth:
+        raise UsageError(
+            f"{channel.name}: the shaft turns back, and the gap of {wheel.missing_teeth} missing teeth cannot be told "
+            "from a standstill; cut the record where it turns back"
+        )
+    numbers = channel.numbers + (first or 0)
+    offsets = 0.0 if pattern is None else _offsets(pattern, numbers, channel.name)
+    backs = channel.turns_back
+    remarks = (
+        f"the shaft turns back {backs} time{'s' * (backs > 1)}: interpolated by cubic splines over time",
+        *channel.notes,
+    )
+    rotation = ReversingRotation(channel.times, np.asarray(channel.numbers + offsets, dtype=np.float64))
+    zero = "the tooth of the first pulse" if first is None else "the tooth given"
+    deviations = PulseDeviations(channel.tick, pattern=None if pattern is None else _known(pattern))
+    return WheelRotation(channel.name, wheel, channel.times, numbers, rotation, remarks, deviations, zero=zero)
 
 
 def _offsets(pattern: WheelPattern, numbers: NDArray[np.intp], name: str) -> FloatArray:
@@ -240,7 +270,9 @@ def _deviations(
     residuals = pitch * (standing - rotation.mean_rotation(times))
     speeds = pitch * rotation.mean_rotation(times, 1)
     jitter, places = seen_deviations(residuals, speeds, numbers, wheel.teeth)
-    known = None
-    if pattern is not None:
-        known = float(np.sqrt(np.mean(pattern.half_widths**2))) / HALF_WIDTH_DEVIATIONS
-    return PulseDeviations(channel.tick, jitter, places, known)
+    return PulseDeviations(channel.tick, jitter, places, None if pattern is None else _known(pattern))
+
+
+def _known(pattern: WheelPattern) -> float:
+    """Standard deviation of the places of a pattern in rad."""
+    return float(np.sqrt(np.mean(pattern.half_widths**2))) / HALF_WIDTH_DEVIATIONS
