@@ -125,6 +125,7 @@ _BASE: dict[str, tuple[Real, Dimension, str]] = {
     "W": (Fraction(1), _POWER, "GMk"),
     "rad": (Fraction(1), _NUMBER, "mu"), "deg": (math.pi / 180, _NUMBER, ""), "rev": (2 * math.pi, _NUMBER, ""),
     "arcmin": (math.pi / 10800, _NUMBER, ""), "%": (Fraction(1, 100), _NUMBER, ""),
+    "ppm": (Fraction(1, 10**6), _NUMBER, ""),
     "rpm": (math.pi / 30, _dimension(s=-1), ""), "Hz": (Fraction(1), _dimension(s=-1, cycle=1), "Mkm"),
     "cpm": (Fraction(1, 60), _dimension(s=-1, cycle=1), ""), "cycle": (Fraction(1), _dimension(cycle=1), ""),
     "K": (Fraction(1), _dimension(K=1), ""),
@@ -139,7 +140,7 @@ _JOINED = {"Nm": "N m", "kNm": "kN m", "MNm": "MN m", "GNm": "GN m", "mNm": "mN 
            "Nms": "N m s", "kNms": "kN m s", "MNms": "MN m s", "mNms": "mN m s", "kgfm": "kgf m", "kgm^2": "kg m m",
            "kgcm^2": "kg cm cm", "kgmm^2": "kg mm mm", "gcm^2": "g cm cm", "gmm^2": "g mm mm", "tm^2": "t m m",
            "kgm2": "kg m m"}  # fmt: skip
-ANGLES = frozenset(name for name, (_, dimension) in _ATOMS.items() if dimension == _NUMBER and name != "%")
+ANGLES = frozenset(name for name, (_, dimension) in _ATOMS.items() if dimension == _NUMBER and name not in ("%", "ppm"))
 """Names of the units that stand for an angle."""
 _ANGULAR = {*ANGLES, "rpm", *(name for name, (_, dimension) in _ATOMS.items() if dimension.cycle)}
 
