@@ -10,24 +10,27 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.bench.exciter_torque import ExciterOutput, exciter_output, quantised
+from torsionnet.bench.exciter_torque import ExciterOutput, exciter_output
+from torsionnet.bench.recorded_signal import recorded_signal
+from torsionnet.bench.turning_motion import TurningMotion, turning_motions
+from torsionnet.bench.turning_test import TurningTest, true_record, turning_test, turning_wheels
 from torsionnet.core.entries.spec import not_none
 from torsionnet.core.errors import ModelError, TorsionnetWarning, UsageError
 from torsionnet.core.notebook import NotebookResult
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer
+from torsionnet.model.bench import Plan, ToothedWheel
 from torsionnet.model.bench.bench_checks import check_plan, sensor_of
+from torsionnet.model.bench.plan import Sensing
 from torsionnet.model.channels import Sensor
-from torsionnet.response.recording import FloatArray, Recording, Signal
+from torsionnet.response.measured.pulse_channel import PULSE_TIMES
+from torsionnet.response.recording import Recording, Signal
 from torsionnet.response.table import Column, Table
-
-ANTI_ALIAS_ORDER = 4
-"""Order of the Butterworth anti-alias filter of the analog channels."""
+from torsionnet.signals.excitation.excitation import Excitation
 
 
 @dataclass(frozen=True, repr=False)
 class Bench(NotebookResult):
-    """Drivetrain with the plan of a test on it: excitation, exciter, channels and data acquisition.
+    """Drivetrain with the plan of a test on it: excitation or motion, channels and data acquisition.
 
     Raises
     ------
@@ -37,7 +40,7 @@ class Bench(NotebookResult):
     Examples
     --------
     >>> import torsionnet as tn
-    >>> from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer
+    >>> from torsionnet.model.bench import Plan, ToothedWheel
     >>> plan = Plan(
     ...     excitation=tn.signals.LinearChirp(start=1, stop=20, duration=10, amplitude=15),
     ...     channels={"T_T": Transducer(noise="0.23 N*m"), "theta_1": Encoder(lines=1024, quadrature=True)},
@@ -51,21 +54,24 @@ class Bench(NotebookResult):
     plan: Plan
 
     def __post_init__(self) -> None:
-        faults = check_plan(self.plan, self.drivetrain.definition)
+        faults = check_plan(self.plan, self.drivetrain.definition, values=self.drivetrain.exact_values)
         if faults:
             raise ModelError(faults, f"the bench of {self.drivetrain.title}")
 
     def table(self) -> Table:
         """Table of the channels: the sensor and quantity that each reads, and by what."""
         sensors = self.sensors
-        rows = tuple(
-            (name, sensors[name].quantity if name in sensors else "torque", part.kind)
-            for name, part in self.plan.channels.items()
-        )
-        torque = f"{self.plan.excitation.kind} of {self.plan.excitation.length:g} s on {self.drive}"
+        rows = tuple((name, _quantity(part, sensors.get(name)), part.kind) for name, part in self.plan.channels.items())
         columns = (Column("channel"), Column("quantity"), Column("read by"))
         rate = f"{self.plan.acquisition.rate:g} Hz"
-        return Table(self.title, columns, rows, (f"{torque}, recorded at {rate}",))
+        return Table(self.title, columns, rows, (f"{self._what}, recorded at {rate}",))
+
+    @property
+    def _what(self) -> str:
+        if self.plan.motion is not None:
+            return self.plan.motion.described
+        excitation = not_none(self.plan.excitation)
+        return f"{excitation.kind} of {excitation.length:g} s on {self.drive}"
 
     @property
     def title(self) -> str:
@@ -82,7 +88,7 @@ class Bench(NotebookResult):
     @property
     def sensors(self) -> Mapping[str, Sensor]:
         """Sensor of the model that each channel reads, by the name of the channel."""
-        found = {name: sensor_of(name, part, self.drivetrain.definition) for name, part in self.plan.channels.items()}
+        found = {name: sensor_of(name, self.plan, self.drivetrain.definition) for name in self.plan.channels}
         return {name: sensor for name, sensor in found.items() if sensor is not None}
 
     def configured(self, name: str = "", /, **overrides: Any) -> Bench:
@@ -91,13 +97,58 @@ class Bench(NotebookResult):
 
     @cached_property
     def exciter_output(self) -> ExciterOutput:
-        """Set-point and torque of the exciter over time."""
-        return exciter_output(self.plan.excitation, self.plan.exciter, self.plan.acquisition.rate)
+        """Set-point and torque of the exciter over time, N m."""
+        return exciter_output(self._excitation, self.plan.exciter, self.plan.acquisition.rate)
+
+    @property
+    def _excitation(self) -> Excitation:
+        if self.plan.excitation is None:
+            raise UsageError("a bench with motion: has no exciter; the excitations of its model act")
+        return self.plan.excitation
+
+    @cached_property
+    def motions(self) -> tuple[TurningMotion, ...]:
+        """Motions of a bench that turns: one for each steady point, one along a speed; empty of one that shakes."""
+        if self.plan.motion is None:
+            return ()
+        turned = {name: sensor for name, sensor in self.sensors.items() if not _is_further(self.plan.channels[name])}
+        return turning_motions(self.drivetrain, self.plan.motion, turned)
+
+    def turned(self, seed: int | None = None) -> TurningTest:
+        """Records of a test that turns, the truth behind them, and the faults put into them.
+
+        Parameters
+        ----------
+        seed : int, optional
+            Of noise, lost pulses and all else that is random but the wheels, whose teeth follow from the seed of the
+            plan; default: that one.
+        """
+        if self.plan.motion is None:
+            raise UsageError("this bench shakes; a bench with motion: turns")
+        number = self.plan.seed if seed is None else seed
+        return turning_test(self.drivetrain, self.plan, self.motions, number, self._what)
+
+    def records(self, seed: int | None = None) -> Mapping[str, Recording]:
+        """Records of the test by name: of steady points and of further recording systems; one alone has no name."""
+        return {"": self.run(seed)} if self.plan.motion is None else self.turned(seed).records
+
+    @property
+    def truths(self) -> Mapping[str, Recording]:
+        """Records without errors of measurement by name, one for each steady point; one alone has no name."""
+        if self.plan.motion is None:
+            return {"": self.truth}
+        wheels = turning_wheels(self.plan)
+        return {one.name: true_record(one, self.plan, wheels, self.drivetrain.title) for one in self.motions}
 
     @cached_property
     def truth(self) -> Recording:
-        """Record of the exciter's torque and of the motion and torques at the sensors, without measurement errors."""
-        mean = self.plan.excitation.mean
+        """Record of the torque, and of motion and torques at the sensors, without measurement errors.
+
+        Of a bench that turns with the mean rotation instead of the torque of an exciter.
+        """
+        if self.plan.motion is not None:
+            return _only(self.truths)
+        mean = self._excitation.mean
         sensors = self.sensors
         moved = self.drivetrain.simulate(
             list(sensors.values()), {self.drive: self.exciter_output.torque - mean}, self.plan.acquisition.rate
@@ -124,12 +175,16 @@ class Bench(NotebookResult):
     def run(self, seed: int | None = None) -> Recording:
         """Record of the test: the set-point, named after the input with ``_set``, and every channel.
 
+        Of a bench that turns, its only record: several steady points or systems give one each, :meth:`records`.
+
         Parameters
         ----------
         seed : int, optional
             Seed of this run; default: that of the plan. Noise and the position of an encoder's steps follow from seed
             and configuration, so that two gears do not share them.
         """
+        if self.plan.motion is not None:
+            return _only(self.records(seed))
         number = self.plan.seed if seed is None else seed
         begin = [number, *self.drivetrain.configuration.encode()]
         generators = np.random.default_rng(begin).spawn(len(self.plan.channels))
@@ -137,74 +192,32 @@ class Bench(NotebookResult):
         channels = tuple(
             recorded_signal(self.truth[name], part, self.plan.acquisition, rng)
             for (name, part), rng in zip(self.plan.channels.items(), generators, strict=True)
+            if not isinstance(part, ToothedWheel)
         )
         notes = (f"virtual test: {self.drivetrain.title}, {self._described}, seed {number}", *self.exciter_output.notes)
         return Recording((set_point, *channels), self.plan.acquisition.rate, title=self.drivetrain.title, notes=notes)
 
     @property
     def _described(self) -> str:
-        excitation = self.plan.excitation
+        excitation = self._excitation
         mean = f" about {excitation.mean:g} N*m" if excitation.mean else ""
         return f"{excitation.kind} of {excitation.amplitude:g} N*m{mean}, {excitation.length:g} s"
 
 
-def recorded_signal(
-    truth: Signal, part: Transducer | Encoder, acquisition: Acquisition, rng: np.random.Generator
-) -> Signal:
-    """Signal that one channel records of a true signal, with the errors of its transducer or encoder."""
-    late = replace(truth, values=_delayed(truth.values, part.delay * acquisition.rate))
-    return _encoded(late, part, rng) if isinstance(part, Encoder) else _transduced(late, part, acquisition, rng)
+def _quantity(part: Sensing, sensor: Sensor | None) -> str:
+    if isinstance(part, ToothedWheel):
+        return PULSE_TIMES
+    return sensor.quantity if sensor else "torque"
 
 
-def _encoded(truth: Signal, encoder: Encoder, rng: np.random.Generator) -> Signal:
-    """Angle counted by an incremental encoder in whole steps, 0 at the first sample.
-
-    The position of the shaft between two edges at the first sample is random.
-    """
-    step = 2 * np.pi / encoder.steps
-    place = rng.random()
-    counts = np.floor((truth.values - truth.values[0]) / step + place)
-    way = "in quadrature" if encoder.quadrature else "one step each"
-    note = f"encoder of {encoder.lines} lines, {way}: steps of {np.degrees(step):.6g} deg"
-    return replace(truth, values=step * counts, notes=(*truth.notes, note))
+def _is_further(part: Sensing) -> bool:
+    """Whether a channel is a further pickup on the wheel of another channel."""
+    return isinstance(part, ToothedWheel) and bool(part.wheel)
 
 
-def _transduced(truth: Signal, part: Transducer, acquisition: Acquisition, rng: np.random.Generator) -> Signal:
-    """Signal of a transducer: gain, noise, offset, anti-alias filter, range and quantisation applied."""
-    values, notes = part.gain * truth.values, list(truth.notes)
-    if part.noise is not None:
-        values = values + float(part.noise.value) * rng.standard_normal(len(values))
-    if part.offset is not None:
-        values = values + float(part.offset.value)
-    if acquisition.anti_alias is not None:
-        values = _filtered(values, acquisition)
-    if part.range is not None:
-        limit = float(part.range.value)
-        clipped = int(np.count_nonzero(np.abs(values) > limit))
-        if clipped:
-            notes.append(f"warning: {truth.name} clipped at its range of {limit:g} {truth.unit} in {clipped} samples")
-        values = np.clip(values, -limit, limit)
-        if acquisition.bits is not None:
-            values = quantised(values, 2 * limit / 2**acquisition.bits)
-    return replace(truth, values=values, notes=tuple(notes))
-
-
-def _filtered(values: FloatArray, acquisition: Acquisition) -> FloatArray:
-    """Values behind the anti-alias low-pass, which has settled at the first value; delayed as in a real one."""
-    from scipy.signal import butter, sosfilt, sosfilt_zi
-
-    sections = butter(ANTI_ALIAS_ORDER, not_none(acquisition.anti_alias), fs=acquisition.rate, output="sos")
-    settled = sosfilt_zi(sections) * values[0]
-    return np.asarray(sosfilt(sections, values, zi=settled)[0])
-
-
-def _delayed(values: FloatArray, samples: float) -> FloatArray:
-    """Values delayed by a number of samples, whole or not, by cubic interpolation; the first value before the start."""
-    if samples == 0:
-        return values
-    from scipy.interpolate import CubicSpline
-
-    places = np.arange(len(values)) - samples
-    return np.asarray(
-        np.where(places > 0, CubicSpline(np.arange(len(values)), values)(np.maximum(places, 0)), values[0])
-    )
+def _only(records: Mapping[str, Recording]) -> Recording:
+    """The one record of a test, or UsageError that names the records there are."""
+    if len(records) == 1:
+        return next(iter(records.values()))
+    names = ", ".join(name or "that of the first system" for name in records)
+    raise UsageError(f"this test has {len(records)} records, {names}; take them from records() or truths")

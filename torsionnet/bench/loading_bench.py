@@ -85,7 +85,7 @@ def _of_its_own(document: LocatedDocument, path: Path) -> Bench:
     faults += found
     plan = entries.get("bench")
     if plan is not None and drivetrain is not None:
-        faults += check_plan(plan, drivetrain.definition)
+        faults += check_plan(plan, drivetrain.definition, values=drivetrain.exact_values)
     faults += document.faults
     if faults or plan is None or drivetrain is None:
         raise ModelError(located_faults(faults, document), path.name)

@@ -44,7 +44,7 @@ class PassageResponse(NotebookResult):
     speeds : (n_t,) array
         Speed of the reference shaft, rad/s.
     angles : (n_t,) array
-        Angle by which the reference shaft has turned, rad.
+        Angle of the reference shaft, rad; 0 at first unless a start angle is given.
     reference : str
         Node of the reference shaft.
     values : (n_t, n_out) array

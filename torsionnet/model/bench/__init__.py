@@ -1,6 +1,30 @@
-"""Entries of a test bench for its excitation, exciter, sensors and data acquisition. The rig itself is a drivetrain."""
+"""Entries of a test bench: excitation or motion, sensors, data acquisition. The rig itself is a drivetrain."""
 
-from torsionnet.model.bench.parts import Acquisition, Encoder, Exciter, Transducer
+from torsionnet.model.bench.bench_motions import CoastDown, GivenSpeed, Motion, RunDown, RunUp, SteadyPoints
+from torsionnet.model.bench.parts import Acquisition, DropOuts, Encoder, Exciter, Hum, RecordingSystem, Transducer
 from torsionnet.model.bench.plan import Plan
+from torsionnet.model.bench.strain_gauge import ShuntCalibration, StrainGauge, ZeroDrift
+from torsionnet.model.bench.toothed_wheel import PitchErrors, RadialVibration, ToothedWheel
 
-__all__ = ["Acquisition", "Encoder", "Exciter", "Plan", "Transducer"]
+__all__ = [
+    "Acquisition",
+    "CoastDown",
+    "DropOuts",
+    "Encoder",
+    "Exciter",
+    "GivenSpeed",
+    "Hum",
+    "Motion",
+    "PitchErrors",
+    "Plan",
+    "RadialVibration",
+    "RecordingSystem",
+    "RunDown",
+    "RunUp",
+    "ShuntCalibration",
+    "SteadyPoints",
+    "StrainGauge",
+    "ToothedWheel",
+    "Transducer",
+    "ZeroDrift",
+]

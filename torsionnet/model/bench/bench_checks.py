@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
 
 from torsionnet.core.entries.scalars import check_unit
-from torsionnet.core.entries.spec import EntryError
+from torsionnet.core.entries.spec import EntryError, not_none
 from torsionnet.core.errors import Fault, Path, did_you_mean
+from torsionnet.core.expressions import Number
 from torsionnet.model.bench.parts import Encoder, Transducer
-from torsionnet.model.bench.plan import Plan
+from torsionnet.model.bench.plan import Plan, Sensing
+from torsionnet.model.bench.strain_gauge import StrainGauge
+from torsionnet.model.bench.toothed_wheel import ToothedWheel
+from torsionnet.model.bench.turning_checks import motion_length, turning_faults
 from torsionnet.model.channels import Sensor, named_sensor
 
 if TYPE_CHECKING:
@@ -23,16 +27,28 @@ DIMENSION_OF = {"angle": "angle", "twist": "angle", "velocity": "speed", "stress
 """Dimension of a sensor's reading by its quantity, where the two have different names."""
 
 
-def check_plan(plan: Plan, definition: Definition, path: Path = ("bench",)) -> list[Fault]:
-    """Faults of a bench plan for this model; sensors written out in full are left to the solver."""
-    faults = [*_drive(plan, definition), *_size(plan)]
+def check_plan(
+    plan: Plan, definition: Definition, path: Path = ("bench",), values: Mapping[str, Any] | None = None
+) -> list[Fault]:
+    """Faults of a bench plan for this model; sensors written out in full are left to the solver.
+
+    With the ``values`` of its parameters ratios are checked, too.
+    """
+    if plan.motion is None:
+        faults = [*_drive(plan, definition), *_size(plan, not_none(plan.excitation).length)]
+    else:
+        faults = [*turning_faults(plan, definition, values), *_size(plan, motion_length(plan.motion))]
     for name, part in plan.channels.items():
         faults += [fault.under("channels", name) for fault in _channel(name, part, plan, definition)]
     return [fault.under(*path) for fault in faults]
 
 
-def sensor_of(name: str, part: Transducer | Encoder, definition: Definition) -> Sensor | None:
-    """Sensor of the model that a channel measures, None if it names none."""
+def sensor_of(name: str, plan: Plan, definition: Definition) -> Sensor | None:
+    """Sensor of the model that a channel measures, None if it names none; that of its wheel for a further pickup."""
+    part = plan.channels[name]
+    if isinstance(part, ToothedWheel) and part.wheel:
+        first = plan.channels.get(part.wheel)
+        return named_sensor((first.sensor if first else None) or part.wheel, definition.sensors)
     return named_sensor(part.sensor or name, definition.sensors)
 
 
@@ -47,8 +63,10 @@ def _drive(plan: Plan, definition: Definition) -> Iterator[Fault]:
         yield Fault(f"{reason}; torque inputs: {declared}", ("drive",))
 
 
-def _size(plan: Plan) -> Iterator[Fault]:
-    rate, seconds = plan.acquisition.rate, plan.excitation.length
+def _size(plan: Plan, seconds: float | None) -> Iterator[Fault]:
+    if seconds is None:
+        return
+    rate = plan.acquisition.rate
     if rate * seconds > MOST_SAMPLES:
         text = f"{seconds:g} s at {rate:g} Hz are {rate * seconds:.3g} samples; at most {MOST_SAMPLES:.0e}"
         yield Fault(text, ("acquisition", "rate"))
@@ -57,8 +75,10 @@ def _size(plan: Plan) -> Iterator[Fault]:
         yield Fault(text, ("acquisition", "rate"))
 
 
-def _channel(name: str, part: Transducer | Encoder, plan: Plan, definition: Definition) -> Iterator[Fault]:
-    sensor = sensor_of(name, part, definition)
+def _channel(name: str, part: Sensing, plan: Plan, definition: Definition) -> Iterator[Fault]:
+    if isinstance(part, ToothedWheel) and part.wheel:
+        return  # it is checked with the wheel of its first pickup
+    sensor = sensor_of(name, plan, definition)
     if sensor is None:
         known = ", ".join(definition.sensors) or "none"
         hint = did_you_mean(part.sensor or name, definition.sensors)
@@ -68,17 +88,29 @@ def _channel(name: str, part: Transducer | Encoder, plan: Plan, definition: Defi
         )
         return
     dimension = DIMENSION_OF.get(sensor.quantity, sensor.quantity)
-    if isinstance(part, Encoder):
+    if isinstance(part, Encoder | ToothedWheel):
         if dimension != "angle":
-            yield Fault(f"an encoder measures an angle; {sensor} needs a transducer instead", on_key=True)
+            what = "an encoder" if isinstance(part, Encoder) else part.article
+            yield Fault(f"{what} measures an angle; {sensor} needs a transducer instead", on_key=True)
         return
     if plan.acquisition.bits is not None and part.range is None:
         text = f"an analog input of {plan.acquisition.bits} bits divides a range; give the transducer one"
         yield Fault(text, on_key=True, kind="missing key", about="range")
-    for key in ("range", "noise", "offset"):
-        value = getattr(part, key)
+    for place, value in _in_unit_of_use(part).items():
         try:
             if value is not None:
                 check_unit(value, dimension)
         except EntryError as error:
-            yield error.fault.under(key)
+            yield error.fault.under(*place)
+
+
+def _in_unit_of_use(part: Transducer) -> dict[Path, Number | None]:
+    """Values of a transducer in the unit of what it measures, by their paths in its entries."""
+    found: dict[Path, Number | None] = {(key,): getattr(part, key) for key in ("range", "noise", "offset")}
+    if part.hum is not None:
+        found["hum", "amplitude"] = part.hum.amplitude
+    if isinstance(part, StrainGauge) and part.shunt is not None:
+        found["shunt", "value"] = part.shunt.value
+    if isinstance(part, StrainGauge) and part.zero_drift is not None:
+        found["zero_drift", "change"] = part.zero_drift.change
+    return found

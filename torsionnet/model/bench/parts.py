@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from torsionnet.core.entries.composite import Listed, Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value, ValueInUnitOfUse, plain_number
 from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, coerce_part, entry
-from torsionnet.core.entries.words import Count, Flag, Text
+from torsionnet.core.entries.words import Count, Flag, OneOf, Text
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
 
@@ -94,6 +95,39 @@ class Exciter(Declared):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Hum(Declared):
+    """A sine that the mains add to an analog channel, from a phase that the seed decides.
+
+    Examples
+    --------
+    >>> Hum(amplitude="40 N*m").frequency
+    50.0
+    """
+
+    kind: ClassVar[str] = "hum"
+
+    amplitude: Number = entry(ValueInUnitOfUse("peak"))
+    frequency: float = entry(Value("frequency of the mains", "frequency", exclusive=True), 50.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DropOuts(Declared):
+    """Times without telemetry, at random, in which the channel holds its last value or reads zero.
+
+    Examples
+    --------
+    >>> DropOuts(rate="0.1 Hz", duration="20 ms").reads
+    'held'
+    """
+
+    kind: ClassVar[str] = "drop-outs"
+
+    rate: float = entry(Value("how many there are per second, on average", "frequency", exclusive=True))
+    duration: float = entry(Value("length of each", "time", exclusive=True))
+    reads: str = entry(OneOf("what is recorded meanwhile", ("held", "zero")), "held")
+
+
+@dataclass(frozen=True, kw_only=True)
 class Transducer(Declared):
     """An analog sensor: torque transducer, tachometer, accelerometer. It reads gain * value + offset + noise.
 
@@ -113,6 +147,8 @@ class Transducer(Declared):
     offset: Number | None = entry(ValueInUnitOfUse("added to every value", lower=None), None)
     gain: float = entry(Value("what it reads over what is there", "1", lower=None), 1.0)
     delay: float = entry(Value(DELAY, "time"), 0.0)
+    hum: Hum | None = entry(Nested("hum of the mains", lambda: Hum, "bench_hum"), None)
+    drop_outs: DropOuts | None = entry(Nested("times without telemetry", lambda: DropOuts, "bench_drop_outs"), None)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -164,5 +200,24 @@ class Acquisition(Declared):
         return []
 
 
-SENSORS: dict[str, type[Transducer | Encoder]] = {cls.kind: cls for cls in (Transducer, Encoder)}
-"""Class of each type of sensor on a bench, by the word in ``type:``."""
+@dataclass(frozen=True, kw_only=True)
+class RecordingSystem(Declared):
+    """A second system that records some channels on a clock of its own, into a record of its own.
+
+    It begins ``offset`` after the first one, and its clock gains ``drift`` on that of the first.
+
+    Examples
+    --------
+    >>> RecordingSystem(channels=["T_int"], drift="50 ppm", offset="0.3 s").drift
+    5e-05
+    """
+
+    kind: ClassVar[str] = "system"
+    article: ClassVar[str] = "a recording system"
+
+    channels: tuple[str, ...] = entry(
+        Listed("channels that it records", Text("the name of a channel"), form="a list of names")
+    )
+    drift: float = entry(Value("share by which its clock is fast", "1", lower=None, below=0.01), 0.0)
+    offset: float = entry(Value("time on the first system's clock at which it begins, at its own time 0", "time"), 0.0)
+    rate: float | None = entry(Value("sampling rate, by default that of the first", "frequency", exclusive=True), None)

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, TypeAlias
 
 from torsionnet.core.entries.composite import Named, Nested, Typed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, Text
-from torsionnet.model.bench.parts import SENSORS, Acquisition, Encoder, Exciter, Transducer
+from torsionnet.core.errors import Fault
+from torsionnet.model.bench.bench_motions import MOTIONS, Motion
+from torsionnet.model.bench.parts import Acquisition, Encoder, Exciter, RecordingSystem, Transducer
+from torsionnet.model.bench.strain_gauge import StrainGauge
+from torsionnet.model.bench.toothed_wheel import ToothedWheel
 from torsionnet.signals.excitation import BurstRandom, LinearChirp, LogarithmicSweep, Multisine, SteppedSine
 from torsionnet.signals.excitation.excitation import Excitation
 
@@ -18,6 +22,10 @@ SWEEP = "{type: linear chirp, start: 0.1 Hz, stop: 80 Hz, duration: 100 s, ampli
 """Example of a bench's excitation, for the message that it is missing."""
 CHANNELS = "{name of a sensor: {type: encoder, lines: 1024}, ...}"
 """Example of a bench's channels, for the message that they are missing."""
+RUN_UP = "{type: run-up, start: 300 rpm, stop: 750 rpm, duration: 60 s}"
+"""Example of a bench's motion, for the message that it is missing."""
+_MOTION = Typed("how the drivetrain turns", lambda: MOTIONS, "motion", "bench_motion", shown=RUN_UP)
+_SYSTEM = Nested("a further recording system", lambda: RecordingSystem, "bench_system")
 _EXCITATION = Typed("what the torque is to be", lambda: EXCITATIONS, "excitation", "bench_excitation", shown=SWEEP)
 _CHANNEL = Typed("a sensor and its errors", lambda: SENSORS, "sensor", "bench_channel")
 _EXCITER = Nested("the motor that shakes", lambda: Exciter, "bench_exciter")
@@ -28,6 +36,10 @@ EXCITATIONS: dict[str, type[Excitation]] = {
     cls.kind: cls for cls in (LinearChirp, LogarithmicSweep, SteppedSine, Multisine, BurstRandom)
 }
 """Class of each type of excitation on a bench, by the word in ``type:``."""
+Sensing: TypeAlias = Transducer | Encoder | ToothedWheel
+"""Type of the entries of a channel of a bench, by what it is read."""
+SENSORS: dict[str, type[Sensing]] = {cls.kind: cls for cls in (Transducer, StrainGauge, Encoder, ToothedWheel)}
+"""Class of each type of sensor on a bench, by the word in ``type:``."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,9 +48,11 @@ class Plan(Declared):
 
     Attributes
     ----------
-    excitation : Excitation
-        Set-point of the torque.
-    channels : mapping of str to Transducer or Encoder
+    excitation : Excitation, optional
+        Set-point of the torque that shakes the drivetrain.
+    motion : Motion, optional
+        Instead: how the drivetrain turns under the excitations of its model.
+    channels : mapping of str to Transducer, StrainGauge, Encoder or ToothedWheel
         By the name of a sensor of the model, or of any other name with a ``sensor`` of its own.
     acquisition : Acquisition
     exciter : Exciter, optional
@@ -47,17 +61,46 @@ class Plan(Declared):
         Input of the model on which the torque acts; by default the only one there is.
     seed : int, optional
         Of noise and of the encoders' starting positions; the same seed gives the same record.
+    systems : mapping of str to RecordingSystem
+        Further recording systems by name, with the channels that they record.
     """
 
     kind: ClassVar[str] = "bench"
     article: ClassVar[str] = "a bench"
-    form: ClassVar[str] = "the entries drive, excitation, exciter, channels, acquisition, seed"
+    form: ClassVar[str] = "the entries drive, excitation, motion, exciter, channels, acquisition, seed"
 
     drive: str = entry(Text("input on which the torque acts, if there are several"), "")
-    excitation: Excitation = entry(_EXCITATION)
+    excitation: Excitation | None = entry(_EXCITATION, None)
+    motion: Motion | None = entry(_MOTION, None)
     exciter: Exciter = entry(_EXCITER, Exciter())
-    channels: Mapping[str, Transducer | Encoder] = entry(
+    channels: Mapping[str, Sensing] = entry(
         Named("what is recorded, by the name of a sensor", _CHANNEL, form=CHANNELS, fewest=1)
     )
     acquisition: Acquisition = entry(_ACQUISITION)
     seed: int = entry(Count("the same seed gives the same record", lower=0, upper=2**32 - 1), 0)
+    systems: Mapping[str, RecordingSystem] = entry(
+        Named("further recording systems, by name", _SYSTEM, form="{telemetry: {channels: [T_int], drift: 50 ppm}}"),
+        None,
+    )
+
+    def contradictions(self) -> list[Fault]:
+        if self.excitation is None and self.motion is None:
+            text = f"a bench needs excitation: {SWEEP}, which shakes, or motion: {RUN_UP}, which turns"
+            return [Fault(text, on_key=True, kind="missing key", about="excitation")]
+        if self.motion is None:
+            return list(self._of_motion_only())
+        found = []
+        if self.excitation is not None:
+            found.append(Fault("a bench shakes by excitation: or turns by motion:; leave one out", ("motion",)))
+        if self.drive:
+            found.append(Fault("drive: belongs to excitation:; a bench that turns has none", ("drive",), on_key=True))
+        return found
+
+    def _of_motion_only(self) -> Iterator[Fault]:
+        for name, part in self.channels.items():
+            if isinstance(part, ToothedWheel):
+                yield Fault(
+                    "a toothed wheel gives pulses where it turns; give motion:", ("channels", name), on_key=True
+                )
+        if self.systems:
+            yield Fault("systems: belong to a bench with motion:", ("systems",), on_key=True)

@@ -68,6 +68,7 @@ def passage_response(
     *,
     speed_of: str | None = None,
     excitations: Iterable[str] | None = None,
+    start_angle: float = 0.0,
 ) -> PassageResponse:
     """Vibration of outputs over time along a speed over time, in SI units, from a steady start.
 
@@ -92,7 +93,7 @@ def passage_response(
     kept, left_out = lines_that_matter(steady, NEGLIGIBLE_ORDERS)
     lines = tuple(line for line, acts in zip(steady.lines, kept.tolist(), strict=True) if acts)
     walk = _Passage(request, tuple(asked), PassageTorques(request, case, kept), lines, request.loads(grid[:1]).inputs)
-    sections = walk.cut(at, run)
+    sections = walk.cut(at, run, start_angle)
     found, error = walk.along(sections, 0), math.inf
     for halving in range(1, MOST_HALVINGS + 1):
         sections = [half for one in sections for half in one.halves()]
@@ -158,12 +159,15 @@ class _Passage:
     inputs: tuple[Input, ...]
     known: dict[float, Matrices] = field(default_factory=dict)
 
-    def cut(self, times: FloatArray, speeds: FloatArray) -> list[_Section]:
-        """Sections between the points of the speed over time, none with a large change of speed."""
+    def cut(self, times: FloatArray, speeds: FloatArray, angle: float) -> list[_Section]:
+        """Sections between the points of the speed over time, none with a large change of speed.
+
+        The reference shaft begins at ``angle``, rad.
+        """
         relative = [float(line.relative) for line in self.lines]
         fixed = 2 * math.pi * np.array([line.fixed for line in self.lines])
         found: list[_Section] = []
-        angle, whole = 0.0, FEWEST_STEPS * 2**MOST_HALVINGS
+        whole = FEWEST_STEPS * 2**MOST_HALVINGS
         for start, end, first, last in zip(times[:-1], times[1:], speeds[:-1], speeds[1:], strict=True):
             count = max(1, math.ceil(abs(last - first) / (SECTION_SHARE * min(first, last))))
             ends, course = np.linspace(start, end, count + 1), np.linspace(first, last, count + 1)
