@@ -35,6 +35,7 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "bench": "Run a test on a model instead of a rig, and write the record.",
     "estimate": "Frequency responses and coherence from a record of signals.",
     "compare": "A record against a model.",
+    "calibrate-wheel": "Pitch errors of a toothed wheel, from its own pulses.",
     "spectrogram": "Level over time and frequency of a record.",
     "fit": "Find parameters of a model from records or responses.",
     "identify-modes": "Natural frequencies and damping ratios from a record, without a model.",

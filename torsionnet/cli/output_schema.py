@@ -12,6 +12,7 @@ from torsionnet.core.result_rows import json_schema
 
 OUTPUTS: dict[str, str] = {
     "bench": "list[torsionnet.cli.commands.bench:BenchRecord]",
+    "calibrate-wheel": "torsionnet.signals.rotation.calibration_record:CalibrationRecord",
     "check": "list[torsionnet.core.fault_rows:CheckRecord]",
     "compare": "torsionnet.cli.frf_output:ComparisonRecord",
     "critical-speeds": "list[torsionnet.response.critical_speeds:CriticalSpeedsRecord]",

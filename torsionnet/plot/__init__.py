@@ -47,6 +47,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "tornado": "torsionnet.plot.tornado",
         "waterfall": "torsionnet.plot.waterfall",
         "waveform": "torsionnet.plot.order_response",
+        "wheel_pattern": "torsionnet.plot.wheel_pattern",
         "worst_variants": "torsionnet.plot.study.worst_variants",
     },
 )

@@ -14,6 +14,7 @@ from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.measured.wheel_pattern import WheelPattern
 from torsionnet.response.table import Column, Table
+from torsionnet.signals.rotation.calibration_record import CalibrationRecord, PitchOrderRecord
 from torsionnet.signals.rotation.pitch_order import ABOVE, CALCULATED, PitchOrder
 
 MOST_LISTED = 12
@@ -120,36 +121,38 @@ class WheelCalibration(NotebookResult):
         resolved = "yes" if row.resolved else "no"
         return (row.order, abs(row.value) * scale, half, phase, resolved, row.by, row.gain)
 
-    def record(self) -> dict[str, Any]:
-        """Data of the calibration for JSON, angles in rad."""
-        return {
-            "name": self.pattern.name,
-            "teeth": self.pattern.teeth,
-            "missing_teeth": self.pattern.missing,
-            "first_tooth": self.pattern.first,
-            "lowest_speed_rpm": self.speeds[0] * RPM,
-            "highest_speed_rpm": self.speeds[1] * RPM,
-            "windows": self.windows,
-            "angle_rad": self.angle,
-            "angle_half_width_rad": self.angle_half_width if self.angle is not None else None,
-            "unresolved_orders": list(self.pattern.unresolved),
-            "positions_rad": self.pattern.positions.tolist(),
-            "half_widths_rad": self.pattern.half_widths.tolist(),
-            "orders": [
-                {
-                    "order": row.order,
-                    "real_rad": row.value.real,
-                    "imag_rad": row.value.imag,
-                    "half_width_rad": row.half_width if math.isfinite(row.half_width) else None,
-                    "resolved": row.resolved,
-                    "by": row.by,
-                    "gain": row.gain,
-                    "why": row.why,
-                }
+    def record(self) -> CalibrationRecord:
+        """Calibrated wheel as plain data for JSON, angles in rad."""
+        pattern = self.pattern
+        return CalibrationRecord(
+            name=pattern.name,
+            teeth=pattern.teeth,
+            missing=pattern.missing,
+            first=pattern.first,
+            lowest=self.speeds[0] * RPM,
+            highest=self.speeds[1] * RPM,
+            windows=self.windows,
+            revolutions=self.revolutions,
+            angle=self.angle,
+            angle_half_width=None if self.angle is None else self.angle_half_width,
+            positions=pattern.positions,
+            half_widths=pattern.half_widths,
+            orders=tuple(
+                PitchOrderRecord(
+                    row.order,
+                    row.value,
+                    row.half_width,
+                    row.resolved,
+                    row.by,
+                    row.gain,
+                    row.change,
+                    row.scatter,
+                    row.why,
+                )
                 for row in self.orders
-            ],
-            "notes": list(self.notes),
-        }
+            ),
+            notes=self.notes,
+        )
 
 
 def _amount(row: PitchOrder) -> str:

@@ -16,6 +16,7 @@ from torsionnet.response.recording import FloatArray
 from torsionnet.signals.rotation.calculated_orders import CalculatedOrders
 from torsionnet.signals.rotation.calibration_result import WheelCalibration
 from torsionnet.signals.rotation.calibration_windows import (
+    WINDOW_REVOLUTIONS,
     OrderSet,
     Stack,
     TestWindows,
@@ -146,6 +147,23 @@ def calibrate_wheel(
         positions, rows = _converged(stack, orders, evidence)
     _refuse_small_range(rows, stack)
     return _result(stack, orders, evidence, positions, rows, offset[1], name)
+
+
+def speed_range(tests: Sequence[WheelTest], wheel: Wheel) -> tuple[float, float]:
+    """Lowest and highest speed of the reference shaft in the tests, rad/s, over a window of revolutions each."""
+    speeds = []
+    for test in tests:
+        pulses = numbered_pulses(test.first, wheel, test.index)
+        length = WINDOW_REVOLUTIONS * wheel.teeth
+        ends = np.searchsorted(
+            pulses.numbers, pulses.numbers[0] + length * np.arange(1 + np.ptp(pulses.numbers) // length)
+        )
+        ends = np.append(ends, len(pulses.numbers) - 1) if len(ends) < 2 else ends
+        speeds.append(
+            2 * np.pi / wheel.teeth * wheel.ratio * np.diff(pulses.numbers[ends]) / np.diff(pulses.times[ends])
+        )
+    every = np.concatenate(speeds)
+    return float(every.min()), float(every.max())
 
 
 def _aligned(
