@@ -35,7 +35,17 @@ def with_readings(source: Source, readings: Mapping[str, PulseReading], units: M
         return source
     every = {channel.name: channel for channel in (*([source.time] if source.time else []), *source.channels)}
     stored = {one.channel.name for one in source.pulses}
-    faults = [unknown_name("channel", name, [*every, *stored], ("channels",)) for name in readings if name not in every]
+    unknown = [
+        name
+        for name, reading in readings.items()
+        if name not in every and not (name in stored and reading.seconds is None)
+    ]
+    faults = [
+        Fault("its pulses are stored as times in s already: leave out tick, clock and bits", ("channels", name))
+        if name in stored
+        else unknown_name("channel", name, [*every, *stored], ("channels",))
+        for name in unknown
+    ]
     trains = list[StoredPulses]()
     for name, reading in readings.items():
         if name in every:

@@ -82,9 +82,7 @@ class WheelCalibration(NotebookResult):
             notes.append(f"orders {above[0]} to {above[-1]} count as pattern: no vibration is sought there")
         notes += self._unresolved_notes()
         notes.append(f"tooth 0 is {self.pattern.first}" if self.pattern.first else "")
-        notes.append(
-            "half orders are not touched by a pattern, whole ones are; positions of unresolved orders are left out"
-        )
+        notes.append("a pattern touches whole orders of the wheel only; unresolved ones are left out of the positions")
         return (*filter(None, notes), *self.remarks)
 
     def _unresolved_notes(self) -> list[str]:

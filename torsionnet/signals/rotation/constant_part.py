@@ -71,6 +71,9 @@ def constant_part(values: ComplexArray, columns: ComplexArray, groups: NDArray[n
     columns = columns[:, sizes > 0] / sizes[sizes > 0]
     terms = np.column_stack([np.ones(len(values), dtype=complex), columns])
     unknown = terms.shape[1]
+    count = np.bincount(groups)
+    if len(count) < unknown:  # the speeds are too few to part what is constant from what varies
+        return ConstantPart(complex(values.mean()), np.inf, 0.0, float(np.std(values)))
     factors, error, freedom = _fit(terms, values, np.ones(len(values)))
     varying = columns @ factors[1:]
     change = float(np.abs(varying - varying.mean()).max())
@@ -78,7 +81,6 @@ def constant_part(values: ComplexArray, columns: ComplexArray, groups: NDArray[n
         return ConstantPart(complex(factors[0]), np.inf, change, 0.0)
     scatter, spread = np.sqrt(error), _spread(terms, np.ones(len(values)))
     value, between = complex(factors[0]), False
-    count = np.bincount(groups)
     if unknown < len(count) < len(values):
         means = np.array([values[groups == group].mean() for group in range(len(count))])
         places = np.array([terms[groups == group].mean(axis=0) for group in range(len(count))])

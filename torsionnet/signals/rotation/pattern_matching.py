@@ -1,17 +1,15 @@
-"""Whether a stored pitch pattern fits a wheel and a record, and which tooth of a record is its tooth 0."""
+"""Which tooth of a stored pitch pattern is the first of a record, found by the shape that its pulses show."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError
-from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.measured.wheel_pattern import WheelPattern
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.rotation.calibration_windows import order_set, windows_of_test
-from torsionnet.signals.rotation.numbered_pulses import numbered_pulses
+from torsionnet.signals.rotation.numbered_pulses import NumberedPulses
 from torsionnet.signals.rotation.wheel import Wheel
 
 MATCHED_SHARE = 0.2
@@ -21,41 +19,19 @@ LEAST_CORRELATION, LEAST_LEAD = 0.7, 0.2
 the best wrong one correlates by about 0.4."""
 
 
-def check_pattern(name: str, wheel: Wheel, pattern: WheelPattern) -> None:
-    """Refuse a pitch pattern that cannot be that of a wheel.
-
-    Raises
-    ------
-    UsageError
-        Other numbers of teeth or of missing teeth, or the other sense of rotation; all of them at once.
-
-    Examples
-    --------
-    >>> check_pattern("n1", Wheel(teeth=60), WheelPattern(np.zeros(60), np.zeros(60)))
-    """
-    faults = []
-    if pattern.teeth != wheel.teeth:
-        faults.append(f"a pattern of {pattern.teeth} teeth does not fit a wheel of {wheel.teeth}")
-    if pattern.missing != wheel.missing_teeth:
-        faults.append(f"the pattern's gap lacks {pattern.missing} teeth, the wheel's {wheel.missing_teeth}")
-    if pattern.reversed != wheel.reversed:
-        senses = ("in the sense of the model", "against the sense of the model")
-        faults.append(
-            f"the pattern was calibrated while the wheel turned {senses[pattern.reversed]}, but it turns "
-            f"{senses[wheel.reversed]}: the pickup sees the other edges in the other sequence; calibrate in this sense"
-        )
-    if faults:
-        raise UsageError(f"{name}: {'; '.join(faults)}")
-
-
-def matched_pattern(channel: PulseChannel, wheel: Wheel, pattern: WheelPattern, cycle: int = 2) -> WheelPattern:
-    """Pattern of a wheel turned so that tooth 0 is that of a record's first pulse, found by the shape of the record.
+def first_tooth(
+    name: str, times: FloatArray, numbers: NDArray[np.intp], wheel: Wheel, pattern: WheelPattern, cycle: int = 2
+) -> int:
+    """Tooth of a pattern that the tooth numbered 0 in a record is, found by the shape that the pulses show.
 
     For records without gap or index pulse. What is compared are orders above those of vibration.
 
     Parameters
     ----------
-    channel : PulseChannel
+    name : str
+        Channel, for messages.
+    times, numbers : (n,) arrays
+        Times of the pulses in s, and their teeth counted on from turn to turn.
     wheel : Wheel
     pattern : WheelPattern
     cycle : int
@@ -64,21 +40,12 @@ def matched_pattern(channel: PulseChannel, wheel: Wheel, pattern: WheelPattern, 
     Raises
     ------
     UsageError
-        The pattern does not fit the wheel, or it does not say which tooth is the first.
+        No tooth fits, or two fit about as well.
     """
-    check_pattern(channel.name, wheel, pattern)
-    zero = np.zeros(wheel.teeth)
-    test = windows_of_test(
-        channel.name, numbered_pulses(channel, wheel), None, wheel, order_set(wheel, cycle), 0.0, zero
-    )  # fmt: skip
-    seen = -np.nanmean([window.first.mean_of_tooth for window in test.windows], axis=0)
-    shift = best_shift(channel.name, pattern.positions, seen)
-    return replace(
-        pattern,
-        positions=np.roll(pattern.positions, -shift),
-        half_widths=np.roll(pattern.half_widths, -shift),
-        first=f"tooth {shift} of the file, that of the first pulse of {channel.name}, by the shape of the pattern",
-    )
+    pulses, zero = NumberedPulses(times, numbers), np.zeros(wheel.teeth)
+    test = windows_of_test(name, pulses, None, wheel, order_set(wheel, cycle), 0.0, zero)
+    seen = np.mean([window.first.mean_of_tooth for window in test.windows], axis=0)
+    return best_shift(name, pattern.positions, -np.nan_to_num(seen))
 
 
 def best_shift(name: str, positions: FloatArray, seen: FloatArray) -> int:

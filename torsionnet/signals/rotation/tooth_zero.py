@@ -24,6 +24,10 @@ FEWEST_TURNS = 3
 LARGEST_INDEX_SPREAD = 0.5
 """Largest distance in pitches of an index pulse from its mean place, as one further away belongs to another tooth."""
 
+EDGE_TOLERANCE = 0.25
+"""Pitches by which an index pulse may come behind a tooth and still belong to it: an index that is meant to fall on an
+edge does so by jitter now before, now behind it, and tooth 0 would be another one from record to record."""
+
 
 def tooth_after_gap(found: Pulses, wheel: Wheel, name: str) -> tuple[int | None, str]:
     """Tooth of the first pulse, counted from the first after the gap of a wheel, and the gap in words.
@@ -79,7 +83,7 @@ def _returning_gaps(found: Pulses, teeth: int) -> list[tuple[int, int]]:
 
 
 def tooth_after_index(rotation: Rotation, times: FloatArray, index: PulseChannel, teeth: int, name: str) -> int:
-    """Tooth of the first pulse, counted from the first at or after an index pulse.
+    """Tooth of the first pulse, counted from the first at or after an index pulse, or less than a quarter pitch before.
 
     Raises
     ------
@@ -103,4 +107,4 @@ def tooth_after_index(rotation: Rotation, times: FloatArray, index: PulseChannel
             f"pulses, not whole turns of {teeth}: the number of teeth is wrong, the index belongs to another shaft, or "
             "has lost or double pulses"
         )
-    return int(-np.ceil(mean)) % teeth
+    return int(-np.ceil(mean - EDGE_TOLERANCE)) % teeth

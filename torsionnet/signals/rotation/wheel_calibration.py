@@ -26,10 +26,11 @@ from torsionnet.signals.rotation.calibration_windows import (
     windows_of_test,
 )
 from torsionnet.signals.rotation.constant_part import constant_part, speed_groups
-from torsionnet.signals.rotation.numbered_pulses import NumberedPulses, numbered_pulses
+from torsionnet.signals.rotation.numbered_pulses import NumberedPulses
 from torsionnet.signals.rotation.pattern_matching import best_shift
 from torsionnet.signals.rotation.pitch_order import ABOVE, SPEEDS, Evidence, PitchOrder
 from torsionnet.signals.rotation.wheel import Wheel
+from torsionnet.signals.rotation.wheel_rotation import wheel_rotation
 
 WIDEST = np.radians(0.01)
 """Widest half width of an order's interval in rad that counts as resolved: vibration of that size has a phase still."""
@@ -121,7 +122,7 @@ def calibrate_wheel(
     if any(paired) and not all(paired):
         raise UsageError("give the second pickup in each record, or in none")
     orders = order_set(wheel, cycle)
-    numbered = [numbered_pulses(test.first, wheel, test.index) for test in tests]
+    numbered = [_numbered(test, wheel) for test in tests]
     numbered = _aligned(tests, numbered, wheel, angle)
     between = (angle or 0.0) % (2 * np.pi)
     positions = np.zeros(wheel.teeth)
@@ -153,7 +154,7 @@ def speed_range(tests: Sequence[WheelTest], wheel: Wheel) -> tuple[float, float]
     """Lowest and highest speed of the reference shaft in the tests, rad/s, over a window of revolutions each."""
     speeds = []
     for test in tests:
-        pulses = numbered_pulses(test.first, wheel, test.index)
+        pulses = _numbered(test, wheel)
         length = WINDOW_REVOLUTIONS * wheel.teeth
         ends = np.searchsorted(
             pulses.numbers, pulses.numbers[0] + length * np.arange(1 + np.ptp(pulses.numbers) // length)
@@ -164,6 +165,15 @@ def speed_range(tests: Sequence[WheelTest], wheel: Wheel) -> tuple[float, float]
         )
     every = np.concatenate(speeds)
     return float(every.min()), float(every.max())
+
+
+def _numbered(test: WheelTest, wheel: Wheel) -> NumberedPulses:
+    """Pulses of the first pickup with their teeth."""
+    found = wheel_rotation(test.first, wheel, index=test.index)
+    known = bool(wheel.missing_teeth) or test.index is not None
+    zero = found.zero if known else f"{found.zero} of {test.first.name}: valid within that record only"
+    remarks = tuple(f"{test.first.name}: {text}" for text in found.remarks)
+    return NumberedPulses(found.times, found.numbers, zero, known, remarks)
 
 
 def _aligned(

@@ -16,6 +16,8 @@ from torsionnet.response.recording import FloatArray
 from torsionnet.signals.bandlimited import Rotation
 from torsionnet.signals.pulses import repaired_pulses
 from torsionnet.signals.rotation.gap_filling import filled_band
+from torsionnet.signals.rotation.pattern_checks import check_pattern
+from torsionnet.signals.rotation.pattern_matching import first_tooth
 from torsionnet.signals.rotation.pulse_deviations import PulseDeviations, seen_deviations
 from torsionnet.signals.rotation.quadrature import DirectedPulses
 from torsionnet.signals.rotation.reversing import ReversingRotation
@@ -171,7 +173,7 @@ def wheel_rotation(
     wheel : Wheel
         Teeth, gap, and turns of the reference shaft per turn of the wheel.
     pattern : WheelPattern, optional
-        Places of the teeth, which are removed.
+        Places of the teeth, which are removed. Without gap, index or ``first`` its tooth 0 is found by its shape.
     index : PulseChannel, optional
         Pulses that come once per turn of the wheel, or once in several turns; the first tooth at or after is tooth 0.
     first : int, optional
@@ -181,7 +183,8 @@ def wheel_rotation(
     ------
     UsageError
         Pulses that cannot be repaired or do not fit the teeth, no gap or two that could be it, a shaft that may have
-        turned back, or a pattern of another number of teeth.
+        turned back, or a pattern of another wheel or sense of rotation, or one whose first tooth neither gap nor index
+        nor its shape tells.
 
     Examples
     --------
@@ -194,8 +197,8 @@ def wheel_rotation(
     >>> round(float(np.degrees(found.deviations.tick / np.sqrt(12) * found.speeds.mean())), 5)
     0.00104
     """
-    if pattern is not None and pattern.teeth != wheel.teeth:
-        raise UsageError(f"{channel.name}: a pattern of {pattern.teeth} teeth does not fit a wheel of {wheel.teeth}")
+    if pattern is not None:
+        check_pattern(channel.name, wheel, pattern)
     backwards = False
     if isinstance(channel, DirectedPulses):
         if channel.turns_back:
@@ -219,7 +222,8 @@ def wheel_rotation(
         first = tooth_after_index(plain, found.times, index, wheel.teeth, channel.name)
         zero = f"the first tooth at or after a pulse of {index.name}"
     elif pattern is not None:
-        remarks.append("the pattern was removed as if the first pulse were tooth 0: neither gap nor index tells it")
+        first = first_tooth(channel.name, found.times, found.numbers, wheel, pattern)
+        zero = f"tooth 0 of the pattern, by its shape: the first pulse is of tooth {first}"
     numbers = found.numbers + (first or 0)
     offsets = None if pattern is None else _offsets(pattern, numbers, channel.name)
     rotation = Rotation(found.times, found.numbers, wheel.teeth, offsets)
