@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from torsionnet.core.errors import UsageError
 from torsionnet.core.notebook import NotebookResult
+from torsionnet.core.result_rows import NUMBER_ROWS, NUMBERS, Out
 from torsionnet.core.units import RPM
+from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.order_comparison import MeasuredOrder
 from torsionnet.response.recording import QUANTITY_UNITS
+from torsionnet.response.table import Column, Table
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -112,3 +115,53 @@ class TrackedOrders(NotebookResult):
             )
             for place, order in enumerate(self.orders)
         )
+
+    def table(self, conventions: Conventions = SI) -> Table:
+        """Table of the largest amplitude of each order, with its speed, phase and interval."""
+        scale, unit = conventions.scale(self.unit), conventions.unit(self.unit)
+        rows = []
+        for place, order in enumerate(self.orders.tolist()):
+            at = int(np.abs(self.values[place]).argmax())
+            value, width = complex(self.values[place, at]), float(self.half_widths[place, at])
+            known = bool(self.reference) and order not in self.undecided
+            rows.append((
+                order, float(self.rpm[at]), abs(value) * scale, None if np.isnan(width) else width * scale,
+                float(np.degrees(np.angle(value))) if known else None,
+                float(np.degrees(np.arctan2(width, abs(value)))) if known and not np.isnan(width) else None,
+            ))  # fmt: skip
+        columns = (
+            Column("order"), Column("speed", "rpm", 5), Column("largest amplitude", unit, 4), Column("+-", unit, 2),
+            Column("phase", "deg", 5, 2), Column("+-", "deg", 2),
+        )  # fmt: skip
+        where = f"phases from {self.reference}" if self.reference else "no phases: the record has no reference for them"
+        half = () if self.half_range is None else (
+            f"largest half range {self.half_range.max() * scale:.4g} {unit} at "
+            f"{self.rpm[int(self.half_range.argmax())]:.5g} rpm",
+        )  # fmt: skip
+        title = f"{self.title}: {self.name}" if self.title else self.name
+        return Table(f"{title}, {len(self.times)} speeds", columns, tuple(rows), (*half, where, *self.notes))
+
+    def record(self) -> TrackedOrdersRecord:
+        """Tracked orders of the channel as plain data for JSON, amplitudes in SI units, speeds in rpm."""
+        return TrackedOrdersRecord(
+            self.name, self.unit, self.reference, self.undecided, self.notes, self.orders, self.times, self.rpm,
+            self.values.real, self.values.imag, self.half_widths, self.half_range,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class TrackedOrdersRecord:
+    """Tracked orders of one channel as ``torsionnet track --json`` prints them, a row for each order over time."""
+
+    name: Annotated[str, Out(json="channel")]
+    unit: str
+    reference: str
+    undecided: Annotated[tuple[float, ...], Out(schema={**NUMBERS, "description": "orders without a phase"})]
+    notes: tuple[str, ...]
+    orders: FloatArray
+    times: Annotated[FloatArray, Out(json="times_s")]
+    speeds: Annotated[FloatArray, Out(json="speeds_rpm")]
+    real: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
+    imag: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
+    half_widths: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
+    half_range: Annotated[FloatArray | None, Out(schema={"type": ["array", "null"], "items": NUMBERS["items"]})]

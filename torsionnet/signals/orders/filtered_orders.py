@@ -19,7 +19,7 @@ from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.orders.mean_rotation import MeanRotation
 from torsionnet.signals.orders.phase_reference import PhaseReference
-from torsionnet.signals.orders.tracked_signals import Tracked, tracked_values
+from torsionnet.signals.orders.tracked_signals import NORMAL_HALF_WIDTH, Tracked, tracked_values
 from torsionnet.signals.orders.vold_kalman import COEFFICIENTS_PER_BANDWIDTH, EnvelopeFilter, VoldKalman
 
 MOST_UNKNOWNS = 16_000
@@ -31,8 +31,6 @@ VALUES_PER_BANDWIDTH = 2
 NOISE_DRAWS, NOISE_SEED = 12, 11
 """Draws of white noise from which its share in each envelope is taken, 24 parts each, smoothed over the time
 1/bandwidth; with a seed, so that the same record gives the same interval."""
-NORMAL_HALF_WIDTH = 1.96
-"""Half width of a 95 % interval in standard deviations."""
 BIAS_FACTOR = 2.0
 """True over apparent loss of an envelope's fluctuation at half of the filter's response: a (1 - H) over a H (1 - H)."""
 LEAST_INTERVALS = 4

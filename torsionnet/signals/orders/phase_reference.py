@@ -15,6 +15,8 @@ from torsionnet.signals.rotation.wheel_rotation import WheelRotation
 LARGEST_SPREAD = np.radians(10)
 """Standard deviation of the angles at which pulses come above which they do not come once in each turn: play and
 vibration of a shaft stay below it."""
+FIRST_PULSE = "the tooth of the first pulse"
+"""What is tooth 0 of a wheel that has no mark, in the words of its rotation."""
 CLOSEST_CAM = np.radians(5)
 """Angle between the cam's pulse and the mark up to which their order is left to chance: a cam turns with play."""
 
@@ -80,7 +82,7 @@ def phase_reference(
     """
     turn = 2 * np.pi
     whole = turn * mean.cycle
-    gap = wheel is not None and wheel.wheel.missing_teeth > 0
+    gap = wheel is not None and wheel.zero != FIRST_PULSE
     if index is None and cam is None and not gap:
         if offset or place:
             raise UsageError(
@@ -88,7 +90,7 @@ def phase_reference(
                 "once per turn (--phase CHANNEL) or per cycle (--cam CHANNEL), or take a wheel with a gap"
             )
         return PhaseReference(float(mean.angles[0]), "")
-    mark, said = 0.0, f"tooth 0 of {mean.name}"
+    mark, said = 0.0, f"{wheel.zero} of {mean.name}" if wheel is not None else mean.name
     notes: list[str] = []
     if index is not None:
         mark, spread = _mean_angle(_angles_at(index, mean, wheel), turn, f"{index.name} as index")

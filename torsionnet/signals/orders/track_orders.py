@@ -143,12 +143,7 @@ def _check_orders(orders: FloatArray, wheels: Sequence[WheelRotation]) -> None:
     if not len(orders) or orders[0] <= 0:
         raise UsageError("orders are positive numbers of vibrations per revolution; give one or more")
     for wheel in wheels:
-        highest = wheel.wheel.teeth / (2 * abs(wheel.wheel.ratio))
-        if orders[-1] >= highest:
-            raise UsageError(
-                f"{wheel.name}: order {orders[-1]:g} is not below half its {wheel.wheel.teeth} teeth a turn, order "
-                f"{highest:g}, and would show as order {abs(2 * highest - orders[-1]):g}: leave out the orders above"
-            )
+        wheel.check_orders(orders.tolist())
 
 
 def _named(wheels: Sequence[WheelRotation], name: str) -> WheelRotation:

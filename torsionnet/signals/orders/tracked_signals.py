@@ -13,10 +13,12 @@ from torsionnet.response.recording import FloatArray, Signal
 from torsionnet.signals.orders.mean_rotation import MeanRotation
 from torsionnet.signals.orders.phase_reference import PhaseReference
 from torsionnet.signals.orders.record_window import RecordWindow
-from torsionnet.signals.rotation.wheel_rotation import WheelRotation
+from torsionnet.signals.rotation.wheel_rotation import WHOLE_ORDER, WheelRotation
 
 SAMPLES_PER_TOOTH = 4
 """Samples in a pitch of a wheel, so that the highest order it holds has eight in a period."""
+NORMAL_HALF_WIDTH = 1.96
+"""Half width of a 95 % interval in standard deviations."""
 IMAGES = 3
 """Images on either side that the response of a cubic spline is summed from; the next ones add less than 1e-5."""
 
@@ -153,17 +155,15 @@ def _of_wheels(parts: tuple[tuple[WheelRotation, float], ...], mean: MeanRotatio
 
 
 def _of_pattern(wheel: WheelRotation, orders: FloatArray) -> FloatArray:
-    """Half width in rad that the interval of a wheel's pitch pattern leaves in orders, of the reference shaft's angle.
+    """Half width in rad that errors of a wheel's teeth leave in orders, in the reference shaft's angle.
 
-    Positions with independent errors of half width h leave h sqrt(2/z) in real and in imaginary part of each whole
-    order of the wheel.
+    Places with independent errors of standard deviation sigma, known by a pattern's intervals or seen in the pulses,
+    leave sigma sqrt(2/z) in real and in imaginary part of each whole order of the wheel.
     """
-    pattern = getattr(wheel, "pattern", None)
-    if pattern is None:
-        return np.zeros_like(orders)
-    half = abs(wheel.wheel.ratio) * float(np.sqrt(2 / pattern.teeth * np.mean(pattern.half_widths**2)))
+    there = wheel.wheel.teeth - wheel.wheel.missing_teeth
+    half = NORMAL_HALF_WIDTH * abs(wheel.wheel.ratio) * wheel.deviations.place * np.sqrt(2 / there)
     own = orders * wheel.wheel.ratio
-    return np.where(np.abs(own - np.rint(own)) < 1e-9, half, 0.0)
+    return np.where(np.abs(own - np.rint(own)) < WHOLE_ORDER, half, 0.0)
 
 
 def tracked_values(

@@ -1,0 +1,121 @@
+"""Orders derived from tracked ones: stress from torque, and slices over speed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.core.errors import UsageError
+from torsionnet.core.units import RPM
+from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.response.recording import FloatArray
+
+FEWEST_VALUES = 3
+"""Fewest values in a bin of speeds from whose scatter an interval is made."""
+LEVEL = 0.975
+"""Quantile of Student's distribution for the half width of a 95 % interval."""
+
+
+def stress_orders(torque: TrackedOrders, diameter: float, inner: float = 0.0) -> TrackedOrders:
+    """Orders of the shear stress in Pa at the surface of a round shaft, 16 T d/(pi (d^4 - d_i^4)), from its torque.
+
+    Parameters
+    ----------
+    torque : TrackedOrders
+        Orders of a torque, N m.
+    diameter, inner : float
+        Outer and inner diameter, m.
+
+    Raises
+    ------
+    UsageError
+        The channel is no torque, or the diameters are not those of a shaft.
+
+    Examples
+    --------
+    >>> one = TrackedOrders(
+    ...     "T", "torque", np.array([6.0]), np.zeros(1), np.ones(1), np.array([[np.pi / 16 + 0j]]), np.zeros((1, 1))
+    ... )
+    >>> stress_orders(one, 0.1).along(6).round(6).tolist()
+    [(1000+0j)]
+    """
+    if torque.quantity != "torque":
+        raise UsageError(f"{torque.name} is {torque.quantity or 'of no known quantity'}: a stress needs a torque")
+    if not 0 <= inner < diameter:
+        raise UsageError(f"a shaft's inner diameter lies between 0 and the outer one, got {inner:g} and {diameter:g} m")
+    factor = 16 * diameter / (np.pi * (diameter**4 - inner**4))
+    return replace(
+        torque,
+        name=f"stress({torque.name})",
+        quantity="stress",
+        values=torque.values * factor,
+        half_widths=torque.half_widths * factor,
+        half_range=None if torque.half_range is None else torque.half_range * factor,
+        notes=(*torque.notes, f"stress of a diameter of {1e3 * diameter:.6g} mm"),
+    )
+
+
+def order_slices(tracked: TrackedOrders, step: float) -> TrackedOrders:
+    """Complex orders in SI averaged in bins of speed, over rising speed.
+
+    The half width of a bin is that of its values (root mean square: what the values share does not average out), or
+    that which their scatter about a straight line over speed leaves in their mean, if that is larger.
+
+    Parameters
+    ----------
+    tracked : TrackedOrders
+        Orders over time, of one run or of several one after the other.
+    step : float
+        Width of a bin, rad/s.
+
+    Raises
+    ------
+    UsageError
+        The step is not positive.
+
+    Examples
+    --------
+    >>> one = TrackedOrders(
+    ...     "T", "torque", np.array([6.0]), np.arange(4.0), np.array([10.0, 11.0, 20.0, 21.0]),
+    ...     np.array([[1, 3, 5, 7 + 0j]]), np.full((1, 4), 0.1), reference="tooth 0",
+    ... )
+    >>> order_slices(one, 10.0).along(6).tolist()
+    [(2+0j), (6+0j)]
+    """
+    if not step > 0:
+        raise UsageError(f"the step of speed must be positive, got {step * RPM:g} rpm")
+    bins = np.floor(tracked.speeds / step).astype(np.intp)
+    numbers = np.unique(bins)
+    members = [np.flatnonzero(bins == number) for number in numbers]
+    values = np.array([tracked.values[:, one].mean(axis=1) for one in members]).T
+    widths = np.array([_half_width(tracked, one) for one in members]).T
+    half = tracked.half_range
+    return replace(
+        tracked,
+        times=np.array([tracked.times[one].mean() for one in members]),
+        speeds=np.array([tracked.speeds[one].mean() for one in members]),
+        values=values,
+        half_widths=widths,
+        half_range=None if half is None else np.array([half[one].max() for one in members]),
+        notes=(*tracked.notes, f"averaged in bins of {step * RPM:.4g} rpm; of half ranges the largest"),
+    )
+
+
+def _half_width(tracked: TrackedOrders, places: NDArray[np.intp]) -> FloatArray:
+    """Half width of each order in one bin of speeds, SI, shape (n_orders,)."""
+    from scipy.stats import t
+
+    own = np.sqrt(np.mean(tracked.half_widths[:, places] ** 2, axis=1))
+    count = len(places)
+    if count < FEWEST_VALUES:
+        return np.asarray(own)
+    speeds = tracked.speeds[places] - tracked.speeds[places].mean()
+    values = tracked.values[:, places]
+    rest = values - values.mean(axis=1, keepdims=True)
+    if (speeds**2).sum() > 0:
+        rest = rest - np.outer((rest * speeds).sum(axis=1) / (speeds**2).sum(), speeds)
+    spread = (np.abs(rest) ** 2).sum(axis=1) / (2 * (count - 2))
+    scatter = t.ppf(LEVEL, 2 * (count - 2)) * np.sqrt(spread / count)
+    return np.asarray(np.fmax(own, scatter))
