@@ -34,6 +34,7 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "study": "Tolerances, conditions and choices: what varies, what is asked, what follows.",
     "bench": "Run a test on a model instead of a rig, and write the record.",
     "estimate": "Frequency responses and coherence from a record of signals.",
+    "track": "Complex orders of a turning machine from teeth, torque and gauges.",
     "compare": "A record against a model.",
     "calibrate-wheel": "Pitch errors of a toothed wheel, from its own pulses.",
     "spectrogram": "Level over time and frequency of a record.",

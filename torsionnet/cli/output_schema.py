@@ -34,6 +34,7 @@ OUTPUTS: dict[str, str] = {
     "spectrogram": "list[torsionnet.signals.spectrogram:SpectrogramRecord]",
     "static": "list[torsionnet.response.static_state:StaticRecord]",
     "study": "torsionnet.cli.study_output:study_schema",
+    "track": "list[torsionnet.response.measured.tracked_orders:TrackedOrdersRecord]",
 }
 """Module and class of what each command prints with ``--json``, by command; list[...] has one for each
 configuration."""

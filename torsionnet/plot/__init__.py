@@ -45,6 +45,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "sweep_harmonics": "torsionnet.plot.time_frequency",
         "time_histories": "torsionnet.plot.histories",
         "tornado": "torsionnet.plot.tornado",
+        "tracked_orders": "torsionnet.plot.tracked_orders",
         "waterfall": "torsionnet.plot.waterfall",
         "waveform": "torsionnet.plot.order_response",
         "wheel_pattern": "torsionnet.plot.wheel_pattern",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -11,6 +13,7 @@ from torsionnet.plot.drawing.torque_units import axis_unit, speed_label
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
 from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.order_response import OrderResponse
 
 MOST_SPECTRA = 30
@@ -25,13 +28,18 @@ NAME_DISTANCE = 0.025
 
 
 def waterfall(
-    response: OrderResponse, output: str | None = None, *, conventions: Conventions = SI, title: str | None = None
+    response: OrderResponse | TrackedOrders,
+    output: str | None = None,
+    *,
+    conventions: Conventions = SI,
+    title: str | None = None,
 ) -> Figure:
     """Figure of line spectra of an output over frequency, each at the height of its speed, so that orders are rays.
 
     Parameters
     ----------
-    response : OrderResponse
+    response : OrderResponse or TrackedOrders
+        Calculated orders, or measured ones of a channel.
     output : str, optional
         Needed where there are several.
     conventions : Conventions, optional
@@ -48,14 +56,13 @@ def waterfall(
     UsageError
         No such output, or several and no name.
     """
-    place = response.output(output)
-    channel = response.outputs[place]
-    count = len(response.speeds)
+    lines = _measured(response) if isinstance(response, TrackedOrders) else _calculated(response, output)
+    count = len(lines.rpm)
     chosen = np.unique(np.linspace(0, count - 1, min(count, MOST_SPECTRA)).round().astype(int))
-    sizes = np.abs(response.values[chosen][:, :, place])
-    scale, unit = axis_unit(channel.unit, float(sizes.max()), conventions)
+    sizes = lines.sizes[chosen]
+    scale, unit = axis_unit(lines.unit, float(sizes.max()), conventions)
     sizes = sizes * scale
-    hertz, rpm = np.abs(response.frequencies[chosen]), response.rpm[chosen]
+    hertz, rpm = lines.hertz[chosen], lines.rpm[chosen]
     span = float(np.ptp(rpm)) or float(rpm[0])
     largest = float(sizes.max()) or 1.0
     tops = rpm[:, None] + sizes / largest * LINE_HEIGHT * span
@@ -72,9 +79,7 @@ def waterfall(
         axes.plot(f, rpm[number] + heights, color=style.INK, linewidth=0.8, zorder=3 - number / 1e3)
     axes.set_xlim(0, right)
     axes.set_ylim(float(rpm.min()) - 0.02 * span, float(tops.max()) + 0.12 * span)
-    _name_orders(
-        axes, [(hertz[-1, k], tops[-1, k], str(line)) for k, line in enumerate(response.lines) if shown[k]], right
-    )
+    _name_orders(axes, [(hertz[-1, k], tops[-1, k], name) for k, name in enumerate(lines.names) if shown[k]], right)
     bar = float(f"{largest:.1g}")
     foot = float(rpm.min())
     edge = 0.99 * right
@@ -85,9 +90,39 @@ def waterfall(
                   fontsize=style.SMALL, color=style.PALETTE[1], zorder=5,
                   bbox={"facecolor": style.PAPER, "edgecolor": "none", "pad": 1})  # fmt: skip
     axes.set_xlabel("frequency [Hz]")
-    axes.set_ylabel(f"{speed_label(response.reference)}, lines: {channel.name}")
+    axes.set_ylabel(f"{lines.speed}, lines: {lines.channel}")
     style.set_title(figure, response.title if title is None else title)
     return figure
+
+
+class _Lines(NamedTuple):
+    """Lines of spectra at rising speeds, (n_speeds, n_lines), with the names of lines, axis and channel."""
+
+    rpm: FloatArray
+    hertz: FloatArray
+    sizes: FloatArray
+    names: tuple[str, ...]
+    speed: str
+    channel: str
+    unit: str
+
+
+def _calculated(response: OrderResponse, output: str | None) -> _Lines:
+    place = response.output(output)
+    channel = response.outputs[place]
+    sizes, hertz = np.abs(response.values[:, :, place]), np.abs(response.frequencies)
+    names = tuple(map(str, response.lines))
+    return _Lines(response.rpm, hertz, sizes, names, speed_label(response.reference), channel.name, channel.unit)
+
+
+def _measured(tracked: TrackedOrders) -> _Lines:
+    rising = np.argsort(tracked.speeds, kind="stable")
+    hertz = np.outer(tracked.speeds[rising], tracked.orders) / (2 * np.pi)
+    names = tuple(f"order {order:g}" for order in tracked.orders)
+    label = "speed of the reference shaft [rpm]"
+    return _Lines(
+        tracked.rpm[rising], hertz, np.abs(tracked.values.T[rising]), names, label, tracked.name, tracked.unit
+    )
 
 
 def _spectrum(hertz: FloatArray, sizes: FloatArray, right: float) -> tuple[FloatArray, FloatArray]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.errors import UsageError
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.orders.cycle_average import CycleAverage, averaged_blocks, whole_multiples
@@ -27,7 +27,7 @@ def track_orders(
     rotation: WheelRotation | MeanRotation,
     channels: Sequence[str] = (),
     wheels: Sequence[WheelRotation] = (),
-    twists: Sequence[Twist] = (),
+    twists: Sequence[tuple[Twist, WheelRotation, WheelRotation]] = (),
     *,
     orders: Sequence[float],
     method: CycleAverage | VoldKalman | None = None,
@@ -46,8 +46,8 @@ def track_orders(
         Signals of the record.
     wheels : sequence of WheelRotation, optional
         Wheels whose vibration is tracked, each in the angle of its own shaft, rad.
-    twists : sequence of Twist, optional
-        Pairs of these wheels whose twist, or torque from twist, is tracked.
+    twists : sequence of (Twist, WheelRotation, WheelRotation), optional
+        Twist between two wheels, or torque from twist, that is tracked.
     orders : sequence of float
         Vibrations per revolution of the reference shaft.
     method : CycleAverage or VoldKalman, optional
@@ -83,11 +83,11 @@ def track_orders(
     chosen = method or CycleAverage()
     mean = rotation if isinstance(rotation, MeanRotation) else mean_rotation(rotation)
     wanted = np.unique(np.asarray(orders, dtype=np.float64))
-    _check_orders(wanted, wheels)
+    _check_orders(wanted, [*wheels, *(wheel for _, *pair in twists for wheel in pair)])
     zero = reference or PhaseReference(float(mean.angles[0]), "")
     found: list[TrackedOrders] = []
     kinds = [of_wheel(wheel, mean) for wheel in wheels]
-    kinds += [of_twist(_named(wheels, one.first), _named(wheels, one.second), one, mean) for one in twists]
+    kinds += [of_twist(first, second, twist, mean) for twist, first, second in twists]
     if channels:
         assert recordings is not None
         kinds.insert(0, of_record(RecordWindow(recordings, channels), wanted))
@@ -144,12 +144,3 @@ def _check_orders(orders: FloatArray, wheels: Sequence[WheelRotation]) -> None:
         raise UsageError("orders are positive numbers of vibrations per revolution; give one or more")
     for wheel in wheels:
         wheel.check_orders(orders.tolist())
-
-
-def _named(wheels: Sequence[WheelRotation], name: str) -> WheelRotation:
-    for wheel in wheels:
-        if wheel.name == name:
-            return wheel
-    known = [wheel.name for wheel in wheels]
-    text = f'no wheel is named "{name}"{did_you_mean(name, known)}'
-    raise UsageError(f"{text}; there is {', '.join(known) or 'none'}")
