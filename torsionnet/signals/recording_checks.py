@@ -66,6 +66,8 @@ def _names(recording: Recording) -> Iterator[Fault]:
 
 
 def _length(recording: Recording, window: float) -> Iterator[Fault]:
+    if not window:
+        return
     windows = recording.duration / window
     if len(recording) < round(window * recording.sampling_rate):
         text = f"the record lasts {recording.duration:.6g} s, less than one window of {window:g} s"

@@ -94,11 +94,14 @@ def phase_reference(
     notes: list[str] = []
     if index is not None:
         mark, spread = _mean_angle(_angles_at(index, mean, wheel), turn, f"{index.name} as index")
-        said, notes = f"the pulse of {index.name}", [f"{index.name} comes within {np.degrees(spread):.2g} deg"]
+        said, notes = (
+            f"the pulse of {index.name}",
+            [f"{index.name} comes within {np.degrees(spread):.2g} deg of its mean"],
+        )
     known = mean.cycle == 1
     if cam is not None:
         at, spread = _mean_angle(_angles_at(cam, mean, wheel), whole, f"{cam.name} as cam pulse")
-        notes.append(f"{cam.name} comes within {np.degrees(spread):.2g} deg")
+        notes.append(f"{cam.name} comes within {np.degrees(spread):.2g} deg of its mean")
         if index is None and not gap:
             mark, said = at, f"the pulse of {cam.name}"
         else:
@@ -131,7 +134,7 @@ def _angles_at(pulses: PulseChannel, mean: MeanRotation, wheel: WheelRotation | 
 def _mean_angle(angles: FloatArray, period: float, name: str) -> tuple[float, float]:
     """Mean and standard deviation in rad of the angles of pulses that come once in each period."""
     turning = np.exp(2j * np.pi * angles / period).mean()
-    spread = float(np.sqrt(max(-2 * np.log(max(abs(turning), 1e-300)), 0.0)) * period / (2 * np.pi))
+    spread = float(np.sqrt(abs(2 * np.log(max(abs(turning), 1e-300)))) * period / (2 * np.pi))
     counted = len(angles) / max((angles[-1] - angles[0]) / period + 1, 1)
     if spread > LARGEST_SPREAD or not 0.9 < counted < 1.1:
         raise UsageError(
