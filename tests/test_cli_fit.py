@@ -83,7 +83,7 @@ FAULTS = [
     ("bounds: [50, 2000]", "bounds: [500, 200]", 4, "the lower bound must be below"),
     ("run_soft.npz", "run_sotf.npz", 7, 'did you mean "run_soft.npz"'),
     ("output: phi", "output: psi", 7, "psi"),
-    ("record: run_soft.npz, ", "", 7, "a measurement needs either record or response"),
+    ("record: run_soft.npz, ", "", 7, "a measurement needs one of record, response and orders"),
     (", output: phi", "", 7, "a measurement needs output: channel"),
     ("configuration: soft", "configuration: sfot", 7, 'did you mean "soft"'),
     ("band: [1 Hz, 25 Hz]", "band: [25 Hz, 1 Hz]", 7, "from a lower to a higher frequency"),

@@ -144,7 +144,7 @@ FAULTS = [
     ("excluded: [7 Hz, 8 Hz]", "excluded: [7 Hz, 7 Hz]", "a band goes from a lower to a higher frequency, as in 0.3..40 Hz or [0.3 Hz, 40 Hz]; got ['7 Hz', '7 Hz']"),
     ("excluded: [7 Hz, 8 Hz]", "excluded: 7 Hz", "expected a band such as 0.3..40 Hz or [0.3 Hz, 40 Hz], got '7 Hz'"),
     ("response: frf.csv", "response: frf.cvs", 'there is no file "frf.cvs"; did you mean "frf.csv"?'),
-    ("soft: {record: run.npz,", "soft: {record: run.npz, response: frf.csv,", "a measurement needs either record or response: file of signals, from the folder of this file"),
+    ("soft: {record: run.npz,", "soft: {record: run.npz, response: frf.csv,", "a measurement needs one of record, response and orders: file of signals, from the folder of this file"),
 ]  # fmt: skip
 
 

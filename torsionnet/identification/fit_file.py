@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,9 @@ from typing import Any
 from torsionnet.core.entries.format_version import version_faults
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.identification.orders.order_files import faults_of_orders, read_order_data
+from torsionnet.identification.orders.order_lines import OrderData, shows_phases
+from torsionnet.identification.orders.parametric_orders import numbers_of_excitations
 from torsionnet.identification.residuals.instrument import set_points
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.measurement_blocks import default_settings
@@ -29,7 +32,7 @@ from torsionnet.signals.welch import PAPER, Welch
 
 SAME_ENTRIES = (
     "output", "input", "model_output", "model_input", "excitation", "band", "excluded", "delay", "gain", "reference",
-    "settling", "error",
+    "settling", "error", "orders_used", "speeds", "speed_of", "reference_angle",
 )  # fmt: skip
 """Entries of a measurement in a fit file that a :class:`Measurement` takes under the same name."""
 OPTIONS = ("residual", "loss", "starts")
@@ -94,6 +97,8 @@ class _Reader:
         settings = self._settings()
         parameters = dict(self._parameters())
         measurements = tuple(self._measurements(model, settings))
+        if model is not None:
+            self._check_excitations(model, parameters, measurements)
         if self.faults or model is None:
             return None
         options: dict[str, Any] = {key: value for key, value in self.entries.items() if key in OPTIONS}
@@ -129,19 +134,41 @@ class _Reader:
             except UsageError as error:
                 self.faults.append(Fault(str(error), ("parameters", name)))
 
+    def _check_excitations(
+        self, model: Drivetrain, parameters: Mapping[str, Unknown], measurements: Sequence[Measurement]
+    ) -> None:
+        """Note faults of numbers of excitations to be found that there are not, or that the orders do not show."""
+        of_orders = [one for one in measurements if one.has_orders]
+        blind = bool(of_orders) and not any(shows_phases(one) for one in of_orders)
+        listed = isinstance(self.data.get("parameters"), list)
+        for place, name in enumerate(parameters):
+            path = ("parameters", place if listed else name)
+            try:
+                number = numbers_of_excitations(model, [name]).get(name)
+            except UsageError as error:
+                self.faults.append(Fault(str(error), path))
+                continue
+            if number is not None and number.is_phase and blind:
+                text = f"{name} is a phase, and no measurement of orders has phases against a reference"
+                self.faults.append(Fault(f"{text}; track the orders against a pulse, or fix it", path))
+
     def _measurements(self, model: Drivetrain | None, settings: Welch | None) -> Iterator[Measurement]:
         for name, given in self.entries.get("measurements", {}).items():
             path = ("measurements", name)
             configuration = self._configuration(model, name, given.configuration, path) if model else ""
-            data = self._data(given, model, path)
+            data = self._data(given, model, path, configuration)
             if data is None:
                 continue
             more = {key: getattr(given, key) for key in SAME_ENTRIES}
             chosen = self._chosen(settings, data, given.band) if isinstance(data, Recording) else None
             try:
-                yield Measurement(data, name=name, settings=chosen, configuration=configuration, **more)
+                one = Measurement(data, name=name, settings=chosen, configuration=configuration, **more)
             except UsageError as error:
                 self.faults.append(Fault(str(error), path))
+                continue
+            if model is not None and one.has_orders:
+                self.faults += [fault.under("measurements", name) for fault in faults_of_orders(model, one)]
+            yield one
 
     def _chosen(self, settings: Welch | None, record: Recording, band: tuple[float, float] | None) -> Welch:
         """Welch settings of one record, by default decimated as far as the band of the measurement allows."""
@@ -163,9 +190,9 @@ class _Reader:
         return given
 
     def _data(
-        self, given: FitMeasurement, model: Drivetrain | None, path: tuple[str, ...]
-    ) -> FrequencyResponse | Recording | None:
-        key = "response" if given.record is None else "record"
+        self, given: FitMeasurement, model: Drivetrain | None, path: tuple[str, ...], configuration: str
+    ) -> FrequencyResponse | Recording | OrderData | None:
+        key = next(name for name in given.SOURCES if getattr(given, name) is not None)
         file = str(getattr(given, key))
         target = self.folder / file
         if not is_file(target):
@@ -176,6 +203,8 @@ class _Reader:
         try:
             if key == "response":
                 return self.read_response(target)
+            if key == "orders":
+                return read_order_data(target, given.output, given.model_output, model, configuration)
             there = channel_names(target)
             offered = [name for name in set_points(model) if name in there] if model else []
             wanted = [name for name in (given.output, given.input, given.reference) if name]

@@ -14,6 +14,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.identification.noise_sources import sensor_noise_powers, weighted_mean
 from torsionnet.identification.orders.order_block import OrderBlock
+from torsionnet.identification.orders.order_lines import parts_by_phase
 from torsionnet.identification.orders.parametric_orders import numbers_of_excitations
 from torsionnet.identification.orders.reference_angles import reference_angles
 from torsionnet.identification.parameter_quantity import parameter_quantity
@@ -214,7 +215,8 @@ def make_problem(
     if len(set(labels)) != len(labels):
         twice = sorted({label for label in labels if labels.count(label) > 1})
         raise UsageError(f"several measurements are called {', '.join(twice)}; give them names")
-    blocks = [make_block(model, one, tuple(unknowns), form) for one in measurements]
+    parts = [part for one in measurements for part in parts_by_phase(one)]
+    blocks = [make_block(model, one, tuple(unknowns), form) for one in parts]
     if idle := [name for name in unknowns if all(name not in block.response.names for block in blocks)]:
         does = "does" if len(idle) == 1 else "do"
         raise UsageError(f"{', '.join(idle)} {does} not act on responses; add a measurement of orders, or leave it out")

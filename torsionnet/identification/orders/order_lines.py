@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -62,10 +62,56 @@ class OrderLines:
 
 
 def has_phases(data: OrderData) -> bool:
-    """Whether measured orders have phases against a reference, so that complex amplitudes can be compared."""
+    """Whether all measured orders have phases against a reference, so that complex amplitudes can be compared."""
     if isinstance(data, TrackedOrders):
         return bool(data.reference)
     return all(one.values is not None for one in data)
+
+
+def shows_phases(measurement: Measurement) -> bool:
+    """Whether any order of a measurement has a phase against a reference."""
+    return any(has_phases(part.data) for part in parts_by_phase(measurement))  # type: ignore[arg-type]
+
+
+def parts_by_phase(measurement: Measurement) -> tuple[Measurement, ...]:
+    """Measurement whose orders all have phases, and another of the amplitudes of those without, if there are both.
+
+    Half orders lack a phase where a pulse once a turn does not say which turn of the cycle it is in.
+    """
+    if not measurement.has_orders:
+        return (measurement,)
+    data: OrderData = measurement.data  # type: ignore[assignment]
+    if isinstance(data, TrackedOrders):
+        if not data.reference or not data.undecided:
+            return (measurement,)
+        blind = [one.order for one in data.measured() if one.values is None]
+        seen = np.array([order not in blind for order in data.orders.tolist()])
+        parts: list[OrderData] = [_only(data, seen), replace(_only(data, ~seen), reference="")]
+    else:
+        parts = [tuple(one for one in data if (one.values is None) == lacks) for lacks in (False, True)]
+    both = all(len(measured_orders(part)) for part in parts)
+    found = []
+    for part, is_blind in zip(parts, (False, True), strict=True):
+        used = tuple(one for one in measurement.orders_used if _among(one, measured_orders(part)))
+        if not measured_orders(part) or (measurement.orders_used and not used):
+            continue
+        found.append(
+            replace(
+                measurement,
+                data=part,
+                orders_used=used,
+                name=f"{measurement.label} (amplitudes)" if is_blind and both else measurement.label,
+                delay=measurement.delay and not (is_blind and both),
+                reference_angle=measurement.reference_angle and not (is_blind and both),
+            )
+        )
+    return tuple(found) or (measurement,)
+
+
+def _only(data: TrackedOrders, kept: NDArray[np.bool_]) -> TrackedOrders:
+    """Tracked orders with some of the orders alone, all of whose signs are known."""
+    values, widths = data.values[kept], data.half_widths[kept]
+    return replace(data, orders=data.orders[kept], values=values, half_widths=widths, undecided=())
 
 
 def measured_orders(data: OrderData) -> tuple[float, ...]:

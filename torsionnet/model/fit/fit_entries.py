@@ -7,14 +7,16 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from torsionnet.core.entries.band import Band, Bands
-from torsionnet.core.entries.composite import Named, Nested, PairOf
+from torsionnet.core.entries.composite import Listed, Named, Nested, PairOf
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.format_version import KEY
 from torsionnet.core.entries.scalars import AnyNumber, Value
 from torsionnet.core.entries.spec import Schema, entry
 from torsionnet.core.entries.words import MODEL_NAME, Count, Flag, OneOf, Text
 from torsionnet.core.errors import Fault
+from torsionnet.model.excitations.speed_range import SpeedBand
 
+_ORDER = Value("vibrations per revolution", "1", exclusive=True, below=10_000)
 RANGES = ("band", "from", "to", "start", "stop", "low", "high", "frequencies")
 """Keys of a range of frequencies that users may write in the settings of a fit instead of in a measurement."""
 
@@ -47,16 +49,24 @@ class FitSettings(Declared):
 
 @dataclass(frozen=True, kw_only=True)
 class FitMeasurement(Declared):
-    """Measurement to be fitted: a record of signals, or a response already estimated."""
+    """Measurement to be fitted: a record of signals, a response already estimated, or orders of turning machinery."""
 
     kind: ClassVar[str] = "measurement"
     article: ClassVar[str] = "a measurement"
     form: ClassVar[str] = "{record: FILE, output: ..., input: ...}"
+    SOURCES: ClassVar[tuple[str, ...]] = ("record", "response", "orders")
+    NOT_OF_ORDERS: ClassVar[tuple[str, ...]] = (
+        "input", "model_input", "excitation", "reference", "settling", "pulses",
+    )  # fmt: skip
+    ONLY_OF_ORDERS: ClassVar[tuple[str, ...]] = ("orders_used", "speeds", "speed_of", "reference_angle")
 
     record: str | None = entry(Text("file of signals, from the folder of this file"), None)
     response: str | None = entry(Text("instead of a record: file of a response already estimated"), None)
+    orders: str | None = entry(
+        Text("instead of a record: file of tracked orders, or a table of speed, order and amplitude"), None
+    )
     output: str = entry(Text("channel"))
-    input: str = entry(Text("channel"))
+    input: str = entry(Text("channel"), "")
     configuration: str = entry(Text("of the model; by default the name of the measurement if that is one"), "")
     model_output: str = entry(Text("sensor of the model, if it has another name there"), "")
     model_input: str = entry(Text("input or sensor of the model, if it has another name there"), "")
@@ -68,8 +78,16 @@ class FitMeasurement(Declared):
     reference: str = entry(Text("channel of the set-point; by default the model's input with _set"), "")
     settling: float = entry(Value("time at the start that is left out", "time"), 0.0)
     error: float | None = entry(
-        Value("relative standard error of a response, instead of its coherence", "1", exclusive=True), None
+        Value("relative standard error of a response instead of its coherence, or of orders without intervals", "1",
+            exclusive=True),
+        None,
+    )  # fmt: skip
+    orders_used: tuple[float, ...] = entry(
+        Listed("the orders compared; by default all that the model excites", _ORDER, form="a list of orders"), ()
     )
+    speeds: tuple[float, float] | None = entry(SpeedBand("speeds at which orders are compared"), None)
+    speed_of: str = entry(Text("node whose revolutions the orders count; by default that of the model's speeds"), "")
+    reference_angle: bool = entry(Flag("find the angle along at which the reference of the phases stands"), False)
     pulses: Mapping[str, float] = entry(
         Named(
             "channels that are pulse trains, with their pulses per revolution",
@@ -79,11 +97,25 @@ class FitMeasurement(Declared):
         None,
     )
 
+    @classmethod
+    def key_faults(cls, raw: Mapping[Any, Any], name: str = "") -> list[Fault]:
+        """Faults of missing or unknown keys; records and responses need an input, which orders have not."""
+        lacks = [] if "input" in raw or "orders" in raw else [cls.missing("input", name)]
+        return [*super().key_faults(raw, name), *lacks]
+
     def contradictions(self) -> list[Fault]:
-        if (self.record is None) != (self.response is None):
-            return []
-        text = f"a measurement needs either record or response: {dict(self.specs())['record'].description}"
-        return [Fault(text, on_key=True, kind="missing key", about="record")]
+        given = [key for key in self.SOURCES if getattr(self, key) is not None]
+        if len(given) != 1:
+            text = f"a measurement needs one of record, response and orders: {dict(self.specs())['record'].description}"
+            return [Fault(text, on_key=True, kind="missing key", about="record")]
+        wrong, why = self.ONLY_OF_ORDERS, "belongs to measured orders"
+        if self.orders is not None:
+            wrong, why = self.NOT_OF_ORDERS, "does not belong to orders, which the excitations of the model cause"
+        defaults = self.defaults()
+        return [
+            Fault(f"{key} {why}; leave it out", (key,), on_key=True)
+            for key in wrong if getattr(self, key) != defaults[key]
+        ]  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
