@@ -25,6 +25,8 @@ ATTRIBUTES = (*UNIT_NAMES, "quantity")
 """Attributes of HDF5 datasets that are passed on to the reading process."""
 CLASS = "MATLAB_class"
 """Attribute of a dataset in which MATLAB keeps the class of a variable."""
+MOST_LETTERS = 1000
+"""Most letters of a text in a structure, and cells of an array of texts, that are read from an HDF5 file."""
 HERE = "."
 """Name by which a virtual dataset of HDF5 refers to its own file."""
 
@@ -46,7 +48,9 @@ def open_content(path: Path) -> Iterator[Content]:
         kept = [(name, item) for name, item in found if _is_channel(name, item)]
         arrays = [_stored(name, item, matlab) for name, item in kept]
         readers = [_reader(item, across=_is_across(item, matlab)) for _, item in kept]
-        yield Content(tuple(arrays), sliced_blocks(readers, [item.length for item in arrays]), _attributes(file))
+        texts = dict(_texts(file, found)) if matlab else {}
+        blocks = sliced_blocks(readers, [item.length for item in arrays])
+        yield Content(tuple(arrays), blocks, texts | _attributes(file))
 
 
 def _datasets(file: Any) -> list[tuple[str, Any]]:
@@ -85,6 +89,26 @@ def _attributes(item: Any) -> dict[str, Plain]:
     return plain_attributes(found)
 
 
+def _texts(file: Any, found: list[tuple[str, Any]]) -> Iterator[tuple[str, Plain]]:
+    """Yield the texts in structures of MATLAB, also those in cells, by their names."""
+    for name, item in found:
+        kind = item.attrs.get(CLASS, b"")
+        if "/" not in name or name.startswith("#") or item.size > MOST_LETTERS:
+            continue
+        label = name.replace("/", ".")
+        if kind in (b"char", "char") and item.dtype.kind == "u":
+            yield label, _letters(item)
+        elif kind in (b"cell", "cell") and item.dtype.kind == "O":
+            for number, reference in enumerate(item[()].ravel(), 1):
+                cell: Any = file[reference] if reference else None
+                if getattr(getattr(cell, "dtype", None), "kind", "") == "u" and cell.size <= MOST_LETTERS:
+                    yield f"{label}{{{number}}}", _letters(cell)
+
+
+def _letters(item: Any) -> str:
+    return "".join(chr(int(code)) for code in item[()].ravel() if code)
+
+
 def _is_channel(name: str, item: Any) -> bool:
     text = item.attrs.get(CLASS, b"double") in (b"char", b"cell", "char", "cell")
     known = item.dtype.kind in "fiub" and item.shape is not None and 0 <= item.ndim <= 2
@@ -92,7 +116,8 @@ def _is_channel(name: str, item: Any) -> bool:
 
 
 def _is_across(item: Any, transposed: bool) -> bool:
-    return item.ndim == 2 and (transposed or item.shape[0] == 1)
+    # A row of MATLAB has one column in the file, and is a channel like a column of its.
+    return item.ndim == 2 and ((transposed and item.shape[1] != 1) or item.shape[0] == 1)
 
 
 def _stored(name: str, item: Any, transposed: bool) -> StoredArray:

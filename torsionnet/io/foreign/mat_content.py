@@ -74,6 +74,10 @@ def _members(name: str, value: Any) -> Iterator[tuple[str, Any]]:
             label = name if len(entries) == 1 else f"{name}{number}"
             for key in value.dtype.names:
                 yield from _members(f"{label}.{key}", entry[key])
+    elif kind == "O" and "." in name:  # cells in a structure: their texts, such as the names of channels
+        for number, cell in enumerate(value.ravel()[:MOST_STRUCTURES], 1):
+            if getattr(getattr(cell, "dtype", None), "kind", "") == "U":
+                yield f"{name}{{{number}}}", cell
     elif kind and kind in "fiubcU" and value.size:
         yield name, value
 

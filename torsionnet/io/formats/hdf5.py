@@ -11,6 +11,7 @@ from pathlib import Path
 from torsionnet.core.atomic import write_bytes
 from torsionnet.io.formats.extras import import_extra, open_foreign
 from torsionnet.io.records.arrays import array_source
+from torsionnet.io.records.exported_structures import structured_source, unknown_structures
 from torsionnet.io.records.recording_description import KEY, channel_names, plain_keys, recording_json, saved_columns
 from torsionnet.io.records.source import Source
 from torsionnet.response.recording import Recording
@@ -25,7 +26,10 @@ RATE_ATTRIBUTES = ("sampling_rate", "fs", "sample_rate")
 def open_source(path: Path) -> Iterator[Source]:
     """Yield the channels of an HDF5 file, with units from attributes of the datasets."""
     with open_foreign(path, "hdf5") as content:
-        source = array_source(content.arrays, content.blocks, str(content.attributes.get(KEY, "")), path.stem)
+        text = str(content.attributes.get(KEY, ""))
+        known = None if text else structured_source(content.arrays, content.blocks, content.attributes, path.stem)
+        hint = "" if text else unknown_structures(content.arrays)
+        source = known or replace(array_source(content.arrays, content.blocks, text, path.stem), hint=hint)
         rates = [float(content.attributes[name] or 0) for name in RATE_ATTRIBUTES if name in content.attributes]
         yield source if source.rate or not rates else replace(source, rate=rates[0])
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import io
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from torsionnet.io.foreign.content import ROW
 from torsionnet.io.formats import hdf5
 from torsionnet.io.formats.extras import open_foreign
 from torsionnet.io.records.arrays import array_source
+from torsionnet.io.records.exported_structures import structured_source, unknown_structures
 from torsionnet.io.records.recording_description import (
     KEY,
     TIME,
@@ -47,13 +49,16 @@ HEADER_TEXT_BYTES = 116
 
 @contextlib.contextmanager
 def open_source(path: Path) -> Iterator[Source]:
-    """Yield the channels of a MAT file, from numeric variables, and fields of structures."""
+    """Yield the channels of a MAT file, from numeric variables, structures of test systems, and fields of others."""
     if _is_hdf5(path):
         with hdf5.open_source(path) as source:
             yield source
         return
     with open_foreign(path, "mat") as content:
-        yield array_source(content.arrays, content.blocks, str(content.attributes.get(KEY, "")), path.stem)
+        text = str(content.attributes.get(KEY, ""))
+        known = None if text else structured_source(content.arrays, content.blocks, content.attributes, path.stem)
+        hint = "" if text else unknown_structures(content.arrays)
+        yield known or replace(array_source(content.arrays, content.blocks, text, path.stem), hint=hint)
 
 
 def _is_hdf5(path: Path) -> bool:

@@ -40,11 +40,11 @@ def array_source(arrays: Sequence[StoredArray], blocks: Blocks, stored: str, tit
                 name = item.name if columns == 1 else f"{item.name}_{column + 1}"
                 channels.append(channel_of(item, len(channels), name, attribute_text(item, *UNIT_NAMES)))
                 places.append((number, column))
-    source = Source(tuple(channels), _by_column(blocks, places), rate=rate, title=title, notes=tuple(notes))
+    source = Source(tuple(channels), by_column(blocks, places), rate=rate, title=title, notes=tuple(notes))
     return with_description(source, stored)
 
 
-def _by_column(blocks: Blocks, places: Sequence[tuple[int, int]]) -> Blocks:
+def by_column(blocks: Blocks, places: Sequence[tuple[int, int]]) -> Blocks:
     """Reader of blocks of columns from a reader of blocks of arrays, each of which is read once."""
 
     def columns_of(columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:

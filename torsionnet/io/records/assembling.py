@@ -82,7 +82,7 @@ def _sampled(source: Source, options: ReadOptions, file: str, seconds: float | N
     faults += chosen.faults or length_faults(source, choices)
     faults += _rate_faults(source, options)
     if faults:
-        raise ModelError(faults, file)
+        raise ModelError([*faults, *([Fault(source.hint, (), "note")] if source.hint else [])], file)
     others = read_others(source, chosen.others, file)
     rate, done, begin = options.sampling_rate or source.rate, 0, 0.0
     count = 0 if seconds is None else max(1, round(seconds * (rate or _first_rate(source))))

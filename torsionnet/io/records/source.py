@@ -62,7 +62,7 @@ class Source:
     """Channels, sampling rate in Hz and notes of an open file.
 
     ``blocks(columns, count)`` reads so many samples at a time, everything at once where ``count`` is 0.
-    ``discovered`` grows while blocks are read: what was assumed about the values.
+    ``discovered`` grows while blocks are read: what was assumed about the values. ``hint`` is added to what is wrong.
     """
 
     channels: tuple[FileChannel, ...]
@@ -77,6 +77,7 @@ class Source:
     place: Callable[[int], Position | None] = lambda _row: None
     stated: StatedInterval | None = None
     pulses: tuple[StoredPulses, ...] = ()
+    hint: str = ""
 
     def with_time_channel(self) -> Source:
         """Source with the channel of time stamps, known by its name or unit, taken out of the others."""
