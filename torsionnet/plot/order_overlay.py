@@ -1,9 +1,12 @@
-"""Plot of measured amplitudes of orders as dots over speed, with the calculated amplitudes as lines."""
+"""Plot of measured orders as dots over speed, amplitude and phase with intervals, with the calculated ones as lines."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
+import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
@@ -11,10 +14,15 @@ from torsionnet.core.units import RPM
 from torsionnet.plot.drawing.torque_units import axis_unit, speed_label
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
-from torsionnet.response.order_comparison import MeasuredOrder, compared_orders
+from torsionnet.response.order_comparison import ComparedOrder, MeasuredOrder, compared_orders
 from torsionnet.response.order_response import OrderResponse
+from torsionnet.response.phase import unwrapped_phase
 
 MARKERS = ("o", "s", "^", "D", "v")
+
+
+WIDTH_ALPHA = 0.5
+"""Opacity of the lines of intervals, which are behind the dots."""
 
 
 def order_overlay(
@@ -25,6 +33,9 @@ def order_overlay(
     title: str | None = None,
 ) -> Figure:
     """Figure of amplitudes of orders over speed, measured as dots, calculated as lines, a panel for each output.
+
+    Intervals of 95 % are upright lines through the dots. Where phases are compared a panel of phases in degrees stands
+    below that of the amplitudes.
 
     Parameters
     ----------
@@ -45,23 +56,69 @@ def order_overlay(
     UsageError
         No such output, or none of the measured orders was calculated.
     """
-    figure = style.new_figure(style.WIDTH, 0.8 + 2.6 * len(measured))
-    panels = figure.subplots(len(measured), 1, sharex=True, squeeze=False)[:, 0]
-    for panel, (name, orders) in zip(panels, measured.items(), strict=True):
-        unit = response.outputs[response.output(name)].unit
-        pairs = compared_orders(response, name, orders)
-        largest = max(float(max(pair.curve.max(), pair.measured.amplitude.max())) for pair in pairs)
-        scale, shown = axis_unit(unit, largest, conventions)
+    pairs = {name: compared_orders(response, name, orders) for name, orders in measured.items()}
+    shown = [
+        (name, found, phase)
+        for name, found in pairs.items()
+        for phase in (False, True)
+        if not phase or any(one.pair.has_phase for one in found)
+    ]
+    ratios = [0.6 if phase else 1.0 for *_, phase in shown]
+    figure = style.new_figure(style.WIDTH, 0.8 + 2.6 * sum(ratios))
+    panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False, gridspec_kw={"height_ratios": ratios})[:, 0]
+    for panel, (name, found, phase) in zip(panels, shown, strict=True):
         style.style_axes(panel)
-        for number, pair in enumerate(pairs):
-            drawn = style.line_style(number)
-            rpm, label = pair.measured.speeds * RPM, f"order {pair.measured.order:g}"
-            panel.plot(response.rpm, pair.curve * scale, label=f"{label}, model", **drawn)
-            dots = {"linestyle": "none", "marker": MARKERS[number % len(MARKERS)], "markersize": 3.5}
-            panel.plot(rpm, pair.measured.amplitude * scale, color=drawn["color"], label=f"{label}, test", **dots)
-        panel.set_ylabel(f"{name} [{shown}]")
+        if phase:
+            _phases(panel, found)
+            continue
+        unit = response.outputs[response.output(name)].unit
+        largest = max(float(max(one.curve.max(), one.measured.amplitude.max())) for one in found)
+        scale, words = axis_unit(unit, largest, conventions)
+        _amplitudes(panel, found, scale)
+        panel.set_ylabel(f"{name} [{words}]")
         panel.set_ylim(bottom=0)
         panel.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     panels[-1].set_xlabel(speed_label(response.reference))
     style.set_title(figure, response.title if title is None else title)
     return figure
+
+
+def _amplitudes(panel: Axes, pairs: Sequence[ComparedOrder], scale: float) -> None:
+    for number, one in enumerate(pairs):
+        drawn = style.line_style(number)
+        rpm, label = one.measured.speeds * RPM, f"order {one.measured.order:g}"
+        model = "model, at most" if one.pair.bound else "model"
+        panel.plot(one.pair.curve_speeds * RPM, np.abs(one.pair.curve) * scale, label=f"{label}, {model}", **drawn)
+        size = one.measured.amplitude * scale
+        panel.plot(rpm, size, color=drawn["color"], label=f"{label}, test", **_dots(number))
+        if one.pair.half_widths is not None:
+            width = one.pair.half_widths * scale
+            panel.vlines(rpm, np.maximum(size - width, 0), size + width, color=drawn["color"], alpha=WIDTH_ALPHA)
+
+
+def _phases(panel: Axes, pairs: Sequence[ComparedOrder]) -> None:
+    """Phases in degrees; a measured one is drawn in the turn of the calculated one."""
+    drawn_phases = []
+    for number, one in enumerate(pairs):
+        pair = one.pair
+        if not pair.has_phase:
+            continue
+        drawn = style.line_style(number)
+        curve = unwrapped_phase(pair.curve)
+        panel.plot(pair.curve_speeds * RPM, curve, **drawn)
+        beside = np.interp(pair.speeds, pair.curve_speeds, curve)
+        apart = np.degrees(np.angle(pair.measured * np.exp(-1j * np.radians(beside))))
+        panel.plot(pair.speeds * RPM, beside + apart, color=drawn["color"], **_dots(number))
+        if pair.half_widths is not None:
+            with np.errstate(divide="ignore"):
+                width = np.degrees(np.arcsin(np.minimum(pair.half_widths / np.abs(pair.measured), 1.0)))
+            ends = beside + apart - width, beside + apart + width
+            panel.vlines(pair.speeds * RPM, *ends, color=drawn["color"], alpha=WIDTH_ALPHA)
+        drawn_phases += [curve, beside + apart]
+    known = np.concatenate(drawn_phases)
+    style.phase_ticks(panel, float(np.nanmin(known)), float(np.nanmax(known)))
+    panel.set_ylabel("phase [deg]")
+
+
+def _dots(number: int) -> dict[str, Any]:
+    return {"linestyle": "none", "marker": MARKERS[number % len(MARKERS)], "markersize": 3.5}

@@ -134,9 +134,9 @@ def compared_orders(
         bound = largest_amplitudes(response, lines, place)
         if bound is None:
             values = response.values[:, lines, place].sum(axis=1)
-            size, at = np.abs(values), between_speeds(speeds, values[rising], kept.speeds)
+            at = between_speeds(speeds, values[rising], kept.speeds)
         else:
-            size, at = bound, np.interp(kept.speeds, speeds, bound[rising]).astype(complex)
+            values, at = bound.astype(complex), np.interp(kept.speeds, speeds, bound[rising]).astype(complex)
         phased = kept.values if bound is None else None
         pair = OrderPair(
             one.order,
@@ -146,10 +146,10 @@ def compared_orders(
             phased is not None,
             kept.half_widths,
             speeds,
-            size[rising],
+            values[rising],
             bound is not None,
         )
-        found.append(ComparedOrder(kept, np.abs(at), size, pair, order_agreement(pair)))
+        found.append(ComparedOrder(kept, np.abs(at), np.abs(values), pair, order_agreement(pair)))
     if not found:
         orders = ", ".join(f"{one.order:g}" for one in measured)
         text = f"none of the measured orders of {response.reference} ({orders}) was calculated at its speeds"

@@ -1,4 +1,4 @@
-"""One offset of the angle's zero, or one delay of the signal, that explains the phases of several orders together."""
+"""Offset of the angle's zero in degrees, or delay of a signal in ms, that explains several measured orders."""
 
 from __future__ import annotations
 

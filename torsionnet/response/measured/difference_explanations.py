@@ -21,7 +21,7 @@ LEAST_EXPLAINED = 0.9
 
 
 @dataclass(frozen=True, eq=False)
-class Explanation:
+class DifferenceExplanation:
     """Calculated values in SI as the test would have shown them, and how many numbers were fitted to it.
 
     Attributes
@@ -47,7 +47,7 @@ class Explanation:
     factor: float | None = None
 
 
-def explanations(pair: OrderPair, weights: FloatArray) -> Iterator[Explanation]:
+def explanations(pair: OrderPair, weights: FloatArray) -> Iterator[DifferenceExplanation]:
     """Yield what may have happened to a measured order, with calculated values in SI to match, simplest first.
 
     ``weights`` are those of squared differences at each speed.
@@ -58,18 +58,18 @@ def explanations(pair: OrderPair, weights: FloatArray) -> Iterator[Explanation]:
         return
     products = weights * np.conj(model) * pair.measured
     if pair.has_phase:
-        yield Explanation(WRONG_SIGN, "the signal has the opposite sign", -model, 0)
+        yield DifferenceExplanation(WRONG_SIGN, "the signal has the opposite sign", -model, 0)
         turn = float(np.angle(products.sum()))
         offset = turn / pair.order
-        yield Explanation(OFFSET, offset_words(offset), model * np.exp(1j * turn), offset=offset)
+        yield DifferenceExplanation(OFFSET, offset_words(offset), model * np.exp(1j * turn), offset=offset)
         if len(pair.speeds) > 1:
             omega = pair.order * pair.speeds
             delay = best_turn(-omega, products, -LONGEST_DELAY, LONGEST_DELAY)
-            yield Explanation(DELAY, delay_words(delay), model * np.exp(-1j * omega * delay), delay=delay)
+            yield DifferenceExplanation(DELAY, delay_words(delay), model * np.exp(-1j * omega * delay), delay=delay)
     factor = float(products.sum().real) / power
     if factor > 0:
         words = f"amplitudes {abs(factor - 1) * 100:.3g} % {'above' if factor > 1 else 'below'} the calculated ones"
-        yield Explanation(FACTOR, f"{words} at every speed", factor * model, factor=factor)
+        yield DifferenceExplanation(FACTOR, f"{words} at every speed", factor * model, factor=factor)
 
 
 def offset_words(offset: float) -> str:
@@ -83,7 +83,7 @@ def delay_words(delay: float) -> str:
     return f"the signal comes {abs(delay) * 1e3:.3g} ms {'late' if delay > 0 else 'early'}"
 
 
-def holds(one: Explanation, pair: OrderPair) -> bool:
+def holds(one: DifferenceExplanation, pair: OrderPair) -> bool:
     """Whether an explanation brings the measured values of an order into their intervals."""
     widths = pair.half_widths
     assert widths is not None
@@ -92,8 +92,8 @@ def holds(one: Explanation, pair: OrderPair) -> bool:
     return consistent(amplitude_scores(np.abs(pair.measured), np.abs(one.values), widths), one.fitted)
 
 
-def best_explanation(pair: OrderPair, weights: FloatArray) -> Explanation | None:
-    """Explanation that removes most of the squared difference from calculated values in SI; None if it is not much."""
+def best_explanation(pair: OrderPair, weights: FloatArray) -> DifferenceExplanation | None:
+    """Explanation that removes most of the squared difference from calculated values in SI; None without one."""
 
     def left(values: ComplexArray) -> float:
         return float((weights * np.abs(pair.measured - values) ** 2).sum())
@@ -109,7 +109,7 @@ def peak_shift(pair: OrderPair, half_width: float) -> str:
     inside = (pair.curve_speeds >= pair.speeds[0]) & (pair.curve_speeds <= pair.speeds[-1])
     if min(int(inside.sum()), len(test)) < 3:  # a peak needs a lower value on either side
         return ""
-    speeds, curve = pair.curve_speeds[inside], pair.curve[inside]
+    speeds, curve = pair.curve_speeds[inside], np.abs(pair.curve[inside])
     at, of = int(test.argmax()), int(curve.argmax())
     if at in (0, len(test) - 1) or of in (0, len(curve) - 1):
         return ""  # a maximum at an end of the speeds is no peak

@@ -12,7 +12,7 @@ from torsionnet.response.measured.difference_explanations import (
     DELAY,
     OFFSET,
     WRONG_SIGN,
-    Explanation,
+    DifferenceExplanation,
     best_explanation,
     explanations,
     holds,
@@ -30,6 +30,8 @@ SHIFTED, DIFFERS = "peak at another speed", "amplitude differs"
 """Verdicts on an order whose amplitude does not agree."""
 UNSTATED = "the test states no interval, so nothing says which difference is too large"
 """Sentence on an order without interval."""
+UNEXPLAINED = "the amplitude agrees; no single offset or delay explains the phase"
+"""Sentence on an order whose phase nothing explains."""
 LARGEST_EXCESS = 1.0
 """Number of half widths by which a measured amplitude may exceed an upper bound: its own interval."""
 
@@ -84,7 +86,7 @@ def order_agreement(pair: OrderPair) -> OrderAgreement:
     >>> speeds = np.linspace(50.0, 100.0, 20)
     >>> model = 100 / (1 - (speeds / 75) ** 2 + 0.1j * speeds / 75)
     >>> test = model * np.exp(1j * np.radians(30)) + 2.0
-    >>> found = order_agreement(OrderPair(6.0, speeds, test, model, True, np.full(20, 4.0), speeds, abs(model)))
+    >>> found = order_agreement(OrderPair(6.0, speeds, test, model, True, np.full(20, 4.0), speeds, model))
     >>> found.verdict, round(float(np.degrees(found.offset)), 1)
     ('reference offset', 5.0)
     """
@@ -117,33 +119,33 @@ def _phase_degrees(pair: OrderPair) -> tuple[float | None, float | None]:
     return float(degrees[int(np.argmax(np.abs(pair.measured)))]), rms
 
 
-def _without_interval(pair: OrderPair) -> Explanation:
+def _without_interval(pair: OrderPair) -> DifferenceExplanation:
     if pair.bound:
         over = bool((np.abs(pair.measured) > np.abs(pair.calculated)).any())
-        return Explanation(ABOVE_BOUND if over else WITHIN_BOUND, "", pair.calculated)
+        return DifferenceExplanation(ABOVE_BOUND if over else WITHIN_BOUND, "", pair.calculated)
     best = best_explanation(pair, np.ones(len(pair.speeds)))
     if best is not None:
         return replace(best, verdict=NO_INTERVAL, sentence=f"{UNSTATED}; {best.sentence}")
     shift = peak_shift(pair, 0.0)
-    return Explanation(NO_INTERVAL, f"{UNSTATED}; {shift}" if shift else UNSTATED, pair.calculated)
+    return DifferenceExplanation(NO_INTERVAL, f"{UNSTATED}; {shift}" if shift else UNSTATED, pair.calculated)
 
 
-def _bounded(pair: OrderPair) -> Explanation:
+def _bounded(pair: OrderPair) -> DifferenceExplanation:
     """Verdict where the calculated amplitude is an upper bound: one side counts, at each speed."""
     assert pair.half_widths is not None
     over = (np.abs(pair.measured) - np.abs(pair.calculated)) / pair.half_widths
     at = int(over.argmax())
     if over[at] <= LARGEST_EXCESS:
-        return Explanation(WITHIN_BOUND, "", pair.calculated)
+        return DifferenceExplanation(WITHIN_BOUND, "", pair.calculated)
     text = f"at {pair.speeds[at] * RPM:.5g} rpm by {over[at]:.3g} half widths of the interval"
-    return Explanation(ABOVE_BOUND, text, pair.calculated)
+    return DifferenceExplanation(ABOVE_BOUND, text, pair.calculated)
 
 
-def _judged(pair: OrderPair) -> Explanation:
+def _judged(pair: OrderPair) -> DifferenceExplanation:
     widths = pair.half_widths
     assert widths is not None
-    if holds(Explanation(AGREES, "", pair.calculated, 0), pair):
-        return Explanation(AGREES, "", pair.calculated)
+    if holds(DifferenceExplanation(AGREES, "", pair.calculated, 0), pair):
+        return DifferenceExplanation(AGREES, "", pair.calculated)
     weights = 1 / widths**2
     sizes = consistent(amplitude_scores(np.abs(pair.measured), np.abs(pair.calculated), widths))
     holding = {one.verdict: one for one in explanations(pair, weights) if holds(one, pair)}
@@ -157,6 +159,8 @@ def _judged(pair: OrderPair) -> Explanation:
     if best is not None:
         return best
     if sizes:
-        return Explanation(PHASE, "the amplitude agrees; no single offset or delay explains the phase", pair.calculated)
+        return DifferenceExplanation(
+            PHASE, "the amplitude agrees; no single offset or delay explains the phase", pair.calculated
+        )
     shift = peak_shift(pair, float(widths[int(np.argmax(np.abs(pair.measured)))]))
-    return Explanation(SHIFTED if shift else DIFFERS, shift, pair.calculated)
+    return DifferenceExplanation(SHIFTED if shift else DIFFERS, shift, pair.calculated)

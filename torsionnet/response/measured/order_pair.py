@@ -26,8 +26,10 @@ class OrderPair:
         Whether both have a phase.
     half_widths : (n,) array, optional
         Half width of the 95 % interval of a part; None or NaN where the test states none.
-    curve_speeds, curve : (m,) arrays
-        Calculated amplitude over all speeds, rising, which may lie closer.
+    curve_speeds : (m,) array
+        All calculated speeds, rad/s, rising, which may lie closer.
+    curve : (m,) complex array
+        Calculated values at these.
     bound : bool
         Whether the calculated amplitude is an upper bound.
     """
@@ -39,7 +41,7 @@ class OrderPair:
     has_phase: bool
     half_widths: FloatArray | None
     curve_speeds: FloatArray
-    curve: FloatArray
+    curve: ComplexArray
     bound: bool = False
 
     @property
