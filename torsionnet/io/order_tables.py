@@ -12,9 +12,11 @@ import numpy as np
 
 from torsionnet.core.delimited.dialect import detect_encoding
 from torsionnet.core.errors import UsageError
+from torsionnet.io.tracked_order_tables import is_tracked_table, read_tracked_orders
 from torsionnet.model.excitations.measured_columns import MeasuredLines, measured_lines
 from torsionnet.model.excitations.order_table_file import read_order_table
 from torsionnet.response.frequency_response import Channel
+from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.order_comparison import MeasuredOrder
 from torsionnet.response.order_sums import is_sum_name
 
@@ -47,6 +49,8 @@ def read_orders(path: str | os.PathLike[str], output: Channel, configuration: st
     UsageError
         No such file or columns, or amplitudes in a unit of something else.
     """
+    if is_tracked_table(path):
+        return _of_channel(path, output).measured()
     rows = _cells(Path(path))
     if _is_written(rows):
         lines = _of_this_package(Path(path).name, rows, output, configuration)
@@ -71,9 +75,26 @@ def read_orders(path: str | os.PathLike[str], output: Channel, configuration: st
     )
 
 
+def _of_channel(path: str | os.PathLike[str], output: Channel) -> TrackedOrders:
+    """Tracked orders of the channel with the name of an output, or of the only one with its unit."""
+    tracked = read_tracked_orders(path)
+    named = [one for one in tracked if one.name == output.name]
+    fitting = named or [one for one in tracked if one.unit == output.unit]
+    names = ", ".join(f"{one.name} in {one.unit}" for one in tracked)
+    if len(fitting) != 1:
+        which = "several channels" if fitting else "no channel"
+        raise UsageError(
+            f"{Path(path).name} has {which} for {output.name} in {output.unit}; there are {names}: name the channel as "
+            "the output"
+        )
+    if fitting[0].unit != output.unit:
+        raise UsageError(f"{Path(path).name}: {names}, but {output.name} is in {output.unit}")
+    return fitting[0]
+
+
 def is_written_table(path: str | os.PathLike[str]) -> bool:
-    """Whether a file is one of ``torsionnet orders``, whose columns name the outputs."""
-    return _is_written(_cells(Path(path)))
+    """Whether a file is of ``torsionnet orders`` or ``torsionnet track``, whose columns name the outputs."""
+    return is_tracked_table(path) or _is_written(_cells(Path(path)))
 
 
 def _is_written(rows: Sequence[list[str]]) -> bool:

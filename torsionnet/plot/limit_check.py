@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,12 +16,18 @@ from torsionnet.plot.drawing.torque_units import axis_label, axis_unit, speed_la
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
 from torsionnet.response.limits.limit_check import LimitCheck, LimitVerdict
+from torsionnet.response.limits.measured_range import MeasuredRange
 
 MOST_LINES = 4
 """Largest number of orders drawn in a panel, those of largest amplitude; more would not fit beside it in the legend."""
 LABEL_WIDTH = 34
 """Largest number of characters in a line of an axis label: as many as fit the height of a panel."""
 LIMIT_DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)))
+
+DOTS: dict[str, Any] = {
+    "linestyle": "none", "marker": "o", "markersize": 3.5, "color": style.INK, "markerfacecolor": "white",
+}  # fmt: skip
+"""Look of measured half ranges, told from the calculated line by being open dots."""
 
 
 def limit_check(
@@ -30,10 +37,11 @@ def limit_check(
     most: int = MOST_LINES,
     conventions: Conventions = SI,
     title: str | None = None,
+    measured: Sequence[MeasuredRange] = (),
 ) -> Figure:
     """Figure of limited quantities over speed, with the largest orders in colours, their sum in black, limits in red.
 
-    Ranges to be barred are shaded.
+    Ranges to be barred are shaded; measured half ranges are dots.
 
     Parameters
     ----------
@@ -46,6 +54,8 @@ def limit_check(
         Unit of angles.
     title : str, optional
         By default that of the check.
+    measured : sequence of MeasuredRange, optional
+        Half ranges of a test, each drawn where its limit is.
 
     Returns
     -------
@@ -61,7 +71,8 @@ def limit_check(
     figure = style.new_figure(style.WIDTH, 0.8 + 2.6 * len(panels))
     axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     for panel, verdicts in zip(axes, panels, strict=True):
-        _draw(panel, check, verdicts, most, conventions)
+        own = [one for one in measured if any(one.limited is verdict for verdict in verdicts)]
+        _draw(panel, check, verdicts, most, conventions, own)
     axes[-1].set_xlabel(speed_label(check.reference))
     if len(check.rpm) > 1:
         axes[-1].set_xlim(check.rpm[0], check.rpm[-1])
@@ -85,11 +96,17 @@ def _panels(check: LimitCheck, names: Sequence[str] | None) -> list[list[LimitVe
 
 
 def _draw(
-    panel: Axes, check: LimitCheck, verdicts: Sequence[LimitVerdict], most: int, conventions: Conventions
+    panel: Axes,
+    check: LimitCheck,
+    verdicts: Sequence[LimitVerdict],
+    most: int,
+    conventions: Conventions,
+    measured: Sequence[MeasuredRange],
 ) -> None:
     first = verdicts[0]
     known = [np.nanmax(one.allowed) for one in verdicts if np.isfinite(one.allowed).any()]
-    scale, unit = axis_unit(first.unit, float(max([*known, first.values.max()])), conventions)
+    sizes = [float(one.measured.max()) for one in measured]
+    scale, unit = axis_unit(first.unit, float(max([*known, first.values.max(), *sizes])), conventions)
     style.style_axes(panel)
     for number, span in enumerate(span for one in verdicts for span in one.barred):
         label = None if number else "to be barred"
@@ -114,6 +131,8 @@ def _draw(
             linewidth=1.6,
             label=one.criterion,
         )
+    for test in {one.channel: one for one in measured}.values():
+        panel.plot(test.speeds * RPM, test.measured * scale, label=f"test, {test.channel}", **DOTS)
     panel.set_title(f"{first.limit}: {first.of}, {first.quantity}", fontsize=style.FONT, color=style.INK, loc="left")
     panel.set_ylabel(axis_label(quantity_label(first), unit, LABEL_WIDTH))
     panel.set_ylim(bottom=0)

@@ -13,7 +13,9 @@ from torsionnet.cli.options import ANGLE
 
 if TYPE_CHECKING:
     from torsionnet.response import Conventions
+    from torsionnet.response.limits.limit_check import LimitCheck
     from torsionnet.response.limits.limit_conclusion import LimitConclusion
+    from torsionnet.response.limits.measured_range import MeasuredRange
     from torsionnet.response.table import Table
 
 LIMIT_FAILS, NOT_ALL_JUDGED = 5, 6
@@ -35,6 +37,7 @@ class LimitsCommand(ModelCommand):
     \b
     torsionnet limits plant.yaml -c all
     torsionnet limits plant.yaml -c misfire --plot misfire.png --csv misfire.csv
+    torsionnet limits plant.yaml -c normal --measured tracked.csv --plot beside.png
     """
 
     forms = TABLE
@@ -43,6 +46,11 @@ class LimitsCommand(ModelCommand):
     limits: tuple[str, ...] = option(
         "--limit", metavar="NAME", help="Only this limit. Repeatable.  [default: all of the model]"
     )
+    measured: str | None = option(
+        "--measured",
+        metavar="FILE",
+        help="Half ranges of a test, to lay beside limits and barred ranges: a file of torsionnet track.",
+    )
     angle: str = ANGLE
 
     def answer(self) -> Answer:
@@ -50,22 +58,39 @@ class LimitsCommand(ModelCommand):
         from torsionnet.response.limits.limit_conclusion import LimitConclusion
 
         conventions = Conventions(angle=self.angle)
+        if self.measured:
+            self.require_one("a test is of one configuration: name one with -c")
         cases = self.cases()
         found = self.each("limits", cases, lambda case: case.drivetrain.check_limits(self.limits or None))
         overall = LimitConclusion(tuple(found))
+        tests = self._tests(cases[0], found[0]) if self.measured else ()
         return Answer(
-            screen=lambda: self._shown(cases, overall, conventions),
-            data=overall.records,
+            screen=lambda: self._shown(cases, overall, tests, conventions),
+            data=lambda: [
+                replace(one, measured=tuple(test.row() for test in tests)) if tests else one
+                for one in overall.records()
+            ],
             csv=lambda: [("", self.combined_table(cases, [one.long_table() for one in found]))],
             figures=lambda plot: [
-                (case.configuration, plot.limit_check(one, conventions=conventions))
+                (case.configuration, plot.limit_check(one, conventions=conventions, measured=tests))
                 for case, one in zip(cases, found, strict=True)
             ],
             exit_code=_exit_code(overall.verdict),
         )
 
+    def _tests(self, case: ConfiguredCase, check: LimitCheck) -> tuple[MeasuredRange, ...]:
+        """Half ranges of the test beside the limits that judge them."""
+        from torsionnet.io.tracked_order_tables import read_tracked_orders
+        from torsionnet.solve.running.measured_ranges import measured_ranges
+
+        return measured_ranges(case.drivetrain, check, read_tracked_orders(str(self.measured)))
+
     def _shown(
-        self, cases: list[ConfiguredCase], overall: LimitConclusion, conventions: Conventions
+        self,
+        cases: list[ConfiguredCase],
+        overall: LimitConclusion,
+        tests: tuple[MeasuredRange, ...],
+        conventions: Conventions,
     ) -> Iterator[Table | str]:
         from torsionnet.model.excitations.engine_phases import conditions_running_alone
         from torsionnet.response.limits.limit_check import PASS
@@ -86,6 +111,11 @@ class LimitsCommand(ModelCommand):
         for one in worse:
             yield f"{one.configuration}: {one.finding()}"
         if worse:
+            yield ""
+        if tests:
+            from torsionnet.response.limits.measured_range import measured_range_table
+
+            yield measured_range_table(f"{cases[0].drivetrain.name}: measured half ranges", tests, conventions)
             yield ""
         instructions = instruction_table(overall.checks, conventions)
         if instructions.rows:

@@ -24,6 +24,7 @@ from torsionnet.response.limits.limit_check import (
     listed_names,
     unexamined_sentence,
 )
+from torsionnet.response.limits.measured_range import MeasuredRangeRow
 from torsionnet.response.limits.operating_instructions import Instruction, operating_instructions
 from torsionnet.response.limits.speed_spans import (
     SpeedSpan,
@@ -61,6 +62,7 @@ class LimitsRecord:
     speeds: Annotated[FloatArray, Out(json="speeds_rpm")]
     limits: tuple[LimitRow, ...]
     notes: tuple[str, ...]
+    measured: Annotated[tuple[MeasuredRangeRow, ...] | None, Out(optional=True)] = None
 
 
 @dataclass(frozen=True, eq=False)
