@@ -50,7 +50,7 @@ def read_orders(path: str | os.PathLike[str], output: Channel, configuration: st
         No such file or columns, or amplitudes in a unit of something else.
     """
     if is_tracked_table(path):
-        return _of_channel(path, output).measured()
+        return tracked_channel(path, output).measured()
     rows = _cells(Path(path))
     if _is_written(rows):
         lines = _of_this_package(Path(path).name, rows, output, configuration)
@@ -75,8 +75,8 @@ def read_orders(path: str | os.PathLike[str], output: Channel, configuration: st
     )
 
 
-def _of_channel(path: str | os.PathLike[str], output: Channel) -> TrackedOrders:
-    """Tracked orders of the channel with the name of an output, or of the only one with its unit."""
+def tracked_channel(path: str | os.PathLike[str], output: Channel) -> TrackedOrders:
+    """Tracked orders (SI) of the channel with the name of an output, or of the only one with its unit."""
     tracked = read_tracked_orders(path)
     named = [one for one in tracked if one.name == output.name]
     fitting = named or [one for one in tracked if one.unit == output.unit]

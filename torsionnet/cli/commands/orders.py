@@ -53,8 +53,8 @@ class OrdersCommand(ModelCommand):
     measured: str | None = option(
         "--measured",
         metavar="FILE",
-        help="Amplitudes of a test by speed and order, to lay over the calculated ones: CSV, as speed [rpm], order, "
-        "amplitude [N*m].",
+        help="Orders of a test, to lay over the calculated ones: a file of torsionnet track, or CSV, as speed [rpm], "
+        "order, amplitude [N*m], and perhaps phase [deg], half_width [N*m].",
     )
     drawn: str = option(
         "--picture",
@@ -83,7 +83,9 @@ class OrdersCommand(ModelCommand):
         found = self.each("orders", cases, self._run)
         tests = self._tests(cases[0], found[0]) if self.measured else {}
         return Answer(
-            screen=lambda: _compared(found[0], tests, conventions) if tests else _shown(found, conventions),
+            screen=lambda: (
+                self._compared(cases[0], found[0], tests, conventions) if tests else _shown(found, conventions)
+            ),
             data=lambda: [
                 orders_record(run, case.configuration, tests) for case, run in zip(cases, found, strict=True)
             ],
@@ -122,6 +124,23 @@ class OrdersCommand(ModelCommand):
 
         return {channel.name: read_orders(str(self.measured), channel, case.configuration) for channel in run.outputs}
 
+    def _compared(
+        self, case: ConfiguredCase, run: OrderResponse, tests: Tests, conventions: Any
+    ) -> Iterator[Table | str]:
+        """Yield tables of measured and calculated orders, and remarks on a run-up too fast for the steady response."""
+        from torsionnet.io.order_tables import tracked_channel
+        from torsionnet.io.tracked_order_tables import is_tracked_table
+        from torsionnet.response.measured.sweep_loss import sweep_remarks
+        from torsionnet.response.order_comparison import order_comparison
+
+        swept = is_tracked_table(str(self.measured))
+        for number, (name, measured) in enumerate(tests.items()):
+            yield from [""] if number else []
+            yield order_comparison(run, name, measured, conventions)
+            if swept:
+                one = tracked_channel(str(self.measured), run.outputs[run.output(name)])
+                yield from sweep_remarks(one.times, one.speeds, one.orders.tolist(), case.drivetrain.modes())
+
     def _run(self, case: ConfiguredCase) -> OrderResponse:
         return case.drivetrain.order_response(
             referred_outputs(self.outputs, self.referred_to), excitations=self.excitations or None, refine=True
@@ -132,14 +151,6 @@ def _shown(found: list[OrderResponse], conventions: Any) -> Iterator[Table | str
     for number, (run, channel) in enumerate((one, channel) for one in found for channel in one.outputs):
         yield from [""] if number else []
         yield run.table(channel.name, conventions)
-
-
-def _compared(run: OrderResponse, tests: Tests, conventions: Any) -> Iterator[Table | str]:
-    from torsionnet.response.order_comparison import order_comparison
-
-    for number, (name, measured) in enumerate(tests.items()):
-        yield from [""] if number else []
-        yield order_comparison(run, name, measured, conventions)
 
 
 command = click_command("orders", OrdersCommand)
