@@ -48,7 +48,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "tracked_orders": "torsionnet.plot.tracked_orders",
         "waterfall": "torsionnet.plot.waterfall",
         "waveform": "torsionnet.plot.order_response",
-        "wheel_pattern": "torsionnet.plot.wheel_pattern",
+        "wheel_pattern": "torsionnet.plot.pitch_pattern",
         "worst_variants": "torsionnet.plot.study.worst_variants",
     },
 )

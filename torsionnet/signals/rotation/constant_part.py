@@ -89,7 +89,7 @@ def constant_part(values: ComplexArray, columns: ComplexArray, groups: NDArray[n
         inside = rest / (len(values) - len(count))
         if inside == 0 or of_speeds / inside > _fisher(2 * few, 2 * (len(values) - len(count))):
             error, freedom, between = of_speeds, few, True
-    half = _student(2 * freedom) * np.sqrt(error / 2) * spread
+    half = student(2 * freedom) * np.sqrt(error / 2) * spread
     return ConstantPart(value, float(half), change, float(scatter), between)
 
 
@@ -108,10 +108,15 @@ def _spread(terms: ComplexArray, weights: FloatArray) -> float:
     return float(np.sqrt(inverse[0, 0].real))
 
 
-def _student(freedom: int) -> float:
+def student(freedom: int | NDArray[np.intp]) -> FloatArray:
+    """Half width of the 95 % interval of a mean over its standard error, by degrees of freedom.
+
+    >>> student(10).round(3).item()
+    2.228
+    """
     from scipy.special import stdtrit
 
-    return float(stdtrit(freedom, 0.5 + CONFIDENCE / 2))
+    return np.asarray(stdtrit(freedom, 0.5 + CONFIDENCE / 2))
 
 
 def _fisher(above: int, below: int) -> float:

@@ -25,7 +25,7 @@ from torsionnet.signals.rotation.calibration_windows import (
     stacked,
     windows_of_test,
 )
-from torsionnet.signals.rotation.constant_part import constant_part, speed_groups
+from torsionnet.signals.rotation.constant_part import constant_part, speed_groups, student
 from torsionnet.signals.rotation.numbered_pulses import NumberedPulses
 from torsionnet.signals.rotation.pattern_matching import best_shift
 from torsionnet.signals.rotation.pitch_order import ABOVE, SPEEDS, Evidence, PitchOrder
@@ -245,13 +245,23 @@ def _row(
 
 def _beyond(stack: Stack, positions: FloatArray, orders: OrderSet, wheel: Wheel) -> FloatArray:
     """Positions in rad that are missing yet of orders above those of vibration, shape (teeth,), with minus sign."""
-    left = np.mean([shown.left(positions) for shown in stack.first], axis=0)
-    left[wheel.teeth - wheel.missing_teeth :] = 0.0
+    left, _ = _over_windows(stack, positions)
     if wheel.missing_teeth:
         return np.asarray(left)
     lines = np.fft.rfft(left)
     lines[: orders.whole[-1] + 1] = 0
     return np.fft.irfft(lines, wheel.teeth)
+
+
+def _over_windows(stack: Stack, positions: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Mean in rad of what is left at each tooth, and half its 95 % interval, (teeth,); 0 where no pulse comes."""
+    left = np.array([shown.left(positions) for shown in stack.first])
+    there = np.isfinite(left)
+    count = there.sum(axis=0)
+    mean = np.where(there, left, 0.0).sum(axis=0) / np.maximum(count, 1)
+    squares = (np.where(there, left - mean, 0.0) ** 2).sum(axis=0)
+    freedom = np.maximum(count - 1, 1)
+    return mean, student(freedom) * np.sqrt(squares / freedom / np.maximum(count, 1))
 
 
 def _refuse_small_range(rows: Sequence[PitchOrder], stack: Stack) -> None:
@@ -277,9 +287,7 @@ def _result(
     wheel, teeth = evidence.wheel, evidence.wheel.teeth
     present = np.arange(teeth) < teeth - wheel.missing_teeth
     centred = np.where(present, positions - positions[present].mean(), 0.0)
-    left = np.array([shown.left(positions) for shown in stack.first])
-    few = len(left) < 2
-    scatter = np.zeros(teeth) if few else 2 * np.nanstd(left, axis=0, ddof=1) / np.sqrt(len(left))
+    _, scatter = _over_windows(stack, positions)
     of_orders = sum(row.half_width**2 for row in rows if row.resolved)
     not_known = sum(abs(row.value) ** 2 for row in rows if not row.resolved)
     widths = np.where(present, np.sqrt(scatter**2 + of_orders + not_known), 0.0)
