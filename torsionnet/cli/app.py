@@ -33,6 +33,7 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "damper": "The film or tuning of a damper with which the largest vibration is smallest.",
     "study": "Tolerances, conditions and choices: what varies, what is asked, what follows.",
     "bench": "Run a test on a model instead of a rig, and write the record.",
+    "angle": "Angle and speed from pulses of toothed wheels, with their uncertainty.",
     "estimate": "Frequency responses and coherence from a record of signals.",
     "track": "Complex orders of a turning machine from teeth, torque and gauges.",
     "compare": "A record against a model.",

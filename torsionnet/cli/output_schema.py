@@ -11,6 +11,7 @@ from torsionnet.core.entries.spec import Schema
 from torsionnet.core.result_rows import json_schema
 
 OUTPUTS: dict[str, str] = {
+    "angle": "torsionnet.cli.commands.angle:AngleRecord",
     "bench": "list[torsionnet.cli.commands.bench:BenchRecord]",
     "calibrate-wheel": "torsionnet.signals.rotation.calibration_record:CalibrationRecord",
     "check": "list[torsionnet.core.fault_rows:CheckRecord]",

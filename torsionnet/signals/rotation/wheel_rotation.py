@@ -56,6 +56,8 @@ class WheelRotation:
         Which tooth is 0, in words.
     backwards : bool
         Whether two tracks showed that the wheel turns backwards all the time.
+    repairs : int
+        Number of pulses that were left out, or were missing and counted.
     """
 
     name: str
@@ -68,6 +70,7 @@ class WheelRotation:
     gap: str = ""
     zero: str = "the tooth of the first pulse"
     backwards: bool = False
+    repairs: int = 0
 
     def angle(self, times: FloatArray) -> FloatArray:
         """Angle of the reference shaft in rad at times in s between first and last pulse, shape (n,).
@@ -230,6 +233,7 @@ def wheel_rotation(
     return WheelRotation(
         channel.name, wheel, found.times, numbers, rotation, tuple(remarks),
         _deviations(channel, wheel, pattern, found.times, numbers, rotation, offsets), gap, zero, backwards,
+        len(found.spurious) + found.irregular.total,
     )  # fmt: skip
 
 

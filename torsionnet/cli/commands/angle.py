@@ -1,0 +1,160 @@
+"""Command ``torsionnet angle``, which makes angle and speed with their uncertainty of the pulses of toothed wheels."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
+
+from torsionnet.cli.command import TABLE, Answer, Command, click_command
+from torsionnet.cli.declarations import argument, option
+from torsionnet.cli.options import file_option
+from torsionnet.cli.pulse_options import PulseOptions, turning_record
+from torsionnet.cli.terminal import print_warnings
+from torsionnet.core.result_rows import Out
+from torsionnet.core.units import RPM
+
+if TYPE_CHECKING:
+    from torsionnet.response import Table
+    from torsionnet.response.recording import Recording
+    from torsionnet.signals.rotation.wheel_rotation import WheelRotation
+
+DEGREES = 57.29577951308232
+"""Degrees in a radian."""
+
+
+@dataclass(frozen=True)
+class OrderUncertainty:
+    """What errors of pulses add to the peak amplitude of one order of an angle, RMS in rad."""
+
+    order: float
+    deviation: Annotated[float, Out(json="deviation_rad")]
+
+
+@dataclass(frozen=True)
+class TurnedWheel:
+    """Pulses of one wheel, the turns and speeds they show, and what they leave uncertain; times in s, angles in rad."""
+
+    name: Annotated[str, Out("wheel")]
+    pulses: Annotated[int, Out("pulses")]
+    repairs: Annotated[int, Out("repairs")]
+    revolutions: Annotated[float, Out("turns", digits=7)]
+    lowest_speed: Annotated[float, Out("lowest speed", "r/min", json="lowest_speed_rad_s", digits=5, factor=RPM)]
+    highest_speed: Annotated[float, Out("highest speed", "r/min", json="highest_speed_rad_s", digits=5, factor=RPM)]
+    tick: Annotated[float, Out("tick", "us", json="tick_s", digits=3, factor=1e6)]
+    jitter: Annotated[float | None, Out("jitter seen", "us", json="jitter_s", digits=3, factor=1e6)]
+    tooth_errors: Annotated[float | None, Out("tooth errors", "deg", json="tooth_errors_rad", digits=3, factor=DEGREES)]
+    deviation: Annotated[float, Out("deviation of angle", "deg", json="deviation_rad", digits=3, factor=DEGREES)]
+    highest_order: Annotated[float, Out("highest order", digits=4)]
+    alias_order: Annotated[float, Out("aliases from", digits=4)]
+    gap: str
+    tooth_0: str
+    remarks: tuple[str, ...]
+    orders: tuple[OrderUncertainty, ...]
+
+
+@dataclass(frozen=True)
+class AngleRecord:
+    """Angles of wheels made of a record, as ``torsionnet angle --json`` prints them."""
+
+    record: str
+    sampling_rate: Annotated[float, Out(json="sampling_rate_Hz")]
+    start: Annotated[float, Out(json="start_s")]
+    duration: Annotated[float, Out(json="duration_s")]
+    notes: tuple[str, ...]
+    wheels: tuple[TurnedWheel, ...]
+
+
+class AngleCommand(Command):
+    """Angle and speed of shafts from pulses of toothed wheels, with what counter and teeth leave uncertain.
+
+    RECORD holds times of pulses, counts of a clock, or the signal of the teeth. The angle is band-limited between the
+    pulses; it is that of the reference shaft, 0 at tooth 0.
+
+    \b
+    torsionnet angle run_up.npz --pulses n1 --teeth 60 -o angle.npz
+    torsionnet angle run_up.tdms --pulses n1=60 --pulses n2=48 --clock 80MHz --bits 32 --plot angle.png
+    torsionnet angle test.mat --pulses crank --teeth 60 --missing-teeth 2 --pickup inductive --order 6 --order 12
+    """
+
+    forms = TABLE
+    picture = "speed and uncertainty of the angle over time"
+
+    record: str = argument("RECORD")
+    reading: PulseOptions
+    channels: tuple[str, ...] = option(
+        "--channel", metavar="CHANNEL", help="Keep this channel, too; the angles then are at its times. Repeatable."
+    )
+    orders: tuple[float, ...] = option(
+        "--order",
+        type=float,
+        help="Of the reference shaft: its uncertainty, or why the teeth do not tell it. Repeatable.",
+    )
+    output_file: str | None = file_option("The record of angle, speed and uncertainty; the ending tells the format.")
+
+    def answer(self) -> Answer:
+        from pathlib import Path
+
+        from torsionnet.io.formats.registry import format_of
+        from torsionnet.io.recording_files import write_recording
+        from torsionnet.response import Conventions
+
+        if self.output_file:
+            format_of(Path(self.output_file), "recording")
+        found, wheels = turning_record(self.record, self.reading, self.channels)
+        for wheel in wheels:
+            wheel.check_orders(self.orders)
+        from torsionnet.signals.rotation.angle_record import angle_record
+
+        angles = angle_record(found, wheels, keep=self.channels, sampling_rate=self.reading.rate)
+        rows = tuple(turned_wheel(one, self.orders) for one in wheels)
+        print_warnings(angles.notes)
+        degrees = Conventions(angle="deg")
+        names = [name for one in wheels for name in (f"{one.name} speed", f"{one.name} angle deviation")]
+        return Answer(
+            screen=lambda: _screen(angles, rows),
+            csv=lambda: [("", _table(self.record, rows))],
+            data=lambda: AngleRecord(
+                self.record, angles.sampling_rate, angles.start, angles.duration, angles.notes, rows
+            ),
+            files=[(self.output_file, lambda file: write_recording(angles, file))],
+            figures=lambda plot: [("", plot.time_histories(angles, names, conventions=degrees))],
+        )
+
+
+def turned_wheel(wheel: WheelRotation, orders: tuple[float, ...] = ()) -> TurnedWheel:
+    """Row of a table on the rotation of a wheel, with the uncertainty of the orders given."""
+    import numpy as np
+
+    speeds = wheel.speeds
+    deviations = wheel.deviations
+    return TurnedWheel(
+        wheel.name, len(wheel.times), wheel.repairs, wheel.revolutions, float(speeds.min()), float(speeds.max()),
+        deviations.tick, deviations.jitter, deviations.place if deviations.places is not None else None,
+        float(np.sqrt(np.mean(wheel.angle_deviation**2))), wheel.highest_order, wheel.alias_order,
+        wheel.gap, wheel.zero, wheel.remarks,
+        tuple(OrderUncertainty(order, wheel.order_deviation(order)) for order in orders),
+    )  # fmt: skip
+
+
+def _table(record: str, rows: tuple[TurnedWheel, ...]) -> Table:
+    from torsionnet.response.table import result_table
+
+    return result_table(f"Wheels of {record}", rows, TurnedWheel)
+
+
+def _screen(angles: Recording, rows: tuple[TurnedWheel, ...]) -> Iterator[Table | str]:
+    from torsionnet.response.table import Column, Table
+
+    yield _table(angles.title, rows)
+    for row in rows:
+        yield from (f"{row.name}: {text}" for text in (row.gap, f"tooth 0 is {row.tooth_0}", *row.remarks) if text)
+    yield from (note for note in angles.notes if not note.startswith("warning:"))
+    if any(row.orders for row in rows):
+        columns = (Column("wheel"), Column("order"), Column("errors add, RMS of the peak", "deg", 3))
+        lines = tuple((row.name, one.order, one.deviation * DEGREES) for row in rows for one in row.orders)
+        yield ""
+        yield Table("Orders", columns, lines)
+
+
+command = click_command("angle", AngleCommand)
