@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class PulsesOption(PairOption):
-    """Type of an option value ``CHANNEL``, ``CHANNEL=60`` or ``CHANNEL=60-2``, read as channel and text of its teeth."""
+    """Type of an option value ``n1``, ``n1=60`` or ``n1=60-2``, read as a channel and the text of its teeth."""
 
     def __init__(self) -> None:
         super().__init__("CHANNEL", "TEETH", "n1=60")
