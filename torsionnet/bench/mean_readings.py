@@ -81,8 +81,8 @@ def ratio_of(drivetrain: Drivetrain, sensor: Sensor, reference: str) -> float:
         return 0.0
     turning = sum(weight * drivetrain.ratio_between(node, reference) for node, weight in sensor.row.items())
     if sensor.referred_to is not None:
-        turning *= abs(drivetrain.ratio_between(sensor.referred_to, reference) / drivetrain.ratio(
-            sensor.of, reference))  # fmt: skip
+        shaft, own = (drivetrain.ratio_between(node, reference) for node in (sensor.referred_to, sensor.of))
+        turning *= abs(shaft / own)
     return float(turning)
 
 

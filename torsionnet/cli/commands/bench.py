@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import click
 
+from torsionnet.bench.true_fault import TrueFault
 from torsionnet.cli.command import NUMBERS, Answer, Command, click_command, result_path
 from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.options import SETTINGS, file_option
@@ -21,8 +23,8 @@ if TYPE_CHECKING:
     from torsionnet.response import Table
     from torsionnet.response.recording import Recording
 
-    Result = tuple[str, str, Recording]
-    """Name of the configuration, path of the file, record."""
+    Result = tuple[str, str, Recording, tuple[TrueFault, ...]]
+    """Name of the configuration and of the steady point, path of the file, record, faults put into it."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,23 @@ class ChannelRow:
 
 
 @dataclass(frozen=True)
+class PulseRow:
+    """Channel of pulse times of a record, with their number, the first and the last in s, and the counter's tick."""
+
+    name: Annotated[str, Out("channel of pulses")]
+    count: Annotated[int, Out("pulses")]
+    first: Annotated[float | None, Out("first", "s", digits=6)]
+    last: Annotated[float | None, Out("last", "s", digits=6)]
+    tick: Annotated[float, Out("tick", "s", digits=4)]
+    notes: tuple[str, ...]
+
+    @property
+    def joined_notes(self) -> Annotated[str, Out("notes", json=None, after="notes")]:
+        """Notes on a channel as one text, joined by semicolons."""
+        return "; ".join(self.notes)
+
+
+@dataclass(frozen=True)
 class BenchRecord:
     """Record of one configuration, as ``torsionnet bench --json`` prints it."""
 
@@ -54,6 +73,8 @@ class BenchRecord:
     duration: Annotated[float, Out(json="duration_s")]
     notes: tuple[str, ...]
     channels: tuple[ChannelRow, ...]
+    pulses: tuple[PulseRow, ...] = ()
+    faults: tuple[TrueFault, ...] = ()
 
 
 class BenchCommand(Command):
@@ -64,6 +85,9 @@ class BenchCommand(Command):
     \b
     torsionnet bench amt_bench -c II -o gear_II.tdms
     torsionnet bench dmf_bench --seed 7 --plot signals.png
+    torsionnet bench marine_run_up -o run_up.npz
+
+    A bench that turns gives a record for each steady point and for each recording system, NAME_600rpm.npz.
     """
 
     forms = NUMBERS
@@ -80,6 +104,7 @@ class BenchCommand(Command):
 
     def answer(self) -> Answer:
         from torsionnet.bench import load_bench
+        from torsionnet.bench.wheel_speeds import with_wheel_speeds
         from torsionnet.cli.progress import progress
         from torsionnet.io.formats.registry import format_of
         from torsionnet.io.recording_files import write_recording
@@ -92,16 +117,20 @@ class BenchCommand(Command):
         results = []
         with progress("testing", len(benches)) as advance:
             for name, one in benches:
-                record = one.truth if self.truth else one.run(self.seed)
-                results.append((name, result_path(target, name, len(benches)), record))
+                records, faults = _tested(one, self.seed, truth=self.truth)
+                for point, record in records.items():
+                    called = "_".join(filter(None, (name, point)))
+                    path = result_path(target, called, len(benches) * len(records) if called else 1)
+                    results.append((called, path, record, faults.get(point, ())))
                 advance(1)
-        print_warnings(note for *_, record in results for note in record.notes)
+        print_warnings(note for _, _, record, _ in results for note in record.notes)
         return Answer(
             screen=lambda: _screen(results),
             data=lambda: [_record(*result) for result in results],
-            files=[(path, partial(write_recording, record)) for _, path, record in results],
+            files=[(path, partial(write_recording, record)) for _, path, record, _ in results],
             figures=lambda plot: [
-                (name, plot.time_histories(record, conventions=degrees)) for name, _, record in results
+                (name, plot.time_histories(with_wheel_speeds(record, bench.plan), conventions=degrees))
+                for name, _, record, _ in results
             ],
         )
 
@@ -119,9 +148,28 @@ def _benches(bench: Bench, configurations: tuple[str, ...], settings: dict[str, 
     return [(name.replace("=", "_").replace(",", "_"), bench.configured(name, **settings)) for name in names]
 
 
+def _tested(
+    bench: Bench, seed: int | None, *, truth: bool
+) -> tuple[Mapping[str, Recording], Mapping[str, tuple[TrueFault, ...]]]:
+    """Records of a test by name, and the faults put into each; the truth has none."""
+    if truth:
+        return bench.truths, {}
+    if bench.plan.motion is None:
+        return bench.records(seed), {}
+    found = bench.turned(seed)
+    return found.records, found.faults
+
+
 def _screen(results: list[Result]) -> Iterator[Table | str]:
-    for *_, record in results:
-        yield _table(record)
+    from torsionnet.response.table import result_table
+
+    for _, _, record, faults in results:
+        if record.signals:
+            yield _table(record)
+        if record.pulses:
+            yield result_table(f"{record.title}: pulses", _pulses(record), PulseRow)
+        if faults:
+            yield f"faults put in: {_counted(faults)}"
         yield from (note for note in record.notes if not note.startswith("warning: "))
 
 
@@ -136,14 +184,29 @@ def _channels(record: Recording) -> tuple[ChannelRow, ...]:
     return tuple(ChannelRow(one.name, one.unit, *_sizes(one.values), one.notes) for one in record)
 
 
+def _pulses(record: Recording) -> tuple[PulseRow, ...]:
+    return tuple(PulseRow(one.name, len(one), *_ends(one.times.tolist()), one.tick, one.notes) for one in record.pulses)
+
+
+def _ends(times: list[float]) -> tuple[float | None, float | None]:
+    return (times[0], times[-1]) if times else (None, None)
+
+
+def _counted(faults: tuple[TrueFault, ...]) -> str:
+    """Text with the number of faults of each kind by channel."""
+    counts = Counter((fault.channel, fault.kind) for fault in faults)
+    return ", ".join(f"{channel} {kind} {number}x" for (channel, kind), number in counts.items())
+
+
 def _sizes(values: Any) -> tuple[float, float, float]:
     return float(values.min()), float(values.max()), float((values**2).mean() ** 0.5)
 
 
-def _record(name: str, path: str, record: Recording) -> BenchRecord:
+def _record(name: str, path: str, record: Recording, faults: tuple[TrueFault, ...]) -> BenchRecord:
     return BenchRecord(
-        record.title, name, path, record.sampling_rate, len(record), record.duration, record.notes, _channels(record)
-    )
+        record.title, name, path, record.sampling_rate, len(record), record.duration, record.notes, _channels(record),
+        _pulses(record), faults,
+    )  # fmt: skip
 
 
 command = click_command("bench", BenchCommand)
