@@ -3,7 +3,8 @@
 Half widths join two parts. Noise: the residual around the frequency of each order, as the white noise that would have
 the same density there, times what the filter passes of white noise, which is drawn; so that crossing orders, ends of
 the record and coloured noise count. Bias: what the filter takes from its own envelopes when they are filtered once
-more, doubled, since at the edge of its band it took twice as much from the true ones.
+more, doubled, since at the edge of its band it took twice as much from the true ones; plus what it left of them in the
+residual around the order, as far as that is more than noise.
 """
 
 from __future__ import annotations
@@ -22,8 +23,8 @@ from torsionnet.signals.orders.phase_reference import PhaseReference
 from torsionnet.signals.orders.tracked_signals import NORMAL_HALF_WIDTH, Tracked, tracked_values
 from torsionnet.signals.orders.vold_kalman import COEFFICIENTS_PER_BANDWIDTH, EnvelopeFilter, VoldKalman
 
-MOST_UNKNOWNS = 16_000
-"""Unknowns of a segment, which limit the memory to about 100 MB."""
+MOST_UNKNOWNS, MOST_SAMPLES = 16_000, 150_000
+"""Unknowns and samples of a segment without its overlap, which limit the memory to about 100 MB each."""
 OVERLAP = 4.0
 """Overlap of segments on either side, in times 1/bandwidth: the filter's memory of an end falls by e^-2 in each."""
 VALUES_PER_BANDWIDTH = 2
@@ -33,6 +34,9 @@ NOISE_DRAWS, NOISE_SEED = 12, 11
 1/bandwidth; with a seed, so that the same record gives the same interval."""
 BIAS_FACTOR = 2.0
 """True over apparent loss of an envelope's fluctuation at half of the filter's response: a (1 - H) over a H (1 - H)."""
+LEFT_INTERVALS, NOISE_MULTIPLE = 3, 4.0
+"""Intervals between knots over which the residual around an order is averaged, so that what the filter left of its
+envelope shows, and the multiple of the mean square of noise that counts as noise: it exceeds that in 2 % of times."""
 LEAST_INTERVALS = 4
 """Fewest intervals between knots of a segment, so that there is a spline."""
 
@@ -58,6 +62,7 @@ def filtered_orders(
     UsageError
         The record is shorter than 1/bandwidth.
     """
+    mean = shafts[0][0]
     begin = max(one.begin, *(shaft.ends[0] for shaft, _ in shafts))
     end = min(one.end, *(shaft.ends[-1] for shaft, _ in shafts))
     lowest, highest = _extreme_bandwidths(shafts, settings, begin, end)
@@ -69,7 +74,9 @@ def filtered_orders(
     step = 1 / (COEFFICIENTS_PER_BANDWIDTH * highest)
     lines = 1 + 2 * sum(len(orders) for _, orders in shafts)
     margin = int(np.ceil(OVERLAP / lowest / step))
-    inside = max(MOST_UNKNOWNS // lines, LEAST_INTERVALS, margin)
+    fastest = float(mean.speed(mean.ends).max())
+    inside = int(min(MOST_UNKNOWNS / lines, MOST_SAMPLES / (one.rate(fastest) * step)))
+    inside = max(inside, LEAST_INTERVALS, margin)
     total = max(int(np.ceil((end - begin) / step)), LEAST_INTERVALS)
     step = (end - begin) / total
     count = max(int((end - begin) * highest * VALUES_PER_BANDWIDTH), 1)
@@ -156,28 +163,54 @@ def _segment(
     own, drawn = solved[:, :, : len(values)], solved[:, :, len(values) :]
     _, envelopes = filtered.envelopes(own, times)
     lost = np.abs(filtered.envelopes(filtered.lost(own), times)[1])
-    dense = middles
-    passed = (np.abs(filtered.envelopes(drawn, dense)[1]) ** 2).mean(axis=0) / 2
-    density = _density(filtered, filtered.residual(own, values), phase, knots)
+    passed = (np.abs(filtered.envelopes(drawn, middles)[1]) ** 2).mean(axis=0) / 2
+    residual = _Residual.around(filtered, filtered.residual(own, values), phase, knots)
     reach = COEFFICIENTS_PER_BANDWIDTH
-    variance = _mean_around(passed, reach) * _mean_around(density, 5 * reach)
-    noise_width = np.sqrt(_at(variance, dense, times))
-    bias = _largest_around(lost, VALUES_PER_BANDWIDTH // 2)
-    return _Part(envelopes, np.hypot(NORMAL_HALF_WIDTH * noise_width, BIAS_FACTOR * bias))
+    density = _mean_around(residual.power, 5 * reach) / _kept_of_noise(settings.poles)
+    noise_width = np.sqrt(_at(_mean_around(passed, reach) * density, middles, times))
+    left = _at(residual.left(density), middles, times)
+    bias = _largest_around(BIAS_FACTOR * lost + left, VALUES_PER_BANDWIDTH // 2)
+    return _Part(envelopes, np.hypot(NORMAL_HALF_WIDTH * noise_width, bias))
 
 
-def _density(filtered: EnvelopeFilter, residual: FloatArray, phases: FloatArray, knots: FloatArray) -> FloatArray:
-    """Variance of white noise as dense as the residual around each order, (n_signals, n_orders, n_intervals)."""
-    starts = np.searchsorted(filtered.times, knots[:-1])
-    counts = np.diff([*starts, len(filtered.times)])
-    filled = np.flatnonzero(counts)
-    found = np.empty((len(residual), len(phases), len(counts)))
-    for order, phase in enumerate(phases):
-        turned = residual * np.exp(-1j * phase)
-        sums = np.add.reduceat(turned, starts[filled], axis=1)
-        power = np.abs(sums) ** 2 / counts[filled]
-        found[:, order] = [np.interp(np.arange(len(counts)), filled, line) for line in power]
-    return found / _kept_of_noise(filtered.poles)
+@dataclass(frozen=True, eq=False)
+class _Residual:
+    """Residual turned back by the phase of each order, in each interval between knots.
+
+    Attributes
+    ----------
+    sums : (n_signals, n_orders, n_intervals) complex array
+        Sum over the samples of the interval.
+    counts : (n_intervals,) array
+        Samples of each interval.
+    """
+
+    sums: ComplexArray
+    counts: FloatArray
+
+    @staticmethod
+    def around(filtered: EnvelopeFilter, residual: FloatArray, phases: FloatArray, knots: FloatArray) -> _Residual:
+        starts = np.searchsorted(filtered.times, knots[:-1])
+        counts = np.diff([*starts, len(filtered.times)])
+        filled = np.flatnonzero(counts)
+        sums = np.zeros((len(residual), len(phases), len(counts)), dtype=complex)
+        for order, phase in enumerate(phases):
+            turned = residual * np.exp(-1j * phase)
+            sums[:, order, filled] = np.add.reduceat(turned, starts[filled], axis=1)
+        return _Residual(sums, counts.astype(float))
+
+    @property
+    def power(self) -> FloatArray:
+        """Variance of white noise as dense as the residual around each order, (n_signals, n_orders, n_intervals)."""
+        return np.asarray(np.abs(self.sums) ** 2 / np.maximum(self.counts, 1))
+
+    def left(self, density: FloatArray) -> FloatArray:
+        """Part of the envelope that is left in the residual, where it is larger than noise of the density leaves."""
+        reach = LEFT_INTERVALS // 2
+        samples = np.maximum(_mean_around(self.counts, reach), 1 / LEFT_INTERVALS)
+        mean = 2 * (_mean_around(self.sums.real, reach) + 1j * _mean_around(self.sums.imag, reach)) / samples
+        noise = 4 * density / (LEFT_INTERVALS * samples)
+        return np.asarray(np.sqrt(np.maximum(np.abs(mean) ** 2 - NOISE_MULTIPLE * noise, 0)))
 
 
 def _kept_of_noise(poles: int) -> float:

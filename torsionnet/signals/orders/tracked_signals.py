@@ -35,6 +35,8 @@ class Tracked:
         Values (n_signals, n) at times in s that only move on.
     begin, end : float
         First and last time, s.
+    rate : callable
+        Samples in a second by the mean speed in rad/s.
     per_cycle : callable
         Samples of a cycle by its duration in s.
     transmitted : callable
@@ -49,6 +51,7 @@ class Tracked:
     read: Callable[[FloatArray], FloatArray]
     begin: float
     end: float
+    rate: Callable[[float], float]
     per_cycle: Callable[[float], int]
     transmitted: Callable[[float], FloatArray]
     samples: Callable[[float, float], tuple[FloatArray, FloatArray]]
@@ -76,6 +79,7 @@ def of_record(window: RecordWindow, orders: FloatArray) -> Tracked:
         read,
         window.start,
         np.inf,
+        lambda _: window.rate,
         lambda duration: max(int(np.ceil(duration * window.rate)), 8),
         lambda speed: spline_response(orders * speed / (2 * np.pi * window.rate)),
         samples,
@@ -148,7 +152,7 @@ def _of_wheels(parts: tuple[tuple[WheelRotation, float], ...], mean: MeanRotatio
 
     remarks = [f"{wheel.name}: {remark}" for wheel, _ in parts for remark in wheel.remarks]
     return Tracked(
-        (signal,), read, float(begin), float(end),
+        (signal,), read, float(begin), float(end), lambda speed: per_turn * speed / np.pi,
         lambda _: int(np.ceil(SAMPLES_PER_TOOTH * per_turn * mean.cycle)),
         lambda _: np.ones(1), samples, uncertain, (*signal.notes, *remarks),
     )  # fmt: skip
