@@ -32,7 +32,6 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "modes_from_tracked_orders": "torsionnet.modal.operational.run_up_modes",
         "mpc": "torsionnet.modal.criteria",
         "msf": "torsionnet.modal.criteria",
-        "mean_rotation": "torsionnet.modal.operational.mean_rotation",
         "peak_picking": "torsionnet.modal.peak_picking",
         "swept_response": "torsionnet.modal.operational.swept_response",
         "sweep_of": "torsionnet.modal.operational.swept_response",

@@ -127,13 +127,12 @@ class DampingCommand(RecordCommand):
             )
         if (self.speed is None) == (self.angle is None):
             text = "the frequency of an order needs the speed of the shaft: give --speed CHANNEL or --angle CHANNEL"
-            raise click.UsageError(f"{text}; there is {', '.join(record.names)}")
+            raise click.UsageError(text)
         return modes_from_run_up(
             record,
             self.channels[0],
             self.orders,
-            speed=None if self.speed is None else _quantity(record, self.speed, "velocity"),
-            angle=None if self.angle is None else _quantity(record, self.angle, "angle"),
+            str(self.speed or self.angle),
             band=self.band,
             modes=self.modes or 1,
             excitation=self._law(),

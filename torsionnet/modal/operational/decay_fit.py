@@ -78,13 +78,11 @@ def _start(
             vibrating = _steady_poles(vibrating, pencils[number + 1 : number + 3], t)
         elif len(vibrating) < modes:
             continue
-        if not len(vibrating):
-            continue
         columns = _columns(t, vibrating, real)
         amplitudes = np.linalg.lstsq(columns, values, rcond=None)[0]
         sizes = np.hypot(amplitudes[: len(vibrating)], amplitudes[len(vibrating) : 2 * len(vibrating)])
         if modes is None:
-            vibrating = vibrating[sizes > LEAST_AMPLITUDE * sizes.max()]
+            vibrating = vibrating[sizes > LEAST_AMPLITUDE * sizes.max(initial=0.0)]
         else:
             vibrating = vibrating[np.sort(np.argsort(sizes)[::-1][:modes])]
         columns = _columns(t, vibrating, real)

@@ -16,6 +16,9 @@ from torsionnet.response.recording import Recording
 
 FEWEST_CYCLES = 3.0
 """Cycles below which a decay does not tell damping from a drift."""
+SAME_MODE = 0.05
+"""Relative distance of frequencies up to which poles stay together for the decrement: a mode whose damping depends on
+amplitude needs several."""
 GREAT_MISFIT = 0.1
 """RMS residual over RMS of the decay above which it is no sum of a few damped vibrations."""
 
@@ -108,7 +111,8 @@ def modes_from_decay(
     errors = _half_widths(fit)
     waves = np.real(fit.amplitudes * np.exp(np.outer(section.times - section.times[0], fit.poles)))
     largest = int(np.abs(fit.amplitudes).argmax())
-    alone = section.values - fit.rest - np.delete(waves, largest, axis=1).sum(axis=1)
+    apart = np.abs(np.abs(fit.poles) / abs(fit.poles[largest]) - 1) > SAME_MODE
+    alone = section.values - fit.rest - waves[:, apart].sum(axis=1)
     decrement = logarithmic_decrement(section.times, alone, fit.poles[largest], float(fit.residuals.std()))
     remarks = [f"{count:.3g} cycles" for count in cycles]
     if decrement is not None:

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from torsionnet.core.errors import SolveError
-from torsionnet.modal.operational.order_windows import OrderWindows
+from torsionnet.modal.operational.passage_windows import PassageWindows
 from torsionnet.modal.operational.swept_response import Excitation, Sweep, sweep_of, swept_response
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 
-START_FREQUENCIES, START_DAMPING = 40, (0.005, 0.01, 0.02, 0.04, 0.08, 0.16)
+START_FREQUENCIES, START_DAMPING = 30, (0.006, 0.02, 0.06, 0.15)
 """Natural frequencies tried over the band, and damping ratios tried with each, before the fit is refined."""
 LARGEST_DAMPING = 0.7
 """Damping ratio from which a mode has no resonance."""
@@ -54,11 +54,11 @@ class RunUpFit:
 class _Passage:
     """Columns of the linear part of the fit, for poles that are tried."""
 
-    def __init__(self, windows: OrderWindows, excitation: Excitation, derivative: int, background: int) -> None:
+    def __init__(self, windows: PassageWindows, excitation: Excitation, derivative: int, background: int) -> None:
         self.windows, self.derivative = windows, derivative
         self.sweeps = [sweep_of(windows.times, windows.angle, order, excitation) for order in windows.orders]
         self.fixed = [self._fixed(sweep, background) for sweep in self.sweeps]
-        self.data = [windows.whitening @ one for one in windows.values]
+        self.data = [_times(windows.whitening, one) for one in windows.values]
 
     def _fixed(self, sweep: Sweep, background: int) -> FloatArray:
         middle, width = sweep.speed.mean(), np.ptp(sweep.speed) / 2 or 1.0
@@ -71,7 +71,7 @@ class _Passage:
         for sweep in self.sweeps:
             response = swept_response(pole, sweep, self.derivative)
             rows = [
-                self.windows.weights @ (response * np.exp(1j * (sweep.phase - other.phase))) if other is not sweep
+                self.windows.weights @ (response * sweep.turning * other.turning.conj()) if other is not sweep
                 else self.windows.weights @ response
                 for other in self.sweeps
             ]  # fmt: skip
@@ -91,10 +91,12 @@ class _Passage:
 
     def whitened(self, columns: ComplexArray) -> ComplexArray:
         blocks = columns.reshape(len(self.sweeps), -1, columns.shape[1])
-        return np.concatenate([self.windows.whitening @ block for block in blocks])
+        return np.concatenate([_times(self.windows.whitening, block) for block in blocks])
 
 
-def fit_run_up(windows: OrderWindows, excitation: Excitation, derivative: int, modes: int, background: int) -> RunUpFit:
+def fit_run_up(
+    windows: PassageWindows, excitation: Excitation, derivative: int, modes: int, background: int
+) -> RunUpFit:
     """Modes fitted to the orders of a passage by least squares, the linear unknowns eliminated (variable projection).
 
     Linear unknowns are the amplitude of each mode and each order, and a background that is a polynomial in speed for
@@ -129,12 +131,19 @@ def fit_run_up(windows: OrderWindows, excitation: Excitation, derivative: int, m
     )
 
 
+def _times(whitening: FloatArray, block: ComplexArray) -> ComplexArray:
+    """Whitening matrix, or its diagonal alone, times a block of values or columns."""
+    if whitening.ndim == 2:
+        return np.asarray(whitening @ block)
+    return np.asarray(whitening.reshape(-1, *[1] * (block.ndim - 1)) * block)
+
+
 def _poles(logarithms: FloatArray) -> ComplexArray:
     omega, zeta = np.exp(logarithms).reshape(2, -1)
     return np.asarray(omega * (-zeta + 1j * np.sqrt(1 - zeta**2)))
 
 
-def _started(passage: _Passage, windows: OrderWindows, modes: int) -> FloatArray:
+def _started(passage: _Passage, windows: PassageWindows, modes: int) -> FloatArray:
     """Logarithms of natural frequencies (rad/s) and damping ratios that fit best of a grid, one mode after another."""
     low, high = windows.frequencies.min(), windows.frequencies.max()
     grid = [
@@ -208,12 +217,12 @@ def _least_squares(residuals: Any, start: FloatArray, count: int) -> Any:
     lower, upper = np.full(len(start), -np.inf), np.full(len(start), np.inf)
     upper[count // 2 : count] = np.log(LARGEST_DAMPING)
     return least_squares(
-        residuals, np.minimum(start, upper - 1e-6), bounds=(lower, upper), jac="3-point", x_scale="jac",
+        residuals, np.minimum(start, upper - 1e-6), bounds=(lower, upper), jac="2-point", x_scale="jac",
         xtol=1e-10, ftol=1e-12, gtol=1e-14, max_nfev=200,
     )  # fmt: skip
 
 
-def _correlated(residuals: FloatArray, windows: OrderWindows) -> tuple[float, float]:
+def _correlated(residuals: FloatArray, windows: PassageWindows) -> tuple[float, float]:
     """Correlation of neighbouring residuals, and how many times larger it makes the variance of what is fitted."""
     size = windows.values.shape[1]
     rows = residuals.reshape(-1, size)

@@ -5,18 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from torsionnet.core.errors import SolveError, UsageError
-from torsionnet.modal.operational.mean_rotation import mean_rotation
 from torsionnet.modal.operational.operational_modes import OperationalModes
-from torsionnet.modal.operational.order_windows import OrderWindows, order_windows
+from torsionnet.modal.operational.passage_windows import PassageWindows, passage_windows
 from torsionnet.modal.operational.swept_fit import swept_modes
 from torsionnet.modal.operational.swept_response import Excitation
 from torsionnet.modal.operational.tracked_windows import tracked_windows
+from torsionnet.modal.operational.tracking_kernel import tracking_kernel
 from torsionnet.modal.spectral_lines import FloatArray
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.recording import Recording
+from torsionnet.signals.orders.mean_rotation import MeanRotation, mean_rotation
+from torsionnet.signals.rotation.wheel_rotation import WheelRotation
 
 BELOW_PEAK, ABOVE_PEAK = 0.6, 1.7
 """Lowest and highest frequency of the order over that of its largest amplitude, between which a mode is fitted: the
@@ -31,9 +32,8 @@ def modes_from_run_up(
     recording: Recording,
     channel: str,
     order: float | Sequence[float],
+    rotation: str | MeanRotation | WheelRotation,
     *,
-    speed: ArrayLike | None = None,
-    angle: ArrayLike | None = None,
     band: tuple[float, float] | None = None,
     modes: int = 1,
     excitation: Excitation = "constant",
@@ -53,9 +53,9 @@ def modes_from_run_up(
         Signal read; its quantity says whether it follows the angle (torque, stress, angle) or is a derivative.
     order : float or sequence of float
         Vibrations per revolution; the first is that whose frequency passes the natural frequency.
-    speed, angle : (n,) array
-        Speed in rad/s or angle in rad of the reference shaft at every sample: one of them. Smoothed over four
-        revolutions.
+    rotation : str, MeanRotation or WheelRotation
+        Channel of the record with speed or angle of the reference shaft, or its rotation by
+        :func:`torsionnet.signals.mean_rotation` or from a toothed wheel on the same clock.
     band : (float, float), optional
         Frequencies of the order in Hz between which it is read; default: 0.6 to 1.7 times that of its peak.
     modes : int, optional
@@ -71,7 +71,7 @@ def modes_from_run_up(
     Raises
     ------
     UsageError
-        Speed or angle are missing or do not fit, or the shaft does not turn on.
+        Values are missing, the channel is neither speed nor angle, or the shaft does not turn on.
     SolveError
         The resonance is not passed, or the passage is too short.
 
@@ -83,8 +83,9 @@ def modes_from_run_up(
     >>> turns = 10 * times + times**2
     >>> sweep, pole = sweep_of(times, 2 * np.pi * turns, 1.0), 2 * np.pi * 20 * (-0.02 + 0.9998j)
     >>> torque = np.real(swept_response(pole, sweep) * np.exp(1j * sweep.phase))
-    >>> record = Recording((Signal("T", "torque", torque),), sampling_rate=250)
-    >>> found = modes_from_run_up(record, "T", 1, angle=2 * np.pi * turns)
+    >>> speed = Signal("n", "velocity", np.gradient(2 * np.pi * turns, times, edge_order=2))
+    >>> record = Recording((Signal("T", "torque", torque), speed), sampling_rate=250)
+    >>> found = modes_from_run_up(record, "T", 1, "n")
     >>> float(found.natural_frequencies[0].round(3)), float(found.damping_ratios[0].round(4))
     (20.0, 0.02)
     """
@@ -94,12 +95,17 @@ def modes_from_run_up(
         raise UsageError("a run-up is read from even samples: resample the record first")
     if not np.isfinite(signal.values).all():
         raise UsageError(f"{channel} has values that are no numbers; repair the record first")
-    times, turned = recording.time, mean_rotation(recording.time, speed=speed, angle=angle)
-    values = signal.values - turned if signal.quantity == "angle" else signal.values
-    windows = order_windows(times, values, turned, orders, revolutions)
+    mean = _mean(recording, rotation)
+    inside = slice(*np.searchsorted(recording.time, [mean.ends[0], np.nextafter(mean.ends[-1], np.inf)]).tolist())
+    times = recording.time[inside]
+    if len(times) < 2:
+        raise UsageError(f"{channel} and the rotation have no time in common: are they on one clock?")
+    turned = mean.angle(times)
+    values = signal.values[inside] - turned if signal.quantity == "angle" else signal.values[inside]
+    windows = passage_windows(times, values, turned, orders, revolutions)
     low, high = band or _band(windows)
     times, values, turned = _section(times, values, turned, orders[0], (low, high))
-    windows = order_windows(times, values, turned, orders, revolutions).within(low, high)
+    windows = passage_windows(times, values, turned, orders, revolutions).within(low, high)
     note = f"Hann windows of {windows.revolutions:.3g} revolutions, {windows.values.shape[1]} between "
     note += f"{low:.4g} and {high:.4g} Hz"
     if windows.revolutions < 2 and len(orders) == 1:
@@ -131,8 +137,9 @@ def modes_from_tracked_orders(
     amplitudes_only : bool, optional
         Leave phases out; default: where the values have none.
     revolutions, bandwidth : float, optional
-        How the order was tracked: length of the Hann window, or -3 dB bandwidth in Hz of a two-pole Vold-Kalman filter.
-        The fitted response is smeared in the same way. With neither it is not smeared, and a remark says so.
+        How the order was tracked, unless the notes of the tracked order say so: length of a Hann window, or -3 dB
+        bandwidth in Hz of a two-pole Vold-Kalman filter. The fitted response is smeared in the same way. Where nothing
+        is known it is not smeared, and a remark says so.
 
     Raises
     ------
@@ -142,14 +149,21 @@ def modes_from_tracked_orders(
         The resonance is not passed, or values are too few.
     """
     _check((order,), modes, background)
-    windows = tracked_windows(tracked, order, amplitudes_only, revolutions, bandwidth)
+    kernel = tracking_kernel(tracked.notes, revolutions, bandwidth)
+    windows = tracked_windows(tracked, order, kernel, amplitudes_only)
     low, high = band or _band(windows)
     windows = windows.within(low, high)
     notes = [f"{windows.values.shape[1]} values of the tracked order between {low:.4g} and {high:.4g} Hz"]
-    if revolutions is None and bandwidth is None:
+    if not kernel.known:
         notes.append("warning: how far the tracking smears is not known; give its bandwidth, or read the signal itself")
     about = (tracked.name, tracked.quantity, tracked.unit, tracked.title)
     return swept_modes(windows, about, modes, excitation, background, tuple(notes))
+
+
+def _mean(recording: Recording, rotation: str | MeanRotation | WheelRotation) -> MeanRotation:
+    if isinstance(rotation, str):
+        return mean_rotation(recording, rotation)
+    return mean_rotation(rotation) if isinstance(rotation, WheelRotation) else rotation
 
 
 def _check(orders: tuple[float, ...], modes: int, background: int) -> None:
@@ -164,7 +178,7 @@ def _check(orders: tuple[float, ...], modes: int, background: int) -> None:
         raise UsageError("; ".join(wrong))
 
 
-def _band(windows: OrderWindows) -> tuple[float, float]:
+def _band(windows: PassageWindows) -> tuple[float, float]:
     """Lowest and highest frequency in Hz around the most prominent peak of the first order."""
     from scipy.signal import find_peaks
 

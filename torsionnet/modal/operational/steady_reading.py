@@ -26,8 +26,9 @@ def steady_reading(frequencies: FloatArray, amplitude: FloatArray) -> SteadyRead
     Examples
     --------
     >>> f = np.linspace(15, 25, 20001)
-    >>> steady_reading(f, 1 / np.abs(1 - (f / 20) ** 2 + 2j * 0.02 * f / 20))
-    SteadyReading(frequency=19.992, peak=25.005000500100014, damping_ratio=0.020026010403137706)
+    >>> read = steady_reading(f, 1 / np.abs(1 - (f / 20) ** 2 + 2j * 0.02 * f / 20))
+    >>> print(read.frequency, round(read.peak, 3), round(read.damping_ratio, 4))
+    19.992 25.005 0.02
     """
     rising = np.argsort(frequencies, kind="stable")
     f, size = frequencies[rising], amplitude[rising]

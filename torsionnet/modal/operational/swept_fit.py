@@ -8,7 +8,7 @@ import numpy as np
 
 from torsionnet.core.errors import SolveError
 from torsionnet.modal.operational.operational_modes import OperationalModes
-from torsionnet.modal.operational.order_windows import OrderWindows
+from torsionnet.modal.operational.passage_windows import PassageWindows
 from torsionnet.modal.operational.run_up_fit import RunUpFit, fit_run_up
 from torsionnet.modal.operational.steady_reading import steady_reading
 from torsionnet.modal.operational.swept_response import DERIVATIVES, Excitation, sweep_of, swept_response
@@ -46,7 +46,7 @@ class SweptFit:
 
 
 def swept_modes(
-    windows: OrderWindows,
+    windows: PassageWindows,
     about: tuple[str, str, str, str],
     modes: int,
     excitation: Excitation,
@@ -87,7 +87,7 @@ def _student(degrees: int) -> float:
     return float(t.ppf(0.975, degrees))
 
 
-def _steady(fit: RunUpFit, windows: OrderWindows, excitation: Excitation, derivative: int) -> ComplexArray:
+def _steady(fit: RunUpFit, windows: PassageWindows, excitation: Excitation, derivative: int) -> ComplexArray:
     """Response of each mode had the machine stayed at each speed, (n_modes, n), with the amplitudes of the fit."""
     omega = 2 * np.pi * windows.frequencies
     sweep = sweep_of(windows.times, windows.angle, windows.orders[0], excitation)
@@ -101,7 +101,7 @@ def _steady(fit: RunUpFit, windows: OrderWindows, excitation: Excitation, deriva
     return np.array(found)
 
 
-def _notes(fit: RunUpFit, windows: OrderWindows, excitation: Excitation, derivative: int) -> list[str]:
+def _notes(fit: RunUpFit, windows: PassageWindows, excitation: Excitation, derivative: int) -> list[str]:
     pole = fit.poles[int(np.abs(fit.parts[:, 0]).max(axis=1).argmax())]
     f0, zeta = abs(pole) / (2 * np.pi), -pole.real / abs(pole)
     found = []
@@ -127,7 +127,7 @@ def _notes(fit: RunUpFit, windows: OrderWindows, excitation: Excitation, derivat
     return found
 
 
-def _remarks(windows: OrderWindows, f: float, zeta: float, error: float) -> list[str]:
+def _remarks(windows: PassageWindows, f: float, zeta: float, error: float) -> list[str]:
     low, high = windows.frequencies.min(), windows.frequencies.max()
     if not low < f < high:
         raise SolveError(

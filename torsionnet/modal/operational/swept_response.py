@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -39,6 +40,17 @@ class Sweep:
     middle: FloatArray
     speed: FloatArray
     excitation: FloatArray
+
+    @cached_property
+    def turning(self) -> ComplexArray:
+        """Turning unit phasor of the order at each time, shape (n,)."""
+        return np.asarray(np.exp(1j * self.phase))
+
+    @cached_property
+    def torque(self) -> tuple[ComplexArray, ComplexArray]:
+        """Relative excitation times the phasor, at each time (n,) and in the middle of the steps (n - 1,)."""
+        g = self.excitation
+        return np.asarray(g * self.turning), np.asarray((g[1:] + g[:-1]) / 2 * np.exp(1j * self.middle))
 
 
 def sweep_of(times: FloatArray, angle: FloatArray, order: float, excitation: Excitation = "constant") -> Sweep:
@@ -84,11 +96,11 @@ def swept_response(pole: complex, sweep: Sweep, derivative: int = 0) -> ComplexA
     >>> pole = 2 * np.pi * 10 * complex(-0.05, (1 - 0.05**2) ** 0.5)
     >>> found = swept_response(pole, sweep)
     >>> at = int(np.abs(sweep.speed - 2 * np.pi * 10).argmin())
-    >>> round(abs(found[at]), 2)
+    >>> print(abs(found[at]).round(2))
     10.0
     """
     total = _forced(pole, sweep) * pole**derivative - _forced(pole.conjugate(), sweep) * pole.conjugate() ** derivative
-    values = total / (2j * pole.imag) * np.exp(-1j * sweep.phase)
+    values = total / (2j * pole.imag) * sweep.turning.conj()
     if derivative == 2:
         values = values + sweep.excitation
     return np.asarray(abs(pole) ** 2 * values)
@@ -99,12 +111,11 @@ def _forced(pole: complex, sweep: Sweep) -> ComplexArray:
     from scipy.signal import lfilter
 
     h, g = sweep.step, sweep.excitation
-    torque = g * np.exp(1j * sweep.phase)
-    middle = (g[1:] + g[:-1]) / 2 * np.exp(1j * sweep.middle)
+    torque, middle = sweep.torque
     over = np.exp(pole * h)
     gains = h / 6 * (over * torque[:-1] + 4 * np.exp(pole * h / 2) * middle + torque[1:])
     steady = g[:2] / (1j * sweep.speed[:2] - pole)
     rate = 1j * sweep.speed[0] - pole
-    start = (steady[0] - (steady[1] - steady[0]) / h / rate) * np.exp(1j * sweep.phase[0])
+    start = (steady[0] - (steady[1] - steady[0]) / h / rate) * sweep.turning[0]
     later, _ = lfilter([1.0], [1.0, -over], gains.astype(complex), zi=np.array([over * start]))
     return np.concatenate([[start], later])

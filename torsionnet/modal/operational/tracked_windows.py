@@ -6,76 +6,79 @@ import numpy as np
 
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.modal.operational.operational_modes import NORMAL_95
-from torsionnet.modal.operational.order_windows import FEWEST_WINDOWS, OrderWindows
+from torsionnet.modal.operational.passage_windows import FEWEST_WINDOWS, PassageWindows
+from torsionnet.modal.operational.tracking_kernel import TrackingKernel
 from torsionnet.modal.spectral_lines import FloatArray
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 
-STEPS_PER_RADIAN = 16
+STEPS_PER_RADIAN = 4
 """Steps in time per radian of the order at its highest frequency, at which the response is followed."""
+MOST_VALUES = 400
+"""Values of an order that are kept where the noise of neighbours may be common: more of them say no more."""
 MOST_STEPS = 500_000
 """Largest number of steps in time, as more would take too much memory."""
-KERNEL_TAILS = 3.0
-"""Reach of the kernel of a Vold-Kalman filter over its inverse bandwidth: further out lies under 0.1 %."""
 
 
 def tracked_windows(
-    tracked: TrackedOrders,
-    order: float,
-    amplitudes_only: bool | None,
-    revolutions: float | None,
-    bandwidth: float | None,
-) -> OrderWindows:
+    tracked: TrackedOrders, order: float, kernel: TrackingKernel, amplitudes_only: bool | None
+) -> PassageWindows:
     """Tracked order as values over a fine time, each a mean of the response with the weights of its tracking."""
     from scipy.interpolate import CubicSpline
     from scipy.sparse import csr_matrix
 
-    if revolutions is not None and bandwidth is not None:
-        raise UsageError("an order is tracked in windows of revolutions or with a bandwidth: give one of them")
     values = tracked.along(order)
-    known = np.isfinite(values) & np.isfinite(tracked.speeds)
-    times, speeds, values = tracked.times[known], np.abs(tracked.speeds[known]), values[known]
-    if len(times) < FEWEST_WINDOWS:
-        raise SolveError(f"order {order:g} has {len(times)} values; a fit needs {FEWEST_WINDOWS} or more")
-    if (np.diff(times) <= 0).any():
+    known = np.flatnonzero(np.isfinite(values) & np.isfinite(tracked.speeds))
+    if (np.diff(tracked.times[known]) <= 0).any():
         raise UsageError("the times of a tracked order must rise: steady points are no run-up")
-    steps = int((times[-1] - times[0]) * order * speeds.max() * STEPS_PER_RADIAN) + 2
+    if len(known) < 4:
+        raise SolveError(f"order {order:g} has {len(known)} values; a fit needs {FEWEST_WINDOWS} or more")
+    spline = CubicSpline(tracked.times[known], np.abs(tracked.speeds[known]))
+    first, last = tracked.times[known[0]], tracked.times[known[-1]]
+    kept = _independent(known, tracked, order, kernel)
+    if len(kept) < FEWEST_WINDOWS:
+        raise SolveError(
+            f"order {order:g} has {len(kept)} independent values; a fit needs {FEWEST_WINDOWS} or more: track it with "
+            "shorter blocks or a larger bandwidth, or fit the signal itself"
+        )
+    times, speeds, values = tracked.times[kept], np.abs(tracked.speeds[kept]), values[kept]
+    steps = int((last - first) * order * np.abs(tracked.speeds[known]).max() * STEPS_PER_RADIAN) + 2
     if steps > MOST_STEPS:
         raise UsageError(f"{steps} steps in time are too many: cut the run-up to the passage through the resonance")
-    fine = np.linspace(times[0], times[-1], steps)
-    angle = np.asarray(CubicSpline(times, speeds).antiderivative()(fine))
-    step = fine[1] - fine[0]
+    fine = np.linspace(first, last, steps)
     rows, columns, parts = [], [], []
     for row, (time, speed) in enumerate(zip(times, speeds, strict=True)):
-        reach = _reach(speed, revolutions, bandwidth) or step
-        first, last = np.searchsorted(fine, [time - reach, time + reach])
-        one = _kernel(fine[first:last] - time, reach, bandwidth)
-        rows.append(np.full(last - first, row))
-        columns.append(np.arange(first, last))
+        reach = kernel.reach(speed, order) or fine[1] - fine[0]
+        begin, end = np.searchsorted(fine, [time - reach, time + reach])
+        near = fine[begin:end] - time
+        one = kernel.weights(near, speed, order) if kernel.known else 1 - np.abs(near) / reach
+        rows.append(np.full(end - begin, row))
+        columns.append(np.arange(begin, end))
         parts.append(one / one.sum())
     weights = csr_matrix((np.concatenate(parts), (np.concatenate(rows), np.concatenate(columns))), (len(times), steps))
-    place = int(np.abs(tracked.orders - order).argmin())
-    half = tracked.half_widths[place, known] / NORMAL_95
-    usable = np.isfinite(half).all() and (half > 0).all()
-    scale = np.sqrt(np.mean(half**2)) / half if usable else np.ones(len(times))
-    real = not np.iscomplexobj(values) or not np.abs(values.imag).any()
-    return OrderWindows(
-        (order,), fine, angle, weights, values[None].astype(complex), order * speeds / (2 * np.pi), np.diag(scale), 0.0,
-        real if amplitudes_only is None else amplitudes_only,
+    alone = not np.abs(values.imag).any() if amplitudes_only is None else amplitudes_only
+    return PassageWindows(
+        (order,), fine, np.asarray(spline.antiderivative()(fine)), weights, values[None].astype(complex),
+        order * speeds / (2 * np.pi), _noise(tracked, order, kept), 0.0, alone,
     )  # fmt: skip
 
 
-def _reach(speed: float, revolutions: float | None, bandwidth: float | None) -> float:
-    """Half the length in s of what one value is a mean over, 0 where it is not known."""
-    if bandwidth is not None:
-        return KERNEL_TAILS / bandwidth
-    return 0.0 if revolutions is None else revolutions * np.pi / speed
+def _independent(known: np.ndarray, tracked: TrackedOrders, order: float, kernel: TrackingKernel) -> np.ndarray:
+    """Places of values that are so far apart that their noise is nearly independent."""
+    kept: list[int] = []
+    for place in known:
+        distance = kernel.distance(float(abs(tracked.speeds[place])), order)
+        if not kept or tracked.times[place] - tracked.times[kept[-1]] >= 0.99 * distance:
+            kept.append(int(place))
+    if not kernel.known:
+        kept = kept[:: len(kept) // MOST_VALUES + 1]
+    if kernel.revolutions:
+        kept.pop()  # the last block holds the cycles that are left over
+    return np.array(kept)
 
 
-def _kernel(times: FloatArray, reach: float, bandwidth: float | None) -> FloatArray:
-    """Weights over time in s from the middle: Hann's, a triangle's over one step, or a Vold-Kalman filter's."""
-    if bandwidth is None:
-        return np.asarray(0.5 + 0.5 * np.cos(np.pi * times / reach))
-    # two poles: 1/(1 + (f/fc)^4) with 1/sqrt(2) at half the bandwidth; its inverse transform is this decaying wave
-    corner = np.pi * bandwidth / (np.sqrt(2) - 1) ** 0.25 / np.sqrt(2)
-    late = corner * np.abs(times)
-    return np.asarray(np.exp(-late) * (np.cos(late) + np.sin(late)))
+def _noise(tracked: TrackedOrders, order: float, kept: np.ndarray) -> FloatArray:
+    """Factors that make the noise of the values one of one size, by their half widths where known, (n,)."""
+    place = int(np.abs(tracked.orders - order).argmin())
+    half = tracked.half_widths[place, kept] / NORMAL_95
+    usable = np.isfinite(half).all() and (half > 0).all()
+    return np.sqrt(np.mean(half**2)) / half if usable else np.ones(len(kept))

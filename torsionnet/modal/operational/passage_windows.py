@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
@@ -26,7 +27,7 @@ LONGEST_WINDOW = 4.0
 
 
 @dataclass(frozen=True, eq=False)
-class OrderWindows:
+class PassageWindows:
     """Complex amplitudes of orders in windows over a passage, and how each follows from the amplitude over time.
 
     Attributes
@@ -43,8 +44,8 @@ class OrderWindows:
         Peak amplitudes, SI.
     frequencies : (n_windows,) array
         Frequency of the first order in the middle of each window, Hz.
-    whitening : (n_windows, n_windows) array
-        Matrix that makes noise of the values uncorrelated and of one size.
+    whitening : (n_windows, n_windows) or (n_windows,) array
+        Matrix, or its diagonal alone, that makes noise of the values uncorrelated and of one size.
     revolutions : float
         Length of a window; 0 where the values were tracked elsewhere.
     amplitudes_only : bool
@@ -61,7 +62,7 @@ class OrderWindows:
     revolutions: float
     amplitudes_only: bool = False
 
-    def within(self, low: float, high: float) -> OrderWindows:
+    def within(self, low: float, high: float) -> PassageWindows:
         """Windows in whose middle the frequency of the first order lies between two frequencies in Hz."""
         inside = np.flatnonzero((self.frequencies >= low) & (self.frequencies <= high))
         if len(inside) < FEWEST_WINDOWS:
@@ -70,16 +71,16 @@ class OrderWindows:
                 "a wider band, shorter windows or a slower run-up"
             )
         rows = self.weights[inside]
-        whitening = self.whitening[np.ix_(inside, inside)] if not self.revolutions else _whitening(rows)
-        return OrderWindows(
+        whitening = self.whitening[inside] if self.whitening.ndim == 1 else _whitening(rows)
+        return PassageWindows(
             self.orders, self.times, self.angle, rows, self.values[:, inside], self.frequencies[inside], whitening,
             self.revolutions, self.amplitudes_only,
         )  # fmt: skip
 
 
-def order_windows(
+def passage_windows(
     times: FloatArray, values: FloatArray, angle: FloatArray, orders: Sequence[float], revolutions: float | None = None
-) -> OrderWindows:
+) -> PassageWindows:
     """Complex amplitudes of orders of a signal in Hann windows of angle that overlap by half.
 
     Parameters
@@ -117,10 +118,10 @@ def order_windows(
     found = np.array([2 * (weights @ (straight * np.exp(-1j * order * angle))) for order in orders])
     rate = np.gradient(turned, times)
     frequencies = orders[0] * np.asarray(weights @ rate)
-    return OrderWindows(tuple(orders), times, angle, weights, found, frequencies, _whitening(weights), revolutions)
+    return PassageWindows(tuple(orders), times, angle, weights, found, frequencies, _whitening(weights), revolutions)
 
 
-def _hann(turned: FloatArray, middles: FloatArray, length: float) -> csr_matrix:
+def _hann(turned: FloatArray, middles: NDArray[np.floating[Any]], length: float) -> csr_matrix:
     from scipy.sparse import csr_matrix
 
     share = np.gradient(turned)
