@@ -87,7 +87,7 @@ def _answer(session: Session, state: State) -> dict[str, Any]:
         "cut": None,
         "findings": [fault.text for fault in rig.check() if fault.severity == "warning"],
         "command": command_text(session, shown),
-        **(_over_speed(rig, shown) if state.axis == "speed" else _over_frequency(session, rig, shown, modes)),
+        **(_over_speed(session, rig, shown) if state.axis == "speed" else _over_frequency(session, rig, shown, modes)),
     }
 
 
@@ -104,8 +104,8 @@ def _over_frequency(session: Session, rig: Drivetrain, shown: State, modes: Mode
     }
 
 
-def _over_speed(rig: Drivetrain, shown: State) -> dict[str, Any]:
-    return {"orders": over_speed(rig, shown.output, rough=shown.rough)}
+def _over_speed(session: Session, rig: Drivetrain, shown: State) -> dict[str, Any]:
+    return {"orders": over_speed(rig, shown.output, rough=shown.rough, test=session.measured)}
 
 
 def _modes(rig: Drivetrain) -> Modes:

@@ -30,6 +30,8 @@ def command_text(session: Session, state: State) -> str:
     for name, value in state.values.items():
         words += ["--set", f"{name}={value}"]
     words += ["--output", state.output, *([] if state.axis == "speed" else _of_response(session, state))]
+    if state.axis == "speed" and session.measured is not None:
+        words += ["--measured", str(session.measured)]
     if state.angle != "rad":
         words += ["--angle", state.angle]
     words += ["--db"] * (state.decibels and state.axis == "frequency")

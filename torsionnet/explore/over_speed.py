@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.core.units import RPM
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.explore.page_numbers import CONVENTIONS_BY_ANGLE, json_numbers
+from torsionnet.explore.tested_orders import orders_of_test, tested_orders
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import OrderResponse
 
@@ -24,7 +26,9 @@ def runs(rig: Drivetrain) -> bool:
     return rig.definition.speeds is not None and bool(rig.definition.excitations)
 
 
-def over_speed(rig: Drivetrain, output: str, *, rough: bool = False) -> dict[str, Any]:
+def over_speed(
+    rig: Drivetrain, output: str, *, rough: bool = False, test: str | os.PathLike[str] | None = None
+) -> dict[str, Any]:
     """Half range of all orders and amplitudes of the largest ones over speed, as JSON data in SI with their units.
 
     Parameters
@@ -33,6 +37,8 @@ def over_speed(rig: Drivetrain, output: str, *, rough: bool = False) -> dict[str
     output : str
     rough : bool
         At most :data:`ROUGH_SPEEDS` of the model's speeds.
+    test : path, optional
+        A file of measured orders, which are drawn instead of the largest ones.
 
     Raises
     ------
@@ -45,6 +51,7 @@ def over_speed(rig: Drivetrain, output: str, *, rough: bool = False) -> dict[str
     speeds, thinned = _thinned(np.array(given.values), ROUGH_SPEEDS if rough else len(given.values))
     run = rig.order_response(output, speeds=speeds)
     unit = run.outputs[0].unit
+    tested = tested_orders(run, orders_of_test(test, run.outputs[0]), MOST_ORDERS)
     return {
         "output": run.outputs[0].name,
         "units": {angle: shown.unit(unit) for angle, shown in CONVENTIONS_BY_ANGLE.items()},
@@ -55,7 +62,8 @@ def over_speed(rig: Drivetrain, output: str, *, rough: bool = False) -> dict[str
         "rpm": json_numbers(run.rpm),
         "total": run.sum_label,
         "half_range": json_numbers(run.half_range[:, 0]),
-        "orders": _largest(run),
+        "orders": [{"name": one["name"], "magnitude": one.pop("curve")} for one in tested] or _largest(run),
+        "tested": tested,
         "count": len(run.lines),
         "thinned": thinned,
     }

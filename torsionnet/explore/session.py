@@ -20,6 +20,7 @@ from torsionnet.model.files.decoding import decode
 from torsionnet.model.files.reader import find_model
 from torsionnet.model.files.value_editing import changed_text, place_of
 from torsionnet.response import FrequencyResponse
+from torsionnet.response.order_response import OrderResponse
 from torsionnet.solve.responses.grid import opening_range
 
 MOST_SURVEYED = 24
@@ -49,6 +50,8 @@ class Session:
     overlay_name : str
     folder : Path, optional
         Where files that the text names lie.
+    measured : Path, optional
+        A file of measured orders.
     """
 
     model: str
@@ -61,6 +64,7 @@ class Session:
     overlay: FrequencyResponse | None = None
     overlay_name: str = ""
     folder: Path | None = None
+    measured: Path | None = None
     _chosen: dict[str, Drivetrain] = field(default_factory=dict, repr=False)
 
     def model_in(self, choice: Mapping[str, str]) -> Drivetrain:
@@ -109,6 +113,7 @@ class Session:
             "runs": runs(self.base),
             "start": self.start.to_data(),
             "overlay": self.overlay_name,
+            "measured": self.measured.name if self.measured else "",
         }
 
     def overlay_for(self, state: State) -> dict[str, Any] | None:
@@ -140,6 +145,7 @@ def open_session(
     overlay: str | os.PathLike[str] | None = None,
     text: str | None = None,
     over_speed: Sequence[str] = (),
+    measured: str | os.PathLike[str] | None = None,
 ) -> Session:
     """Session of the page with a model read from its file, and a measured response to draw with the calculated one.
 
@@ -160,6 +166,8 @@ def open_session(
         The model itself, where no file holds it.
     over_speed : sequence of str, optional
         Outputs to offer over the speed of the running machinery; the page begins with the first one.
+    measured : str or path, optional
+        A file of measured orders, drawn over the calculated ones.
 
     Raises
     ------
@@ -184,9 +192,16 @@ def open_session(
     start = State(choice, dict(settings or {}), first.output, first.input, band=band or _band(base))
     if over_speed:
         start = replace(start, axis="speed", output=over_speed[0])
-        base.order_response(list(over_speed))  # refuses a name that is none
+        found = base.order_response(list(over_speed))  # refuses a name that is none
+        if measured is not None:
+            _check_orders(measured, found)
+    elif measured is not None:
+        raise UsageError("measured orders are drawn over the speed: say which output they are of with --over-speed")
     name = "" if overlay is None else Path(overlay).name
-    session = Session(str(model), path.name, text, base, start, tuple(pairs), tuple(over_speed), test, name, folder)
+    session = Session(
+        str(model), path.name, text, base, start, tuple(pairs), tuple(over_speed), test, name, folder,
+        None if measured is None else Path(measured),
+    )  # fmt: skip
     for pair in pairs:
         asked = session.with_defaults(replace(start, output=pair.output, input=pair.input))
         base.frequency_response(asked.output, asked.input, [1.0], excitation=asked.excitation or None)
@@ -196,6 +211,14 @@ def open_session(
 def _band(base: Drivetrain) -> tuple[float, float]:
     names = base.configurations[:MOST_SURVEYED]
     return opening_range(base.modes(), *(base.configured(name).modes() for name in names))
+
+
+def _check_orders(path: str | os.PathLike[str], run: OrderResponse) -> None:
+    """Refuse a file of orders that has none for the output that is shown at first."""
+    from torsionnet.io.order_tables import read_orders
+    from torsionnet.response.order_comparison import compared_orders
+
+    compared_orders(run, run.outputs[0].name, read_orders(path, run.outputs[0]))
 
 
 def _read_test(path: str | os.PathLike[str]) -> FrequencyResponse:

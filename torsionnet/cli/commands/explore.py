@@ -23,7 +23,7 @@ class ExploreCommand(ModelCommand):
     \b
     torsionnet explore amt_rig -c V --tf theta_1/T_T
     torsionnet explore amt_rig -c V --tf theta_1/T_T --overlay gear_V.csv --band 0.5 40
-    torsionnet explore plant.yaml --over-speed "torque(coupling)"
+    torsionnet explore plant.yaml --over-speed "torque(coupling)" --measured tracked.csv
     """
 
     pairs: tuple[str, ...] = option(
@@ -35,6 +35,11 @@ class ExploreCommand(ModelCommand):
         "--over-speed",
         metavar="OUTPUT",
         help='What excitations make of an output over speed, as "torque(coupling)"; shown at first. Repeatable.',
+    )
+    measured: str | None = option(
+        "--measured",
+        metavar="FILE",
+        help="Orders of a test to lay over those of --over-speed: a file of torsionnet track, or CSV.",
     )
     band: tuple[float, float] | None = option(
         "--band", nargs=2, type=float, metavar="LOW HIGH", help="Frequencies in Hz; default: from the modes."
@@ -64,6 +69,7 @@ class ExploreCommand(ModelCommand):
             self.overlay,
             standard_input_text() if self.model == STANDARD_INPUT else None,
             self.over_speed,
+            self.measured,
         )
         print_faults(session.base.check())
         with ExploreServer(session, self.port) as server:

@@ -21,11 +21,11 @@ export const overSpeed = {
   curves,
   draw(plots, seen, answer, state) {
     const { reference, rated } = answer.orders;
-    const form = { range: range(answer, state), reference, rated, theme: isDark(state.theme) };
+    const form = { range: range(answer, state), reference, rated, theme: isDark(state.theme), whiskers: whiskers(answer, state) };
     plots.draw(seen, speedPanels(form), form);
   },
   title: ({ orders }) => [symbol(orders.output), orders.count > orders.orders.length ? ": all orders and the largest" : ": all orders"],
-  notes: () => [],
+  notes: ({ orders }) => (orders.tested ?? []).map(({ name, verdict }) => `${name} ${verdict}`),
   start: (answer, state) => largest(answer.orders.rpm, answer.orders.half_range, range(answer, state))[0],
   said: (all, inUnit, names) => all.map(([size], k) => `${names[k]} ${short(size)} ${inUnit}`).join(", "),
 };
@@ -43,11 +43,28 @@ function curves(answer, state, now, pinned) {
   const { orders } = answer;
   const found = [{ ...half(answer, state, 0), ...now, name: orders.total }];
   for (const { name, magnitude } of placed(orders.orders)) {
-    const look = { colour: curveColour(COLOURS[places.indexOf(name)]), dash: 0, width: THIN, faint: now.faint };
+    const look = { colour: colourOf(name), dash: 0, width: THIN, faint: now.faint };
     found.push({ ...line(orders, magnitude, state), ...look, key: `order ${name}`, name });
+  }
+  for (const one of orders.tested ?? []) {
+    const look = { kind: "dots", colour: colourOf(one.name), dash: 0, faint: now.faint, hidden: !state.overlaid };
+    found.push({ ...line(orders, one.magnitude, state), ...look, x: one.rpm, key: `test ${one.name} ${state.overlaid}`, name: `${one.name}, test` });
   }
   pinned.forEach(({ answer: other, k, ...look }) => found.push({ ...half(other, state, k), ...look, dashes: DASHES[k % 7] }));
   return found;
+}
+
+function colourOf(name) {
+  return curveColour(COLOURS[places.indexOf(name)]);
+}
+
+// Intervals of measured orders: [r/min, lowest, highest, colour]. They stay where they are while a slider moves.
+function whiskers({ orders }, state) {
+  const scale = orders.scales[state.angle];
+  const shown = state.overlaid ? (orders.tested ?? []).filter((one) => one.half_widths) : [];
+  return shown.flatMap(({ name, rpm, magnitude, half_widths: widths }) =>
+    rpm.flatMap((x, k) => (widths[k] === null ? [] : [[x, scale * Math.max(0, magnitude[k] - widths[k]), scale * (magnitude[k] + widths[k]), colourOf(name)]])),
+  );
 }
 
 function half({ orders }, state, index) {

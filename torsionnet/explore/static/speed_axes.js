@@ -6,6 +6,7 @@ import { colour } from "./theme.js";
 
 const TEXT = 12; // pixels
 const DASH = [6, 4];
+const FAINT = 0.6; // of intervals, behind which the curves stay visible
 
 export function speedPanels(form) {
   const x = axis((plot, __, low, high) => linearTicks(low, high, plot.width / 60), labelled(`Speed of ${form.reference} [r/min]`));
@@ -14,7 +15,7 @@ export function speedPanels(form) {
     x: { time: false, range: () => form.range },
     y: { range: (_, __, high) => [0, high > 0 ? roundUp(high) : 1] },
   };
-  return [{ side: "magnitude", options: { axes: [x, y], scales, hooks: { draw: [(plot) => mark(plot, form.rated)] } } }];
+  return [{ side: "magnitude", options: { axes: [x, y], scales, hooks: { draw: [(plot) => mark(plot, form.rated), (plot) => uprights(plot, form.whiskers)] } } }];
 }
 
 function mark(plot, rated) {
@@ -33,5 +34,24 @@ function mark(plot, rated) {
   ctx.textAlign = x > bbox.left + bbox.width / 2 ? "right" : "left";
   ctx.textBaseline = "top";
   ctx.fillText("rated", x + (ctx.textAlign === "right" ? -5 : 5) * devicePixelRatio, bbox.top + 4 * devicePixelRatio);
+  ctx.restore();
+}
+
+function uprights(plot, whiskers) {
+  const { ctx, bbox } = plot;
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+  ctx.clip();
+  ctx.lineWidth = devicePixelRatio;
+  ctx.globalAlpha = FAINT;
+  for (const [x, low, high, ink] of whiskers) {
+    const at = plot.valToPos(x, "x", true);
+    ctx.strokeStyle = ink;
+    ctx.beginPath();
+    ctx.moveTo(at, plot.valToPos(low, "y", true));
+    ctx.lineTo(at, plot.valToPos(high, "y", true));
+    ctx.stroke();
+  }
   ctx.restore();
 }
