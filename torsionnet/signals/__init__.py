@@ -8,6 +8,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
     {
         "BurstRandom": "torsionnet.signals.excitation",
         "CalculatedOrders": "torsionnet.signals.rotation.calculated_orders",
+        "ClockDrift": "torsionnet.signals.rotation.clock_drift",
         "CrossSpectra": "torsionnet.signals.spectral_matrix",
         "CycleAverage": "torsionnet.signals.orders.cycle_average",
         "Difference": "torsionnet.signals.comparison",
@@ -54,6 +55,10 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "missing_pulses": "torsionnet.signals.pulses",
         "multiple_coherence": "torsionnet.signals.estimators",
         "lowest_speed": "torsionnet.signals.rotation.counter",
+        "on_first_clock": "torsionnet.signals.rotation.clock_drift",
+        "rotation_clocks": "torsionnet.signals.rotation.rotation_clocks",
+        "signal_clocks": "torsionnet.signals.rotation.signal_clocks",
+        "interpolated_at": "torsionnet.signals.resampling",
         "order_map": "torsionnet.signals.order_tracking",
         "pickup_gains": "torsionnet.signals.rotation.pitch_order",
         "pulse_channel": "torsionnet.signals.rotation.counter",
