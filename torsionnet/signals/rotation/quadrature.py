@@ -15,6 +15,10 @@ EDGES = 4
 """Number of edges of two tracks in a pitch: forwards the first rises, the second rises, the first falls, the second
 falls."""
 
+LEAST_APART = 0.03
+"""Least share of a pitch, by median, from an edge of one track to that of the other, nominally a quarter; below it
+jitter exchanges the two."""
+
 
 @dataclass(frozen=True, eq=False)
 class DirectedPulses(PulseChannel):
@@ -66,14 +70,14 @@ def quadrature_pulses(
 
     Examples
     --------
-    >>> quarter = np.arange(8) * 0.25
+    >>> quarter = np.arange(12) * 0.25
     >>> found = quadrature_pulses("n1", (quarter[::4], quarter[2::4]), (quarter[1::4], quarter[3::4]))
     >>> found.times.tolist(), found.numbers.tolist()
-    ([0.0, 1.0], [0, 1])
+    ([0.0, 1.0, 2.0], [0, 1, 2])
     """
     times = np.concatenate([first[0], second[0], first[1], second[1]])
     kinds = np.repeat(np.arange(EDGES), [len(first[0]), len(second[0]), len(first[1]), len(second[1])])
-    if len(np.unique(kinds)) < EDGES:
+    if len(times) <= 2 * EDGES or len(np.unique(kinds)) < EDGES:
         raise UsageError(
             f"{name}: a track has no edges that rise and fall, and two tracks are needed for the direction"
         )
@@ -84,7 +88,9 @@ def quadrature_pulses(
     flanks = np.where(signs > 0, kinds, (kinds + 2) % EDGES)
     usual = (signs[1:] + signs[:-1]) // 2
     lost = (signs[1:] * (np.diff(flanks) - usual)) % EDGES
-    if np.count_nonzero(lost) > len(lost) // 2:
+    shares = np.diff(times)[: -EDGES + 1] / (times[EDGES:] - times[:-EDGES])
+    apart = min(float(np.median(shares[kinds[: len(shares)] == kind])) for kind in range(EDGES))
+    if np.count_nonzero(lost) > len(lost) // 2 or apart < LEAST_APART:
         raise UsageError(
             f"{name}: the two tracks do not change in turn: the second is not a quarter pitch further, or not of "
             "the same teeth"

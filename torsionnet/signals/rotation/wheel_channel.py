@@ -5,17 +5,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
+import numpy as np
+
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, UsageError, did_you_mean
 from torsionnet.response.measured.pulse_channel import PulseChannel
-from torsionnet.signals.pulse_train import flanks, holds_pulse_times
+from torsionnet.signals.pulse_train import HIGH_PERCENTILE, LOW_PERCENTILE, flanks, holds_pulse_times
 from torsionnet.signals.rotation.pulse_reading import PulseReading
 from torsionnet.signals.rotation.quadrature import quadrature_pulses
 from torsionnet.signals.rotation.wheel import Wheel
 
 if TYPE_CHECKING:
     from torsionnet.response.recording import FloatArray, Recording
+
+HEIGHT_PARTS, LEAST_EVEN_HEIGHT = 10, 0.6
+"""Number of parts of a record whose heights are compared, and least ratio of the smallest to the largest of a signal
+that switches; below it, its hysteresis loses pulses."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,7 +57,6 @@ def wheel_pulses(record: Recording, name: str, reading: PulseReading) -> PulseCh
 
     Examples
     --------
-    >>> import numpy as np
     >>> from torsionnet.response.recording import Recording, Signal
     >>> teeth = np.sin(2 * np.pi * 50 * np.arange(1000) / 10e3)
     >>> record = Recording((Signal("n1", "", teeth),), sampling_rate=10e3)
@@ -76,6 +81,8 @@ def wheel_pulses(record: Recording, name: str, reading: PulseReading) -> PulseCh
         return PulseChannel(name, values, notes=("times of pulses as recorded",))
     first = _flanks(name, values, times, reading)
     spacing = float((times[-1] - times[0]) / max(len(times) - 1, 1))
+    if reading.pickup == "switching":
+        _refuse_growing(name, values)
     note = f"flanks of a tooth signal sampled every {spacing:.4g} s, {reading.edge}"
     if reading.second:
         second = _flanks(reading.second, record[reading.second].values, times, reading)
@@ -91,6 +98,18 @@ def _flanks(name: str, values: FloatArray, times: FloatArray, reading: PulseRead
         )  # fmt: skip
     except UsageError as error:
         raise UsageError(f"{name}: {error}") from None
+
+
+def _refuse_growing(name: str, values: FloatArray) -> None:
+    """Refuse a signal without direct component whose height changes along the record, read as one that switches."""
+    parts = [part for part in np.array_split(values, HEIGHT_PARTS) if len(part)]
+    heights = [float(np.ptp(np.percentile(part, [LOW_PERCENTILE, HIGH_PERCENTILE]))) for part in parts]
+    if min(heights) < LEAST_EVEN_HEIGHT * max(heights):
+        raise UsageError(
+            f"{name}: the signal of the teeth is between {min(heights):.3g} and {max(heights):.3g} high along the "
+            "record, as that of an inductive pickup, which grows with the speed: read it as such (pickup: inductive), "
+            "or cut the record to where the shaft turns"
+        )
 
 
 def counted_reading(reading: PulseReading) -> PulseReading:
