@@ -49,6 +49,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "waterfall": "torsionnet.plot.waterfall",
         "waveform": "torsionnet.plot.order_response",
         "wheel_pattern": "torsionnet.plot.pitch_pattern",
+        "wheel_rotations": "torsionnet.plot.wheel_rotations",
         "worst_variants": "torsionnet.plot.study.worst_variants",
     },
 )

@@ -97,20 +97,16 @@ class AngleCommand(Command):
 
         from torsionnet.io.formats.registry import format_of
         from torsionnet.io.recording_files import write_recording
-        from torsionnet.response import Conventions
+        from torsionnet.signals.rotation.angle_record import angle_record
 
         if self.output_file:
             format_of(Path(self.output_file), "recording")
         found, wheels = turning_record(self.record, self.reading, self.channels)
         for wheel in wheels:
             wheel.check_orders(self.orders)
-        from torsionnet.signals.rotation.angle_record import angle_record
-
         angles = angle_record(found, wheels, keep=self.channels, sampling_rate=self.reading.rate)
         rows = tuple(turned_wheel(one, self.orders) for one in wheels)
         print_warnings(angles.notes)
-        degrees = Conventions(angle="deg")
-        names = [name for one in wheels for name in (f"{one.name} speed", f"{one.name} angle deviation")]
         return Answer(
             screen=lambda: _screen(angles, rows),
             csv=lambda: [("", _table(self.record, rows))],
@@ -118,7 +114,7 @@ class AngleCommand(Command):
                 self.record, angles.sampling_rate, angles.start, angles.duration, angles.notes, rows
             ),
             files=[(self.output_file, lambda file: write_recording(angles, file))],
-            figures=lambda plot: [("", plot.time_histories(angles, names, conventions=degrees))],
+            figures=lambda plot: [("", plot.wheel_rotations(wheels, title=angles.title))],
         )
 
 

@@ -1,0 +1,120 @@
+"""Command angle: from counts, times and tooth signals to a record of angle, speed and uncertainty."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from known_rotation import pulse_times, shaft
+from test_cli import run
+
+from torsionnet.core.errors import ModelError
+from torsionnet.io.wheel_files import read_wheels
+from torsionnet.response.measured.pulse_channel import PulseChannel
+from torsionnet.response.measured.wheel_pattern import WheelPattern
+from torsionnet.response.recording import Recording
+from torsionnet.signals import read_recording, write_recording
+
+PITCH = 2 * np.pi / 60
+_, ANGLE = shaft(60.0, {6: np.radians(0.1)}, acceleration=6.0)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("angle")
+    numbers = np.arange(60, 2400)
+    times = pulse_times(ANGLE, numbers * PITCH, 5.0)
+    gap = pulse_times(ANGLE, numbers[numbers % 48 < 46] * 2 * np.pi / 48, 6.0)
+    channels = (PulseChannel("n1", np.floor(times / 1e-7) * 1e-7, 1e-7), PulseChannel("n2", np.delete(gap, 200)))
+    write_recording(Recording((), 1000.0, pulses=channels), folder / "run.npz")
+    counts = np.floor(times * 80e6) % 2**24
+    (folder / "ticks.csv").write_text("n1\n" + "\n".join(f"{count:.0f}" for count in counts))
+    time = np.arange(40_000) / 20e3
+    rows = [f"{t:.6f};{v:.5f}" for t, v in zip(time, np.sin(60 * ANGLE(time)), strict=True)]
+    (folder / "raw.csv").write_text("time [s];teeth [V]\n" + "\n".join(rows))
+    return folder
+
+
+def wheels_of(folder, *arguments):
+    return {
+        one["name"]: one
+        for one in json.loads(run("angle", str(folder / arguments[0]), *arguments[1:], "--json").stdout)["wheels"]
+    }
+
+
+def test_a_record_with_angle_speed_and_uncertainty(folder):
+    done = run(
+        "angle", str(folder / "run.npz"), "--pulses", "n1=60", "--pulses", "n2=48-2", "-o", str(folder / "angle.npz"),
+        "--order", "6", "--plot", str(folder / "angle.png"),
+    )  # fmt: skip
+    assert re.search(r"n2: gap of 2 teeth found in \d+ turns, first after pulse 45 of the record", done.stdout)
+    assert "n2: 1 pulse missing and counted: 1 after pulse 199" in done.stdout
+    found = read_recording(folder / "angle.npz")
+    assert found.names == tuple(f"{n} {what}" for n in ("n1", "n2") for what in ("angle", "speed", "angle deviation"))
+    inner = (found.time > 0.2) & (found.time < found.time[-1] - 0.2)
+    for name in ("n1 angle", "n2 angle"):
+        away = (found[name].values - ANGLE(found.time))[inner]
+        assert np.ptp(away) < 1e-5
+    assert np.degrees(found["n1 angle deviation"].values).max() < 0.001
+    assert {channel.name for channel in found.pulses} == {"n1", "n2"}
+
+
+def test_counts_of_a_clock_that_wraps(folder):
+    one = wheels_of(folder, "ticks.csv", "--pulses", "n1", "--teeth", "60", "--clock", "80MHz", "--bits", "24")["n1"]
+    assert one["tick_s"] == pytest.approx(12.5e-9)
+    assert one["revolutions"] == pytest.approx(2339 / 60)
+    assert (one["highest_order"], one["alias_order"]) == (25, 30)
+
+
+def test_the_signal_of_the_teeth(folder):
+    one = wheels_of(folder, "raw.csv", "--pulses", "teeth=60")["teeth"]
+    assert one["revolutions"] == pytest.approx(ANGLE(2.0) / (2 * np.pi), abs=0.04)
+
+
+def test_an_order_that_the_teeth_do_not_tell(folder):
+    done = run("angle", str(folder / "run.npz"), "--pulses", "n1=60", "--order", "54", code=2)
+    assert "order 54 would read as 6" in done.stderr
+
+
+def test_all_that_is_wrong_with_wheels_is_said_at_once(folder):
+    done = run("angle", str(folder / "run.npz"), "--pulses", "n1=60-3", "--pulses", "n2=50", code=1)
+    assert "n1: no gap of 3 missing teeth" in done.stderr
+    assert "n2: pulses are missing every 48 pulses" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message", "code"),
+    [
+        ([], "name the channel of pulses: --pulses n1=60", 2),
+        (["--pulses", "n1"], "n1: how many teeth does the wheel have", 1),
+        (["--pulses", "n3=60"], 'no channel is named "n3"', 1),
+        (["--pulses", "n1=60", "--ratio", "fast"], "n1: --ratio", 1),
+        (["--pulses", "n1=60", "--wheels", "w.yaml"], "leave --pulses and the others out", 2),
+    ],
+)
+def test_bad_options(folder, arguments, message, code):
+    done = run("angle", str(folder / "run.npz"), *arguments, code=code)
+    assert message in done.stderr
+
+
+class TestWheelFiles:
+    def test_wheels_with_a_pattern(self, folder):
+        from torsionnet.io.wheel_pattern_files import write_wheel_pattern
+
+        places = np.radians(0.1) * np.cos(PITCH * np.arange(60))
+        write_wheel_pattern(WheelPattern(places, np.full(60, 1e-6)), folder / "fly.yaml")
+        file = folder / "wheels.yaml"
+        file.write_text("n1: {teeth: 60, pattern: fly.yaml, ratio: 1.5}\nn2: {teeth: 48, missing_teeth: 2}\n")
+        found = read_wheels(file)
+        assert np.allclose(found["n1"].pattern.positions, places)
+        assert (found["n1"].channel.ratio, found["n2"].channel.missing_teeth) == (1.5, 2)
+
+    def test_every_fault_has_its_place(self, folder):
+        file = folder / "bad.yaml"
+        file.write_text(
+            "n1: {teeth: 60, tooth: 3}\nn2:\n  teeth: 48\n  tick: 3 kg\nn3: {teeth: 36, pattern: none.yaml}\n"
+        )
+        with pytest.raises(ModelError) as error:
+            read_wheels(file)
+        places = {(fault.position.line, fault.position.column) for fault in error.value.faults}
+        assert places == {(1, 17), (4, 9), (5, 26)}
