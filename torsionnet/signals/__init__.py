@@ -39,6 +39,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "WheelCalibration": "torsionnet.signals.rotation.calibration_result",
         "WheelChannel": "torsionnet.signals.rotation.wheel_channel",
         "WheelRotation": "torsionnet.signals.rotation.wheel_rotation",
+        "WheelPattern": "torsionnet.response.measured.wheel_pattern",
         "WheelTest": "torsionnet.signals.rotation.wheel_calibration",
         "angle_from_counts": "torsionnet.signals.encoder",
         "angle_from_pulses": "torsionnet.signals.encoder",

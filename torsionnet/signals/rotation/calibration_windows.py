@@ -16,8 +16,8 @@ from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.pulses import repaired_pulses
 from torsionnet.signals.rotation.numbered_pulses import NumberedPulses
-from torsionnet.signals.rotation.order_windows import Shown, Window, first_window, second_shown, spans
 from torsionnet.signals.rotation.wheel import Wheel
+from torsionnet.signals.rotation.wheel_windows import Shown, Window, first_window, second_shown, spans
 
 WINDOW_REVOLUTIONS, MOST_REVOLUTIONS = 8, 64
 """Revolutions of the wheel in a window, four cycles of a four-stroke engine, and at most so many where orders of the
@@ -194,12 +194,12 @@ class Stack:
 
     @property
     def first(self) -> list[Shown]:
-        """What the first pickup shows in each window."""
+        """Solutions of the first pickup, one for each window."""
         return [window.first for test in self.tests for window in test.windows]
 
     @property
     def second(self) -> list[Shown]:
-        """What the second pickup shows in each window, empty unless every test has one."""
+        """Solutions of the second pickup, one for each window; empty unless every test has one."""
         every = all(test.second for test in self.tests)
         return [shown for test in self.tests for shown in test.second] if every else []
 

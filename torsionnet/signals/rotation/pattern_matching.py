@@ -1,4 +1,4 @@
-"""Which tooth of a stored pitch pattern is the first of a record, found by the shape that its pulses show."""
+"""First tooth of a record in a stored pitch pattern, found by the shape that its pulses show."""
 
 from __future__ import annotations
 

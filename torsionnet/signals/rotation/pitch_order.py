@@ -1,4 +1,4 @@
-"""One whole order of a wheel's pitch pattern, and by which method a calibration finds it."""
+"""Whole orders of a wheel's pitch pattern, and the methods by which a calibration finds them."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def pickup_gains(angle: float, orders: Sequence[float] | FloatArray) -> FloatArr
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """What tells the pattern from vibration: second pickup, calculated orders, or the speeds alone.
+    """Evidence that tells the pattern from vibration: second pickup, calculated orders, or the speeds alone.
 
     Attributes
     ----------

@@ -199,7 +199,7 @@ def _aligned(
 
 
 def _offset(stack: Stack, groups: NDArray[np.intp], positions: FloatArray) -> tuple[float, float]:
-    """By how much the given angle between two pickups exceeds the true one, and half its 95 % interval, rad."""
+    """Excess of the given angle between two pickups over the true one, and half its 95 % interval, rad."""
     second = stack.second
     if not second:
         return 0.0, 0.0

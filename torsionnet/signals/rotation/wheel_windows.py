@@ -26,7 +26,7 @@ MEAN_STEPS = 4
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """What one pickup shows over a window of whole revolutions, linear in the errors of the teeth.
+    """Solution of the pulses of one pickup over a window of whole revolutions, linear in the errors of the teeth.
 
     Attributes
     ----------
@@ -121,7 +121,7 @@ def first_window(
 def second_shown(
     window: Window, times: FloatArray, numbers: NDArray[np.intp], teeth: int, angle: float, orders: FloatArray
 ) -> Shown:
-    """What a second pickup at ``angle`` rad behind the first shows in the mean rotation that the first one gave."""
+    """Solution of the pulses of a second pickup, ``angle`` rad behind the first, in the mean rotation of the first."""
     base = window.mean_rotation(times)
     terms = np.hstack([np.ones((len(times), 1)), _waves(orders, base)])
     return shown(terms, 2 * np.pi * numbers / teeth + angle - base, numbers % teeth, teeth)

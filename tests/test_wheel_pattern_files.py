@@ -1,0 +1,117 @@
+"""Files of pitch patterns, and the command that writes them."""
+
+import json
+import pathlib
+
+import numpy as np
+import pytest
+from test_cli import run
+from test_wheel_evidence import DEGREE, RPM, VALUES, Z, record, teeth
+
+from torsionnet.core.errors import ModelError
+from torsionnet.io import read_wheel_pattern, write_recording, write_wheel_pattern
+from torsionnet.response.measured.pulse_channel import PulseChannel
+from torsionnet.response.measured.wheel_pattern import WheelPattern
+from torsionnet.response.recording import Recording
+
+
+def test_what_is_written_is_read_again(tmp_path):
+    pattern = WheelPattern(
+        teeth(), np.full(Z, 1e-5), missing=1, name="flywheel: engine 2", first="the first tooth after the gap",
+        unresolved=(3, 6), notes=('two pickups, 114 "degrees"', "# no comment"), reversed=True,
+    )  # fmt: skip
+    write_wheel_pattern(pattern, tmp_path / "wheel.yaml")
+    found = read_wheel_pattern(tmp_path / "wheel.yaml")
+    assert found.positions == pytest.approx(pattern.positions, rel=1e-9, abs=1e-15)
+    assert found.half_widths == pytest.approx(pattern.half_widths, rel=1e-9)
+    for name in ("missing", "name", "first", "unresolved", "notes", "reversed"):
+        assert getattr(found, name) == getattr(pattern, name)
+    assert "# tooth 0" in (tmp_path / "wheel.yaml").read_text()
+
+
+def test_a_person_may_write_one_in_rad(tmp_path):
+    text = "torsionnet: 1\nteeth: 2\nunit: rad\npositions: [[0.001, 0], [-0.001, 0]]\n"
+    (tmp_path / "w.yaml").write_text(text)
+    assert read_wheel_pattern(tmp_path / "w.yaml").positions.tolist() == [0.001, -0.001]
+
+
+def test_every_fault_of_a_file_is_told_with_its_place(tmp_path):
+    (tmp_path / "w.yaml").write_text(
+        "torsionnet: 1\nnme: x\nteeth: 3\nunit: grad\npositions:\n  - [0.1, x]\n  - [0.1]\n"
+    )
+    with pytest.raises(ModelError) as caught:
+        read_wheel_pattern(tmp_path / "w.yaml")
+    text = str(caught.value)
+    for part in ("w.yaml:2:1", 'did you mean "name"', "w.yaml:4:7", "w.yaml:6:11", "w.yaml:7:5"):
+        assert part in text
+    (tmp_path / "w.yaml").write_text("torsionnet: 1\nteeth: 3\nunit: deg\npositions: [[0.1, -1], [80, 0]]\n")
+    with pytest.raises(ModelError) as caught:
+        read_wheel_pattern(tmp_path / "w.yaml")
+    text = str(caught.value)
+    assert "2 positions are given for 3 teeth" in text
+    assert "w.yaml:4:19: error: the half width of tooth 0 is negative" in text
+    assert "tooth 1 stands 80 deg beyond its place, half a pitch or more; check the unit" in text
+
+
+@pytest.fixture
+def records(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    positions = teeth()
+    for rpm in (600, 900, 1300, 1800):
+        test = record(positions, rpm * RPM, angle=100 * DEGREE, values=VALUES)
+        write_recording(Recording((), 1e4, pulses=(test.first, test.second, test.index)), f"{rpm}.npz")
+    return positions
+
+
+CALL = ("--pulses", "A", "--teeth", Z, "--index", "index")
+
+
+def test_the_command_writes_a_pattern_by_two_pickups(records):
+    done = run(
+        "calibrate-wheel", "600.npz", "900.npz", *CALL, "--second", "B", "--angle", "99deg", "--name", "flywheel",
+        "-o", "wheel.yaml", "--plot", "wheel.png", "--csv", "wheel.csv",
+    )  # fmt: skip
+    assert "two pickups" in done.stdout
+    assert "100.0000 +-" in done.stdout
+    found = read_wheel_pattern("wheel.yaml")
+    assert found.positions == pytest.approx(records, abs=1e-4 * DEGREE)
+    assert (found.name, found.unresolved) == ("flywheel", ())
+    assert any("two pickups" in note for note in found.notes)
+
+
+@pytest.mark.usefixtures("records")
+def test_json_holds_what_is_unresolved_and_why():
+    data = json.loads(run("calibrate-wheel", "600.npz", "900.npz", "1300.npz", *CALL, "--json").stdout)
+    assert not data["orders"][2]["resolved"]
+    assert "rigid response to inertia torques" in data["orders"][2]["why_not_resolved"]
+    assert data["lowest_speed_rpm"] == pytest.approx(600, rel=1e-6)
+
+
+@pytest.mark.usefixtures("records")
+@pytest.mark.parametrize(
+    ("more", "code", "text"),
+    [
+        (("--second", "B"), 2, "--second and --angle go together"),
+        (("--second", "B", "--angle", "180"), 2, "must be less than 6.28319"),
+        (("--model", "engine_generator_set"), 2, "--model needs --node"),
+        (("--node", "fly"), 2, "belong to a --model"),
+        (("--constant-orders", "3;6"), 2, "is a list as 3,6, or none"),
+        ((), 2, "range of speeds, 900 rpm, is too small"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(more, code, text):
+    done = run("calibrate-wheel", "900.npz", *CALL, *more, code=code)
+    assert text in " ".join(done.stderr.split())
+
+
+@pytest.mark.usefixtures("records")
+def test_a_channel_that_is_not_there():
+    assert 'did you mean "A"' in run("calibrate-wheel", "900.npz", "--pulses", "a", "--teeth", Z, code=1).stderr
+
+
+def test_times_of_pulses_in_a_text_file(records):
+    times = PulseChannel("A", record(records, 100.0).first.times).times
+    rows = [f"{time!r}" for time in (times - times[0] + 1e-3).tolist()]
+    with pathlib.Path("a.csv").open("w") as file:
+        file.write("A [s]\n" + "\n".join(rows) + "\n")
+    assert "too small" in run("calibrate-wheel", "a.csv", "--pulses", "A", "--teeth", Z, code=2).stderr
