@@ -98,7 +98,7 @@ def make_fit(
     effects = np.linalg.norm(slopes, axis=0)
     scale = 1 / np.where(effects > 0, effects, 1.0)  # parameters without effect at the optimum are not determined
     left, sizes, directions = np.linalg.svd(slopes * scale, full_matrices=False)
-    lost = sizes < SINGULAR_RATIO * sizes[0]
+    lost = sizes <= SINGULAR_RATIO * sizes[0]  # all of them, where nothing has an effect
     backward = (directions.T / np.where(lost, np.inf, sizes)) @ left.T
     inverse = problem.noise_covariance(backward) + problem.shared_covariance(backward, values) / max(
         factor, np.finfo(float).tiny

@@ -28,6 +28,9 @@ CHANNEL_UNKNOWNS = {
     "delay": (0.0, (-np.inf, np.inf), "s"), "gain": (1.0, (-np.inf, np.inf), ""),
     "reference_angle": (0.0, (-np.inf, np.inf), "rad"),
 }  # fmt: skip
+FIRST_MISFIRE_SHARE = 0.1
+"""Share of misfire at which a search begins where the model has none: at 0 the half orders of an even engine vanish, and
+with them the derivatives of their amplitudes."""
 GAIN_BOUNDS_OF_MAGNITUDES = (0.0, np.inf)
 """Lower and upper bound of a channel's gain where only magnitudes are compared, which do not show whether it is
 reversed."""
@@ -284,8 +287,10 @@ def lay_out_problem(
 
 def _begin(model: AssembledModel, name: str, unknown: Unknown, value: float) -> tuple[float, tuple[float, float]]:
     start = value if unknown.start is None else unknown.start
-    stated = model.parameter_definitions[name].bounds if name in model.parameter_definitions else None
     number = numbers_of_excitations(model, [name]).get(name)
+    if number and unknown.start is None and value == 0 and number.path[0] == "misfire_share":
+        start = FIRST_MISFIRE_SHARE
+    stated = model.parameter_definitions[name].bounds if name in model.parameter_definitions else None
     bounds = unknown.bounds or stated or (number.bounds if number else physical_bounds(model, name, start))
     if not bounds[0] <= start <= bounds[1]:
         raise UsageError(

@@ -5,7 +5,7 @@ Test, fitted model and residuals, and the correlation of the parameters.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,6 +15,7 @@ import torsionnet.plot.drawing.style as style
 from torsionnet.core.errors import UsageError
 from torsionnet.core.number_text import typeset_unit
 from torsionnet.plot.drawing.labels import symbol
+from torsionnet.plot.fit_orders import order_colours, order_column
 from torsionnet.response import SI, Conventions
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ HEIGHTS = (3.0, 2.2, 1.5)  # ratios of magnitude, phase and residuals
 def fit(result: Fit, *, conventions: Conventions = SI, title: str | None = None) -> Figure:
     """Figure of a test and the fitted model over frequency, magnitude, phase and residuals divided by the noise.
 
-    A column of panels for each measurement.
+    A column of panels for each measurement; orders are drawn over speed, with their 95 % intervals.
 
     The model explains the test if the residuals scatter about zero within two; a pattern in them shows what the model
     lacks.
@@ -58,19 +59,28 @@ def fit(result: Fit, *, conventions: Conventions = SI, title: str | None = None)
         raise UsageError("the fit holds no measurement to plot")
     width = max(style.WIDTH, 2.6 * len(shown))
     figure = style.new_figure(width, 5.6)
+    # Outputs of orders differ in size and unit, responses of one sensor do not.
+    alike = len(shown) == 1 or all(one.orders is None for one in shown)
+    colours = order_colours(shown)
     panels = figure.subplots(
-        3, len(shown), sharex="col", sharey="row", squeeze=False, gridspec_kw={"height_ratios": HEIGHTS}
-    )
+        3, len(shown), sharex="col", sharey="row" if alike else False, squeeze=False,
+        gridspec_kw={"height_ratios": HEIGHTS},
+    )  # fmt: skip
     for column, one in enumerate(shown):
-        _column([row[column] for row in panels], one, conventions)
-    for row, label in zip(panels, _labels(shown[0], conventions), strict=True):
-        row[0].set_ylabel(label)
-    size = panels[0][0]
-    style.log_ticks(size.yaxis, *size.get_ylim())
-    every = np.concatenate([_phase(one.measured if one.has_phase else one.fitted) for one in shown])
-    style.phase_ticks(panels[1][0], float(every.min()), float(every.max()))
-    above, below = size.get_legend_handles_labels(), panels[2][0].get_legend_handles_labels()
-    handles, names = above[0] + below[0], above[1] + below[1]
+        if one.orders is None:
+            _column([row[column] for row in panels], one, conventions)
+        else:
+            order_column([row[column] for row in panels], one, conventions, colours)
+    for column, one in enumerate(shown if not alike else shown[:1]):
+        for row, label in zip(panels, _labels(one, conventions), strict=True):
+            row[column].set_ylabel(label)
+        size = panels[0][column]
+        if one.orders is None:
+            style.log_ticks(size.yaxis, *size.get_ylim())
+        drawn = shown if alike else [one]
+        every = np.concatenate([_shown_phases(each) for each in drawn])
+        style.phase_ticks(panels[1][column], float(every.min()), float(every.max()))
+    handles, names = _legend([axes for row in (panels[0], panels[2]) for axes in row])
     figure.legend(handles, names, loc="outside lower center", ncols=4, frameon=False, fontsize=style.SMALL)
     values = ", ".join(f"{name} = {value:.4g}" for name, value in list(result.values.items())[:4])
     style.set_title(figure, f"{result.title}: {values}" if title is None else title)
@@ -126,10 +136,27 @@ def _column(panels: list[Axes], one: Compared, conventions: Conventions) -> None
         style.style_axes(panel)
 
 
+def _shown_phases(one: Compared) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """Phases in degrees that the panel of a measurement shows; those of orders are not unwrapped."""
+    values = one.measured if one.has_phase else one.fitted
+    return _phase(values) if one.orders is None else np.array([-180.0, 180.0])
+
+
+def _legend(axes: list[Axes]) -> tuple[list[Any], list[str]]:
+    """Handles and texts of a legend for all panels, each text once."""
+    found: dict[str, Any] = {}
+    for one in axes:
+        for handle, name in zip(*one.get_legend_handles_labels(), strict=True):
+            found.setdefault(name, handle)
+    return list(found.values()), list(found)
+
+
 def _phase(values: np.ndarray[tuple[int], np.dtype[np.complex128]]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     return np.unwrap(np.degrees(np.angle(values)), period=360)
 
 
 def _labels(one: Compared, conventions: Conventions) -> tuple[str, str, str]:
     unit = typeset_unit(one.unit.replace("rad", conventions.angle)) if one.unit != "1" else "-"
+    if one.orders is not None:
+        return f"peak amplitude [{unit}]", "phase [deg]", "(test - model)\nover noise [-]"
     return f"magnitude [{unit}]", "phase [deg]", "(test - model)\nover noise [-]"

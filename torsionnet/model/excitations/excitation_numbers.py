@@ -91,8 +91,12 @@ def excitation_number(excitations: Mapping[str, OrderExcitation], name: str) -> 
         return None
     tokens = name.removeprefix(f"{owner}.").split(".")
     found = _of_declared(excitations[owner], tokens)
+    cylinders = getattr(excitations[owner], "cylinders", {})
+    if found is not None and tokens[0] in NEUTRAL_VALUES and tokens[-1] not in cylinders:
+        raise UsageError(f"{owner} has no cylinder {tokens[-1]}; there are {', '.join(cylinders)}")
     if found is None:
-        known = [f"{owner}.{each}" for each in _names(excitations[owner])]
+        tables = [f"{owner}.{entry}.{number}" for entry in NEUTRAL_VALUES for number in cylinders]
+        known = [*tables, *(f"{owner}.{each}" for each in _names(excitations[owner]))]
         hint = did_you_mean(name, known) or (f"; it has {', '.join(known)}" if known else "")
         raise UsageError(f'{owner} has no number "{".".join(tokens)}" to vary{hint}')
     path, value, spec, absent = found

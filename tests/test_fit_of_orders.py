@@ -1,0 +1,245 @@
+"""Fits to measured orders against dense matrices: parameters, misfire, gas torque by order, reference angle."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from order_fits import HARMONICS, K_COUPLING, SPEEDS, dense_orders, engine_model, tracked
+
+import torsionnet as tn
+from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.identification import Measurement, identify, load_fit, rank_causes
+from torsionnet.identification.fit_file import load_fit_plan
+from torsionnet.identification.orders.parametric_orders import parametric_orders
+from torsionnet.io import read_frequency_response
+from torsionnet.io.tracked_order_tables import write_tracked_orders
+from torsionnet.plot import fit as draw_fit
+from torsionnet.response.order_comparison import MeasuredOrder
+
+SIGMA = 2.0
+ENGINE = "engine.misfire_share.4"
+
+
+def measurement(values, seed=0, **given):
+    return Measurement(tracked(values, SIGMA, seed), **given)
+
+
+def test_orders_of_the_model_are_those_of_dense_matrices():
+    orders = np.repeat(list(HARMONICS), len(SPEEDS))
+    rig = engine_model()
+    names = ["k_cpl", ENGINE, "engine.gas.correction.3.imag", "engine.gas.harmonics.0.5.amplitude"]
+    asked = parametric_orders(rig, "T_crank", orders, np.tile(SPEEDS, len(HARMONICS)), names)
+    found = asked.at([5.5e3, 0.3, 0.2, 5.2e5]).values[:, 0, 0]
+    exact = dense_orders("T_crank", {4: 0.3}, {3.0: 1 + 0.2j}, k_cpl=5.5e3).ravel()
+    assert np.abs(found - exact).max() < 1e-9 * np.abs(exact).max()
+
+
+def test_derivatives_of_orders_are_differences_of_dense_matrices():
+    orders = np.repeat(list(HARMONICS), len(SPEEDS))
+    asked = parametric_orders(engine_model(), "T_cpl", orders, np.tile(SPEEDS, len(HARMONICS)), ["k_cpl", ENGINE])
+    slopes = asked.at([K_COUPLING, 0.3]).jacobian[:, 0, 0]
+    h = 1e-5 * K_COUPLING
+    ends = [dense_orders(misfire={4: 0.3}, k_cpl=K_COUPLING + sign * h).ravel() for sign in (1, -1)]
+    by_stiffness = (ends[0] - ends[1]) / (2 * h)
+    assert np.abs(slopes[:, 0] - by_stiffness).max() < 1e-5 * np.abs(by_stiffness).max()
+    by_share = dense_orders(misfire={4: 1.0}).ravel() - dense_orders().ravel()
+    assert np.abs(slopes[:, 1] - by_share).max() < 1e-8 * np.abs(by_share).max()
+
+
+def test_stiffness_and_misfire_of_cylinder_4_are_found_within_their_intervals():
+    test = measurement(dense_orders(misfire={4: 0.3}, k_cpl=5.6e3))
+    fit = identify(engine_model(), test, ["k_cpl", ENGINE])
+    for name, true in (("k_cpl", 5.6e3), (ENGINE, 0.3)):
+        low, high = fit.intervals()[name]
+        assert low < true < high
+        assert high - low < 0.2 * true
+    assert not fit.lack_of_fit.rejected
+    changed = fit.configured(engine_model())
+    assert changed.definition.excitations["engine"].misfire_share == {"4": fit.values[ENGINE]}
+    assert changed.parameters["k_cpl"] == fit.values["k_cpl"]
+
+
+def test_gas_torque_of_an_order_is_found_as_a_complex_factor():
+    names = ["engine.gas.correction.3.real", "engine.gas.correction.3.imag"]
+    fit = identify(engine_model(), measurement(dense_orders(corrections={3.0: 1.1 - 0.15j})), names)
+    for name, true in zip(names, (1.1, -0.15), strict=True):
+        low, high = fit.intervals()[name]
+        assert low < true < high
+        assert high - low < 0.1
+
+
+@pytest.mark.slow
+def test_a_misfiring_cylinder_is_found_among_six():
+    test = measurement(dense_orders(misfire={4: 0.3}))
+    fit = identify(engine_model(), test, ["k_cpl"])
+    assert fit.lack_of_fit.rejected
+    assert np.isinf(fit.standard_errors["k_cpl"])
+    best = fit.lack_of_fit.explanations[0]
+    assert (best.kind, best.of) == ("misfire", "cylinder 4 of engine")
+    assert abs(best.values[ENGINE] - 0.3) < 0.03
+    assert "a misfire of cylinder 4 of engine (3" in fit.verdicts[0]
+
+
+@pytest.mark.slow
+def test_ranking_of_causes_names_the_cylinder():
+    ranking = rank_causes(engine_model(), measurement(dense_orders(misfire={4: 0.3})))
+    assert ranking.causes[0].unknown == ENGINE
+    assert [one.unknown for one in ranking.causes if one.explains] == [ENGINE]
+    assert "a misfire of cylinder 4 of engine" in ranking.verdict
+
+
+@pytest.mark.slow
+def test_a_wrong_damping_is_told_as_lack_of_fit():
+    fit = identify(engine_model(), measurement(dense_orders("T_cpl", c_throw=4000.0)), ["k_cpl"])
+    assert fit.lack_of_fit.rejected
+
+
+def test_reference_angle_is_found_when_asked():
+    turned = tracked(dense_orders(misfire={4: 0.3}), SIGMA, 0, turned=-2.5)
+    fit = identify(engine_model(), Measurement(turned, reference_angle=True), ["k_cpl", ENGINE])
+    low, high = fit.intervals()["reference_angle[measurement]"]
+    assert low < -2.5 < high
+    assert high - low < 0.05
+    assert abs(fit.values[ENGINE] - 0.3) < 0.03
+    assert fit.units["reference_angle[measurement]"] == "rad"
+
+
+@pytest.mark.slow
+def test_reference_angle_is_blamed_when_it_is_not_asked_for():
+    turned = tracked(dense_orders(misfire={4: 0.3}), SIGMA, 0, turned=0.4)
+    fit = identify(engine_model(), Measurement(turned), ["k_cpl", ENGINE])
+    best = fit.lack_of_fit.explanations[0]
+    assert best.kind == "reference_angle"
+    assert abs(np.mean([value for name, value in best.values.items() if name.startswith("reference")]) - 0.4) < 0.05
+    assert "a reference angle of 2" in fit.verdicts[0]
+
+
+def test_amplitudes_alone_are_compared_where_phases_have_no_reference():
+    test = Measurement(tracked(dense_orders(misfire={4: 0.3}), SIGMA, 0, reference=""))
+    fit = identify(engine_model(), test, [ENGINE])
+    assert abs(fit.values[ENGINE] - 0.3) < 3 * fit.standard_errors[ENGINE]
+    assert "measurement has phases without a reference, so amplitudes are compared" in fit.notes
+    assert not fit.comparisons[0].has_phase
+
+
+def test_orders_of_undecided_sign_count_by_their_amplitudes():
+    halves = tuple(order for order in HARMONICS if order % 1)
+    data = replace(tracked(dense_orders(misfire={4: 0.3}), SIGMA, 0), undecided=halves)
+    fit = identify(engine_model(), Measurement(data, name="run"), [ENGINE])
+    assert [one.name for one in fit.comparisons] == ["run", "run (amplitudes)"]
+    assert [one.has_phase for one in fit.comparisons] == [True, False]
+    assert abs(fit.values[ENGINE] - 0.3) < 3 * fit.standard_errors[ENGINE]
+
+
+def test_single_orders_without_intervals_take_their_noise_from_the_scatter():
+    values = tracked(dense_orders(k_cpl=5.6e3), SIGMA, 0).values
+    orders = [MeasuredOrder(o, SPEEDS, np.abs(v), v) for o, v in zip(HARMONICS, values, strict=True)]
+    fit = identify(engine_model(), Measurement(orders, "T_cpl"), ["k_cpl"])
+    assert abs(fit.values["k_cpl"] / 5.6e3 - 1) < 0.02
+    assert any("has no intervals: its noise is taken from the scatter over speed" in note for note in fit.notes)
+
+
+@pytest.mark.slow
+def test_intervals_cover_the_true_values():
+    values, rig, inside = dense_orders(misfire={4: 0.3}, k_cpl=5.6e3), engine_model(), {"k_cpl": 0, ENGINE: 0}
+    seeds = 100
+    for seed in range(seeds):
+        fit = identify(rig, measurement(values, seed), list(inside))
+        for name, true in (("k_cpl", 5.6e3), (ENGINE, 0.3)):
+            low, high = fit.intervals()[name]
+            inside[name] += low < true < high
+    for name, count in inside.items():
+        assert 0.90 * seeds <= count <= 0.99 * seeds, name
+
+
+def test_faults_of_orders_are_named():
+    test = tracked(dense_orders(), SIGMA, 0)
+    rig = engine_model()
+    for given, names, said in (
+        ({"orders_used": (0.5, 7.0)}, ["k_cpl"], "order 7 was not measured"),
+        ({"speeds": (1.0, 2.0)}, ["k_cpl"], "nothing was measured from 9.5493 to 19.0986 rpm"),
+        ({"output": "phi"}, ["k_cpl"], "phi is in N*m in the data, in rad in the model"),
+        ({}, ["engine.misfire_share.7"], "engine has no cylinder 7"),
+        ({"input": "T"}, ["k_cpl"], "orders have no input"),
+    ):
+        with pytest.raises(UsageError) as caught:
+            identify(rig, Measurement(test, **given), names)
+        assert said in str(caught.value)
+    odd = replace(test, orders=test.orders + 0.25)
+    with pytest.raises(UsageError, match=r"the model excites none of the measured orders 0\.75"):
+        identify(rig, Measurement(odd), ["k_cpl"])
+    blind = Measurement(replace(test, reference=""), name="run")
+    with pytest.raises(UsageError, match=r"engine\.gas\.harmonics\.3\.phase cannot be found: run has no phases"):
+        identify(rig, blind, ["engine.gas.harmonics.3.phase"])
+    with pytest.raises(UsageError, match="the phases of these orders have no reference"):
+        identify(rig, replace(blind, reference_angle=True), ["k_cpl"])
+
+
+def test_fit_file_of_orders_tells_all_faults_with_their_place(tmp_path):
+    engine_model().to_yaml(tmp_path / "engine.yaml")
+    write_tracked_orders([tracked(dense_orders(), SIGMA, 0)], tmp_path / "run.csv")
+    text = (
+        "torsionnet: 1\nmodel: engine.yaml\nparameters: [k_cpl, engine.misfire_shares.4]\nmeasurements:\n"
+        "  a: {orders: run.csv, output: T_cp}\n"
+        "  b: {orders: run.csv, output: T_cpl, orders_used: [3, 7], speeds: 100..200 rpm}\n"
+        "  c: {orders: run.csv, output: T_cpl, input: T, settling: 2 s}\n"
+        "  d: {record: run.csv, output: T_cpl, input: T, orders_used: [3]}\n"
+    )
+    (tmp_path / "fit.yaml").write_text(text)
+    with pytest.raises(ModelError) as caught:
+        load_fit_plan(tmp_path / "fit.yaml", read_frequency_response)
+    found = [(fault.position.line, fault.message) for fault in caught.value.faults]
+    for line, said in (
+        (3, "engine has no number"), (5, 'no channel "T_cp"'), (6, "order 7 was not measured"),
+        (6, "nothing was measured"), (7, "input does not belong to orders"), (7, "settling does not belong to orders"),
+        (8, "orders_used belongs to measured orders"),
+    ):  # fmt: skip
+        assert any(line == at and said in message for at, message in found), (line, said, found)
+
+
+def test_fit_file_of_orders_is_fitted_and_saved(tmp_path):
+    engine_model().to_yaml(tmp_path / "engine.yaml")
+    values = dense_orders(misfire={4: 0.3})
+    write_tracked_orders([tracked(values, SIGMA, 0)], tmp_path / "run.csv")
+    (tmp_path / "fit.yaml").write_text(
+        "{torsionnet: 1, model: engine.yaml, parameters: [engine.misfire_share.4], measurements: "
+        "{run: {orders: run.csv, output: T_cpl, orders_used: [0.5, 1, 1.5, 3], speeds: 1000..1900 rpm}}}"
+    )
+    plan = load_fit_plan(tmp_path / "fit.yaml", read_frequency_response)
+    fit = identify(plan.model, plan.measurements, plan.parameters)
+    assert abs(fit.values[ENGINE] - 0.3) < 0.02
+    assert sorted(set(fit.comparisons[0].orders.tolist())) == [0.5, 1.0, 1.5, 3.0]
+    fit.to_yaml(tmp_path / "result.yaml")
+    again = load_fit(tmp_path / "result.yaml")
+    assert np.array_equal(again.comparisons[0].speeds, fit.comparisons[0].speeds)
+    assert [axes.get_xlabel() for axes in draw_fit(again).axes][2] == "speed [rpm]"
+
+
+def test_a_measurement_without_configuration_is_a_remark():
+    rig = tn.load("engine_generator_set")
+    response = rig.configured(k_cpl=7e4).frequency_response("T_cpl", "T_G", np.linspace(2, 10, 8))
+    said = "cold rig names no configuration, so the model as written is compared; there are firing=normal"
+    plain = identify(rig, Measurement(response, "T_cpl", "T_G", name="cold rig"), ["k_cpl"])
+    assert any(said in note for note in plain.notes)
+    named = Measurement(response, "T_cpl", "T_G", name="cold rig", configuration="normal,cold")
+    assert not any("names no configuration" in note for note in identify(rig, named, ["k_cpl"]).notes)
+
+
+def test_library_model_misfire_of_cylinder_4_at_30_percent():
+    rig = tn.load("engine_generator_set").configured("normal,warm")
+    true = rig.with_excitation_numbers({ENGINE: 0.3})
+    speeds = np.linspace(870, 990, 7) * np.pi / 30
+    run = true.order_response("T_cpl", speeds=speeds)
+    kept = [place for place, line in enumerate(run.lines) if float(line.relative) <= 6]
+    values = run.values[:, kept, 0].T
+    rng, sigma = np.random.default_rng(0), 20.0
+    noise = sigma * (rng.normal(size=values.shape) + 1j * rng.normal(size=values.shape))
+    orders = [
+        MeasuredOrder(float(run.lines[place].relative), speeds, np.abs(one), one, np.full(len(speeds), 1.96 * sigma))
+        for place, one in zip(kept, values + noise, strict=True)
+    ]
+    fit = identify(rig, Measurement(orders, "T_cpl"), [ENGINE, "engine.misfire_share.2"])
+    low, high = fit.intervals()[ENGINE]
+    assert low < 0.3 < high
+    assert high - low < 0.03
+    assert fit.values["engine.misfire_share.2"] < 0.02
