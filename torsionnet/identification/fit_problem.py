@@ -29,8 +29,8 @@ CHANNEL_UNKNOWNS = {
     "reference_angle": (0.0, (-np.inf, np.inf), "rad"),
 }  # fmt: skip
 FIRST_MISFIRE_SHARE = 0.1
-"""Share of misfire at which a search begins where the model has none: at 0 the half orders of an even engine vanish, and
-with them the derivatives of their amplitudes."""
+"""Share of misfire at which a search begins where the model has none: at 0 the half orders of an even engine vanish,
+and with them the derivatives of their amplitudes."""
 GAIN_BOUNDS_OF_MAGNITUDES = (0.0, np.inf)
 """Lower and upper bound of a channel's gain where only magnitudes are compared, which do not show whether it is
 reversed."""
