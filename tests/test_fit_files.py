@@ -123,8 +123,8 @@ class TestPlan:
 
 
 MEASUREMENT = (
-    "record, response, output, input, configuration, model_output, model_input, excitation, band, excluded, delay, gain, reference, "
-    "settling, error, pulses"
+    "record, response, orders, output, input, configuration, model_output, model_input, excitation, band, excluded, delay, gain, "
+    "reference, settling, error, orders_used, speeds, speed_of, reference_angle, pulses"
 )
 FAULTS = [
     ("torsionnet: 1", "torsionnet: 2", "torsionnet: is the version of the format, 1 for this release; this is format 2"),
