@@ -16,7 +16,7 @@ from torsionnet.signals.rotation.wheel_rotation import WheelRotation
 def wheel_rotations(wheels: Sequence[WheelRotation], *, title: str = "") -> Figure:
     """Figure of the speeds of wheels in r/min over time, and below of the standard deviation of their angles in deg.
 
-    Broken lines are the share that times of pulses have: counter and jitter. The rest is that of the places of teeth.
+    Thin lines are the share that times of pulses have: counter and jitter. The rest is that of the places of teeth.
 
     Parameters
     ----------
@@ -41,10 +41,11 @@ def wheel_rotations(wheels: Sequence[WheelRotation], *, title: str = "") -> Figu
         colour = style.PALETTE[number % len(style.PALETTE)]
         above.plot(*thin_out(wheel.times, wheel.speeds * RPM), color=colour, linewidth=0.7, label=wheel.name)
         times, deviation = thin_out(wheel.times, np.degrees(wheel.angle_deviation))
-        below.plot(times, deviation, color=colour, linewidth=1.0)
+        below.plot(times, deviation, color=colour, linewidth=1.8, label="" if number else "in all")
         of_times = np.degrees(wheel.deviations.time * np.abs(wheel.speeds))
         if of_times.any():
-            below.plot(*thin_out(wheel.times, of_times), color=colour, linewidth=0.7, linestyle="--")
+            label = "" if number else "of the times of pulses"
+            below.plot(*thin_out(wheel.times, of_times), color=colour, linewidth=0.7, label=label)
     if any(line.get_ydata().max(initial=0.0) > 0 for line in below.lines):  # type: ignore[union-attr]
         below.set_yscale("log")
     above.set_ylabel("speed [r/min]")
@@ -54,6 +55,7 @@ def wheel_rotations(wheels: Sequence[WheelRotation], *, title: str = "") -> Figu
     for axes in (above, below):
         style.style_axes(axes)
     above.legend(loc="best")
+    below.legend(loc="best")
     figure.align_ylabels([above, below])
     style.set_title(figure, title)
     return figure
