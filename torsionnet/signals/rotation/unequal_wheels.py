@@ -61,8 +61,8 @@ def tooth_by_difference(first: WheelRotation, second: WheelRotation, phase: floa
     if away[best] > LARGEST_SHARE:
         raise UsageError(
             f"{first.name} and {second.name}: the phase of the two is {away[best]:.2f} of a step beside tooth {best}, "
-            "and the next tooth fits about as well: the phase is from another assembly, or errors of the teeth are larger "
-            "than a quarter of a step"
+            "and the next tooth fits about as well: the phase is from another assembly, or errors of the teeth are "
+            "larger than a quarter of a step"
         )
     return best
 
@@ -76,7 +76,7 @@ def _shares(first: WheelRotation, second: WheelRotation, number: int) -> FloatAr
     pitches = second.rotation.at(times) - numbers * second.wheel.teeth / first.wheel.teeth
     if np.ptp(pitches) > 1:
         raise UsageError(
-            f"{first.name} and {second.name}: their teeth drift apart by {np.ptp(pitches):.2f} pitches: they are not on "
-            "one shaft, or their numbers of teeth are wrong"
+            f"{first.name} and {second.name}: their teeth drift apart by {np.ptp(pitches):.2f} pitches: they are not "
+            "on one shaft, or their numbers of teeth are wrong"
         )
     return np.asarray(pitches % 1)
