@@ -64,10 +64,10 @@ def _heading(found: OperationalModes) -> str:
 def _swept(axes: Axes, fit: SweptFit, found: OperationalModes) -> None:
     at = fit.frequencies
     axes.plot(at, np.abs(fit.measured), ".", color=style.INK, markersize=4, label=f"order {fit.order:g}, measured")
-    axes.plot(at, np.abs(fit.fitted), color=style.PALETTE[0], label="swept fit")
+    axes.plot(at, np.abs(fit.fitted), color=style.PALETTE[0], linewidth=1.2, label="swept fit")
     for mode, (frequency, steady) in enumerate(zip(found.natural_frequencies, fit.steady, strict=True)):
         label = "the mode at steady speeds" if not mode else None
-        axes.plot(at, np.abs(steady), "--", color=style.PALETTE[1], linewidth=1.2, label=label)
+        axes.plot(fit.steady_frequencies, np.abs(steady), "--", color=style.PALETTE[1], linewidth=1.2, label=label)
         axes.axvline(frequency, color=style.MUTED, linewidth=0.8)
     axes.set_ylim(0, None)
     axes.set_xlabel(f"frequency of order {fit.order:g} [Hz]")

@@ -11,6 +11,8 @@ from torsionnet.modal.spectral_lines import FloatArray
 
 BLOCKS = 100
 """Blocks into which a record is divided to find where its vibration is largest."""
+LIVELY = 0.6
+"""Standard deviation of a block over the largest from which the decay can begin in it: those of half cycles differ."""
 OVER_NOISE = 3.0
 """Standard deviation of a block over that of the noise at the end, down to which the decay is read."""
 SMALLEST_SHARE = 1e-3
@@ -73,7 +75,7 @@ def _limits(values: FloatArray) -> tuple[int, int]:
     slopes = blocks @ x / (x @ x)
     straight = blocks - blocks.mean(axis=1, keepdims=True) - slopes[:, None] * x
     lively = straight.std(axis=1)
-    top = int(lively.argmax())
+    top = int(np.flatnonzero(lively > LIVELY * lively.max())[0])
     rest = values[-max(len(values) // 10, 1) :].mean()
     begin = top * size
     first = begin + int(np.abs(values[begin : begin + 2 * size] - rest).argmax())

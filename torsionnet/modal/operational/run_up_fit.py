@@ -75,7 +75,7 @@ class _Passage:
                 else self.windows.weights @ response
                 for other in self.sweeps
             ]  # fmt: skip
-            found.append(np.array(rows))
+            found.append(np.array(rows, dtype=np.complex128))
         return found
 
     def columns(self, poles: ComplexArray) -> ComplexArray:

@@ -16,6 +16,8 @@ from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 
 GREAT_MISFIT = 0.1
 """RMS residual over RMS amplitude above which other modes or an uneven excitation are suspected."""
+STEADY_POINTS = 1000
+"""Points of the curve of steady responses."""
 FAST_SWEEP = 0.2
 """Sweep rate in units of (zeta f0)^2 from which the steady reading is off by percents, and the note on it is given."""
 
@@ -33,8 +35,10 @@ class SweptFit:
         Peak amplitudes in windows, SI.
     parts : (n_modes, n) complex array
         Contribution of each mode.
-    steady : (n_modes, n) complex array
-        Response of each mode had the machine stayed at each speed, for its amplitude.
+    steady_frequencies : (n_fine,) array
+        Frequencies in Hz of the steady response.
+    steady : (n_modes, n_fine) complex array
+        Response of each mode at steady speeds, for the amplitude of its swept response.
     """
 
     order: float
@@ -42,6 +46,7 @@ class SweptFit:
     measured: ComplexArray
     fitted: ComplexArray
     parts: ComplexArray
+    steady_frequencies: FloatArray
     steady: ComplexArray
 
 
@@ -68,7 +73,7 @@ def swept_modes(
     frequencies, zeta = np.abs(fit.poles) / (2 * np.pi), -fit.poles.real / np.abs(fit.poles)
     evidence = SweptFit(
         windows.orders[0], windows.frequencies, windows.values[0], fit.fitted[0], fit.parts[:, 0],
-        _steady(fit, windows, excitation, derivative),
+        *_steady(fit, windows, excitation, derivative),
     )  # fmt: skip
     remarks = tuple(
         "; ".join(_remarks(windows, f, z, error)) for f, z, error in zip(frequencies, zeta, errors[1], strict=True)
@@ -87,9 +92,12 @@ def _student(degrees: int) -> float:
     return float(t.ppf(0.975, degrees))
 
 
-def _steady(fit: RunUpFit, windows: PassageWindows, excitation: Excitation, derivative: int) -> ComplexArray:
-    """Response of each mode had the machine stayed at each speed, (n_modes, n), with the amplitudes of the fit."""
-    omega = 2 * np.pi * windows.frequencies
+def _steady(
+    fit: RunUpFit, windows: PassageWindows, excitation: Excitation, derivative: int
+) -> tuple[FloatArray, ComplexArray]:
+    """Frequencies in Hz and response of each mode at steady speeds, (n_modes, n), with the amplitudes of the fit."""
+    at = np.linspace(windows.frequencies.min(), windows.frequencies.max(), STEADY_POINTS)
+    omega = 2 * np.pi * at
     sweep = sweep_of(windows.times, windows.angle, windows.orders[0], excitation)
     growth = np.ones(len(omega)) if excitation == "constant" else (omega / np.abs(sweep.speed).max()) ** 2
     found = []
@@ -98,7 +106,7 @@ def _steady(fit: RunUpFit, windows: PassageWindows, excitation: Excitation, deri
         gain = np.vdot(swept, part) / np.vdot(swept, swept)
         compliance = abs(pole) ** 2 / ((1j * omega - pole) * (1j * omega - pole.conjugate()))
         found.append(gain * growth * compliance * (1j * omega) ** derivative)
-    return np.array(found)
+    return at, np.array(found)
 
 
 def _notes(fit: RunUpFit, windows: PassageWindows, excitation: Excitation, derivative: int) -> list[str]:
