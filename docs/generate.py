@@ -35,7 +35,22 @@ from torsionnet.core.entries.words import Count, Flag, OneOf
 from torsionnet.core.errors import ModelError
 from torsionnet.core.expressions import Algebra
 from torsionnet.core.units import _BASE, _JOINED, _PREFIXES, DIMENSIONS, Dimension, expected_unit
-from torsionnet.model.bench import Acquisition, Encoder, Exciter, Transducer
+from torsionnet.model.bench import (
+    Acquisition,
+    DropOuts,
+    Encoder,
+    Exciter,
+    Hum,
+    PitchErrors,
+    RadialVibration,
+    RecordingSystem,
+    ShuntCalibration,
+    StrainGauge,
+    ToothedWheel,
+    Transducer,
+    ZeroDrift,
+)
+from torsionnet.model.bench.bench_motions import MOTIONS
 from torsionnet.model.bench.plan import EXCITATIONS
 from torsionnet.model.element_base.damping_entries import LossFactor
 from torsionnet.model.element_base.multiple_values import MultipleValues
@@ -428,9 +443,19 @@ def bench_page() -> str:
     sections: list[tuple[str, type[Declared]]] = [
         ("`exciter`", Exciter),
         ("Channel of `type: transducer`", Transducer),
+        ("`hum` of a transducer or strain gauge", Hum),
+        ("`drop_outs` of a transducer or strain gauge", DropOuts),
+        ("Channel of `type: strain gauge`", StrainGauge),
+        ("`shunt` of a strain gauge", ShuntCalibration),
+        ("`zero_drift` of a strain gauge", ZeroDrift),
         ("Channel of `type: encoder`", Encoder),
+        ("Channel of `type: toothed wheel`", ToothedWheel),
+        ("`pitch_errors` of a toothed wheel", PitchErrors),
+        ("`radial_vibration` of a toothed wheel", RadialVibration),
         ("`acquisition`", Acquisition),
+        ("One of `systems`", RecordingSystem),
     ]
+    sections += [(f"`motion` of `type: {kind}`", cls) for kind, cls in MOTIONS.items()]
     sections += [(f"`excitation` of `type: {kind}`", cls) for kind, cls in EXCITATIONS.items()]
     return "\n".join(_entries_table(title, cls) for title, cls in sections)
 

@@ -22,7 +22,7 @@ class TrueFault:
 
     channel: Annotated[str, Out("channel")]
     kind: Annotated[str, Out("fault")]
-    time: Annotated[float, Out("time", "s")]
+    time: Annotated[float, Out("time", "s", json="time_s")]
     size: Annotated[float, Out("size")]
 
     def __str__(self) -> str:

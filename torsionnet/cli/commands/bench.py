@@ -50,9 +50,9 @@ class PulseRow:
 
     name: Annotated[str, Out("channel of pulses")]
     count: Annotated[int, Out("pulses")]
-    first: Annotated[float | None, Out("first", "s", digits=6)]
-    last: Annotated[float | None, Out("last", "s", digits=6)]
-    tick: Annotated[float, Out("tick", "s", digits=4)]
+    first: Annotated[float | None, Out("first", "s", json="first_s", digits=6)]
+    last: Annotated[float | None, Out("last", "s", json="last_s", digits=6)]
+    tick: Annotated[float, Out("tick", "s", json="tick_s", digits=4)]
     notes: tuple[str, ...]
 
     @property
