@@ -40,7 +40,7 @@ class Bench(NotebookResult):
     Examples
     --------
     >>> import torsionnet as tn
-    >>> from torsionnet.model.bench import Plan, ToothedWheel
+    >>> from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer
     >>> plan = Plan(
     ...     excitation=tn.signals.LinearChirp(start=1, stop=20, duration=10, amplitude=15),
     ...     channels={"T_T": Transducer(noise="0.23 N*m"), "theta_1": Encoder(lines=1024, quadrature=True)},
