@@ -106,7 +106,7 @@ def _of_condition(
         if name in tests:
             compared = order_comparison(run, name, tests[name], subject.conventions)
             caption = f"Measured and calculated peaks: {place.means}{_where(case)}"
-            blocks += [results_table(compared, caption, notes=False), Paragraph((DAMPING_NOTE,))]
+            blocks += [results_table(compared, caption), Paragraph((DAMPING_NOTE,))]
     return reference, blocks
 
 
