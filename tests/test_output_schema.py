@@ -40,6 +40,7 @@ def folder(tmp_path_factory):
         write_frequency_response(replace(response, values=response.values * (1 + noise)), "test.csv")
         Path("broken.yaml").write_text("name: x\nelements: {a: {type: inertia, node: n, inertia: -1, frob: 2}}\n")
         run("bench", "rig.yaml", "-c", "soft", "-o", "run_soft.npz")
+        Path("pulses.csv").write_text("n1\n" + "\n".join(str(1000 * count) for count in range(600)))
         yield folder
 
 
@@ -88,6 +89,7 @@ CALLS = {
     "estimate": ["estimate run_soft.npz --output phi --input M"],
     "compare": ["compare run_soft.npz rig.yaml -c soft --output phi --input M"],
     "spectrogram": ["spectrogram run_soft.npz --channel phi"],
+    "angle": ["angle pulses.csv --pulses n1=60 --tick 1us --order 6"],
     "bench": ["bench rig.yaml -o again.npz"],
     "study": ["study spread.yaml"],
     "fit": ["fit fit.yaml", "fit short_fit.yaml --profile --rank"],

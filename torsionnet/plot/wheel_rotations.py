@@ -46,7 +46,7 @@ def wheel_rotations(wheels: Sequence[WheelRotation], *, title: str = "") -> Figu
         if of_times.any():
             label = "" if number else "of the times of pulses"
             below.plot(*thin_out(wheel.times, of_times), color=colour, linewidth=0.7, label=label)
-    if any(line.get_ydata().max(initial=0.0) > 0 for line in below.lines):  # type: ignore[union-attr]
+    if any(line.get_ydata().max(initial=0.0) > 0 for line in below.lines):
         below.set_yscale("log")
     above.set_ylabel("speed [r/min]")
     below.set_ylabel("deviation of angle [deg]")
