@@ -24,8 +24,8 @@ ENDINGS = (".yaml", ".yml")
 class FitCommand(Command):
     """Find parameters of a model from records of tests, over several configurations at once.
 
-    FIT is a YAML file: model, measurements (record or response, output, input, configuration, band), parameters
-    (start, bounds, prior, per_configuration), settings of the estimate.
+    FIT is a YAML file: model, measurements (record or response, output, input, configuration, band; or orders, output,
+    orders_used, speeds), parameters (start, bounds, prior, per_configuration), settings of the estimate.
 
     \b
     torsionnet fit gears.yaml --plot fit.png -o result.yaml
