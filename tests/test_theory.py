@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy import linalg, stats
+from scipy import interpolate, linalg, special, stats
 
 import torsionnet as tn
 from torsionnet.model.limits.iacs_m68 import IacsM68
@@ -372,6 +372,53 @@ class TestSensitivitiesAndTolerances:
         parts = np.array([1 / 12, 4 / 12, 4 / 144])
         np.testing.assert_allclose(found.first, parts[:2] / parts.sum(), atol=0.01)
         np.testing.assert_allclose(found.total, (parts[:2] + parts[2]) / parts.sum(), atol=0.01)
+
+
+class TestRotatingTests:
+    def test_11_2_over_the_own_angle_an_order_loses_by_a_bessel_function(self):
+        """22 degrees swing of the phase of order 12 by 1.8 degrees of order 0.5: the line falls by J0(0.38)."""
+        phi = np.linspace(0, 4 * np.pi, 20_001)[:-1]
+        vibration = np.radians(1.8) * np.cos(0.5 * phi)
+        theta = phi + vibration
+        signal = np.cos(12 * phi)
+        line = 2 * np.mean(signal * np.exp(-12j * theta) * (1 - 0.5 * np.radians(1.8) * np.sin(0.5 * phi)))
+        assert abs(line) == pytest.approx(special.j0(12 * np.radians(1.8)), abs=2e-3)
+        assert np.degrees(12 * vibration.max()) == pytest.approx(21.6)
+
+    def test_11_4_a_cubic_spline_keeps_a_known_share_of_a_sine(self):
+        from torsionnet.signals.orders.tracked_signals import spline_response
+
+        at = np.arange(400.0)
+        fine = np.linspace(100, 300, 20_001)[:-1]
+        for share in (0.05, 0.15, 0.3):
+            spline = interpolate.CubicSpline(at, np.cos(2 * np.pi * share * at))(fine)
+            kept = 2 * np.mean(spline * np.exp(-2j * np.pi * share * fine))
+            assert abs(kept) == pytest.approx(spline_response(np.array(share)), abs=2e-4)
+
+    def test_11_7_torque_that_errors_of_teeth_leave(self):
+        rng = np.random.default_rng(1)
+        places = rng.normal(0, np.radians(0.05), (2, 4000, 60))
+        lines = 2 / 60 * np.fft.fft(places, axis=2)[:, :, 3]
+        torque = np.sqrt(np.mean(np.abs(2e6 * (lines[0] - lines[1])) ** 2))
+        assert torque == pytest.approx(np.sqrt(2) * 2e6 * 2 * np.radians(0.05) / np.sqrt(60), rel=0.03)
+        assert torque == pytest.approx(637, rel=0.03)
+
+    @pytest.mark.parametrize("poles", [1, 2, 3, 4])
+    def test_11_10_a_fluctuation_passes_by_its_frequency(self, poles):
+        from torsionnet.signals.orders.vold_kalman import EnvelopeFilter
+
+        time, width = np.arange(8000) / 200, 1.0
+        knots = np.arange(0, 40.05, 0.1)
+        phase = (2 * np.pi * 30 * time)[None]
+        widths = np.full((2, len(knots) - 1), width)
+        filtered = EnvelopeFilter(time, phase, knots, widths, poles)
+        inner = np.linspace(10, 30, 401)
+        for frequency in (0.25, 0.5, 1.0):
+            beat = np.cos(phase + 2 * np.pi * frequency * time)
+            _, envelope = filtered.envelopes(filtered.solve(beat), inner)
+            found = np.mean(envelope[0, 0] * np.exp(-2j * np.pi * frequency * inner))
+            expected = 1 / (1 + (np.sqrt(2) - 1) * (2 * frequency / width) ** (2 * poles))
+            assert abs(found) == pytest.approx(expected, abs=0.01 if frequency <= width / 2 else 0.03)
 
 
 class TestPages:

@@ -79,8 +79,10 @@ def tracked_orders_text(orders: Sequence[TrackedOrders]) -> str:
 def _common(orders: Sequence[TrackedOrders]) -> TrackedOrders:
     if not orders:
         raise UsageError("there are no tracked orders to write")
-    first = orders[0]
+    first, names = orders[0], [one.name for one in orders]
     for one in orders[1:]:
+        if names.count(one.name) > 1:
+            raise UsageError(f"two channels are named {one.name}: a file needs a name for each")
         alike = one.times.shape == first.times.shape and one.orders.shape == first.orders.shape
         if not (alike and np.allclose(one.times, first.times) and np.allclose(one.orders, first.orders)):
             raise UsageError(f"{one.name} and {first.name} were tracked at other times or orders: write them apart")

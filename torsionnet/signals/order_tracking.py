@@ -1,4 +1,4 @@
-"""Order maps of signals, amplitudes at multiples of the rotation over time and speed, by order tracking."""
+"""Order maps of signals, complex amplitudes at multiples of the rotation over time and speed, by order tracking."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.core.errors import UsageError
+from torsionnet.response.frequency_response import ComplexArray
 from torsionnet.response.recording import FloatArray, Recording
 from torsionnet.signals.harmonics import sweep_cycles
 from torsionnet.signals.record_blocks import check_processable
@@ -31,6 +32,8 @@ class OrderMap:
     amplitude : (n_o, n_t) array
         Peak amplitude of a sine that would give this line, in the unit of the signal.
     name, unit : str
+    values : (n_o, n_t) complex array, optional
+        Complex peak amplitudes X of Re X exp(j o phi), where phi is the angle turned since the begin of the record.
     """
 
     orders: FloatArray
@@ -39,6 +42,7 @@ class OrderMap:
     amplitude: FloatArray
     name: str
     unit: str
+    values: ComplexArray | None = None
 
     def along(self, order: float) -> FloatArray:
         """Peak amplitude of the line nearest to one order at each time, (n_t,), in the signal's unit."""
@@ -98,14 +102,17 @@ def order_map(
         raise UsageError(f"{text}; take fewer revolutions")
     times = np.interp(equal, turns, chosen.time)
     starts = np.arange(0, count - length + 1, step)
+    orders = np.arange(int(highest * revolutions) + 1) / revolutions
+    values = _lines(_at(times, chosen, name), starts, length, orders / per_turn)
     middles, ends = starts + length // 2, np.minimum(starts + length, count - 1)
     return OrderMap(
-        orders=np.arange(int(highest * revolutions) + 1) / revolutions,
+        orders=orders,
         times=times[middles],
         speeds=2 * np.pi * (equal[ends] - equal[starts]) / (times[ends] - times[starts]),
-        amplitude=_amplitudes(_at(times, chosen, name), starts, length, int(highest * revolutions) + 1),
+        amplitude=np.abs(values),
         name=name,
         unit=chosen[name].unit,
+        values=values,
     )
 
 
@@ -132,9 +139,11 @@ def _at(times: FloatArray, recording: Recording, name: str) -> FloatArray:
     return np.asarray(CubicSpline(recording.time, recording[name].values)(times), dtype=np.float64)
 
 
-def _amplitudes(values: FloatArray, starts: NDArray[np.intp], length: int, count: int) -> FloatArray:
+def _lines(values: FloatArray, starts: NDArray[np.intp], length: int, cycles: FloatArray) -> ComplexArray:
+    """Complex peak amplitudes of lines with so many cycles a sample, (n_lines, n_starts), in the values' unit."""
     weights = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(length) / length)
-    scale = np.full(count, 2 / weights.sum())
+    scale = np.full(len(cycles), 2 / weights.sum())
     scale[0] /= 2
-    lines = (np.fft.rfft(values[begin : begin + length] * weights)[:count] for begin in starts)
-    return np.array([np.abs(line) * scale for line in lines]).T
+    lines = (np.fft.rfft(values[begin : begin + length] * weights)[: len(cycles)] for begin in starts)
+    turned = np.exp(-2j * np.pi * np.outer(cycles, starts))
+    return np.asarray(np.array([line * scale for line in lines]).T * turned)

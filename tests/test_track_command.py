@@ -1,0 +1,174 @@
+"""The command track: from a record of pulses and torque to complex orders in a file, a table, JSON and pictures."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from torsionnet.cli.app import app
+from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.io import read_tracked_orders, write_recording, write_tracked_orders
+from torsionnet.io.tracked_order_tables import is_tracked_table
+from torsionnet.response.measured.pulse_channel import PulseChannel
+from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.response.recording import Recording, Signal
+from torsionnet.signals.orders.derived_orders import order_slices, stress_orders
+from torsionnet.signals.orders.tracking_entries import BANDWIDTH, ORDERS
+
+
+@pytest.fixture(scope="module")
+def record(tmp_path_factory):
+    """Run-up from 600 to 1200 r/min in 6 s: 60-2 teeth, tooth 0 at -35 degrees, cam, torque of orders 1.5 and 3."""
+    rate, first, slope = 2000.0, 20 * np.pi, 20 * np.pi / 6
+    time = np.arange(12_000) / rate
+    phi = first * time + slope * time**2 / 2
+    torque = 500 + 100 * np.cos(3 * phi + 0.7) + 30 * np.cos(1.5 * phi - 0.2)
+
+    def at(angles):
+        return (-first + np.sqrt(first**2 + 2 * slope * angles)) / slope
+
+    turns = int(phi[-1] / (2 * np.pi)) - 1
+    teeth = np.arange(60 * turns)
+    fly = at(2 * np.pi * (teeth[teeth % 60 < 58] / 60 + 1) - np.radians(35))
+    cam = at(4 * np.pi * np.arange(1, turns // 2) - np.radians(150))
+    gen = at(2 * np.pi * np.arange(60 * turns) / 60)
+    pulses = (PulseChannel("fly", fly), PulseChannel("gen", gen), PulseChannel("cam", cam))
+    whole = Recording(
+        (Signal("T", "torque", torque), Signal("n", "velocity", first + slope * time)), rate, pulses=pulses
+    )
+    path = tmp_path_factory.mktemp("track") / "up.npz"
+    write_recording(whole, path)
+    return path
+
+
+def run(*words, code=0):
+    result = CliRunner().invoke(app, ["track", *map(str, words)])
+    assert result.exit_code == code, result.output
+    return result
+
+
+def test_orders_with_phase_from_top_dead_centre(record, tmp_path):
+    file = tmp_path / "up.csv"
+    shown = run(record, "--reference", "fly=60-2", "--tdc", "35deg", "--cam", "cam", "--channel", "T", "--orders",
+                "0.5:3:0.5", "-o", file, "--plot", tmp_path / "up.png", "--csv", tmp_path / "table.csv")  # fmt: skip
+    assert "top dead centre of cylinder 1" in shown.output
+    (found,) = read_tracked_orders(file)
+    assert found.along(3) == pytest.approx(np.full(len(found.times), 100 * np.exp(0.7j)), abs=0.05)
+    assert found.along(1.5) == pytest.approx(np.full(len(found.times), 30 * np.exp(-0.2j)), abs=0.05)
+    assert np.abs(found.along(2)).max() < 0.05
+    assert found.half_range == pytest.approx(found.half_range[0], rel=1e-3)
+    assert (tmp_path / "up.png").stat().st_size > 10_000
+
+
+def test_vold_kalman_slices_and_waterfall(record, tmp_path):
+    words = (record, "--reference", "n", "--channel", "T", "--orders", "1.5,3", "--method", "vold-kalman")
+    found = json.loads(run(*words, "--bandwidth", "3Hz", "--steps", "50rpm", "--json").stdout)[0]
+    assert np.hypot(found["real"][1], found["imag"][1])[1:-1] == pytest.approx(100, rel=2e-3)
+    assert found["reference"] == ""
+    run(*words, "--bandwidth", "5%", "--plot", tmp_path / "fall.png", "--picture", "waterfall")
+
+
+def test_twist_torque_and_stress(record):
+    words = ("--reference", "fly=60-2", "--wheel", "gen=60", "--orders", "1,3", "--twist", "fly-gen")
+    found = json.loads(
+        run(
+            record, *words, "--channel", "fly", "--stiffness", "2 MN*m/rad", "--diameter", "fly-gen=200mm", "--json"
+        ).stdout
+    )
+    assert [one["channel"] for one in found] == ["fly", "torque(fly-gen)", "stress(torque(fly-gen))"]
+    assert [one["unit"] for one in found] == ["rad", "N*m", "Pa"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--reference", "fly=60-2", "--tdc", "35deg", "--orders", "0"), "positive numbers"),
+        (("--reference", "n", "--tdc", "35deg", "--orders", "1"), "no mark that tells its angle"),
+        (("--reference", "fly=60-2", "--orders", "1", "--bandwidth", "1Hz"), "belong to --method vold-kalman"),
+        (("--reference", "fly=60-2", "--orders", "1:2"), "first:last:step"),
+        (("--reference", "fly=60-2", "--orders", "1", "--twist", "fly-gen"), "two wheels with - between them"),
+        (("--reference", "fly=60-2", "--orders", "1", "--pattern", "gen=x.yaml"), "there is no wheel of this name"),
+        (("--reference", "fly=60-2", "--orders", "40"), "tell orders up to"),
+        (("--reference", "fly=x", "--orders", "1"), "expected WHEEL=TEETH"),
+        (("--reference", "T", "--orders", "1"), "the rotation needs an angle or a speed"),
+        (("--reference", "fly=60-2", "--orders", "1", "--steps", "20Nm"), "20Nm"),
+    ],
+)
+def test_wrong_words_are_named(record, words, message):
+    result = CliRunner().invoke(app, ["track", str(record), *words])
+    assert result.exit_code in (1, 2), result.output
+    assert message in " ".join(result.output.split())
+
+
+def tracked(**more):
+    values = np.array([[1 + 2j, 3], [4, 5j]])
+    given = {"half_range": np.array([3.0, 6.0]), "reference": "tooth 0", "undecided": (0.5,), "notes": ("a", "b, c")}
+    return TrackedOrders(
+        "T 1", "torque", np.array([0.5, 3.0]), np.array([0.0, 1.0]), np.array([10.0, 20.0]), values,
+        np.array([[0.1, np.nan], [0.2, 0.3]]), **given | more,
+    )  # fmt: skip
+
+
+def test_a_file_keeps_everything(tmp_path):
+    file = tmp_path / "o.csv"
+    one = tracked(title="run")
+    write_tracked_orders([one, replace(tracked(half_range=None), name="U")], file)
+    assert is_tracked_table(file)
+    again, _ = read_tracked_orders(file)
+    for name in ("orders", "times", "speeds", "values", "half_widths", "half_range"):
+        np.testing.assert_allclose(getattr(again, name), getattr(one, name), err_msg=name)
+    assert (again.name, again.unit, again.reference, again.undecided) == ("T 1", "N*m", "tooth 0", (0.5,))
+    assert (again.title, again.notes) == ("run", ("a", "b, c"))
+
+
+def test_faults_of_a_file_have_their_place(tmp_path):
+    file = tmp_path / "o.csv"
+    write_tracked_orders([tracked()], file)
+    lines = file.read_text().splitlines()
+    lines[-1] = lines[-1].replace("5.0", "five").replace("0.3", "")
+    lines[-2] = lines[-2].replace("3.0", "", 1)
+    file.write_text("\n".join(lines))
+    with pytest.raises(ModelError) as caught:
+        read_tracked_orders(file)
+    text = str(caught.value)
+    assert '"five" is no number' in text
+    assert f"o.csv:{len(lines)}:" in text
+    file.write_text("time [s],speed [rpm],order\n0,1,2\n")
+    with pytest.raises(UsageError, match="no columns NAME real and NAME imag"):
+        read_tracked_orders(file)
+    file.write_text("a,b\n1,2\n")
+    with pytest.raises(UsageError, match="torsionnet track -o writes such a file"):
+        read_tracked_orders(file)
+    with pytest.raises(UsageError, match="two channels are named T 1"):
+        write_tracked_orders([tracked(), tracked()], file)
+    with pytest.raises(UsageError, match="write them apart"):
+        write_tracked_orders([tracked(), replace(tracked(reference=""), name="U")], file)
+
+
+def test_units_of_a_file_are_read(tmp_path):
+    file = tmp_path / "o.csv"
+    file.write_text("time [s],speed [rpm],order,T real [kNm],T imag [kNm]\n0,60,3,1,2\n")
+    (one,) = read_tracked_orders(file)
+    assert one.along(3) == pytest.approx([1000 + 2000j])
+    assert one.speeds == pytest.approx([2 * np.pi])
+    assert np.isnan(one.half_widths).all()
+    assert one.half_range is None
+
+
+def test_slices_and_stress():
+    sliced = order_slices(tracked(), 100.0)
+    assert sliced.along(3) == pytest.approx([2 + 2.5j])
+    assert sliced.half_range == pytest.approx([6.0])
+    stress = stress_orders(tracked(), 0.2, 0.1)
+    assert stress.along(3) == pytest.approx(tracked().along(3) * 16 * 0.2 / (np.pi * (0.2**4 - 0.1**4)))
+    with pytest.raises(UsageError, match="inner diameter"):
+        stress_orders(tracked(), 0.1, 0.2)
+
+
+def test_entries():
+    assert ORDERS.coerce("0.5:2:0.5, 6") == (0.5, 1.0, 1.5, 2.0, 6.0)
+    assert (BANDWIDTH.coerce("2%").share, BANDWIDTH.coerce("0.5 Hz").bandwidth) == (0.02, 0.5)
