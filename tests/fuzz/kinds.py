@@ -186,8 +186,8 @@ def use_parts(path: Path) -> None:
 
 def use_bench(path: Path) -> None:
     bench = tn.load_bench(path)
-    if bench.plan.acquisition.rate * bench.plan.excitation.length <= MOST_SAMPLES:
-        bench.run()
+    if bench.plan.excitation is None or bench.plan.acquisition.rate * bench.plan.excitation.length <= MOST_SAMPLES:
+        bench.records()
 
 
 def use_fit(path: Path) -> None:
