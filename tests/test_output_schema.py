@@ -13,10 +13,12 @@ from test_cli import run
 from test_cli_fit import FIT
 from test_cli_records import RIG
 from test_order_response import PLANT
+from test_wheel_evidence import record, teeth
 
 import torsionnet as tn
 from torsionnet.cli.output_schema import OUTPUTS
-from torsionnet.io import write_frequency_response
+from torsionnet.io import write_frequency_response, write_recording
+from torsionnet.response.recording import Recording
 
 
 @pytest.fixture(scope="module")
@@ -41,6 +43,8 @@ def folder(tmp_path_factory):
         Path("broken.yaml").write_text("name: x\nelements: {a: {type: inertia, node: n, inertia: -1, frob: 2}}\n")
         run("bench", "rig.yaml", "-c", "soft", "-o", "run_soft.npz")
         Path("pulses.csv").write_text("n1\n" + "\n".join(str(1000 * count) for count in range(600)))
+        pair = record(teeth(), 100.0, angle=np.radians(100))
+        write_recording(Recording((), 1e4, pulses=(pair.first, pair.second)), "wheel.npz")
         yield folder
 
 
@@ -63,6 +67,7 @@ answers: {yield: {type: yield}}
 """
 DRIVEN = "load: {absorbed_at: f, torque: 100 N*m, torque_exponent: 2, rated: 900 rpm, driven_by: {m: 1}}"
 CALLS = {
+    "calibrate-wheel": ["calibrate-wheel wheel.npz --pulses A --second B --angle 99deg --teeth 24"],
     "check": ["check dmf_rig broken.yaml"],
     "library": ["library"],
     "modes": ["modes amt_rig -c all", "modes planetary_set"],
