@@ -1,0 +1,69 @@
+"""Campaign of a rotating test: its records with conditions, and the model that they are compared with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from torsionnet.core.notebook import NotebookResult
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.model.campaign.campaign_file import CampaignFile, CampaignRecord
+from torsionnet.response.measured.wheel_pattern import WheelPattern
+from torsionnet.response.table import Column, Table
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Campaign(NotebookResult):
+    """Campaign of a rotating test, as its file describes it.
+
+    Attributes
+    ----------
+    path : path
+        File that describes it.
+    plan : CampaignFile
+    model : Drivetrain
+    patterns : mapping of str to WheelPattern
+        Pitch patterns of the wheels that have one, by wheel.
+    """
+
+    path: Path
+    plan: CampaignFile
+    model: Drivetrain
+    patterns: Mapping[str, WheelPattern]
+
+    @property
+    def title(self) -> str:
+        """Title of the campaign; without one the name of its file."""
+        return self.plan.name or self.path.stem
+
+    @property
+    def reference(self) -> str:
+        """Name of the wheel whose revolutions orders count."""
+        return self.plan.reference or next(iter(self.plan.wheels))
+
+    @property
+    def sensors(self) -> Mapping[str, str]:
+        """Sensor of the model that each channel, wheel and twist shows, by its name; those with none are left out."""
+        named = {name: wheel.sensor for name, wheel in self.plan.wheels.items()}
+        named |= {name: channel.sensor for name, channel in (self.plan.channels or {}).items()}
+        named |= {name: twist.sensor for name, twist in (self.plan.twists or {}).items()}
+        given = {name: sensor or (name if name in self.model.sensors else "") for name, sensor in named.items()}
+        return {name: sensor for name, sensor in given.items() if sensor}
+
+    def model_of(self, record: CampaignRecord) -> Drivetrain:
+        """Drivetrain in the configuration of a record."""
+        return self.model.configured(record.configuration) if record.configuration else self.model
+
+    def file_of(self, record: CampaignRecord) -> Path:
+        """Path of the file of a record."""
+        return self.path.parent / record.file
+
+    def table(self) -> Table:
+        """Table of the records with their files, configurations and conditions."""
+        rows = tuple(
+            (name, one.file, one.configuration, one.condition, one.temperature)
+            for name, one in self.plan.records.items()
+        )
+        columns = ("record", "file", "configuration", "condition")
+        return Table(self.title, (*map(Column, columns), Column("temperature", "K")), rows)

@@ -1,0 +1,135 @@
+"""Campaigns read from their files, every fault at its place."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from torsionnet.campaign.campaign import Campaign
+from torsionnet.core.entries.format_version import version_faults
+from torsionnet.core.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.io.wheel_pattern_files import read_wheel_pattern
+from torsionnet.loading import load
+from torsionnet.model.campaign.campaign_file import CampaignFile
+from torsionnet.model.channels import named_sensor
+from torsionnet.model.files.decoding import decode
+from torsionnet.model.files.fault_positions import located_faults, presentable_faults
+from torsionnet.model.files.located_yaml import LocatedDocument, compose
+from torsionnet.model.files.reader import is_file
+from torsionnet.response.measured.wheel_pattern import WheelPattern
+from torsionnet.signals.rotation.pattern_checks import check_pattern
+
+
+def load_campaign(path: str | os.PathLike[str]) -> Campaign:
+    """Load a campaign from its YAML file, with its model and the pitch patterns of its wheels.
+
+    Raises
+    ------
+    ModelError
+        With every fault of the file and its place.
+    UsageError
+        There is no such file.
+    """
+    file = Path(path)
+    document = _document(file)
+    data: Mapping[Any, Any] = document.data if isinstance(document.data, dict) else {}
+    entries, faults = CampaignFile.read_entries(data)
+    faults = [*version_faults(data, "campaign"), *faults]
+    model, found = _model(entries.get("model"), file.parent)
+    faults += found
+    patterns: dict[str, WheelPattern] = {}
+    plan = None
+    if not faults and model is not None:
+        plan = CampaignFile(**entries)
+        faults += [*_references(plan), *_sensors(plan, model), *_records(plan, model, file.parent), *_fitted(plan)]
+        patterns, found = _patterns(plan, file.parent)
+        faults += found
+    faults += document.faults
+    if faults or plan is None or model is None:
+        raise ModelError(located_faults(faults, document), file.name)
+    return Campaign(file, plan, model, patterns)
+
+
+def _document(file: Path) -> LocatedDocument:
+    try:
+        return compose(decode(file.read_bytes(), str(file)).removeprefix("\ufeff"), str(file))
+    except OSError as error:
+        raise UsageError(f"{file} cannot be read: {error.strerror or error}") from None
+    except ModelError as error:
+        raise ModelError(presentable_faults(error.faults), file.name) from None
+
+
+def _model(name: Any, folder: Path) -> tuple[Drivetrain | None, list[Fault]]:
+    if not name:
+        return None, []
+    try:
+        return load(folder / name if Path(name).suffix else name), []
+    except UsageError as error:
+        return None, [Fault(str(error), ("model",))]
+    except ModelError as error:
+        return None, [Fault(f"{name} has {len(error.faults)} errors", ("model",)), *error.faults]
+
+
+def _references(plan: CampaignFile) -> Iterator[Fault]:
+    wheels = list(plan.wheels)
+    known = f"wheels: {', '.join(wheels)}"
+    if plan.reference and plan.reference not in wheels:
+        text = f'no wheel is named "{plan.reference}"{did_you_mean(plan.reference, wheels)}'
+        yield Fault(f"{text}; {known}", ("reference",))
+    if not plan.reference and len(wheels) > 1:
+        yield Fault(f"say with reference: which wheel turns with the shaft whose revolutions orders count; {known}",
+                    on_key=True)  # fmt: skip
+    for name, twist in (plan.twists or {}).items():
+        for key in ("first", "second"):
+            if (given := getattr(twist, key)) not in wheels:
+                text = f'no wheel is named "{given}"{did_you_mean(given, wheels)}'
+                yield Fault(f"{text}; {known}", ("twists", name, key))
+
+
+def _sensors(plan: CampaignFile, model: Drivetrain) -> Iterator[Fault]:
+    sections = (("wheels", plan.wheels), ("channels", plan.channels or {}), ("twists", plan.twists or {}))
+    for section, entries in sections:
+        for name, one in entries.items():
+            if one.sensor and named_sensor(one.sensor, model.definition.sensors) is None:
+                hint = did_you_mean(one.sensor, model.sensors)
+                text = f'no sensor is named "{one.sensor}"{hint}; sensors: {", ".join(model.sensors) or "none"}'
+                yield Fault(f"{text}; or write it out, as angle(node)", (section, name, "sensor"))
+
+
+def _records(plan: CampaignFile, model: Drivetrain, folder: Path) -> Iterator[Fault]:
+    for name, record in plan.records.items():
+        if not is_file(folder / record.file):
+            beside = [one.name for one in folder.iterdir()] if folder.is_dir() else []
+            hint = did_you_mean(Path(record.file).name, beside)
+            yield Fault(f'there is no file "{record.file}"{hint}', ("records", name, "file"))
+        if record.configuration:
+            try:
+                model.configured(record.configuration)
+            except TorsionnetError as error:
+                yield Fault(str(error), ("records", name, "configuration"))
+
+
+def _fitted(plan: CampaignFile) -> Iterator[Fault]:
+    if plan.fit is not None and plan.fit.parameters is None and not plan.fit.rank:
+        yield Fault("a fit needs parameters, or rank: true", ("fit",), on_key=True)
+
+
+def _patterns(plan: CampaignFile, folder: Path) -> tuple[dict[str, WheelPattern], list[Fault]]:
+    """Pitch patterns of the wheels that have one, and the faults of their files."""
+    found: dict[str, WheelPattern] = {}
+    faults: list[Fault] = []
+    for name, wheel in plan.wheels.items():
+        place = ("wheels", name, "pattern")
+        if not wheel.pattern:
+            continue
+        try:
+            found[name] = read_wheel_pattern(folder / wheel.pattern)
+            check_pattern(name, wheel, found[name])
+        except ModelError as error:
+            faults += [Fault(f"{wheel.pattern}: {one.message}", place) for one in error.faults]
+        except UsageError as error:
+            faults.append(Fault(str(error), place))
+    return found, faults

@@ -1,0 +1,137 @@
+"""Calculation of a campaign, of which only what has changed is worked out again."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+from torsionnet.campaign.campaign import Campaign
+from torsionnet.campaign.campaign_result import CampaignRecordResult, CampaignResult
+from torsionnet.campaign.condition_spread import ConditionSpread, condition_spread
+from torsionnet.campaign.tracking_records import record_orders
+from torsionnet.core.errors import UsageError
+from torsionnet.core.version import __version__
+from torsionnet.identification import Fit, Measurement, Ranking, Unknown, identify, rank_causes
+from torsionnet.io.tracked_order_tables import read_tracked_orders, write_tracked_orders
+from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.response.order_response import OrderResponse
+
+HASHED_BYTES = 2**20
+"""Bytes of a record that are hashed together, which limits the memory."""
+
+Advance = Callable[[str, int, int], None]
+"""Function that is told what is being done, how many records are done, and of how many."""
+
+
+def run_campaign(
+    campaign: Campaign, folder: str | os.PathLike[str] | None = None, *, progress: Advance | None = None
+) -> CampaignResult:
+    """Result of a campaign: orders of its records beside the calculated ones, repeatability, fit.
+
+    Tracked orders are written into a folder as soon as a record is done; a later run reads them where record, wheels,
+    channels and orders are the same.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    folder : path, optional
+        By default beside the file of the campaign, under its name with the ending ``.orders``.
+    progress : callable, optional
+        Called with what is done, the number of records done and the number of all.
+
+    Raises
+    ------
+    ModelError
+        A record lacks a channel, or its pulses do not fit their wheel.
+    """
+    place = Path(folder) if folder is not None else campaign.path.with_suffix(".orders")
+    show = progress or (lambda *_: None)
+    records, count = {}, len(campaign.plan.records)
+    for done, name in enumerate(campaign.plan.records):
+        show(f"record {name}", done, count)
+        file, orders = _tracked(campaign, name, place)
+        records[name] = CampaignRecordResult(name, file, orders, _calculated(campaign, name, orders))
+    show("comparison", count, count)
+    remarks = tuple(dict.fromkeys(
+        f"{name}: {one.name}: {note}" for name, found in records.items() for one in found.orders for note in one.notes
+    ))  # fmt: skip
+    spreads = _spreads(campaign, {name: found.orders for name, found in records.items()})
+    fit, ranking = _fitted(campaign, records)
+    return CampaignResult(campaign, records, spreads, fit, ranking, remarks)
+
+
+def _tracked(campaign: Campaign, name: str, folder: Path) -> tuple[Path, tuple[TrackedOrders, ...]]:
+    """File of the tracked orders of a record, and the orders, from the file if it is of the same record and entries."""
+    file = folder / f"{name}-{_key(campaign, name)}.csv"
+    if file.is_file():
+        return file, read_tracked_orders(file)
+    found = record_orders(campaign, name)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"{folder} cannot be a folder of tracked orders: {error.strerror}") from None
+    write_tracked_orders(found, file)
+    for old in folder.glob(f"{name}-*.csv"):
+        if old != file:
+            old.unlink(missing_ok=True)
+    return file, read_tracked_orders(file)
+
+
+def _key(campaign: Campaign, name: str) -> str:
+    """Key of what the orders of a record follow from: the bytes of its file, entries, pitch patterns, version."""
+    plan = campaign.plan.to_data()
+    one = campaign.plan.records[name]
+    asked = {key: plan.get(key) for key in ("wheels", "reference", "phase", "channels", "twists", "orders")}
+    asked |= {"start": one.start, "stop": one.stop, "version": __version__, "title": campaign.title}
+    digest = hashlib.sha256(json.dumps(asked, sort_keys=True, default=str).encode())
+    for pattern in campaign.patterns.values():
+        digest.update(pattern.positions.tobytes())
+    with campaign.file_of(one).open("rb") as stream:
+        while block := stream.read(HASHED_BYTES):
+            digest.update(block)
+    return digest.hexdigest()[:16]
+
+
+def _calculated(campaign: Campaign, name: str, orders: tuple[TrackedOrders, ...]) -> OrderResponse | None:
+    sensors = campaign.sensors
+    outputs = list(dict.fromkeys(sensors[one.name] for one in orders if one.name in sensors))
+    if not outputs:
+        return None
+    return campaign.model_of(campaign.plan.records[name]).order_response(outputs, refine=True)
+
+
+def _spreads(campaign: Campaign, orders: dict[str, tuple[TrackedOrders, ...]]) -> tuple[ConditionSpread, ...]:
+    groups: dict[tuple[str, str], list[str]] = {}
+    for name, record in campaign.plan.records.items():
+        groups.setdefault((record.configuration, record.condition), []).append(name)
+    found: list[ConditionSpread] = []
+    for (configuration, condition), names in groups.items():
+        if len(names) > 1:
+            words = ", ".join(text for text in (configuration, condition) if text)
+            for channels in zip(*(orders[name] for name in names), strict=True):
+                found += condition_spread(words, channels)
+    return tuple(found)
+
+
+def _fitted(campaign: Campaign, records: dict[str, CampaignRecordResult]) -> tuple[Fit | None, Ranking | None]:
+    plan, sensors = campaign.plan.fit, campaign.sensors
+    if plan is None:
+        return None, None
+    measurements = [
+        Measurement(
+            one, name=f"{name}: {one.name}", output=one.name, model_output=sensors[one.name],
+            configuration=campaign.plan.records[name].configuration, reference_angle=plan.reference_angle,
+        )
+        for name, found in records.items() for one in found.orders if one.name in sensors
+    ]  # fmt: skip
+    if not plan.parameters:
+        return None, rank_causes(campaign.model, measurements)
+    unknowns = {
+        name: Unknown(one.start, one.bounds, one.prior, one.per_configuration) if one else Unknown()
+        for name, one in plan.parameters.items()
+    }
+    fit = identify(campaign.model, measurements, unknowns)
+    return fit, rank_causes(fit) if plan.rank else None
