@@ -1,4 +1,4 @@
-"""What may have happened to a measured order that differs from the calculated one: sign, zero, delay, factor, shift."""
+"""Explanations of a measured order that differs from the calculated one: sign, zero of the angle, delay, factor."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a run-up takes from a resonance peak: loss of amplitude and shift of frequency against the steady response."""
+"""Loss of amplitude and shift of frequency of a resonance peak in a run-up, against the steady response."""
 
 from __future__ import annotations
 
