@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from torsionnet.response.recording import QUANTITY_UNITS, FloatArray, Recording,
 from torsionnet.signals.pulses import repaired_pulses
 from torsionnet.signals.repeated_blocks import repeated_blocks
 from torsionnet.signals.resolution import step_of
+from torsionnet.signals.rotation.turn_pattern import turn_pattern
 from torsionnet.signals.spikes import spikes
 from torsionnet.signals.standstill import frozen_stretches
 from torsionnet.signals.timing import gaps, jitter
@@ -55,6 +57,9 @@ def check_recording(
     found = [*_names(recording), *_length(recording, window), *_times(recording)]
     for signal in recording:
         found += [fault.under("channels", signal.name) for fault in _signal(signal, recording, ranges or {})]
+    for channel in recording.pulses:
+        if len(channel) > 1:
+            found += [replace(fault, path=("channels", channel.name)) for fault in _pulses(channel.times)]
     order = ("error", "warning", "note")
     return tuple(sorted(found, key=lambda fault: order.index(fault.severity)))
 
@@ -146,6 +151,8 @@ def _signal(signal: Signal, recording: Recording, ranges: Mapping[str, float]) -
             yield from _disturbed(signal, recording)
         if signal.quantity == "angle" and finite.all():
             yield from _jumps(signal, recording)
+        if signal.quantity in ("angle", "velocity") and finite.all() and recording.times is None:
+            yield from _returning(signal, recording.sampling_rate)
 
 
 def _not_finite(found: Stretches, recording: Recording) -> Fault:
@@ -191,6 +198,14 @@ def _disturbed(signal: Signal, recording: Recording) -> Iterator[Fault]:
         )
         text = f"repeats itself exactly: {where}"
         yield Fault(f"{text}; a buffer was recorded twice: cut it out, or record again", (), "warning")
+
+
+def _returning(signal: Signal, rate: float) -> Iterator[Fault]:
+    """Yield a warning on what returns with every turn in a speed or an angle, as the pitch errors of its wheel do."""
+    speeds = signal.values if signal.quantity == "velocity" else np.gradient(signal.values) * rate
+    found = turn_pattern(speeds, rate)
+    if found is not None:
+        yield Fault(found.words(), (), "warning" if found.constant else "note")
 
 
 def _jumps(signal: Signal, recording: Recording) -> Iterator[Fault]:

@@ -1,0 +1,105 @@
+"""Pattern that returns with every turn in a speed or an angle, as the pitch errors of the wheel behind it leave it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.response.frequency_response import ComplexArray
+from torsionnet.response.recording import FloatArray
+
+FEWEST_TURNS, POINTS_PER_TURN, HIGHEST_ORDER = 24, 64, 12
+"""Fewest turns from which a pattern is recognised, points of a turn at which the speed is read, and the highest order
+that is looked at."""
+LEAST_SAMPLES_PER_TURN = 30
+"""Fewest samples of a turn in the mean, from which orders up to the highest one are read."""
+LEAST_AMPLITUDE = np.radians(0.003)
+"""Least amplitude of order 1 in rad that is told; the teeth of good wheels leave 0.01 degrees."""
+SURE = 6.0
+"""Size of a mean over turns against its standard deviation, from which an order returns with every turn; in records of
+noise alone, with twelve orders, fewer than one of a million reaches it."""
+FEWEST_ORDERS = 5
+"""Fewest of the twelve orders that return at one steady speed as those of a wheel do; vibration has fewer."""
+SPEED_RANGE = 0.2
+"""Change of speed over its mean, from which a pattern that is constant in angle differs from vibration."""
+SAME_AMPLITUDE = 0.15
+"""Relative difference of order 1 at low and at high speed, up to which it is constant in angle; that of vibration
+under a constant torque falls with the square of the speed, by more than 30 %."""
+
+
+@dataclass(frozen=True, eq=False)
+class TurnPattern:
+    """Orders of an angle that return with every turn, complex peak amplitudes in rad from order 1 on.
+
+    ``constant`` says whether order 1 is the same at low and high speed; it is None at one steady speed.
+    """
+
+    amplitudes: ComplexArray
+    returning: tuple[int, ...]
+    constant: bool | None
+
+    def words(self) -> str:
+        """Text that names orders and amplitudes in degrees, and what the pattern may be."""
+        sizes = np.degrees(np.abs(self.amplitudes))
+        largest = sorted(self.returning, key=lambda order: -sizes[order - 1])[:3]
+        listed = ", ".join(f"order {order} of {sizes[order - 1]:.2g} degrees" for order in sorted({1, *largest}))
+        text = f"returns with every turn: {listed}"
+        if self.constant:
+            return (
+                f"{text}, order 1 the same at low and high speed, as the pitch errors of a wheel or its eccentricity: "
+                "whole orders are not vibration alone; nothing was removed: calibrate the wheel and use its pattern"
+            )
+        return (
+            f"{text}, as the pitch errors of a wheel do; one speed does not tell them from vibration: "
+            "compare half orders, record another speed, or calibrate the wheel; nothing was removed"
+        )
+
+
+def turn_pattern(speeds: FloatArray, sampling_rate: float) -> TurnPattern | None:
+    """Pattern that returns with every turn in a speed in rad/s, or None where there is none like that of a wheel.
+
+    Parameters
+    ----------
+    speeds : (n,) array
+        Speed of one shaft, rad/s, in one direction.
+    sampling_rate : float
+        Hz.
+
+    Examples
+    --------
+    >>> turned = 2 * np.pi * np.linspace(0, 100, 20_000)
+    >>> wheel = np.radians(0.05) * np.cos(turned + 1) + np.radians(0.01) * np.cos(2 * turned)
+    >>> times = np.cumsum(1 / np.linspace(60, 120, 20_000)) * (2 * np.pi * 100 / 20_000)
+    >>> even = np.arange(times[0], times[-1], 1e-3)
+    >>> angle = np.interp(even, times, turned + wheel)
+    >>> turn_pattern(np.gradient(angle, even), 1000.0).constant
+    True
+    """
+    size = np.abs(speeds)
+    total = float(size.sum()) / sampling_rate / (2 * np.pi)
+    one_way = bool(size.min() > 0) and not np.ptp(np.sign(speeds))
+    if not one_way or total < FEWEST_TURNS or len(speeds) < LEAST_SAMPLES_PER_TURN * total:
+        return None
+    turned = np.concatenate([[0.0], np.cumsum((size[1:] + size[:-1]) / (2 * sampling_rate))])
+    count = int(turned[-1] / (2 * np.pi))
+    places = 2 * np.pi * np.arange(count * POINTS_PER_TURN + 1) / POINTS_PER_TURN
+    read = np.interp(places, turned, size)
+    turns, ends = read[:-1].reshape(count, POINTS_PER_TURN), read[::POINTS_PER_TURN]
+    means = turns.mean(axis=1)
+    # The speed rises or falls within a turn: a straight line between its ends is taken out.
+    ramp = np.diff(ends)[:, None] * (np.arange(POINTS_PER_TURN) / POINTS_PER_TURN - 0.5)
+    lines = 2 * np.fft.rfft(turns - ramp, axis=1)[:, 1 : HIGHEST_ORDER + 1] / POINTS_PER_TURN
+    lines = lines / (1j * np.arange(1, HIGHEST_ORDER + 1) * means[:, None])
+    found = lines.mean(axis=0)
+    spread = np.sqrt(np.mean(np.abs(lines - found) ** 2, axis=0) / count)
+    returning = tuple(int(order) + 1 for order in np.flatnonzero(np.abs(found) > SURE * spread))
+    if 1 not in returning or abs(found[0]) < LEAST_AMPLITUDE:
+        return None
+    if np.ptp(means) < SPEED_RANGE * means.mean():
+        return TurnPattern(found, returning, None) if len(returning) >= FEWEST_ORDERS else None
+    middle = np.median(means)
+    low, high = lines[means <= middle, 0], lines[means > middle, 0]
+    apart = abs(low.mean() - high.mean())
+    constant = bool(apart < SAME_AMPLITUDE * abs(found[0]) + 3 * float(spread[0]))
+    return TurnPattern(found, returning, True) if constant else None
