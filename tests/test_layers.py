@@ -32,6 +32,7 @@ SAME_THING = {
         "bench",
         "comparison",
         "critical_speeds",
+        "damping",
         "equations",
         "excitations",
         "fit",

@@ -45,6 +45,11 @@ def folder(tmp_path_factory):
         Path("pulses.csv").write_text("n1\n" + "\n".join(str(1000 * count) for count in range(600)))
         pair = record(teeth(), 100.0, angle=np.radians(100))
         write_recording(Recording((), 1e4, pulses=(pair.first, pair.second)), "wheel.npz")
+        t = np.arange(500) / 100
+        Path("decay.csv").write_text(
+            "time [s],T [N*m]\n"
+            + "".join(f"{a:.2f},{b:.6g}\n" for a, b in zip(t, np.exp(-t) * np.cos(40 * t), strict=True))
+        )
         yield folder
 
 
@@ -98,6 +103,10 @@ CALLS = {
     "bench": ["bench rig.yaml -o again.npz"],
     "study": ["study spread.yaml"],
     "fit": ["fit fit.yaml", "fit short_fit.yaml --profile --rank"],
+    "damping": [
+        "damping decay.csv --from decay --channel T --start 0",
+        "damping decay.csv --from decay --channel T --start 0 --against rig.yaml -c soft",
+    ],
     "identify-modes": [
         "identify-modes run_soft.npz --output phi --input M",
         "identify-modes run_soft.npz --output phi --input M --against rig.yaml -c soft",

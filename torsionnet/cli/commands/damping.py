@@ -25,7 +25,7 @@ ONLY_FOR = {
     "excitation": ("run-up",), "revolutions": ("run-up",), "bandwidth": ("run-up",), "modes": ("run-up", "decay"),
     "start": ("decay",), "end": ("decay",), "highest": ("decay", "ambient"),
 }  # fmt: skip
-"""What each option is of use for, by the name of its value."""
+"""Kinds of records for which each option counts, by the name of its value."""
 WORDS = {"orders": "order", "highest": "to"}
 """Words of options that differ from the names of their values."""
 
@@ -176,7 +176,7 @@ class DampingCommand(RecordCommand):
 
 
 def _joined(blocks: list[Recording]) -> Recording:
-    """One recording of the blocks of a large file: of few channels it can be kept in memory."""
+    """Recording joined from the blocks of a large file; of few channels it can be kept in memory."""
     import numpy as np
 
     signals = tuple(

@@ -66,7 +66,7 @@ class _Passage:
         return np.asarray(np.stack([self.windows.weights @ one for one in powers], axis=1))
 
     def mode(self, pole: complex) -> list[ComplexArray]:
-        """What a mode adds to each order per amplitude of each order's excitation, (n_orders, n_windows) for each."""
+        """Response of a mode in each order, (n_orders, n_windows), to the excitation of each order, relative."""
         found = []
         for sweep in self.sweeps:
             response = swept_response(pole, sweep, self.derivative)

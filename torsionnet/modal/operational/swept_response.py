@@ -12,9 +12,9 @@ from torsionnet.core.errors import UsageError
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 
 Excitation = Literal["constant", "inertia"]
-"""How the amplitude of the excitation depends on speed: constant, or as its square, as an inertia torque's does."""
+"""Names of laws of the excitation's amplitude over speed: constant, or as its square, as of an inertia torque."""
 DERIVATIVES = {"velocity": 1, "acceleration": 2}
-"""How often a quantity is the derivative of an angle over time; torque and stress follow the angle."""
+"""Number of derivatives over time from an angle to a quantity, by its name; torque and stress follow the angle."""
 
 
 @dataclass(frozen=True, eq=False)
