@@ -47,6 +47,7 @@ SAME_THING = {
         "mean_response",
         "modes",
         "operational_modes",
+        "tracked_orders",
         "order_response",
         "orders",
         "parameters",

@@ -1,4 +1,4 @@
-"""Motion of a drivetrain that turns in a test: mean values, and the vibration that its excitations make."""
+"""BenchMotion of a drivetrain that turns in a test: mean values, and the vibration that its excitations make."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from torsionnet.bench.shaft_vibration import PassageVibration, SteadyVibration, 
 from torsionnet.core.errors import UsageError
 from torsionnet.core.units import RPM
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.model.bench.bench_motions import CoastDown, GivenSpeed, Motion, RunUp, SteadyPoints
+from torsionnet.model.bench.bench_motions import BenchMotion, CoastDown, GivenSpeed, RunUp, SteadyPoints
 from torsionnet.model.channels import Sensor
 from torsionnet.response.frequency_response import ComplexArray
 from torsionnet.response.order_line import OrderLine
@@ -38,7 +38,7 @@ ENGINES_IN_PHASE = "engines with an unknown angle between them are in phase"
 
 @dataclass(frozen=True, eq=False)
 class TurningMotion:
-    """Motion of a drivetrain in one test, at any time.
+    """BenchMotion of a drivetrain in one test, at any time.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ class TurningMotion:
         return np.asarray(turning + self.vibration.at(place, times, derivative=1))
 
 
-def turning_motions(drivetrain: Drivetrain, motion: Motion, sensors: Sensors) -> tuple[TurningMotion, ...]:
+def turning_motions(drivetrain: Drivetrain, motion: BenchMotion, sensors: Sensors) -> tuple[TurningMotion, ...]:
     """Motions of a test: one for each steady point, one of a run-up, run-down, coast-down or given speed."""
     reference = motion.speed_of or (drivetrain.definition.speeds.of if drivetrain.definition.speeds else "")
     acting = tuple(name for name in drivetrain.definition.excitations if name not in motion.without)
@@ -138,7 +138,7 @@ def _one_case(run: OrderResponse) -> tuple[Sequence[OrderLine], ComplexArray, tu
 
 def _passage(
     drivetrain: Drivetrain,
-    motion: Motion,
+    motion: BenchMotion,
     reference: str,
     acting: Sequence[str],
     sensors: Sequence[Sensor],
@@ -164,7 +164,9 @@ def _passage(
     return TurningMotion("", reference, mean, channels, readings, vibration, notes)
 
 
-def _course(drivetrain: Drivetrain, motion: Motion, reference: str) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
+def _course(
+    drivetrain: Drivetrain, motion: BenchMotion, reference: str
+) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
     """Times (n,) in s and speeds (n,) in rad/s of a motion between steady points, and notes."""
     if isinstance(motion, RunUp):
         return np.array([0.0, motion.length]), np.array([motion.start, motion.stop]), ()

@@ -9,9 +9,10 @@ from pathlib import Path
 
 from torsionnet.core.errors import UsageError
 from torsionnet.io.formats.registry import FORMATS, format_of, reading
-from torsionnet.io.records.assembling import ReadOptions, recordings, with_given_clock
+from torsionnet.io.records.assembling import recordings, with_given_clock
 from torsionnet.io.records.channel_choice import choose
 from torsionnet.io.records.encoder_recording import encoder_recording
+from torsionnet.io.records.read_options import ReadOptions
 from torsionnet.io.records.source import Source
 from torsionnet.io.records.stored_pulses import with_readings
 from torsionnet.response.recording import Recording

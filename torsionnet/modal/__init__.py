@@ -17,7 +17,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "OperationalMode": "torsionnet.modal.operational.operational_modes",
         "Order": "torsionnet.modal.stabilisation",
         "Settings": "torsionnet.modal.settings",
-        "Sweep": "torsionnet.modal.operational.swept_response",
+        "SpeedSweep": "torsionnet.modal.operational.swept_response",
         "Stabilisation": "torsionnet.modal.stabilisation",
         "SweptFit": "torsionnet.modal.operational.swept_fit",
         "circle_fit": "torsionnet.modal.circle_fit",

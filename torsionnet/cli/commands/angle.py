@@ -25,7 +25,7 @@ DEGREES = 57.29577951308232
 
 @dataclass(frozen=True)
 class OrderUncertainty:
-    """What errors of pulses add to the peak amplitude of one order of an angle, RMS in rad."""
+    """Uncertainty of one order of an angle: what errors of pulses add to its peak amplitude, RMS in rad."""
 
     order: float
     deviation: Annotated[float, Out(json="deviation_rad")]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,24 +22,11 @@ from torsionnet.io.records.clock import (
     time_faults,
     time_unit_warnings,
 )
+from torsionnet.io.records.read_options import ReadOptions
 from torsionnet.io.records.several_rates import choose_rate, read_others, with_others
 from torsionnet.io.records.source import Source, is_time
 from torsionnet.io.records.stored_pulses import names_of_signals, rate_of, stored_pulses, with_pulses
 from torsionnet.response.recording import FloatArray, Recording, Signal, is_rate
-from torsionnet.signals.rotation.pulse_reading import PulseReading
-
-
-@dataclass(frozen=True)
-class ReadOptions:
-    """Options of the caller for reading a recording (names, quantities, units, sampling rate in Hz, encoder pulses)."""
-
-    names: Sequence[str] | Mapping[str, str] | None = None
-    quantities: Mapping[str, str] = field(default_factory=dict)
-    units: Mapping[str, str] = field(default_factory=dict)
-    sampling_rate: float | None = None
-    pulses: Mapping[str, float] = field(default_factory=dict)
-    readings: Mapping[str, PulseReading] = field(default_factory=dict)
-    resample: bool = False
 
 
 def with_given_clock(source: Source, options: ReadOptions) -> tuple[Source, ReadOptions]:

@@ -10,7 +10,8 @@ import numpy as np
 from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.errors import Fault, ModelError, SolveError, UsageError, unknown_name
 from torsionnet.core.units import parse_unit
-from torsionnet.io.records.assembling import ReadOptions, recordings
+from torsionnet.io.records.assembling import recordings
+from torsionnet.io.records.read_options import ReadOptions
 from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.io.records.stored_pulses import pulses_of
 from torsionnet.response.recording import FloatArray, Recording, Signal

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,12 +11,10 @@ from torsionnet.core.errors import Fault, ModelError
 from torsionnet.core.listing import comma_list
 from torsionnet.io.records.channel_choice import ChannelChoice
 from torsionnet.io.records.clock import SAME_RATE_TOLERANCE
+from torsionnet.io.records.read_options import ReadOptions
 from torsionnet.io.records.source import Source
 from torsionnet.response.recording import FloatArray, Recording, Signal
 from torsionnet.signals.resampling import VALID_SHARE, interpolated_at
-
-if TYPE_CHECKING:
-    from torsionnet.io.records.assembling import ReadOptions
 
 EQUAL_RATES = 1e-7
 """Relative difference of sampling rates that are the same, as those of intervals with rounded decimals are."""

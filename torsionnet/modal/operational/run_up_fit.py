@@ -9,7 +9,7 @@ import numpy as np
 
 from torsionnet.core.errors import SolveError
 from torsionnet.modal.operational.passage_windows import PassageWindows
-from torsionnet.modal.operational.swept_response import Excitation, Sweep, sweep_of, swept_response
+from torsionnet.modal.operational.swept_response import Excitation, SpeedSweep, sweep_of, swept_response
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 
 START_FREQUENCIES, START_DAMPING = 30, (0.006, 0.02, 0.06, 0.15)
@@ -60,7 +60,7 @@ class _Passage:
         self.fixed = [self._fixed(sweep, background) for sweep in self.sweeps]
         self.data = [_times(windows.whitening, one) for one in windows.values]
 
-    def _fixed(self, sweep: Sweep, background: int) -> FloatArray:
+    def _fixed(self, sweep: SpeedSweep, background: int) -> FloatArray:
         middle, width = sweep.speed.mean(), np.ptp(sweep.speed) / 2 or 1.0
         powers = [sweep.excitation * ((sweep.speed - middle) / width) ** power for power in range(background + 1)]
         return np.asarray(np.stack([self.windows.weights @ one for one in powers], axis=1))

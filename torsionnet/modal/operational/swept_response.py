@@ -18,7 +18,7 @@ DERIVATIVES = {"velocity": 1, "acceleration": 2}
 
 
 @dataclass(frozen=True, eq=False)
-class Sweep:
+class SpeedSweep:
     """An order over time at equal steps, with phase, phase in the middle of the steps, and relative excitation.
 
     Attributes
@@ -53,7 +53,7 @@ class Sweep:
         return np.asarray(g * self.turning), np.asarray((g[1:] + g[:-1]) / 2 * np.exp(1j * self.middle))
 
 
-def sweep_of(times: FloatArray, angle: FloatArray, order: float, excitation: Excitation = "constant") -> Sweep:
+def sweep_of(times: FloatArray, angle: FloatArray, order: float, excitation: Excitation = "constant") -> SpeedSweep:
     """Sweep of one order from the angle of the reference shaft in rad at times in s, at equal steps, shape (n,).
 
     Raises
@@ -69,10 +69,10 @@ def sweep_of(times: FloatArray, angle: FloatArray, order: float, excitation: Exc
     speed = np.asarray(spline(times, 1))
     amplitude = np.ones(len(times)) if excitation == "constant" else (speed / np.abs(speed).max()) ** 2
     middle = np.asarray(spline((times[1:] + times[:-1]) / 2))
-    return Sweep(float((times[-1] - times[0]) / (len(times) - 1)), order * angle, middle, speed, amplitude)
+    return SpeedSweep(float((times[-1] - times[0]) / (len(times) - 1)), order * angle, middle, speed, amplitude)
 
 
-def swept_response(pole: complex, sweep: Sweep, derivative: int = 0) -> ComplexArray:
+def swept_response(pole: complex, sweep: SpeedSweep, derivative: int = 0) -> ComplexArray:
     """Complex amplitude over time of a mode's response to an order, over the static response to the largest amplitude.
 
     The response is Re X(t) exp(j phase(t)), that of ``q'' + 2 zeta omega_0 q' + omega_0^2 q = omega_0^2 Re g exp(j
@@ -83,7 +83,7 @@ def swept_response(pole: complex, sweep: Sweep, derivative: int = 0) -> ComplexA
     ----------
     pole : complex
         rad/s, Im > 0.
-    sweep : Sweep
+    sweep : SpeedSweep
     derivative : int
         1 for the velocity of the response, 2 for its acceleration.
 
@@ -106,7 +106,7 @@ def swept_response(pole: complex, sweep: Sweep, derivative: int = 0) -> ComplexA
     return np.asarray(abs(pole) ** 2 * values)
 
 
-def _forced(pole: complex, sweep: Sweep) -> ComplexArray:
+def _forced(pole: complex, sweep: SpeedSweep) -> ComplexArray:
     """State z of ``z' = pole z + g exp(j phase)`` over time, shape (n,), from the steady state on."""
     from scipy.signal import lfilter
 

@@ -1,6 +1,6 @@
 """Entries of a test bench: excitation or motion, sensors, data acquisition. The rig itself is a drivetrain."""
 
-from torsionnet.model.bench.bench_motions import CoastDown, GivenSpeed, Motion, RunDown, RunUp, SteadyPoints
+from torsionnet.model.bench.bench_motions import BenchMotion, CoastDown, GivenSpeed, RunDown, RunUp, SteadyPoints
 from torsionnet.model.bench.parts import Acquisition, DropOuts, Encoder, Exciter, Hum, RecordingSystem, Transducer
 from torsionnet.model.bench.plan import Plan
 from torsionnet.model.bench.strain_gauge import ShuntCalibration, StrainGauge, ZeroDrift
@@ -8,13 +8,13 @@ from torsionnet.model.bench.toothed_wheel import PitchErrors, RadialVibration, T
 
 __all__ = [
     "Acquisition",
+    "BenchMotion",
     "CoastDown",
     "DropOuts",
     "Encoder",
     "Exciter",
     "GivenSpeed",
     "Hum",
-    "Motion",
     "PitchErrors",
     "Plan",
     "RadialVibration",

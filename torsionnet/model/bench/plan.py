@@ -11,7 +11,7 @@ from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, Text
 from torsionnet.core.errors import Fault
-from torsionnet.model.bench.bench_motions import MOTIONS, Motion
+from torsionnet.model.bench.bench_motions import MOTIONS, BenchMotion
 from torsionnet.model.bench.parts import Acquisition, Encoder, Exciter, RecordingSystem, Transducer
 from torsionnet.model.bench.strain_gauge import StrainGauge
 from torsionnet.model.bench.toothed_wheel import ToothedWheel
@@ -50,7 +50,7 @@ class Plan(Declared):
     ----------
     excitation : Excitation, optional
         Set-point of the torque that shakes the drivetrain.
-    motion : Motion, optional
+    motion : BenchMotion, optional
         Instead: how the drivetrain turns under the excitations of its model.
     channels : mapping of str to Transducer, StrainGauge, Encoder or ToothedWheel
         By the name of a sensor of the model, or of any other name with a ``sensor`` of its own.
@@ -71,7 +71,7 @@ class Plan(Declared):
 
     drive: str = entry(Text("input on which the torque acts, if there are several"), "")
     excitation: Excitation | None = entry(_EXCITATION, None)
-    motion: Motion | None = entry(_MOTION, None)
+    motion: BenchMotion | None = entry(_MOTION, None)
     exciter: Exciter = entry(_EXCITER, Exciter())
     channels: Mapping[str, Sensing] = entry(
         Named("what is recorded, by the name of a sensor", _CHANNEL, form=CHANNELS, fewest=1)

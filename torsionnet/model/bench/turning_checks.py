@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from torsionnet.core.errors import Fault, UsageError, did_you_mean
 from torsionnet.core.units import RPM
-from torsionnet.model.bench.bench_motions import CoastDown, GivenSpeed, Motion, RunUp, SteadyPoints
+from torsionnet.model.bench.bench_motions import BenchMotion, CoastDown, GivenSpeed, RunUp, SteadyPoints
 from torsionnet.model.bench.plan import Plan
 from torsionnet.model.bench.toothed_wheel import ToothedWheel
 from torsionnet.model.channels import named_sensor
@@ -36,7 +36,7 @@ def turning_faults(plan: Plan, definition: Definition, values: Mapping[str, Any]
     yield from _system_faults(plan)
 
 
-def motion_length(motion: Motion) -> float | None:
+def motion_length(motion: BenchMotion) -> float | None:
     """Longest time of a motion in s, None where it follows from the drag of the model."""
     if isinstance(motion, SteadyPoints):
         return motion.duration
@@ -49,7 +49,7 @@ def motion_length(motion: Motion) -> float | None:
     return None
 
 
-def _motion_faults(motion: Motion, definition: Definition) -> Iterator[Fault]:
+def _motion_faults(motion: BenchMotion, definition: Definition) -> Iterator[Fault]:
     excitations = definition.excitations
     if not excitations:
         yield Fault("a bench that turns vibrates by excitations: of its model, which has none", on_key=True)
@@ -100,7 +100,7 @@ def _wheel_faults(
 
 
 def _still(
-    row: Mapping[str, int], motion: Motion, definition: Definition, values: Mapping[str, Any] | None
+    row: Mapping[str, int], motion: BenchMotion, definition: Definition, values: Mapping[str, Any] | None
 ) -> Iterator[Fault]:
     """Fault of a wheel that stands still on average, or whose speed does not follow from that of the reference."""
     reference = motion.speed_of or (definition.speeds.of if definition.speeds else "")

@@ -1,4 +1,4 @@
-"""Where the mean angle of rotation is 0: at the top dead centre of a cylinder, or at a pulse."""
+"""Reference of phases: the angle of rotation is 0 at the top dead centre of a cylinder, or at a pulse."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LARGEST_SPREAD = np.radians(10)
 """Standard deviation of the angles at which pulses come above which they do not come once in each turn: play and
 vibration of a shaft stay below it."""
 FIRST_PULSE = "the tooth of the first pulse"
-"""What is tooth 0 of a wheel that has no mark, in the words of its rotation."""
+"""Name of tooth 0 of a wheel that has no mark, in the words of its rotation."""
 CLOSEST_CAM = np.radians(5)
 """Angle between the cam's pulse and the mark up to which their order is left to chance: a cam turns with play."""
 

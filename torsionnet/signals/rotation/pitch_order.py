@@ -77,8 +77,8 @@ def pickup_gains(angle: float, orders: Sequence[float] | FloatArray) -> FloatArr
 
 
 @dataclass(frozen=True, eq=False)
-class Evidence:
-    """Evidence that tells the pattern from vibration: second pickup, calculated orders, or the speeds alone.
+class PitchEvidence:
+    """PitchEvidence that tells the pattern from vibration: second pickup, calculated orders, or the speeds alone.
 
     Attributes
     ----------

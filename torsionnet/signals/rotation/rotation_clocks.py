@@ -79,7 +79,7 @@ def rotation_clocks(first: WheelRotation, second: WheelRotation, *, same_start: 
 
 
 def _columns(times: FloatArray, rates: FloatArray, *, free: bool) -> FloatArray:
-    """What a constant angle, the drift and, where it is free, the offset add to the angle of the second, in rad."""
+    """Columns (n, 2 or 3) in rad: what a constant angle, the drift and, if free, the offset add to the second angle."""
     return np.stack([np.ones(len(times)), rates * times, *([rates] if free else [])], axis=1)
 
 

@@ -1,4 +1,4 @@
-"""Which tooth is which on a wheel without gap, from a second wheel on the same shaft with another number of teeth."""
+"""Tooth numbers on a wheel without gap, from a second wheel on the same shaft with another number of teeth."""
 
 from __future__ import annotations
 

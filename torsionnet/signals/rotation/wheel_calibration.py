@@ -28,7 +28,7 @@ from torsionnet.signals.rotation.calibration_windows import (
 from torsionnet.signals.rotation.constant_part import constant_part, speed_groups, student
 from torsionnet.signals.rotation.numbered_pulses import NumberedPulses
 from torsionnet.signals.rotation.pattern_matching import best_shift
-from torsionnet.signals.rotation.pitch_order import ABOVE, SPEEDS, Evidence, PitchOrder
+from torsionnet.signals.rotation.pitch_order import ABOVE, SPEEDS, PitchEvidence, PitchOrder
 from torsionnet.signals.rotation.wheel import Wheel
 from torsionnet.signals.rotation.wheel_rotation import wheel_rotation
 
@@ -134,7 +134,7 @@ def calibrate_wheel(
         stack = stacked(found, wheel)
         groups = speed_groups(stack.speeds)
         offset = _offset(stack, groups, positions)
-        evidence = Evidence(
+        evidence = PitchEvidence(
             wheel=wheel,
             speeds=stack.speeds,
             groups=groups,
@@ -208,7 +208,7 @@ def _offset(stack: Stack, groups: NDArray[np.intp], positions: FloatArray) -> tu
     return found.value.real, found.half_width * np.sqrt(2)
 
 
-def _converged(stack: Stack, orders: OrderSet, evidence: Evidence) -> tuple[FloatArray, list[PitchOrder]]:
+def _converged(stack: Stack, orders: OrderSet, evidence: PitchEvidence) -> tuple[FloatArray, list[PitchOrder]]:
     """Positions of the teeth in rad of all that is resolved, and the orders of the pattern."""
     teeth, count = evidence.wheel.teeth, len(orders.orders)
     tooth = 2 * np.pi * np.arange(teeth) / teeth
@@ -231,7 +231,7 @@ def _converged(stack: Stack, orders: OrderSet, evidence: Evidence) -> tuple[Floa
 def _row(
     order: int,
     orders: OrderSet,
-    evidence: Evidence,
+    evidence: PitchEvidence,
     first: ComplexArray,
     second: ComplexArray | None,
     known: dict[int, complex],
@@ -278,7 +278,7 @@ def _refuse_small_range(rows: Sequence[PitchOrder], stack: Stack) -> None:
 def _result(
     stack: Stack,
     orders: OrderSet,
-    evidence: Evidence,
+    evidence: PitchEvidence,
     positions: FloatArray,
     rows: list[PitchOrder],
     angle_half_width: float,
