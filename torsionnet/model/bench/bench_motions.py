@@ -36,7 +36,7 @@ class SpeedOverTime(NumberTable[Rows]):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Motion(Declared):
+class BenchMotion(Declared):
     """Base of the motions of a drivetrain in a test, with the entries that all of them have.
 
     Attributes
@@ -74,7 +74,7 @@ class Motion(Declared):
 
 
 @dataclass(frozen=True, kw_only=True)
-class SteadyPoints(Motion):
+class SteadyPoints(BenchMotion):
     """Steady speeds, each held for a while and recorded by itself; the time between them is left out.
 
     Examples
@@ -102,7 +102,7 @@ class SteadyPoints(Motion):
 
 
 @dataclass(frozen=True, kw_only=True)
-class RunUp(Motion):
+class RunUp(BenchMotion):
     """A speed that rises straight over time.
 
     Examples
@@ -155,7 +155,7 @@ class RunDown(RunUp):
 
 
 @dataclass(frozen=True, kw_only=True)
-class CoastDown(Motion):
+class CoastDown(BenchMotion):
     """A speed that falls by itself: with a time constant, or by the drag of the model's load.
 
     Without a time constant the torque that the load absorbs at each speed brakes all inertias that turn with the
@@ -198,7 +198,7 @@ class CoastDown(Motion):
 
 
 @dataclass(frozen=True, kw_only=True)
-class GivenSpeed(Motion):
+class GivenSpeed(BenchMotion):
     """A speed given over time by a table, straight between its rows.
 
     Examples
@@ -230,5 +230,5 @@ def _rpm(speed: float) -> str:
     return f"{speed * 30 / math.pi:g} rpm"
 
 
-MOTIONS: dict[str, type[Motion]] = {cls.kind: cls for cls in (SteadyPoints, RunUp, RunDown, CoastDown, GivenSpeed)}
+MOTIONS: dict[str, type[BenchMotion]] = {cls.kind: cls for cls in (SteadyPoints, RunUp, RunDown, CoastDown, GivenSpeed)}
 """Class of each motion of a bench that turns, by the word in ``type:``."""
