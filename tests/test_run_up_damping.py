@@ -58,7 +58,7 @@ def test_swept_fit_without_noise_is_far_better_than_asked():
 
 
 def test_inertia_torque_grows_with_the_square_of_the_speed():
-    record = swept(4, 8, 40, power=2)
+    record = swept(8, 8, 40, power=2)
     found = modes_from_run_up(record, "T", 1, "n", excitation="inertia")
     assert found.natural_frequencies == pytest.approx([F0], rel=1e-4)
     assert found.damping_ratios == pytest.approx([ZETA], rel=5e-3)
@@ -93,7 +93,7 @@ def test_two_modes_that_overlap():
 
 @pytest.mark.parametrize(("quantity", "times"), [("velocity", 1), ("acceleration", 2)])
 def test_derivatives_of_the_angle(quantity, times):
-    record = swept(4, 8, 40, sampling=2000)
+    record = swept(8, 8, 40, sampling=2000)
     values = record["T"].values
     for _ in range(times):
         values = np.gradient(values, 1 / record.sampling_rate, edge_order=2)

@@ -75,7 +75,7 @@ def test_clean_orders_of_a_six_cylinder_engine_are_exact(rpm):
 
 def test_vold_kalman_gives_the_same_orders_inside_the_record():
     values = six_cylinder()
-    seen = wheel(pulses_of(1800, 120, values))
+    seen = wheel(pulses_of(1800, 90, values))
     (found,) = track_orders(None, seen, wheels=[seen], orders=ORDERS, reference=TOP, method=VoldKalman(2.0))
     inner = found.values[:, 4:-4]
     assert np.degrees(np.abs(np.abs(inner) - np.abs(values)[:, None])).max() < 2e-5
@@ -109,7 +109,7 @@ def test_a_run_up_does_not_leak():
 
 def test_interval_covers_in_white_and_in_correlated_noise():
     rng = np.random.default_rng(3)
-    time, phi, speed = run_up(1200, 1200, 60, 2000)
+    time, phi, speed = run_up(1200, 1200, 60, 1000)
     hits = {}
     for name, pole in (("white", 0.0), ("slow", 0.995)):
         noise = rng.standard_normal(len(time))
@@ -119,7 +119,7 @@ def test_interval_covers_in_white_and_in_correlated_noise():
             envelope = lfilter([np.sqrt(1 - pole**2)], [1, -pole], rng.standard_normal((2, len(time))))
             noise = envelope[0] * np.cos(3 * phi) + envelope[1] * np.sin(3 * phi)
         record = Recording(
-            (Signal("n", "velocity", speed), Signal("T", "torque", 10 * np.cos(3 * phi) + noise)), sampling_rate=2000.0
+            (Signal("n", "velocity", speed), Signal("T", "torque", 10 * np.cos(3 * phi) + noise)), sampling_rate=1000.0
         )
         settings = CycleAverage(cycles=12)
         (found,) = track_orders(record, mean_rotation(record, "n"), ["T"], orders=[3], method=settings, reference=TOP)
@@ -192,7 +192,7 @@ def test_twist_of_two_wheels_with_errors_of_teeth():
     closed = np.sqrt(2) * 2e6 * 2 * np.radians(0.05) / np.sqrt(60)
     assert closed == pytest.approx(637, abs=0.5)
     found = []
-    for _ in range(12):
+    for _ in range(8):
         seen = [
             wheel(np.sort(pulses_of(900, 8, 0 * ORDERS, positions=rng.normal(0, np.radians(0.05), 60))), name=name)
             for name in "ab"
@@ -201,9 +201,9 @@ def test_twist_of_two_wheels_with_errors_of_teeth():
         (torque,) = track_orders(None, seen[0], twists=[pair], orders=np.arange(1.0, 13.0), reference=TOP)
         assert (torque.name, torque.unit) == ("torque(a-b)", "N*m")
         found.append(np.abs(torque.values[:, 0]))
-        half = track_orders(None, seen[0], twists=[pair], orders=[0.5, 1.5], reference=TOP)[0]
-        assert np.abs(half.values).max() < 1
     assert np.sqrt(np.mean(np.square(found))) == pytest.approx(637, rel=0.12)
+    half = track_orders(None, seen[0], twists=[pair], orders=[0.5, 1.5], reference=TOP)[0]
+    assert np.abs(half.values).max() < 1
 
 
 def test_a_geared_wheel_is_tracked_in_its_own_angle():

@@ -75,7 +75,7 @@ def steady_amplitudes(speed):
 
 
 def test_a_run_up_is_that_of_the_dense_matrices_with_crossings_by_brentq():
-    start, stop, length = 500 * RPM, 700 * RPM, 1.2
+    start, stop, length = 500 * RPM, 600 * RPM, 0.6
     slope = (stop - start) / length
     turned = lambda t: start * t + slope * t**2 / 2  # noqa: E731
 
@@ -88,7 +88,7 @@ def test_a_run_up_is_that_of_the_dense_matrices_with_crossings_by_brentq():
     speeds = first * 1j * np.array(list(ORDERS)) * start
     begin = np.concatenate([first.sum(axis=1).real, speeds.sum(axis=1).real])
     solved = solve_ivp(rates, (0, length), begin, "DOP853", rtol=1e-11, atol=1e-13, dense_output=True)
-    test = bench({"b": WHEEL, "T": TORQUE}, RunUp(start="500 rpm", stop="700 rpm", duration="1.2 s")).turned()
+    test = bench({"b": WHEEL, "T": TORQUE}, RunUp(start="500 rpm", stop="600 rpm", duration="0.6 s")).turned()
     pulses, numbers = test.records[""].pulses_of("b").times, test.numbers[""]["b"]
     angle = lambda t: turned(t) + solved.sol(t)[1]  # noqa: E731
     # A free drivetrain drifts from its mean rotation along a straight line, which the bench leaves out.
@@ -142,7 +142,7 @@ def test_universal_joint_at_10_degrees_gives_order_2_of_0_4386_degrees():
 
 @pytest.mark.parametrize("given", [{"time_constant": "2 s"}, {}])
 def test_a_coast_down_falls_by_its_time_constant_or_by_the_load(given):
-    motion = CoastDown(start="1500 rpm", stop="750 rpm", **given)
+    motion = CoastDown(start="1500 rpm", stop="750 rpm", without=["engine"], **given)
     (turning,) = bench({"b": WHEEL}, motion).motions
     at = np.linspace(0, turning.mean.length, 50)
     # By the load: (J_A + J_B) dw/dt = -T0 (w/w0)^2.
@@ -260,13 +260,10 @@ def test_clocks_50_ppm_apart_are_162_degrees_apart_at_order_6_after_60_s_at_1500
     true = test.truths[""].pulses_of("b").times
     late = second.pulses_of("b").times - (true[true >= 0.3] - 0.3)
     assert np.degrees(6 * 1500 * RPM * late[-1]) == pytest.approx(162, rel=0.006)  # of 59.7 s
-    amplitudes = (K + 1j * C * (w := 2 * 1500 * RPM)) * np.subtract(*steady_amplitudes(1500 * RPM)[:, 0])
     at = 0.3 + second.time / (1 + 50e-6)
     assert second["T2"].values[-1] == pytest.approx(100 + sum(
         ((K + 1j * C * order * 1500 * RPM) * np.subtract(*steady_amplitudes(1500 * RPM)[:, place])
          * np.exp(1j * order * 1500 * RPM * at[-1])).real for place, order in enumerate(ORDERS)), abs=1e-6)  # fmt: skip
-    assert abs(amplitudes) > 1
-    assert w > 0
 
 
 def test_a_skew_of_0_1_ms_turns_order_6_at_1500_rpm_by_5_4_degrees():
