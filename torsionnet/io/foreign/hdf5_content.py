@@ -117,7 +117,7 @@ def _is_channel(name: str, item: Any) -> bool:
 
 def _is_across(item: Any, transposed: bool) -> bool:
     # A row of MATLAB has one column in the file, and is a channel like a column of its.
-    return item.ndim == 2 and ((transposed and item.shape[1] != 1) or item.shape[0] == 1)
+    return bool(item.ndim == 2 and ((transposed and item.shape[1] != 1) or item.shape[0] == 1))
 
 
 def _stored(name: str, item: Any, transposed: bool) -> StoredArray:

@@ -110,7 +110,9 @@ def sweep_remarks(times: FloatArray, speeds: FloatArray, orders: Sequence[float]
                 continue
             crossed = np.flatnonzero((frequency[1:] - natural) * (frequency[:-1] - natural) < 0)
             losses = [
-                (sweep_loss(rate, natural, ratio), rate) for at in crossed if (rate := _rate(times, frequency, at))
+                (sweep_loss(rate, natural, ratio), rate)
+                for at in crossed.tolist()
+                if (rate := _rate(times, frequency, at))
             ]
             worst = max(losses, key=lambda one: one[0].loss, default=None)
             if worst is not None and worst[0].loss >= LEAST_LOSS:
