@@ -8,7 +8,7 @@ from pathlib import Path
 
 from torsionnet.core.notebook import NotebookResult
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.model.campaign.campaign_file import CampaignFile, CampaignRecord
+from torsionnet.model.campaign.campaign_file import CampaignFile, CampaignRecord, tracked_entries
 from torsionnet.response.measured.wheel_pattern import WheelPattern
 from torsionnet.response.table import Column, Table
 
@@ -45,9 +45,7 @@ class Campaign(NotebookResult):
     @property
     def sensors(self) -> Mapping[str, str]:
         """Sensor of the model that each channel, wheel and twist shows, by its name; those with none are left out."""
-        named = {name: wheel.sensor for name, wheel in self.plan.wheels.items()}
-        named |= {name: channel.sensor for name, channel in (self.plan.channels or {}).items()}
-        named |= {name: twist.sensor for name, twist in (self.plan.twists or {}).items()}
+        named = {name: one.sensor for name, one in tracked_entries(self.plan).items()}
         given = {name: sensor or (name if name in self.model.sensors else "") for name, sensor in named.items()}
         return {name: sensor for name, sensor in given.items() if sensor}
 

@@ -40,15 +40,15 @@ class CampaignRecordResult:
     Attributes
     ----------
     name : str
-    file : path
-        File of the tracked orders.
+    files : tuple of path
+        File of the tracked orders of each channel.
     orders : tuple of TrackedOrders
     calculated : OrderResponse, optional
         None where no channel shows a sensor of the model.
     """
 
     name: str
-    file: Path
+    files: tuple[Path, ...]
     orders: tuple[TrackedOrders, ...]
     calculated: OrderResponse | None
 

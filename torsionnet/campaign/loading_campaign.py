@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -44,7 +45,7 @@ def load_campaign(path: str | os.PathLike[str]) -> Campaign:
     plan = None
     if not faults and model is not None:
         plan = CampaignFile(**entries)
-        faults += [*_references(plan), *_sensors(plan, model), *_records(plan, model, file.parent), *_fitted(plan)]
+        faults += [*_references(plan), *_doubled(plan), *_sensors(plan, model), *_records(plan, model, file.parent), *_fitted(plan)]
         patterns, found = _patterns(plan, file.parent)
         faults += found
     faults += document.faults
@@ -87,6 +88,15 @@ def _references(plan: CampaignFile) -> Iterator[Fault]:
             if (given := getattr(twist, key)) not in wheels:
                 text = f'no wheel is named "{given}"{did_you_mean(given, wheels)}'
                 yield Fault(f"{text}; {known}", ("twists", name, key))
+
+
+def _doubled(plan: CampaignFile) -> Iterator[Fault]:
+    """Faults of names that stand in two of the sections channels, wheels and twists."""
+    sections = {"wheels": plan.wheels, "channels": plan.channels or {}, "twists": plan.twists or {}}
+    for (first, some), (second, others) in combinations(sections.items(), 2):
+        for name in others:
+            if name in some:
+                yield Fault(f"{first} has {name}, too; give one of them another name", (second, name), on_key=True)
 
 
 def _sensors(plan: CampaignFile, model: Drivetrain) -> Iterator[Fault]:

@@ -5,6 +5,9 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
+import shutil
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -16,11 +19,14 @@ from torsionnet.core.errors import UsageError
 from torsionnet.core.version import __version__
 from torsionnet.identification import Fit, Measurement, Ranking, Unknown, identify, rank_causes
 from torsionnet.io.tracked_order_tables import read_tracked_orders, write_tracked_orders
+from torsionnet.model.campaign.campaign_file import tracked_entries
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.order_response import OrderResponse
 
 HASHED_BYTES = 2**20
 """Bytes of a record that are hashed together, which limits the memory."""
+KEY_LENGTH = 16
+"""Digits of a key, enough to tell all versions of a record apart."""
 
 Advance = Callable[[str, int, int], None]
 """Function that is told what is being done, how many records are done, and of how many."""
@@ -52,8 +58,9 @@ def run_campaign(
     records, count = {}, len(campaign.plan.records)
     for done, name in enumerate(campaign.plan.records):
         show(f"record {name}", done, count)
-        file, orders = _tracked(campaign, name, place)
-        records[name] = CampaignRecordResult(name, file, orders, _calculated(campaign, name, orders))
+        files = _tracked(campaign, name, place)
+        orders = tuple(files.values())
+        records[name] = CampaignRecordResult(name, tuple(files), orders, _calculated(campaign, name, orders))
     show("comparison", count, count)
     remarks = tuple(dict.fromkeys(
         f"{name}: {one.name}: {note}" for name, found in records.items() for one in found.orders for note in one.notes
@@ -63,21 +70,37 @@ def run_campaign(
     return CampaignResult(campaign, records, spreads, fit, ranking, remarks)
 
 
-def _tracked(campaign: Campaign, name: str, folder: Path) -> tuple[Path, tuple[TrackedOrders, ...]]:
-    """File of the tracked orders of a record, and the orders, from the file if it is of the same record and entries."""
-    file = folder / f"{name}-{_key(campaign, name)}.csv"
-    if file.is_file():
-        return file, read_tracked_orders(file)
-    found = record_orders(campaign, name)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UsageError(f"{folder} cannot be a folder of tracked orders: {error.strerror}") from None
-    write_tracked_orders(found, file)
-    for old in folder.glob(f"{name}-*.csv"):
-        if old != file:
-            old.unlink(missing_ok=True)
-    return file, read_tracked_orders(file)
+def _tracked(campaign: Campaign, name: str, folder: Path) -> dict[Path, TrackedOrders]:
+    """Files of the tracked orders of a record, with those, from the files if they are of the same record and entries."""
+    kept = folder / f"{_file_name(name)}-{_key(campaign, name)}"
+    if not kept.is_dir():
+        found = record_orders(campaign, name)
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            _write(found, kept)
+        except OSError as error:
+            raise UsageError(f"{folder} cannot be a folder of tracked orders: {error.strerror}") from None
+        for old in folder.glob(f"{_file_name(name)}-{'[0-9a-f]' * KEY_LENGTH}"):
+            if old != kept:
+                shutil.rmtree(old, ignore_errors=True)
+    orders = {file: read_tracked_orders(file)[0] for file in kept.glob("*.csv")}
+    order = list(tracked_entries(campaign.plan))
+    return dict(sorted(orders.items(), key=lambda pair: order.index(pair[1].name)))
+
+
+def _write(found: tuple[TrackedOrders, ...], folder: Path) -> None:
+    """Write the orders of each channel into a folder of its own name only when all are there."""
+    with tempfile.TemporaryDirectory(dir=folder.parent, prefix=".writing-") as begun:
+        filling = Path(begun) / folder.name
+        filling.mkdir()
+        for number, one in enumerate(found):
+            write_tracked_orders([one], filling / f"{number + 1}-{_file_name(one.name)}.csv")
+        filling.rename(folder)
+
+
+def _file_name(name: str) -> str:
+    """Name of a record or channel without characters that a name of a file cannot have."""
+    return re.sub(r"[^\w.+-]", "_", name)
 
 
 def _key(campaign: Campaign, name: str) -> str:
@@ -92,7 +115,7 @@ def _key(campaign: Campaign, name: str) -> str:
     with campaign.file_of(one).open("rb") as stream:
         while block := stream.read(HASHED_BYTES):
             digest.update(block)
-    return digest.hexdigest()[:16]
+    return digest.hexdigest()[:KEY_LENGTH]
 
 
 def _calculated(campaign: Campaign, name: str, orders: tuple[TrackedOrders, ...]) -> OrderResponse | None:

@@ -10,7 +10,7 @@ import numpy as np
 from torsionnet.campaign.campaign import Campaign
 from torsionnet.core.errors import Fault, ModelError, UsageError
 from torsionnet.io.recording_files import read_recording
-from torsionnet.model.campaign.campaign_file import METHODS, CampaignOrders, CampaignRecord
+from torsionnet.model.campaign.campaign_file import METHODS, CampaignOrders, CampaignRecord, tracked_entries
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.recording import FloatArray, Recording
 from torsionnet.signals.orders.cycle_average import CycleAverage
@@ -25,7 +25,7 @@ from torsionnet.signals.rotation.wheel_rotation import WheelRotation, wheel_rota
 
 
 def record_orders(campaign: Campaign, name: str) -> tuple[TrackedOrders, ...]:
-    """Complex orders of every wheel, channel and twist of a record of a campaign, with 95 % intervals, in SI.
+    """Complex orders of every channel, wheel and twist of a record of a campaign, with 95 % intervals, in SI.
 
     Raises
     ------
@@ -37,23 +37,36 @@ def record_orders(campaign: Campaign, name: str) -> tuple[TrackedOrders, ...]:
         record = _between(_recording(campaign, one), one.start, one.stop)
         wheels = {wheel: _rotation(campaign, record, wheel) for wheel in plan.wheels}
         mean = mean_rotation(wheels[campaign.reference], cycle=plan.orders.cycle)
-        channels, twists = plan.channels or {}, plan.twists or {}
-        found = track_orders(
-            _calibrated(record, campaign) if channels else None, mean, list(channels), tuple(wheels.values()),
-            [(Twist(one.first, one.second, one.stiffness or 0.0), wheels[one.first], wheels[one.second])
-             for one in twists.values()],
-            orders=plan.orders.tracked, method=_method(plan.orders),
-            reference=_phase(campaign, record, wheels[campaign.reference], mean),
-        )  # fmt: skip
+        reference = _phase(campaign, record, wheels[campaign.reference], mean)
+        signals = _calibrated(record, campaign) if plan.channels else None
+        found: dict[str, TrackedOrders] = {}
+        for asked, names in _by_orders(campaign).items():
+            channels = [one for one in names if one in (plan.channels or {})]
+            turning = [one for one in names if one in wheels]
+            twists = {one: plan.twists[one] for one in names if plan.twists and one in plan.twists}
+            tracked = track_orders(
+                signals if channels else None, mean, channels, [wheels[one] for one in turning],
+                [(Twist(one.first, one.second, one.stiffness or 0.0), wheels[one.first], wheels[one.second])
+                 for one in twists.values()],
+                orders=asked, method=_method(plan.orders), reference=reference,
+            )  # fmt: skip
+            found |= zip([*channels, *turning, *twists], tracked, strict=True)
     except UsageError as error:
         raise ModelError([Fault(f"record {name}: {error}", ("records", name))], campaign.path.name) from None
     except ModelError as error:
         faults = [replace(fault, message=f"record {name}: {fault.message}") for fault in error.faults]
         raise ModelError(faults, one.file) from None
-    names = [*channels, *wheels, *twists]
     return tuple(
-        replace(orders, name=key, title=f"{campaign.title}: {name}") for key, orders in zip(names, found, strict=True)
+        replace(found[key], name=key, title=f"{campaign.title}: {name}") for key in tracked_entries(campaign.plan)
     )
+
+
+def _by_orders(campaign: Campaign) -> dict[tuple[float, ...], list[str]]:
+    """Names of wheels, channels and twists by the orders that are tracked of them."""
+    found: dict[tuple[float, ...], list[str]] = {}
+    for name, one in tracked_entries(campaign.plan).items():
+        found.setdefault(one.orders or campaign.plan.orders.tracked, []).append(name)
+    return found
 
 
 def _recording(campaign: Campaign, one: CampaignRecord) -> Recording:
@@ -138,4 +151,5 @@ def _phase(campaign: Campaign, record: Recording, wheel: WheelRotation, mean: Me
     return phase_reference(
         mean, wheel, index=pulses.get("index"), cam=pulses.get("cam"), offset=phase.tdc or 0.0,
         place="" if phase.tdc is None else f"top dead centre of cylinder {phase.cylinder}",
+        wheel_has_mark=not phase.cam or campaign.plan.wheels[campaign.reference].missing_teeth > 0,
     )  # fmt: skip

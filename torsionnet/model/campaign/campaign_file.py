@@ -14,12 +14,13 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import MODEL_NAME, Count, Flag, OneOf, Text
 from torsionnet.core.errors import Fault
 from torsionnet.model.fit.fit_entries import FitParameter, ParameterTable
-from torsionnet.signals.orders.tracking_entries import BANDWIDTH, ORDERS
+from torsionnet.signals.orders.tracking_entries import BANDWIDTH, ORDERS, OrderList
 from torsionnet.signals.orders.vold_kalman import VoldKalman
 from torsionnet.signals.rotation.wheel_channel import WheelChannel
 
 METHODS = ("average", "vold-kalman")
 """Ways to track orders: synchronous averages over cycles, or Vold-Kalman filters."""
+_OWN_ORDERS = OrderList("orders tracked of it, instead of those of all")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +30,7 @@ class CampaignWheel(WheelChannel):
     kind: ClassVar[str] = "campaign wheel"
 
     sensor: str = entry(Text("angle of the model that it shows; by default the sensor of its name"), "")
+    orders: tuple[float, ...] | None = entry(_OWN_ORDERS, None)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,6 +51,7 @@ class CampaignChannel(Declared):
         Value("factor by which its values are multiplied, as from a shunt calibration", "1", lower=None), 1.0
     )
     delay: float = entry(Value("time by which it lags behind the pulses, as by telemetry; it is removed", "time"), 0.0)
+    orders: tuple[float, ...] | None = entry(_OWN_ORDERS, None)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,6 +68,7 @@ class CampaignTwist(Declared):
         Value("of the shaft between them; makes a torque", "stiffness", exclusive=True), None
     )
     sensor: str = entry(Text("sensor of the model; by default that of its name"), "")
+    orders: tuple[float, ...] | None = entry(_OWN_ORDERS, None)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,8 +101,8 @@ class CampaignPhase(Declared):
     kind: ClassVar[str] = "campaign phase"
     article: ClassVar[str] = "the section phase"
 
-    index: str = entry(Text("channel of pulses once per turn; by default the gap of the reference wheel"), "")
-    cam: str = entry(Text("channel of pulses once per cycle, which tell the turn in which the cycle begins"), "")
+    index: str = entry(Text("pulses once per turn; by default cam, else the gap or the index of the reference wheel"), "")
+    cam: str = entry(Text("pulses once per cycle; the first mark after it begins the cycle, or it is the mark"), "")
     tdc: float | None = entry(Value("angle from the mark to top dead centre", "angle", lower=None), None)
     cylinder: str = entry(Text("cylinder of that top dead centre"), "1")
 
@@ -191,3 +195,8 @@ class CampaignFile(Declared):
         Nested("orders that are tracked", lambda: CampaignOrders, "campaign_orders", shorthand="tracked")
     )
     fit: CampaignFit | None = entry(Nested("parameters that are found", lambda: CampaignFit, "campaign_fit"), None)
+
+
+def tracked_entries(plan: CampaignFile) -> dict[str, CampaignChannel | CampaignWheel | CampaignTwist]:
+    """Channels, wheels and twists of a campaign by name, in this order."""
+    return {**(plan.channels or {}), **plan.wheels, **(plan.twists or {})}

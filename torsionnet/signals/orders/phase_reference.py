@@ -56,6 +56,7 @@ def phase_reference(
     cam: PulseChannel | None = None,
     offset: float = 0.0,
     place: str = "",
+    wheel_has_mark: bool = True,
 ) -> PhaseReference:
     """Phase reference of a record from a mark on the shaft: tooth 0 of a wheel with a gap, or the pulse of an index.
 
@@ -74,6 +75,8 @@ def phase_reference(
         Angle of the reference shaft from the mark to where phases count from 0, rad.
     place : str, optional
         What is there, as ``"top dead centre of cylinder 1"``.
+    wheel_has_mark : bool, optional
+        False leaves out tooth 0 of the wheel, as where the cam's pulse alone is the mark.
 
     Raises
     ------
@@ -82,7 +85,7 @@ def phase_reference(
     """
     turn = 2 * np.pi
     whole = turn * mean.cycle
-    gap = wheel is not None and wheel.zero != FIRST_PULSE
+    gap = wheel_has_mark and wheel is not None and wheel.zero != FIRST_PULSE
     if index is None and cam is None and not gap:
         if offset or place:
             raise UsageError(

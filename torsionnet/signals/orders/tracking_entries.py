@@ -23,6 +23,8 @@ class Bandwidth(Spec[VoldKalman]):
     """Entry for the bandwidth of Vold-Kalman filters, a frequency, or a share of the frequency of each order."""
 
     def coerce(self, raw: object) -> VoldKalman:
+        if isinstance(raw, VoldKalman):
+            return raw
         text = str(raw).strip()
         if text.endswith("%"):
             share = Value(self.description, "1", exclusive=True, below=1.0).coerce(text)
@@ -46,6 +48,8 @@ class OrderList(Spec[tuple[float, ...]]):
 
     def coerce(self, raw: object) -> tuple[float, ...]:
         found: list[float] = []
+        if isinstance(raw, list | tuple):
+            raw = ",".join(map(str, raw))
         for part in re.split(r"[,;\s]+", str(raw).strip()):
             ends = [self._number(text, part) for text in part.split(":")]
             if len(ends) == 1:
@@ -72,14 +76,15 @@ class OrderList(Spec[tuple[float, ...]]):
         return value
 
     def plain(self, value: tuple[float, ...]) -> str:
-        return ", ".join(f"{one:g}" for one in value)
+        return ", ".join(map(repr, value))
 
     def schema(self) -> Schema:
-        return {"type": "string", "description": self.description}
+        one: Schema = {"type": ["number", "string"]}
+        return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1}], "description": self.description}
 
     @property
     def accepted(self) -> str:
-        return "str"
+        return "float | str | Sequence[float]"
 
 
 BANDWIDTH = Bandwidth("a bandwidth of Vold-Kalman filters")
