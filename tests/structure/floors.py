@@ -17,6 +17,7 @@ LAYERS = (  # top to bottom
     Layer(("explore",), "the page for a browser, its server, and what they ask of one model"),
     Layer(("report",), "the document on a model: what it says, and how HTML, LaTeX, Markdown and PDF write it"),
     Layer(("plot",), "pictures; nothing else imports matplotlib"),
+    Layer(("campaign",), "rotating tests with many records: orders, repeatability and fits from one file"),
     Layer(
         ("bench", "identification", "study"),
         "virtual tests run on a model; parameters from tests; many variants of a model",

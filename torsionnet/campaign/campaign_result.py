@@ -11,13 +11,16 @@ from torsionnet.campaign.campaign import Campaign
 from torsionnet.campaign.condition_spread import ConditionSpread
 from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.result_rows import Out
-from torsionnet.core.units import RPM
 from torsionnet.identification import Fit, Ranking
 from torsionnet.response.conventions import SI, Conventions
+from torsionnet.response.measured.order_agreement import AGREES, WITHIN_BOUND
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.order_comparison import MeasuredOrder, compared_orders, order_comparison
 from torsionnet.response.order_response import OrderResponse
-from torsionnet.response.table import Column, Table, result_table
+from torsionnet.response.table import Table, result_table
+
+GOOD = (AGREES, WITHIN_BOUND)
+"""Verdicts on orders that count as agreement."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,12 +28,28 @@ class CampaignVerdict:
     """Verdict on one order of a record beside the calculation."""
 
     record: Annotated[str, Out("record")]
-    channel: Annotated[str, Out("channel")]
+    output: Annotated[str, Out("output")]
     order: Annotated[float, Out("order")]
     difference: Annotated[float, Out("difference of peaks", "%", digits=4, json="difference_of_peaks_percent")]
-    intervals: Annotated[float | None, Out("in half widths", digits=4)]
+    intervals: Annotated[float | None, Out("in half widths", digits=4, json="half_widths")]
     verdict: Annotated[str, Out("verdict")]
-    explanation: str
+    explanation: Annotated[str, Out("explanation")]
+
+
+@dataclass(frozen=True, eq=False)
+class RecordRow:
+    """Record of a campaign with its condition, its speeds, and how many of its orders agree with the calculation."""
+
+    name: Annotated[str, Out("record")]
+    configuration: Annotated[str, Out("configuration")]
+    condition: Annotated[str, Out("condition")]
+    lowest: Annotated[float, Out("from", "rpm", digits=5, json="from_rpm")]
+    highest: Annotated[float, Out("to", "rpm", digits=5, json="to_rpm")]
+    points: Annotated[int, Out("points")]
+    compared: Annotated[int, Out("orders compared", json="orders_compared")]
+    agreeing: Annotated[int, Out("agree", json="orders_that_agree")]
+    reference: Annotated[str, Out("phase 0 at", json="phase_reference")]
+    files: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,19 +125,27 @@ class CampaignResult(NotebookResult):
                     table = order_comparison(found.calculated, output, measured, conventions)
                     yield Table(f"{name}: {table.title}", table.columns, table.rows, table.notes)
 
+    @property
+    def rows(self) -> tuple[RecordRow, ...]:
+        """One row for each record, with its condition, speeds and the number of orders that agree."""
+        found, verdicts = [], self.verdicts
+        for name, one in self.records.items():
+            entry, first = self.campaign.plan.records[name], one.orders[0]
+            own = [each for each in verdicts if each.record == name]
+            found.append(RecordRow(
+                name, entry.configuration, entry.condition, float(first.rpm.min()), float(first.rpm.max()),
+                len(first.times), len(own), sum(each.verdict in GOOD for each in own), first.reference,
+                tuple(map(str, one.files)),
+            ))  # fmt: skip
+        return tuple(found)
+
     def table(self) -> Table:
-        """Table of the records: speeds, orders, how many of them agree with the calculation."""
-        rows, verdicts = [], self.verdicts
-        for name, found in self.records.items():
-            first, own = found.orders[0], [one for one in verdicts if one.record == name]
-            agree = sum(one.verdict == "agrees" for one in own)
-            speeds = first.speeds * RPM
-            rows.append((name, float(speeds.min()), float(speeds.max()), len(first.times), len(own), agree))
-        columns = (
-            Column("record"), Column("from", "rpm"), Column("to", "rpm"), Column("points"), Column("orders compared"),
-            Column("agree"),
-        )  # fmt: skip
-        return Table(self.campaign.title, columns, tuple(rows), self.remarks)
+        """Table of the records: condition, speeds, orders, how many of them agree with the calculation."""
+        return result_table(self.campaign.title, self.rows, RecordRow, notes=self.remarks)
+
+    def verdict_table(self) -> Table:
+        """Table of the verdicts on every order of every record."""
+        return result_table(f"{self.campaign.title}: test and model", self.verdicts, CampaignVerdict)
 
     def repeatability(self) -> Table:
         """Table of the spread between records of one condition, beside what their intervals state."""

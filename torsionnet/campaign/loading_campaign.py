@@ -23,6 +23,9 @@ from torsionnet.model.files.reader import is_file
 from torsionnet.response.measured.wheel_pattern import WheelPattern
 from torsionnet.signals.rotation.pattern_checks import check_pattern
 
+MOST_NAMED = 6
+"""Most configurations of a model that a message names."""
+
 
 def load_campaign(path: str | os.PathLike[str]) -> Campaign:
     """Load a campaign from its YAML file, with its model and the pitch patterns of its wheels.
@@ -115,6 +118,11 @@ def _records(plan: CampaignFile, model: Drivetrain, folder: Path) -> Iterator[Fa
             beside = [one.name for one in folder.iterdir()] if folder.is_dir() else []
             hint = did_you_mean(Path(record.file).name, beside)
             yield Fault(f'there is no file "{record.file}"{hint}', ("records", name, "file"))
+        if not record.configuration and model.configurations:
+            known = ", ".join(model.configurations[:MOST_NAMED])
+            more = "" if len(model.configurations) <= MOST_NAMED else ", ..."
+            text = f"a record is of one configuration of the model: name one of {known}{more}"
+            yield Fault(text, ("records", name), on_key=True, kind="missing key", about="configuration")
         if record.configuration:
             try:
                 model.configured(record.configuration)

@@ -36,6 +36,7 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "angle": "Angle and speed from pulses of toothed wheels, with their uncertainty.",
     "estimate": "Frequency responses and coherence from a record of signals.",
     "track": "Complex orders of a turning machine from teeth, torque and gauges.",
+    "campaign": "A whole rotating test from one file: orders beside the model, repeats, fit, report.",
     "compare": "A record against a model.",
     "calibrate-wheel": "Pitch errors of a toothed wheel, from its own pulses.",
     "spectrogram": "Level over time and frequency of a record.",

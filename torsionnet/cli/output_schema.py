@@ -14,6 +14,7 @@ OUTPUTS: dict[str, str] = {
     "angle": "torsionnet.cli.commands.angle:AngleRecord",
     "bench": "list[torsionnet.cli.commands.bench:BenchRecord]",
     "calibrate-wheel": "torsionnet.signals.rotation.calibration_record:CalibrationRecord",
+    "campaign": "torsionnet.campaign.campaign_json:CampaignJson",
     "check": "list[torsionnet.core.fault_rows:CheckRecord]",
     "compare": "torsionnet.cli.frf_output:ComparisonRecord",
     "critical-speeds": "list[torsionnet.response.critical_speeds:CriticalSpeedsRecord]",

@@ -1,4 +1,4 @@
-"""Command ``torsionnet schema``, which prints the JSON Schema of model, bench, fit or study files."""
+"""Command ``torsionnet schema``, which prints the JSON Schema of model, bench, fit, study or campaign files."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 
 
 class SchemaCommand(Command):
-    """Print the JSON Schema of model, bench, fit or study files, with which editors complete, explain and check them.
+    """Print the JSON Schema of model, bench, fit, study or campaign files, with which editors complete, explain and check them.
 
     First line of a model file: # yaml-language-server: $schema=torsionnet.schema.json
     """
 
     kind: str = option(
         "--file",
-        type=click.Choice(["model", "fit", "study"]),
+        type=click.Choice(["model", "fit", "study", "campaign"]),
         default="model",
         show_default=True,
         help="Which kind of file; a bench is part of a model, or a file that names one.",
@@ -55,6 +55,10 @@ def _entries(kind: str) -> type[Declared]:
         from torsionnet.model.fit import FitFile
 
         return FitFile
+    if kind == "campaign":
+        from torsionnet.model.campaign.campaign_file import CampaignFile
+
+        return CampaignFile
     from torsionnet.study.study_file import StudyEntries
 
     return StudyEntries

@@ -1,0 +1,116 @@
+"""Command ``torsionnet campaign``, which works out all records of a rotating test from one file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from torsionnet.cli.command import TABLE, Answer, Command, click_command
+from torsionnet.cli.declarations import argument, option
+from torsionnet.cli.options import ANGLE, OutputFolder, file_option
+from torsionnet.cli.terminal import message
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+    from matplotlib.figure import Figure
+
+    from torsionnet.campaign import CampaignResult
+    from torsionnet.response import Conventions, Table
+
+ENDINGS = (".html", ".pdf", ".docx", ".tex", ".md", ".htm")
+
+
+class CampaignCommand(Command):
+    """Work out a rotating test with all its records: complex orders beside the calculation, repeatability, fit, report.
+
+    CAMPAIGN is a YAML file: model, wheels, channels with calibrations, records with configuration and condition, the
+    orders wanted, and perhaps a fit. Tracked orders are kept beside it in CAMPAIGN.orders, a file for each channel; what
+    is there is not tracked again unless the record or its entries have changed.
+
+    \b
+    torsionnet bench marine_run_up -o run_up.npz
+    torsionnet campaign marine_campaign.yaml -o report.html --plot orders.png
+    """
+
+    forms = TABLE
+    picture = "measured orders over the calculated ones, for each record"
+
+    file: str = argument("CAMPAIGN")
+    report: str | None = file_option("Write the report: .html, .pdf, .docx, .tex or .md.", ENDINGS)
+    sections: tuple[str, ...] = option("--section", metavar="NAME", help="Of the report, as of torsionnet report.")
+    folder: str | None = option(
+        "--orders-folder", type=OutputFolder(), help="Keep the tracked orders there.  [default: CAMPAIGN.orders]"
+    )
+    angle: str = ANGLE
+
+    def answer(self) -> Answer:
+        from torsionnet.campaign.campaign_json import campaign_json
+        from torsionnet.response import Conventions
+
+        result, conventions = self._result(), Conventions(angle=self.angle)
+        return Answer(
+            screen=lambda: _screen(result, conventions),
+            data=lambda: campaign_json(result),
+            csv=lambda: [("", result.verdict_table())],
+            files=[(self.report, lambda file: self._write_report(result, file))],
+            figures=lambda plot: _figures(plot, result, conventions),
+        )
+
+    def _result(self) -> CampaignResult:
+        from torsionnet.campaign import load_campaign, run_campaign
+        from torsionnet.cli.progress import stages
+
+        campaign = load_campaign(self.file)
+        with stages() as show:
+            result = run_campaign(
+                campaign, self.folder, progress=lambda words, done, total: show("records", done, total, words)
+            )
+        for verdict in () if result.fit is None else result.fit.verdicts:
+            message("warning", verdict)
+        return result
+
+    def _write_report(self, result: CampaignResult, file: str) -> None:
+        from torsionnet.cli.progress import stages
+        from torsionnet.report.campaign_report import campaign_report
+        from torsionnet.report.report import writer_for
+
+        write = writer_for(Path(file))
+        with stages() as show:
+            report = campaign_report(
+                result,
+                sections=self.sections,
+                progress=lambda name, done, total: show("sections", done, total, f"section {name.replace('_', ' ')}"),
+            )
+            show("writing", 0, None, f"writing {Path(file).name}")
+            write(report, Path(file))
+
+
+def _screen(result: CampaignResult, conventions: Conventions) -> Iterator[Table | str]:
+    yield result.table()
+    for table in result.comparisons(conventions):
+        yield ""
+        yield table
+    tables: Iterable[Table | None] = (
+        result.repeatability() if result.spreads else None,
+        None if result.fit is None else result.fit.table(),
+        None if result.ranking is None else result.ranking.table(),
+    )
+    for one in tables:
+        if one is not None:
+            yield ""
+            yield one
+
+
+def _figures(plot: ModuleType, result: CampaignResult, conventions: Conventions) -> Iterator[tuple[str, Figure]]:
+    for name, found in result.records.items():
+        tests = result.tests(name)
+        if found.calculated is not None and tests:
+            title = f"{result.campaign.title}: {name}"
+            yield name, plot.order_overlay(found.calculated, tests, conventions=conventions, title=title)
+    if result.fit is not None:
+        yield "fit", plot.fit(result.fit, conventions=conventions)
+
+
+command = click_command("campaign", CampaignCommand)

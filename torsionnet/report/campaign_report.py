@@ -1,0 +1,76 @@
+"""Report on a campaign of tests: the model, the orders measured beside those calculated, the fit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from torsionnet.core.errors import UsageError
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.model.channels import named_sensor
+from torsionnet.model.report.report_plan import ReportPlan
+from torsionnet.report.measured_orders import MeasuredFile
+from torsionnet.report.report import make_report
+
+if TYPE_CHECKING:
+    from torsionnet.campaign import Campaign, CampaignResult
+    from torsionnet.report.document_tree import Report
+
+
+def campaign_report(
+    result: CampaignResult,
+    *,
+    sections: Iterable[str] = (),
+    progress: Callable[[str, int, int], None] = lambda *_: None,
+) -> Report:
+    """Report on the model of a campaign in the configurations of its records, with their orders and the fit.
+
+    Parameters
+    ----------
+    result : CampaignResult
+    sections : iterable of str, optional
+        As of :func:`make_report`; by default those of the model's kind of document.
+    progress : callable, optional
+        Called before each section with its name, the number of sections done and that of all.
+
+    Raises
+    ------
+    UsageError
+        No channel of the campaign shows a sensor of the model.
+    """
+    campaign = result.campaign
+    places = _places(campaign)
+    if not places:
+        raise UsageError("no channel of the campaign shows a sensor of the model: name one by sensor: for the report")
+    model = campaign.model
+    plan = replace(model.definition.report or ReportPlan(), measure=tuple(dict.fromkeys(places.values())))
+    model = Drivetrain.from_definition(replace(model.definition, report=plan))
+    names = {name: _configuration(campaign, one.configuration) for name, one in campaign.plan.records.items()}
+    measured = [
+        MeasuredFile(file, names[name], places[orders.name])
+        for name, found in result.records.items()
+        for file, orders in zip(found.files, found.orders, strict=True)
+        if orders.name in places
+    ]
+    return make_report(
+        model,
+        configurations=dict.fromkeys(filter(None, names.values())),
+        sections=sections,
+        measured=measured,
+        fits=[] if result.fit is None else [result.fit],
+        title=campaign.title,
+        progress=progress,
+    )
+
+
+def _places(campaign: Campaign) -> Mapping[str, str]:
+    """Name in the model of the sensor that each channel shows, or the sensor written out, by channel."""
+    sensors = campaign.model.definition.sensors
+    named = {sensor: name for name, sensor in sensors.items()}
+    found = {name: named_sensor(text, sensors) for name, text in campaign.sensors.items()}
+    return {name: named.get(sensor, str(sensor)) for name, sensor in found.items() if sensor is not None}
+
+
+def _configuration(campaign: Campaign, name: str) -> str:
+    return campaign.model.configured(name).configuration if name else ""
