@@ -21,6 +21,8 @@ class Campaign(NotebookResult):
     ----------
     path : path
         File that describes it.
+    folder : path
+        Folder from which the files of the records are named.
     plan : CampaignFile
     model : Drivetrain
     patterns : mapping of str to WheelPattern
@@ -28,6 +30,7 @@ class Campaign(NotebookResult):
     """
 
     path: Path
+    folder: Path
     plan: CampaignFile
     model: Drivetrain
     patterns: Mapping[str, WheelPattern]
@@ -55,7 +58,7 @@ class Campaign(NotebookResult):
 
     def file_of(self, record: CampaignRecord) -> Path:
         """Path of the file of a record."""
-        return self.path.parent / record.file
+        return self.folder / record.file
 
     def table(self) -> Table:
         """Table of the records with their files, configurations and conditions."""

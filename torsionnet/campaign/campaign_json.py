@@ -29,6 +29,4 @@ def campaign_json(result: CampaignResult) -> CampaignJson:
     """Result of a campaign as plain data for JSON; the tracked orders are in the files that it names."""
     fit = None if result.fit is None else fit_record(result.fit, {}, {}, result.ranking)
     alone = result.ranking.causes if result.ranking is not None and result.fit is None else None
-    return CampaignJson(
-        result.campaign.title, result.rows, result.verdicts, result.spreads, fit, alone, result.remarks
-    )
+    return CampaignJson(result.campaign.title, result.rows, result.verdicts, result.spreads, fit, alone, result.remarks)

@@ -18,6 +18,7 @@ from torsionnet.model.campaign.campaign_file import CampaignFile
 from torsionnet.model.channels import named_sensor
 from torsionnet.model.files.decoding import decode
 from torsionnet.model.files.fault_positions import located_faults, presentable_faults
+from torsionnet.model.files.library import library_campaigns
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.model.files.reader import is_file
 from torsionnet.response.measured.wheel_pattern import WheelPattern
@@ -28,7 +29,9 @@ MOST_NAMED = 6
 
 
 def load_campaign(path: str | os.PathLike[str]) -> Campaign:
-    """Load a campaign from its YAML file, with its model and the pitch patterns of its wheels.
+    """Load a campaign from its YAML file or the library, with its model and the pitch patterns of its wheels.
+
+    A campaign of the library has its records in the current folder.
 
     Raises
     ------
@@ -37,24 +40,41 @@ def load_campaign(path: str | os.PathLike[str]) -> Campaign:
     UsageError
         There is no such file.
     """
-    file = Path(path)
+    file = _find(path)
+    folder = Path() if file in library_campaigns().values() else file.parent
     document = _document(file)
     data: Mapping[Any, Any] = document.data if isinstance(document.data, dict) else {}
     entries, faults = CampaignFile.read_entries(data)
     faults = [*version_faults(data, "campaign"), *faults]
-    model, found = _model(entries.get("model"), file.parent)
+    model, found = _model(entries.get("model"), folder)
     faults += found
     patterns: dict[str, WheelPattern] = {}
     plan = None
     if not faults and model is not None:
         plan = CampaignFile(**entries)
-        faults += [*_references(plan), *_doubled(plan), *_sensors(plan, model), *_records(plan, model, file.parent), *_fitted(plan)]
-        patterns, found = _patterns(plan, file.parent)
+        faults += [
+            *_references(plan),
+            *_doubled(plan),
+            *_sensors(plan, model),
+            *_records(plan, model, folder),
+            *_fitted(plan),
+        ]
+        patterns, found = _patterns(plan, folder)
         faults += found
     faults += document.faults
     if faults or plan is None or model is None:
         raise ModelError(located_faults(faults, document), file.name)
-    return Campaign(file, plan, model, patterns)
+    return Campaign(file, folder, plan, model, patterns)
+
+
+def _find(campaign: str | os.PathLike[str]) -> Path:
+    known = library_campaigns()
+    if isinstance(campaign, str) and not Path(campaign).suffix and not Path(campaign).exists():
+        if campaign in known:
+            return known[campaign]
+        hint = did_you_mean(campaign, known) or f"; the library has {', '.join(known)}"
+        raise UsageError(f'no campaign is named "{campaign}"{hint}')
+    return Path(campaign)
 
 
 def _document(file: Path) -> LocatedDocument:

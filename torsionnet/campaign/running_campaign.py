@@ -53,7 +53,7 @@ def run_campaign(
     ModelError
         A record lacks a channel, or its pulses do not fit their wheel.
     """
-    place = Path(folder) if folder is not None else campaign.path.with_suffix(".orders")
+    place = Path(folder) if folder is not None else campaign.folder / f"{campaign.path.stem}.orders"
     show = progress or (lambda *_: None)
     records, count = {}, len(campaign.plan.records)
     for done, name in enumerate(campaign.plan.records):
@@ -71,7 +71,7 @@ def run_campaign(
 
 
 def _tracked(campaign: Campaign, name: str, folder: Path) -> dict[Path, TrackedOrders]:
-    """Files of the tracked orders of a record, with those, from the files if they are of the same record and entries."""
+    """Tracked orders of a record by their files; from the files where record and entries are the same."""
     kept = folder / f"{_file_name(name)}-{_key(campaign, name)}"
     if not kept.is_dir():
         found = record_orders(campaign, name)
@@ -105,7 +105,7 @@ def _file_name(name: str) -> str:
 
 def _key(campaign: Campaign, name: str) -> str:
     """Key of what the orders of a record follow from: the bytes of its file, entries, pitch patterns, version."""
-    plan = campaign.plan.to_data()
+    plan = campaign.plan.written_entries()
     one = campaign.plan.records[name]
     asked = {key: plan.get(key) for key in ("wheels", "reference", "phase", "channels", "twists", "orders")}
     asked |= {"start": one.start, "stop": one.stop, "version": __version__, "title": campaign.title}

@@ -19,6 +19,11 @@ from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.phase import unwrapped_phase
 
 MARKERS = ("o", "s", "^", "D", "v")
+MOST_ORDERS = 6
+"""Most orders that a panel shows, as more cannot be told apart: those with the largest amplitudes, calculated or
+measured beyond their intervals."""
+HEADROOM = 1.15
+"""Factor from the largest amplitude to the upper end of a panel; wide intervals of small orders reach beyond it."""
 
 
 WIDTH_ALPHA = 0.5
@@ -34,8 +39,8 @@ def order_overlay(
 ) -> Figure:
     """Figure of amplitudes of orders over speed, measured as dots, calculated as lines, a panel for each output.
 
-    Intervals of 95 % are upright lines through the dots. Where phases are compared a panel of phases in degrees stands
-    below that of the amplitudes.
+    Of many orders the six strongest are drawn. Intervals of 95 % are upright lines through the dots. Where phases are
+    compared a panel of phases in degrees stands below that of the amplitudes.
 
     Parameters
     ----------
@@ -56,7 +61,7 @@ def order_overlay(
     UsageError
         No such output, or none of the measured orders was calculated.
     """
-    pairs = {name: compared_orders(response, name, orders) for name, orders in measured.items()}
+    pairs = {name: _strongest(compared_orders(response, name, orders)) for name, orders in measured.items()}
     shown = [
         (name, found, phase)
         for name, found in pairs.items()
@@ -76,11 +81,24 @@ def order_overlay(
         scale, words = axis_unit(unit, largest, conventions)
         _amplitudes(panel, found, scale)
         panel.set_ylabel(f"{name} [{words}]")
-        panel.set_ylim(bottom=0)
+        panel.set_ylim(0, HEADROOM * largest * scale or None)
         panel.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     panels[-1].set_xlabel(speed_label(response.reference))
     style.set_title(figure, response.title if title is None else title)
     return figure
+
+
+def _strongest(pairs: Sequence[ComparedOrder]) -> list[ComparedOrder]:
+    """Orders of a panel with the largest amplitudes, in their order."""
+
+    def size(one: ComparedOrder) -> float:
+        width = one.pair.half_widths
+        seen = one.measured.amplitude - (0.0 if width is None or len(width) != len(one.measured.amplitude) else width)
+        return float(max(np.nanmax(np.abs(one.pair.curve)), np.nanmax(seen)))
+
+    sizes = [size(one) for one in pairs]
+    kept = sorted(range(len(pairs)), key=lambda place: -sizes[place])[:MOST_ORDERS]
+    return [pairs[place] for place in sorted(kept)]
 
 
 def _amplitudes(panel: Axes, pairs: Sequence[ComparedOrder], scale: float) -> None:

@@ -14,7 +14,8 @@ from torsionnet.report.measured_orders import MeasuredFile
 from torsionnet.report.report import make_report
 
 if TYPE_CHECKING:
-    from torsionnet.campaign import Campaign, CampaignResult
+    from torsionnet.campaign.campaign import Campaign
+    from torsionnet.campaign.campaign_result import CampaignResult
     from torsionnet.report.document_tree import Report
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from torsionnet.campaign import CampaignResult
+    from torsionnet.campaign.campaign_result import CampaignResult
     from torsionnet.response import Conventions, Table
 
 ENDINGS = (".html", ".pdf", ".docx", ".tex", ".md", ".htm")
@@ -25,13 +25,13 @@ ENDINGS = (".html", ".pdf", ".docx", ".tex", ".md", ".htm")
 class CampaignCommand(Command):
     """Work out a rotating test with all its records: complex orders beside the calculation, repeatability, fit, report.
 
-    CAMPAIGN is a YAML file: model, wheels, channels with calibrations, records with configuration and condition, the
-    orders wanted, and perhaps a fit. Tracked orders are kept beside it in CAMPAIGN.orders, a file for each channel; what
-    is there is not tracked again unless the record or its entries have changed.
+    CAMPAIGN is a YAML file, or one of the library: model, wheels, channels with calibrations, records with
+    configuration and condition, the orders wanted, and perhaps a fit. Tracked orders are kept in CAMPAIGN.orders, a
+    file for each channel; a record is tracked again only where it or its entries have changed.
 
     \b
     torsionnet bench marine_run_up -o run_up.npz
-    torsionnet campaign marine_campaign.yaml -o report.html --plot orders.png
+    torsionnet campaign marine_campaign -o report.html --plot orders.png
     """
 
     forms = TABLE
@@ -59,7 +59,8 @@ class CampaignCommand(Command):
         )
 
     def _result(self) -> CampaignResult:
-        from torsionnet.campaign import load_campaign, run_campaign
+        from torsionnet.campaign.loading_campaign import load_campaign
+        from torsionnet.campaign.running_campaign import run_campaign
         from torsionnet.cli.progress import stages
 
         campaign = load_campaign(self.file)

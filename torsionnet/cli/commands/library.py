@@ -27,18 +27,25 @@ class LibraryRow:
 
 
 class LibraryCommand(Command):
-    """List the models and studies that come with the package, to be named in place of a file, parts and catalogues."""
+    """List models, studies and campaigns of the package, to be named in place of a file, parts and catalogues."""
 
     forms = JSON
 
     def answer(self) -> Answer:
         from torsionnet.model.files import library_entry, library_models, library_studies
-        from torsionnet.model.files.library import catalogue_entry, library_catalogues, library_parts, study_entry
+        from torsionnet.model.files.library import (
+            catalogue_entry,
+            library_campaigns,
+            library_catalogues,
+            library_parts,
+            study_entry,
+        )
         from torsionnet.response.table import result_table
 
         kinds = (
             ("model", library_models(), library_entry),
             ("study", library_studies(), study_entry),
+            ("campaign", library_campaigns(), study_entry),
             ("part", library_parts(), library_entry),
             ("catalogue", library_catalogues(), catalogue_entry),
         )

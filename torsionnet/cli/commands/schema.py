@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class SchemaCommand(Command):
-    """Print the JSON Schema of model, bench, fit, study or campaign files, with which editors complete, explain and check them.
+    """Print the JSON Schema of model, bench, fit, study or campaign files, by which editors check and explain them.
 
     First line of a model file: # yaml-language-server: $schema=torsionnet.schema.json
     """

@@ -101,7 +101,9 @@ class CampaignPhase(Declared):
     kind: ClassVar[str] = "campaign phase"
     article: ClassVar[str] = "the section phase"
 
-    index: str = entry(Text("pulses once per turn; by default cam, else the gap or the index of the reference wheel"), "")
+    index: str = entry(
+        Text("pulses once per turn; by default cam, else the gap or the index of the reference wheel"), ""
+    )
     cam: str = entry(Text("pulses once per cycle; the first mark after it begins the cycle, or it is the mark"), "")
     tdc: float | None = entry(Value("angle from the mark to top dead centre", "angle", lower=None), None)
     cylinder: str = entry(Text("cylinder of that top dead centre"), "1")
@@ -165,6 +167,7 @@ class CampaignFile(Declared):
     head: ClassVar[tuple[str, ...]] = (KEY,)
 
     name: str = entry(Text("title of the campaign"), "")
+    source: str = entry(Text("where its records come from"), "")
     description: str = entry(Text("what was tested, where and when"), "")
     model: str = entry(
         Text("name of a library model, or path of a model file from the folder of this file", MODEL_NAME)

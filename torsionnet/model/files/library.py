@@ -58,6 +58,17 @@ def library_studies() -> dict[str, Path]:
     return {path.stem: path for path in sorted((library_folder() / "studies").glob("*.yaml"))}
 
 
+def library_campaigns() -> dict[str, Path]:
+    """Path of every campaign of rotating tests in the library, by name.
+
+    Examples
+    --------
+    >>> list(library_campaigns())
+    ['marine_campaign']
+    """
+    return {path.stem: path for path in sorted((library_folder() / "campaigns").glob("*.yaml"))}
+
+
 def library_parts() -> dict[str, Path]:
     """Path of every part in the library, by name; models may use them unless they have a part of that name.
 
