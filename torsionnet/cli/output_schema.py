@@ -30,7 +30,7 @@ OUTPUTS: dict[str, str] = {
     "limits": "list[torsionnet.response.limits.limit_conclusion:LimitsRecord]",
     "margins": "list[torsionnet.response.loop_margins:MarginsRecord]",
     "modes": "list[torsionnet.response.modes:ModesRecord]",
-    "orders": "list[torsionnet.response.order_comparison:OrdersRecord]",
+    "orders": "list[torsionnet.response.measured.orders_record:OrdersRecord]",
     "sensitivity": "list[torsionnet.solve.sensitivity.mode_sensitivities:SensitivityRecord]",
     "show": "list[torsionnet.cli.model_output:ShownModel]",
     "spectrogram": "list[torsionnet.signals.spectrogram:SpectrogramRecord]",

@@ -41,6 +41,7 @@ REWORDED_COLUMNS = {
     "Action and marking",
     "At",
     "Comparison",
+    "Explanation",
     "Kind",
     "Leading term",
     "Limit",

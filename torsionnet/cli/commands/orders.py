@@ -69,7 +69,7 @@ class OrdersCommand(ModelCommand):
 
     def answer(self) -> Answer:
         from torsionnet.response import Conventions
-        from torsionnet.response.order_comparison import orders_record
+        from torsionnet.response.measured.orders_record import orders_record
 
         conventions = Conventions(angle=self.angle)
         if self.measured and self.drawn != PICTURES[0]:

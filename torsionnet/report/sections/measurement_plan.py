@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from torsionnet.core.errors import UsageError
 from torsionnet.core.number_text import NumberText, aligned_numbers
 from torsionnet.core.units import RPM
+from torsionnet.io.tracked_order_tables import is_tracked_table, read_tracked_orders
 from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.round_section import section_fault
 from torsionnet.report.cylinders_out import governing_misfire
-from torsionnet.report.document_tree import Block, Cell, Heading, Paragraph, Section, TableBlock
+from torsionnet.report.document_tree import Block, Cell, Heading, Paragraph, Picture, Section, TableBlock
 from torsionnet.report.engineering_units import engineering_unit
 from torsionnet.report.measured_orders import MeasuredFile, read_measured
+from torsionnet.report.measured_tables import measured_order_tables, measured_range_block
 from torsionnet.report.measurement_places import (
     MeasuringPlace,
     files_by_case,
@@ -23,11 +28,14 @@ from torsionnet.report.measurement_places import (
     within_calculated,
 )
 from torsionnet.report.report_data import Case, ReportData
-from torsionnet.report.report_tables import results_table, table
+from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, unit
+from torsionnet.response.conventions import Conventions
 from torsionnet.response.equal_remarks import condition_words
+from torsionnet.response.limits.limit_check import LimitCheck
+from torsionnet.response.limits.measured_range import MeasuredRange
 from torsionnet.response.limits.speed_spans import joined_spans
-from torsionnet.response.order_comparison import MeasuredOrder, order_comparison
+from torsionnet.response.order_comparison import MeasuredOrder
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.planned_amplitudes import (
     PlannedAmplitude,
@@ -38,6 +46,10 @@ from torsionnet.response.planned_amplitudes import (
     planned_amplitudes,
 )
 from torsionnet.response.worst_response import WorstResponse
+from torsionnet.solve.running.measured_ranges import measured_ranges
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 INTRODUCTION = (
     "Expected values for a measurement: peak amplitudes of single orders, and half the range of the sum of "
@@ -104,10 +116,45 @@ def _of_condition(
         at = _at(case, place, speeds, run.reference)
         blocks.append(_table(subject, case, place, at, speeds, tests.get(name, ())))
         if name in tests:
-            compared = order_comparison(run, name, tests[name], subject.conventions)
-            caption = f"Measured and calculated peaks: {place.means}{_where(case)}"
-            blocks += [results_table(compared, caption), Paragraph((DAMPING_NOTE,))]
-    return reference, blocks
+            words = f"{place.means}{_where(case)}"
+            blocks += measured_order_tables(run, name, tests[name], subject.conventions, words)
+            blocks.append(Paragraph((DAMPING_NOTE,)))
+    return reference, [*blocks, *_beside_limits(subject, case, files)]
+
+
+def _beside_limits(subject: ReportData, case: Case, files: Sequence[MeasuredFile]) -> list[Block]:
+    """Table and figures of measured half ranges beside the limits of the condition.
+
+    Empty without half ranges of a limited quantity, or where limits were not judged in this condition.
+    """
+    checks = subject.limit_conclusion.checks if subject.limit_conclusion else ()
+    check = next((one for one in checks if one.configuration == case.configuration), None)
+    if check is None:
+        return []
+    ranges: list[MeasuredRange] = []
+    for file in files:
+        if is_tracked_table(file.path):
+            with suppress(UsageError):  # the file has no half range, or none that a limit judges
+                ranges += measured_ranges(case.drivetrain, check, read_tracked_orders(file.path))
+    if not ranges:
+        return []
+    where = f" in configuration {case.configuration}" if case.configuration else ""
+    blocks: list[Block] = [
+        measured_range_block(ranges, subject.conventions, f"Measured half ranges beside limits{_where(case)}")
+    ]
+    for number, name in enumerate(dict.fromkeys(one.limited.limit for one in ranges), 1):
+        drawn = limit_picture(check, name, subject.conventions, ranges)
+        caption = (f"Limit {as_words(name)} over speed{where}, measured half ranges as dots.",)
+        told = f"{as_words(name)} over speed with its limits and measured half ranges{where}"
+        blocks.append(Picture(f"measured_limit_{number}", drawn, caption, told))
+    return blocks
+
+
+def limit_picture(check: LimitCheck, name: str, conventions: Conventions, measured: Sequence[MeasuredRange]) -> Figure:
+    """Figure of one limit over speed with the half ranges of a test."""
+    from torsionnet.plot.limit_check import limit_check
+
+    return limit_check(replace(check, title=""), name, conventions=conventions, title="", measured=measured)
 
 
 def _with_cylinder_out(subject: ReportData, places: Sequence[MeasuringPlace]) -> list[Block]:

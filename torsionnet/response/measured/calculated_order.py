@@ -55,4 +55,4 @@ def bound_note(response: OrderResponse) -> str:
     else:
         why += ["every angle between engines of which the model gives none"]
     text = f"calculated amplitudes are upper bounds, over {' and '.join(why) or 'all cases'}, and have no phase"
-    return f"{text}: name the case that was tested with -c, or give the phases between engines, to compare phases"
+    return f"{text}: name the case that was tested, or give the phases between engines, to compare phases"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -71,7 +72,7 @@ def measured_ranges(
 def _factor(one: TrackedOrders, sensors: Sequence[Sensor], factor: float, drivetrain: AssembledModel) -> float | None:
     """Factor from the half range of a channel to the limited value; None if the channel is of something else."""
     sensor = named_sensor(one.name, drivetrain.definition.sensors) or Sensor("angle", one.name)
-    if sensor in sensors:
+    if sensor in sensors or sensor in [replace(own, at=None) for own in sensors]:  # gauges anywhere along the shaft
         return factor if one.quantity == sensor.quantity else None
     stress = any(sensor.of == own.of and own.quantity == "torque" for own in sensors)
     return 1.0 if sensor.quantity == one.quantity == "stress" and stress else None
