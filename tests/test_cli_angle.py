@@ -89,7 +89,11 @@ def test_all_that_is_wrong_with_wheels_is_said_at_once(folder):
         (["--pulses", "n1"], "n1: how many teeth does the wheel have", 1),
         (["--pulses", "n3=60"], 'no channel is named "n3"', 1),
         (["--pulses", "n1=60", "--ratio", "fast"], "n1: --ratio", 1),
-        (["--pulses", "n1=60", "--wheels", "w.yaml"], "leave --pulses and the others out", 2),
+        (
+            ["--pulses", "n1=60", "--wheels", "w.yaml"],
+            "leave n1=60 out; --pulses n1 without teeth takes one wheel of the file",
+            2,
+        ),
     ],
 )
 def test_bad_options(folder, arguments, message, code):

@@ -73,7 +73,7 @@ def test_vold_kalman_slices_and_waterfall(record, tmp_path):
 
 
 def test_twist_torque_and_stress(record):
-    words = ("--reference", "fly=60-2", "--wheel", "gen=60", "--orders", "1,3", "--twist", "fly-gen")
+    words = ("--reference", "fly=60-2", "--pulses", "gen=60", "--orders", "1,3", "--twist", "fly-gen")
     found = json.loads(
         run(
             record, *words, "--channel", "fly", "--stiffness", "2 MN*m/rad", "--diameter", "fly-gen=200mm", "--json"
@@ -93,7 +93,7 @@ def test_twist_torque_and_stress(record):
         (("--reference", "fly=60-2", "--orders", "1", "--twist", "fly-gen"), "two wheels with - between them"),
         (("--reference", "fly=60-2", "--orders", "1", "--pattern", "gen=x.yaml"), "there is no wheel of this name"),
         (("--reference", "fly=60-2", "--orders", "40"), "tell orders up to"),
-        (("--reference", "fly=x", "--orders", "1"), "expected WHEEL=TEETH"),
+        (("--reference", "fly=x", "--orders", "1"), "expected CHANNEL[=TEETH]"),
         (("--reference", "T", "--orders", "1"), "the rotation needs an angle or a speed"),
         (("--reference", "fly=60-2", "--orders", "1", "--steps", "20Nm"), "20Nm"),
     ],

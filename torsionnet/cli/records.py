@@ -35,7 +35,7 @@ def load_record(
         The record is faulty; all faults are listed.
     """
     wanted = None if names is None else list(dict.fromkeys(names))
-    if Path(path).is_file() and Path(path).stat().st_size > LARGE_FILE and not reading.pulses:
+    if Path(path).is_file() and Path(path).stat().st_size > LARGE_FILE and "pulses" not in reading.arguments:
         return _checked_blocks(path, reading, wanted, window, advance)
     record = read_recording(path, names=wanted, resample=reading.resample, **reading.arguments)
     for note in record.notes:

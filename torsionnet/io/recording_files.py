@@ -115,6 +115,12 @@ def channel_names(path: str | os.PathLike[str]) -> tuple[str, ...]:
         return tuple(name for name in names if not choose(source, [name], {}, {})[1])
 
 
+def pulse_names(path: str | os.PathLike[str], **dialect: str) -> tuple[str, ...]:
+    """Names of the channels of a file that hold times of pulses in s, as this package writes them."""
+    with _opened(Path(path), dialect) as source:
+        return tuple(stored.channel.name for stored in source.pulses)
+
+
 def _read(
     path: Path, options: ReadOptions, seconds: float | None, dialect: dict[str, str]
 ) -> Generator[Recording, None, None]:

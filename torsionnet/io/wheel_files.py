@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -68,6 +69,16 @@ def read_wheels(path: str | os.PathLike[str]) -> dict[str, WheelOfTest]:
     if document.faults or faults:
         raise ModelError(located_faults([*document.faults, *faults], document), file.name)
     return found
+
+
+def channels_of(wheels: Mapping[str, WheelOfTest]) -> dict[str, WheelChannel]:
+    """Channels of the wheels of a test, by name."""
+    return {name: wheel.channel for name, wheel in wheels.items()}
+
+
+def patterns_of(wheels: Mapping[str, WheelOfTest]) -> dict[str, WheelPattern]:
+    """Pitch patterns (rad) of those wheels of a test that have one, by name."""
+    return {name: wheel.pattern for name, wheel in wheels.items() if wheel.pattern is not None}
 
 
 def pattern_of(wheel: WheelChannel, folder: Path) -> tuple[WheelPattern | None, list[Fault]]:

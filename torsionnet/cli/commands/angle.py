@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 from torsionnet.cli.command import TABLE, Answer, Command, click_command
 from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.options import file_option
-from torsionnet.cli.pulse_options import PulseOptions, turning_record
+from torsionnet.cli.pulse_options import PulseOptions
 from torsionnet.cli.terminal import print_warnings
 from torsionnet.core.result_rows import Out
 from torsionnet.core.units import RPM
@@ -74,7 +74,7 @@ class AngleCommand(Command):
     \b
     torsionnet angle run_up.npz --pulses n1 --teeth 60 -o angle.npz
     torsionnet angle run_up.tdms --pulses n1=60 --pulses n2=48 --clock 80MHz --bits 32 --plot angle.png
-    torsionnet angle test.mat --pulses crank --teeth 60 --missing-teeth 2 --pickup inductive --order 6 --order 12
+    torsionnet angle test.mat --pulses crank=60-2 --pickup inductive --order 6 --order 12
     """
 
     forms = TABLE
@@ -101,7 +101,7 @@ class AngleCommand(Command):
 
         if self.output_file:
             format_of(Path(self.output_file), "recording")
-        found, wheels = turning_record(self.record, self.reading, self.channels)
+        found, wheels = self._turning()
         for wheel in wheels:
             wheel.check_orders(self.orders)
         angles = angle_record(found, wheels, keep=self.channels, sampling_rate=self.reading.rate)
@@ -116,6 +116,21 @@ class AngleCommand(Command):
             files=[(self.output_file, lambda file: write_recording(angles, file))],
             figures=lambda plot: [("", plot.wheel_rotations(wheels, title=angles.title))],
         )
+
+    def _turning(self) -> tuple[Recording, list[WheelRotation]]:
+        """Record with the channels to be kept, and the rotation of every wheel."""
+        from torsionnet.core.errors import UsageError
+        from torsionnet.io.turning_records import read_turning_record
+        from torsionnet.io.wheel_files import channels_of, patterns_of
+        from torsionnet.signals.rotation.wheel_rotations import wheel_rotations
+
+        wheels = self.reading.wheels()
+        if not wheels:
+            raise UsageError("name the channel of pulses: --pulses n1=60, or a file of wheels: --wheels wheels.yaml")
+        channels = channels_of(wheels)
+        marks = self.reading.marks({one.index for one in channels.values()}, wheels)
+        record = read_turning_record(self.record, channels, marks, self.channels, **self.reading.arguments)
+        return record, list(wheel_rotations(record, channels, patterns_of(wheels), marks=marks).values())
 
 
 def turned_wheel(wheel: WheelRotation, orders: tuple[float, ...] = ()) -> TurnedWheel:

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.cli.command import TABLE, Answer, click_command
-from torsionnet.cli.declarations import option
+from torsionnet.cli.command import TABLE, Answer, Command, click_command
+from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.options import ANGLE, EntryOption, PairOption, file_option
-from torsionnet.cli.record_options import RecordCommand
-from torsionnet.cli.wheel_options import NamedWheel, TeethOption, WheelReading
+from torsionnet.cli.pulse_options import NamedWheel, PulseOptions, TeethOption
 from torsionnet.core.errors import UsageError
 
 if TYPE_CHECKING:
@@ -21,12 +20,14 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
+    from torsionnet.io.wheel_files import WheelOfTest
     from torsionnet.response import Conventions, Table
+    from torsionnet.response.measured.pulse_channel import PulseChannel
     from torsionnet.response.measured.tracked_orders import TrackedOrders
-    from torsionnet.response.recording import Recording
     from torsionnet.signals.orders.cycle_average import CycleAverage
     from torsionnet.signals.orders.mean_rotation import MeanRotation
-    from torsionnet.signals.orders.phase_reference import PhaseReference
+    from torsionnet.signals.orders.orders_of_test import PhaseMark
+    from torsionnet.signals.orders.tracked_signals import Twist
     from torsionnet.signals.orders.vold_kalman import VoldKalman
     from torsionnet.signals.rotation.wheel_rotation import WheelRotation
 
@@ -35,7 +36,7 @@ PICTURES = ("slices", "waterfall")
 _ENTRIES = "signals.orders.tracking_entries"
 
 
-class TrackCommand(RecordCommand):
+class TrackCommand(Command):
     """Complex orders of signals and of wheels over speed: amplitude, phase from top dead centre, 95 % interval.
 
     The reference shaft is that of a wheel (--reference fly=60), or a channel of its angle or speed. Orders are over its
@@ -43,17 +44,19 @@ class TrackCommand(RecordCommand):
 
     \b
     torsionnet track up.npz --reference fly=60-2 --tdc 35deg --cam cam --channel T_shaft --orders 0.5:12:0.5 -o up.csv
-    torsionnet track up.npz --reference fly=60 --wheel gen=60 --twist fly-gen --stiffness "2 MN*m/rad" --orders 3,6
+    torsionnet track up.npz --wheels wheels.yaml --reference fly --orders 0.5:12:0.5 -o up.csv
+    torsionnet track up.npz --reference fly=60 --pulses gen=60 --twist fly-gen --stiffness "2 MN*m/rad" --orders 3,6
     """
 
     forms = TABLE
     picture = "the orders over speed"
 
+    record: str = argument("RECORD")
     reference: NamedWheel = option(
         "--reference",
-        type=TeethOption(bare=True),
+        type=TeethOption(),
         required=True,
-        help="Wheel of the reference shaft and its teeth, fly=60, or fly=60-2 with a gap; or its angle or speed.",
+        help="Wheel of the reference shaft, fly=60, fly=60-2 with a gap, or fly of --wheels; or its angle or speed.",
     )
     channels: tuple[str, ...] = option(
         "--channel", metavar="CHANNEL", help="Signal or wheel. Repeatable; default: all signals and wheels."
@@ -61,7 +64,7 @@ class TrackCommand(RecordCommand):
     orders: tuple[float, ...] = option(
         "--orders", type=EntryOption("ORDERS", f"{_ENTRIES}:ORDERS"), required=True, help="As 0.5:12:0.5, or 3,4.5,6."
     )
-    wheel_reading: WheelReading
+    reading: PulseOptions
     method: str = option("--method", type=click.Choice(METHODS), default=METHODS[0], show_default=True)
     cycles: int | None = option("--cycles", type=click.IntRange(2), help="Cycles of an average.  [default: 8]")
     step: float | None = option(
@@ -78,13 +81,13 @@ class TrackCommand(RecordCommand):
     )
     further: NamedWheel | None = option(
         "--further-shaft",
-        type=TeethOption(bare=True),
+        type=TeethOption(),
         help="Wheel, angle or speed of a second shaft, whose orders cross; by Vold-Kalman filters.",
     )
     further_orders: tuple[float, ...] | None = option(
         "--further-orders", type=EntryOption("ORDERS", f"{_ENTRIES}:ORDERS"), help="Orders of the second shaft."
     )
-    index: str | None = option("--phase", metavar="CHANNEL", help="Pulses once per turn, from which phases count.")
+    phase: str | None = option("--phase", metavar="CHANNEL", help="Pulses once per turn, from which phases count.")
     cam: str | None = option("--cam", metavar="CHANNEL", help="Pulses once per cycle; the next mark begins the cycle.")
     offset: float | None = option(
         "--tdc",
@@ -126,27 +129,30 @@ class TrackCommand(RecordCommand):
         from torsionnet.cli.progress import progress
         from torsionnet.cli.records import load_record
         from torsionnet.signals.orders.derived_orders import order_slices
-        from torsionnet.signals.orders.track_orders import track_orders
-        from torsionnet.signals.orders.tracked_signals import Twist
+        from torsionnet.signals.orders.orders_of_test import orders_of_test
 
-        rotations = self._rotations()
-        first = rotations.get(self.reference.name)
-        with progress("rotation", None) as advance:
-            mean = self._mean(self.reference, rotations, advance)
-            more = None if self.further is None else self._mean(self.further, rotations, advance)
-        signals = self._signals(list(rotations))
+        shafts = [one for one in (self.reference, self.further) if one]
+        wheels = self.reading.wheels(shafts, (name for name in (self.phase, self.cam) if name))
         method = self._method()
-        pairs = [self._pair(text, list(rotations)) for text in self.twists]
-        twists = [Twist(*pair) for pair in pairs if not self.stiffness]
-        twists += [Twist(*pair, self.stiffness) for pair in pairs if self.stiffness]
+        with progress("rotation", None) as advance:
+            rotations, mark, once = self._pulses(wheels)
+            mean, *more = [self._mean(name, rotations, once, advance) for name, _ in shafts]
+        signals = self._signals(wheels)
+        twists = [self._twist(text, list(rotations)) for text in self.twists]
         with progress("tracking", None) as advance:
             record = load_record(self.record, self.reading, signals, 0.0, advance) if signals else None
-            found = track_orders(
-                record, mean, signals, [one for one in rotations.values() if self._wanted(one.name)],
-                [(twist, rotations[twist.first], rotations[twist.second]) for twist in twists],
-                orders=self.orders, method=method, reference=self._phase(mean, first),
-                further=[] if more is None else [(more, self.further_orders or ())],
-            )  # fmt: skip
+            found = orders_of_test(
+                record,
+                rotations,
+                mean,
+                orders=self.orders,
+                channels=signals,
+                wheels=[name for name in rotations if name in self.channels or not self.channels],
+                twists=twists,
+                mark=mark,
+                method=method,
+                further=[(one, self.further_orders or ()) for one in more],
+            )
         title = Path(self.record).name
         found = tuple(replace(one, title=title) for one in (*found, *self._stresses(found)))
         if self.step and self.method == METHODS[1]:
@@ -175,63 +181,66 @@ class TrackCommand(RecordCommand):
             return replace(self.bandwidth or VoldKalman(), poles=self.poles or 2)
         return CycleAverage(cycles=self.cycles or 8, step=self.step or 0.0)
 
-    def _rotations(self) -> dict[str, WheelRotation]:
-        """Rotation of each wheel by name."""
-        wheels = [one for one in (self.reference, self.further, *self.wheel_reading.wheels) if one and one.teeth > 1]
-        self.wheel_reading.check_wheels([one.name for one in wheels])
-        names = [one.name for one in wheels] + ([self.index] if self.index and wheels else [])
-        if not wheels:
-            return {}
-        record = self.wheel_reading.record_of(self.record, names)
-        return {one.name: self.wheel_reading.rotation(record, one, self.index) for one in wheels}
+    def _pulses(
+        self, wheels: dict[str, WheelOfTest]
+    ) -> tuple[dict[str, WheelRotation], PhaseMark, dict[str, PulseChannel]]:
+        """Rotations of the wheels, the mark of the phases, and channels of one pulse per turn, all from the record."""
+        from torsionnet.io.turning_records import read_turning_record
+        from torsionnet.io.wheel_files import channels_of, patterns_of
+        from torsionnet.signals.orders.orders_of_test import PhaseMark
+        from torsionnet.signals.rotation.wheel_channel import wheel_pulses
+        from torsionnet.signals.rotation.wheel_rotations import wheel_rotations
 
-    def _mean(self, one: NamedWheel, rotations: dict[str, WheelRotation], advance: object) -> MeanRotation:
+        channels = channels_of(wheels)
+        once = {name for name, one in channels.items() if one.teeth == 1}
+        index = self.phase or (self.reference.name if self.reference.name in once else None)
+        toothed = {name: one for name, one in channels.items() if name not in {*once, index, self.cam}}
+        indices = [one.index for one in toothed.values()]
+        marks = self.reading.marks(dict.fromkeys([*once, index, self.cam, *indices]), wheels)
+        place = "" if self.offset is None else f"top dead centre of cylinder {self.cylinder}"
+        if not toothed and not marks:
+            return {}, PhaseMark(offset=self.offset or 0.0, place=place), {}
+        record = read_turning_record(self.record, toothed, marks, **self.reading.arguments)
+        rotations = wheel_rotations(record, toothed, patterns_of(wheels), marks=marks, index=index or "")
+        pulses = {name: wheel_pulses(record, name, one) for name, one in marks.items()}
+        mark = PhaseMark(pulses.get(index or ""), pulses.get(self.cam or ""), self.offset or 0.0, place)
+        return rotations, mark, {name: pulses[name] for name in once}
+
+    def _mean(
+        self,
+        name: str,
+        rotations: dict[str, WheelRotation],
+        once: dict[str, PulseChannel],
+        advance: Callable[[float], None],
+    ) -> MeanRotation:
         from torsionnet.cli.records import load_record
         from torsionnet.signals.orders.mean_rotation import mean_rotation
 
-        if one.teeth > 1:
-            return mean_rotation(rotations[one.name], cycle=self.cycle)
-        if one.teeth == 1:
-            pulses = self.wheel_reading.record_of(self.record, [one.name])
-            return mean_rotation(pulses.pulses_of(one.name), cycle=self.cycle)
-        record = load_record(self.record, self.reading, [one.name], 0.0, advance)  # type: ignore[arg-type]
-        return mean_rotation(record, one.name, cycle=self.cycle)
+        pulses = rotations.get(name) or once.get(name)
+        if pulses is not None:
+            return mean_rotation(pulses, cycle=self.cycle)
+        return mean_rotation(
+            load_record(self.record, self.reading, [name], 0.0, advance), name, cycle=self.cycle
+        )  # fmt: skip
 
-    def _phase(self, mean: MeanRotation, wheel: WheelRotation | None) -> PhaseReference:
-        from torsionnet.signals.orders.phase_reference import phase_reference
-
-        index, cam = self.index, self.cam
-        if index is None and self.reference.teeth == 1:
-            index = self.reference.name
-        names = [name for name in (index, cam) if name]
-        record = self.wheel_reading.record_of(self.record, names) if names else None
-        return phase_reference(
-            mean,
-            wheel,
-            index=_pulses(record, index),
-            cam=_pulses(record, cam),
-            offset=self.offset or 0.0,
-            place="" if self.offset is None else f"top dead centre of cylinder {self.cylinder}",
-        )
-
-    def _signals(self, wheels: list[str]) -> list[str]:
+    def _signals(self, wheels: dict[str, WheelOfTest]) -> list[str]:
         from torsionnet.io.recording_files import channel_names
 
         if self.channels:
             return [name for name in self.channels if name not in wheels]
-        pulses = {*wheels, self.index, self.cam, self.reference.name, self.further.name if self.further else ""}
+        pulses = {*wheels, self.phase, self.cam, self.reference.name, self.further.name if self.further else ""}
+        pulses |= {name for one in wheels.values() for name in (one.channel.index, one.channel.second)}
         return [name for name in channel_names(self.record) if name not in pulses]
 
-    def _wanted(self, name: str) -> bool:
-        return name in self.channels or not self.channels
+    def _twist(self, text: str, known: list[str]) -> Twist:
+        from torsionnet.signals.orders.tracked_signals import Twist
 
-    def _pair(self, text: str, known: list[str]) -> tuple[str, str]:
         for first in known:
             if text.startswith(f"{first}-") and text[len(first) + 1 :] in known:
-                return first, text[len(first) + 1 :]
+                return Twist(first, text[len(first) + 1 :], self.stiffness or 0.0)
         raise UsageError(
             f"--twist {text}: two wheels with - between them are needed, of {', '.join(known) or 'none'}; name wheels "
-            "with --reference and --wheel"
+            "with --reference and --pulses, or in the file of --wheels"
         )
 
     def _stresses(self, found: tuple[TrackedOrders, ...]) -> Iterator[TrackedOrders]:
@@ -262,10 +271,6 @@ def _of_first_shaft(found: tuple[TrackedOrders, ...]) -> list[TrackedOrders]:
     """Orders that share the orders and the reference of the first, so that one file holds them."""
     first = found[0]
     return [one for one in found if one.orders.tolist() == first.orders.tolist() and one.reference == first.reference]
-
-
-def _pulses(record: Recording | None, name: str | None):  # type: ignore[no-untyped-def]  # noqa: ANN202
-    return None if record is None or name is None else record.pulses_of(name)
 
 
 def _shown(found: tuple[TrackedOrders, ...], shown: Conventions) -> Iterator[Table | str]:

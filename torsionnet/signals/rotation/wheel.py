@@ -32,6 +32,6 @@ class Wheel(Declared):
     pattern: str = entry(Text("file of its pitch pattern, from the folder of this file"), "")
 
     def contradictions(self) -> list[Fault]:
-        if self.missing_teeth >= self.teeth - 1:
+        if self.missing_teeth and self.missing_teeth >= self.teeth - 1:
             return [Fault(f"a wheel of {self.teeth} teeth cannot lack {self.missing_teeth}", ("missing_teeth",))]
         return []
