@@ -72,7 +72,7 @@ answers: {yield: {type: yield}}
 """
 DRIVEN = "load: {absorbed_at: f, torque: 100 N*m, torque_exponent: 2, rated: 900 rpm, driven_by: {m: 1}}"
 CALLS = {
-    "calibrate-wheel": ["calibrate-wheel wheel.npz --pulses A --second B --angle 99deg --teeth 24"],
+    "calibrate-wheel": ["calibrate-wheel wheel.npz --pulses A --second-pickup B --angle 99deg --teeth 24"],
     "check": ["check dmf_rig broken.yaml"],
     "library": ["library"],
     "modes": ["modes amt_rig -c all", "modes planetary_set"],

@@ -68,7 +68,7 @@ CALL = ("--pulses", "A", "--teeth", Z, "--index", "index")
 
 def test_the_command_writes_a_pattern_by_two_pickups(records):
     done = run(
-        "calibrate-wheel", "600.npz", "900.npz", *CALL, "--second", "B", "--angle", "99deg", "--name", "flywheel",
+        "calibrate-wheel", "600.npz", "900.npz", *CALL, "--second-pickup", "B", "--angle", "99deg", "--name", "flywheel",
         "-o", "wheel.yaml", "--plot", "wheel.png", "--csv", "wheel.csv",
     )  # fmt: skip
     assert "two pickups" in done.stdout
@@ -91,8 +91,8 @@ def test_json_holds_what_is_unresolved_and_why():
 @pytest.mark.parametrize(
     ("more", "code", "text"),
     [
-        (("--second", "B"), 2, "--second and --angle go together"),
-        (("--second", "B", "--angle", "180"), 2, "must be less than 6.28319"),
+        (("--second-pickup", "B"), 2, "--second-pickup and --angle go together"),
+        (("--second-pickup", "B", "--angle", "180"), 2, "must be less than 6.28319"),
         (("--model", "engine_generator_set"), 2, "--model needs --node"),
         (("--node", "fly"), 2, "belong to a --model"),
         (("--constant-orders", "3;6"), 2, "is a list as 3,6, or none"),

@@ -122,7 +122,7 @@ class AngleCommand(Command):
         from torsionnet.core.errors import UsageError
         from torsionnet.io.turning_records import read_turning_record
         from torsionnet.io.wheel_files import channels_of, patterns_of
-        from torsionnet.signals.rotation.wheel_rotations import wheel_rotations
+        from torsionnet.signals.rotation.rotations_of_wheels import rotations_of_wheels
 
         wheels = self.reading.wheels()
         if not wheels:
@@ -130,7 +130,7 @@ class AngleCommand(Command):
         channels = channels_of(wheels)
         marks = self.reading.marks({one.index for one in channels.values()}, wheels)
         record = read_turning_record(self.record, channels, marks, self.channels, **self.reading.arguments)
-        return record, list(wheel_rotations(record, channels, patterns_of(wheels), marks=marks).values())
+        return record, list(rotations_of_wheels(record, channels, patterns_of(wheels), marks=marks).values())
 
 
 def turned_wheel(wheel: WheelRotation, orders: tuple[float, ...] = ()) -> TurnedWheel:

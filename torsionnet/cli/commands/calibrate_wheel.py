@@ -8,14 +8,16 @@ import click
 
 from torsionnet.cli.command import TABLE, Answer, Command, click_command
 from torsionnet.cli.declarations import argument, option
-from torsionnet.cli.options import SETTINGS, EntryOption, FiniteFloat, file_option
+from torsionnet.cli.options import SETTINGS, EntryOption, file_option
+from torsionnet.cli.pulse_options import PulseOptions
 from torsionnet.core.errors import UsageError
 
 if TYPE_CHECKING:
     from torsionnet.signals.rotation.calculated_orders import CalculatedOrders
     from torsionnet.signals.rotation.calibration_result import WheelCalibration
-    from torsionnet.signals.rotation.wheel import Wheel
+    from torsionnet.signals.rotation.pulse_reading import PulseReading
     from torsionnet.signals.rotation.wheel_calibration import WheelTest
+    from torsionnet.signals.rotation.wheel_channel import WheelChannel
 
 PATTERN_ENDINGS = (".yaml", ".yml")
 NONE = "none"
@@ -29,8 +31,8 @@ class CalibrateWheelCommand(Command):
     with its amount, and left out of the file.
 
     \b
-    torsionnet calibrate-wheel up.npz --pulses fly --teeth 60 --second fly_2 --angle 114deg -o flywheel.yaml
-    torsionnet calibrate-wheel 600.npz 900.npz --pulses fly --teeth 60 --index tdc --model plant.yaml --node fly \\
+    torsionnet calibrate-wheel up.npz --pulses fly=60 --second-pickup fly_2 --angle 114deg -o flywheel.yaml
+    torsionnet calibrate-wheel 600.npz 900.npz --pulses fly=60 --index tdc --model plant.yaml --node fly \\
         --zero 12deg -o flywheel.yaml
     """
 
@@ -38,27 +40,15 @@ class CalibrateWheelCommand(Command):
     picture = "the pattern over teeth and orders"
 
     records: tuple[str, ...] = argument("RECORD...")
-    pulses: str = option("--pulses", metavar="CHANNEL", help="Pulses of the wheel: their times, or counts.")
-    teeth: int = option("--teeth", type=click.IntRange(2), help="Pulses per turn of the wheel, missing ones included.")
-    missing: int = option("--missing", type=click.IntRange(0), default=0, help="Teeth that the gap lacks: 2 of 60-2.")
-    index: str | None = option("--index", metavar="CHANNEL", help="One pulse per turn, before tooth 0.")
-    second: str | None = option("--second", metavar="CHANNEL", help="Pulses of a second pickup on the same wheel.")
+    reading: PulseOptions
+    second_pickup: str | None = option(
+        "--second-pickup", metavar="CHANNEL", help="Pulses of a second pickup on the same wheel."
+    )
     between: float | None = option(
         "--angle",
         type=EntryOption("ANGLE", "signals.rotation.calibration_entries:PICKUP_ANGLE"),
         help="From the first pickup to the second in the sense of rotation, to half a pitch: 114deg.",
     )
-    tick: float | None = option(
-        "--tick", type=EntryOption("TIME", "signals.rotation.calibration_entries:TICK"), help="Of one count: 12.5ns."
-    )
-    bits: int | None = option("--bits", type=click.IntRange(4, 64), help="Width of the counter, if it wraps.")
-    ratio: float = option(
-        "--ratio",
-        type=FiniteFloat(0, min_open=True),
-        default=1.0,
-        help="Turns of the reference shaft per turn of the wheel.",
-    )
-    reversed: bool = option("--reversed", help="The wheel turns against the sense of the model.")
     cycle: int = option(
         "--cycle",
         type=click.IntRange(1),
@@ -100,16 +90,13 @@ class CalibrateWheelCommand(Command):
     def calibration(self) -> WheelCalibration:
         """Calibrated wheel with its pitch pattern in rad, from the records named."""
         from torsionnet.cli.progress import progress
-        from torsionnet.signals.rotation.wheel import Wheel
         from torsionnet.signals.rotation.wheel_calibration import calibrate_wheel
 
-        wheel = Wheel(
-            teeth=self.teeth, missing_teeth=self.missing, ratio=self.ratio, reversed=self.reversed
-        )  # fmt: skip
+        name, wheel, marks = self._wheel()
         with progress("reading", len(self.records)) as advance:
             tests = []
             for path in self.records:
-                tests.append(self._test(path))
+                tests.append(self._test(path, name, wheel, marks))
                 advance(1)
         calculated = self._calculated(tests, wheel) if self.model else None
         with progress("calibrating", None):
@@ -124,8 +111,10 @@ class CalibrateWheelCommand(Command):
             )
 
     def _refuse_contradictions(self) -> None:
-        if (self.second is None) != (self.between is None):
-            raise click.UsageError("--second and --angle go together: the second pickup and where it is")
+        if (self.second_pickup is None) != (self.between is None):
+            raise click.UsageError("--second-pickup and --angle go together: the second pickup and where it is")
+        if self.reading.pattern:
+            raise click.UsageError("a calibration finds the pitch pattern from the pulses alone: leave --pattern out")
         if self.model and not (self.node and self.zero is not None):
             raise click.UsageError(
                 "--model needs --node, where the wheel is, and --zero, the crank angle when its tooth 0 passes"
@@ -133,21 +122,32 @@ class CalibrateWheelCommand(Command):
         if not self.model and (self.node or self.zero is not None or self.configuration or self.settings):
             raise click.UsageError("--node, --zero, -c and --set belong to a --model")
 
-    def _test(self, path: str) -> WheelTest:
-        from torsionnet.io.recording_files import read_recording
-        from torsionnet.signals.rotation.pulse_reading import PulseReading
+    def _wheel(self) -> tuple[str, WheelChannel, dict[str, PulseReading]]:
+        """Channel of the wheel that is calibrated, the wheel, and how other channels of its pulses are read."""
+        from torsionnet.io.wheel_files import channels_of
+
+        second = self.second_pickup
+        wheels = self.reading.wheels(marks=filter(None, (second,)))
+        chosen = channels_of({name: wheel for name, wheel in wheels.items() if name != second})
+        if len(chosen) != 1:
+            there = f"; there is {', '.join(chosen)}" if chosen else ""
+            raise UsageError(
+                f"one wheel is calibrated at a time: name the channel of its pulses, --pulses fly=60{there}"
+            )
+        ((name, wheel),) = chosen.items()
+        marks = self.reading.marks(filter(None, (wheel.index,)), wheels)
+        return name, wheel, {**marks, **self.reading.marks((second,), wheels, like=name)}
+
+    def _test(self, path: str, name: str, wheel: WheelChannel, marks: dict[str, PulseReading]) -> WheelTest:
+        from torsionnet.io.turning_records import read_turning_record
         from torsionnet.signals.rotation.wheel_calibration import WheelTest
+        from torsionnet.signals.rotation.wheel_channel import wheel_pulses
 
-        reading = PulseReading(tick=self.tick, bits=self.bits)
-        names = [name for name in (self.pulses, self.second, self.index) if name]
-        record = read_recording(path, names=names, pulse_readings=dict.fromkeys(names, reading))
-        first, second, index = (
-            record.pulses_of(name) if name else None for name in (self.pulses, self.second, self.index)
-        )
-        assert first is not None
-        return WheelTest(first, second, index)
+        record = read_turning_record(path, {name: wheel}, marks, **self.reading.arguments)
+        found = {mark: wheel_pulses(record, mark, one) for mark, one in marks.items()}
+        return WheelTest(wheel_pulses(record, name, wheel), found.get(self.second_pickup or ""), found.get(wheel.index))
 
-    def _calculated(self, tests: list[WheelTest], wheel: Wheel) -> CalculatedOrders:
+    def _calculated(self, tests: list[WheelTest], wheel: WheelChannel) -> CalculatedOrders:
         from torsionnet.cli.models import load_model
         from torsionnet.identification.wheel_orders import calculated_wheel_orders, speed_grid
         from torsionnet.signals.rotation.wheel_calibration import speed_range

@@ -188,8 +188,8 @@ class TrackCommand(Command):
         from torsionnet.io.turning_records import read_turning_record
         from torsionnet.io.wheel_files import channels_of, patterns_of
         from torsionnet.signals.orders.orders_of_test import PhaseMark
+        from torsionnet.signals.rotation.rotations_of_wheels import rotations_of_wheels
         from torsionnet.signals.rotation.wheel_channel import wheel_pulses
-        from torsionnet.signals.rotation.wheel_rotations import wheel_rotations
 
         channels = channels_of(wheels)
         once = {name for name, one in channels.items() if one.teeth == 1}
@@ -201,7 +201,7 @@ class TrackCommand(Command):
         if not toothed and not marks:
             return {}, PhaseMark(offset=self.offset or 0.0, place=place), {}
         record = read_turning_record(self.record, toothed, marks, **self.reading.arguments)
-        rotations = wheel_rotations(record, toothed, patterns_of(wheels), marks=marks, index=index or "")
+        rotations = rotations_of_wheels(record, toothed, patterns_of(wheels), marks=marks, index=index or "")
         pulses = {name: wheel_pulses(record, name, one) for name, one in marks.items()}
         mark = PhaseMark(pulses.get(index or ""), pulses.get(self.cam or ""), self.offset or 0.0, place)
         return rotations, mark, {name: pulses[name] for name in once}

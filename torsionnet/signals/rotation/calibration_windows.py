@@ -15,7 +15,6 @@ from torsionnet.response.frequency_response import ComplexArray
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.pulses import repaired_pulses
-from torsionnet.signals.rotation.numbered_pulses import NumberedPulses
 from torsionnet.signals.rotation.wheel import Wheel
 from torsionnet.signals.rotation.wheel_windows import Shown, Window, first_window, second_shown, spans
 
@@ -41,18 +40,17 @@ class TestWindows:
 
     Attributes
     ----------
-    pulses : NumberedPulses
     windows : tuple of Window
     second : tuple of Shown
         Of the second pickup, empty without one.
     load : str
         Tests of one load have the same torques of the working gas at a speed.
     remarks : tuple of str
+        On the pulses of the second pickup.
     """
 
     __test__ = False  # no test of pytest's
 
-    pulses: NumberedPulses
     windows: tuple[Window, ...]
     second: tuple[Shown, ...] = ()
     load: str = ""
@@ -114,7 +112,8 @@ def order_set(wheel: Wheel, cycle: int) -> OrderSet:
 
 def windows_of_test(
     name: str,
-    pulses: NumberedPulses,
+    times: FloatArray,
+    numbers: NDArray[np.intp],
     second: PulseChannel | None,
     wheel: Wheel,
     orders: OrderSet,
@@ -124,21 +123,21 @@ def windows_of_test(
 ) -> TestWindows:
     """Windows of one test, each solved for mean rotation and orders.
 
+    ``times`` are those of the first pickup's pulses in s, ``numbers`` their teeth, counted on from turn to turn.
+
     Raises
     ------
     UsageError
         The test is shorter than a window, or the second pickup's pulses do not fit the angle.
     """
     teeth = wheel.teeth
-    parts = list(spans(pulses.numbers, orders.revolutions * teeth, MOST_WINDOWS))
+    parts = list(spans(numbers, orders.revolutions * teeth, MOST_WINDOWS))
     if not parts:
-        turns = (pulses.numbers[-1] - pulses.numbers[0]) / teeth
+        turns = (numbers[-1] - numbers[0]) / teeth
         raise UsageError(f"{name}: {turns:.3g} revolutions are too few, a window is of {orders.revolutions}")
-    windows = tuple(
-        first_window(pulses.times[part], pulses.numbers[part], teeth, orders.orders, positions) for part in parts
-    )
+    windows = tuple(first_window(times[part], numbers[part], teeth, orders.orders, positions) for part in parts)
     if second is None:
-        return TestWindows(pulses, windows, (), load, pulses.remarks)
+        return TestWindows(windows, (), load)
     try:
         found = repaired_pulses(second.times, teeth if wheel.missing_teeth else 0)
     except UsageError as error:
@@ -146,13 +145,12 @@ def windows_of_test(
     stamps = found.times
     shown = []
     for window in windows:
-        times = stamps[slice(*np.searchsorted(stamps, [window.begin, window.end]).tolist())]
-        if len(times) < len(orders.orders) * 2 + 1:
-            raise UsageError(f"{second.name} has {len(times)} pulses from {window.begin:.6g} to {window.end:.6g} s")
-        numbers = _numbers(second.name, teeth * (window.mean_rotation(times) - angle) / (2 * np.pi), wheel)
-        shown.append(second_shown(window, times, numbers, teeth, angle, orders.orders))
-    remarks = (*pulses.remarks, *(f"{second.name}: {text}" for text in found.remarks))
-    return TestWindows(pulses, windows, tuple(shown), load, remarks)
+        inside = stamps[slice(*np.searchsorted(stamps, [window.begin, window.end]).tolist())]
+        if len(inside) < len(orders.orders) * 2 + 1:
+            raise UsageError(f"{second.name} has {len(inside)} pulses from {window.begin:.6g} to {window.end:.6g} s")
+        passing = _numbers(second.name, teeth * (window.mean_rotation(inside) - angle) / (2 * np.pi), wheel)
+        shown.append(second_shown(window, inside, passing, teeth, angle, orders.orders))
+    return TestWindows(windows, tuple(shown), load, tuple(f"{second.name}: {text}" for text in found.remarks))
 
 
 def _numbers(name: str, places: FloatArray, wheel: Wheel) -> NDArray[np.intp]:

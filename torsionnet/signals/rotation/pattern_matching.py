@@ -9,7 +9,6 @@ from torsionnet.core.errors import UsageError
 from torsionnet.response.measured.wheel_pattern import WheelPattern
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.rotation.calibration_windows import order_set, windows_of_test
-from torsionnet.signals.rotation.numbered_pulses import NumberedPulses
 from torsionnet.signals.rotation.wheel import Wheel
 
 MATCHED_SHARE = 0.2
@@ -42,8 +41,7 @@ def first_tooth(
     UsageError
         No tooth fits, or two fit about as well.
     """
-    pulses, zero = NumberedPulses(times, numbers), np.zeros(wheel.teeth)
-    test = windows_of_test(name, pulses, None, wheel, order_set(wheel, cycle), 0.0, zero)
+    test = windows_of_test(name, times, numbers, None, wheel, order_set(wheel, cycle), 0.0, np.zeros(wheel.teeth))
     seen = np.mean([window.first.mean_of_tooth for window in test.windows], axis=0)
     return best_shift(name, pattern.positions, -np.nan_to_num(seen))
 

@@ -19,18 +19,17 @@ from torsionnet.signals.rotation.calibration_windows import (
     WINDOW_REVOLUTIONS,
     OrderSet,
     Stack,
-    TestWindows,
     amplitudes,
     order_set,
     stacked,
     windows_of_test,
 )
 from torsionnet.signals.rotation.constant_part import constant_part, speed_groups, student
-from torsionnet.signals.rotation.numbered_pulses import NumberedPulses
 from torsionnet.signals.rotation.pattern_matching import best_shift
 from torsionnet.signals.rotation.pitch_order import ABOVE, SPEEDS, PitchEvidence, PitchOrder
+from torsionnet.signals.rotation.reversing import ReversingRotation
 from torsionnet.signals.rotation.wheel import Wheel
-from torsionnet.signals.rotation.wheel_rotation import wheel_rotation
+from torsionnet.signals.rotation.wheel_rotation import WheelRotation, wheel_rotation
 
 WIDEST = np.radians(0.01)
 """Widest half width of an order's interval in rad that counts as resolved: vibration of that size has a phase still."""
@@ -122,14 +121,13 @@ def calibrate_wheel(
     if any(paired) and not all(paired):
         raise UsageError("give the second pickup in each record, or in none")
     orders = order_set(wheel, cycle)
-    numbered = [_numbered(test, wheel) for test in tests]
-    numbered = _aligned(tests, numbered, wheel, angle)
+    rotations = _aligned(tests, [_rotation(test, wheel) for test in tests], wheel, angle)
     between = (angle or 0.0) % (2 * np.pi)
     positions = np.zeros(wheel.teeth)
     for _ in range(PASSES):
         found = [
-            windows_of_test(test.first.name, pulses, test.second, wheel, orders, between, positions, test.load)
-            for test, pulses in zip(tests, numbered, strict=True)
+            windows_of_test(one.name, one.times, one.numbers, test.second, wheel, orders, between, positions, test.load)
+            for test, one in zip(tests, rotations, strict=True)
         ]
         stack = stacked(found, wheel)
         groups = speed_groups(stack.speeds)
@@ -147,14 +145,15 @@ def calibrate_wheel(
         )
         positions, rows = _converged(stack, orders, evidence)
     _refuse_small_range(rows, stack)
-    return _result(stack, orders, evidence, positions, rows, offset[1], name)
+    known = all(_knows_zero(test, wheel) for test in tests)
+    return _result(stack, orders, evidence, positions, rows, offset[1], name, rotations, known)
 
 
 def speed_range(tests: Sequence[WheelTest], wheel: Wheel) -> tuple[float, float]:
     """Lowest and highest speed of the reference shaft in the tests, rad/s, over a window of revolutions each."""
     speeds = []
     for test in tests:
-        pulses = _numbered(test, wheel)
+        pulses = _rotation(test, wheel)
         length = WINDOW_REVOLUTIONS * wheel.teeth
         ends = np.searchsorted(
             pulses.numbers, pulses.numbers[0] + length * np.arange(1 + np.ptp(pulses.numbers) // length)
@@ -167,21 +166,28 @@ def speed_range(tests: Sequence[WheelTest], wheel: Wheel) -> tuple[float, float]
     return float(every.min()), float(every.max())
 
 
-def _numbered(test: WheelTest, wheel: Wheel) -> NumberedPulses:
-    """Pulses of the first pickup with their teeth."""
+def _rotation(test: WheelTest, wheel: Wheel) -> WheelRotation:
+    """Rotation by the first pickup, whose pulses have their teeth."""
     found = wheel_rotation(test.first, wheel, index=test.index)
-    known = bool(wheel.missing_teeth) or test.index is not None
-    zero = found.zero if known else f"{found.zero} of {test.first.name}: valid within that record only"
-    remarks = tuple(f"{test.first.name}: {text}" for text in found.remarks)
-    return NumberedPulses(found.times, found.numbers, zero, known, remarks)
+    if found.backwards or isinstance(found.rotation, ReversingRotation):
+        raise UsageError(
+            f"{found.name}: by its second track the wheel turns back{'wards' * found.backwards}; a calibration needs "
+            "records in one sense: cut the record, exchange the tracks, or give the ratio a minus sign"
+        )
+    return found
+
+
+def _knows_zero(test: WheelTest, wheel: Wheel) -> bool:
+    """Whether another record of the wheel has the same tooth 0."""
+    return bool(wheel.missing_teeth) or test.index is not None
 
 
 def _aligned(
-    tests: Sequence[WheelTest], numbered: list[NumberedPulses], wheel: Wheel, angle: float | None
-) -> list[NumberedPulses]:
-    """Pulses of all tests with the same tooth 0, by the pattern itself where nothing else tells it."""
-    if len(tests) < 2 or all(pulses.known for pulses in numbered):
-        return numbered
+    tests: Sequence[WheelTest], rotations: list[WheelRotation], wheel: Wheel, angle: float | None
+) -> list[WheelRotation]:
+    """Rotations of all tests with the same tooth 0, by the pattern itself where nothing else tells it."""
+    if len(tests) < 2 or all(_knows_zero(test, wheel) for test in tests):
+        return rotations
     if angle is None or tests[0].second is None:
         raise UsageError(
             f"in {len(tests)} records the first tooth is another one each time, and one pickup cannot find it: record "
@@ -190,11 +196,11 @@ def _aligned(
     alone = [
         calibrate_wheel([test], wheel, angle=angle, widest=np.inf).pattern.positions for test in tests
     ]  # fmt: skip
-    done = [numbered[0]]
-    for test, pulses, positions in zip(tests[1:], numbered[1:], alone[1:], strict=True):
-        shift = best_shift(test.first.name, alone[0], positions)
-        remark = f"{test.first.name}: tooth {shift} of the first record comes first, by the shape of the pattern"
-        done.append(replace(pulses, numbers=pulses.numbers + shift, remarks=(*pulses.remarks, remark)))
+    done = [rotations[0]]
+    for one, positions in zip(rotations[1:], alone[1:], strict=True):
+        shift = best_shift(one.name, alone[0], positions)
+        remark = f"tooth {shift} of the first record comes first, by the shape of the pattern"
+        done.append(replace(one, numbers=one.numbers + shift, remarks=(*one.remarks, remark)))
     return done
 
 
@@ -283,8 +289,10 @@ def _result(
     rows: list[PitchOrder],
     angle_half_width: float,
     name: str,
+    rotations: Sequence[WheelRotation],
+    known: bool,
 ) -> WheelCalibration:
-    wheel, teeth = evidence.wheel, evidence.wheel.teeth
+    wheel, teeth, first = evidence.wheel, evidence.wheel.teeth, rotations[0]
     present = np.arange(teeth) < teeth - wheel.missing_teeth
     centred = np.where(present, positions - positions[present].mean(), 0.0)
     _, scatter = _over_windows(stack, positions)
@@ -298,13 +306,17 @@ def _result(
         widths,
         wheel.missing_teeth,
         name,
-        stack.tests[0].pulses.first,
+        first.zero if known else f"{first.zero} of {first.name}: valid within that record only",
         tuple(row.order for row in rows if not row.resolved),
         (),
         wheel.reversed,
     )
     rows += [PitchOrder(order, -pattern.order(order), width, True, ABOVE) for order in above]
-    tests: tuple[TestWindows, ...] = stack.tests
+    remarks = [
+        text
+        for one, test in zip(rotations, stack.tests, strict=True)
+        for text in (*(f"{one.name}: {remark}" for remark in one.remarks), *test.remarks)
+    ]
     return WheelCalibration(
         pattern=pattern,
         orders=tuple(rows),
@@ -314,6 +326,6 @@ def _result(
         angle=evidence.angle,
         angle_half_width=angle_half_width,
         source="" if evidence.calculated is None else evidence.calculated.source,
-        known=tests[0].pulses.known,
-        remarks=tuple(dict.fromkeys(text for test in tests for text in test.remarks)),
+        known=known,
+        remarks=tuple(dict.fromkeys(remarks)),
     )

@@ -12,7 +12,7 @@ from torsionnet.signals.rotation.wheel_channel import WheelChannel, counted_read
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation, wheel_rotation
 
 
-def wheel_rotations(
+def rotations_of_wheels(
     record: Recording,
     wheels: Mapping[str, WheelChannel],
     patterns: Mapping[str, WheelPattern] | None = None,
@@ -43,7 +43,7 @@ def wheel_rotations(
     --------
     >>> import numpy as np
     >>> record = Recording((), 600.0, pulses=(PulseChannel("n1", np.arange(600) / 600),))
-    >>> print(f"{wheel_rotations(record, {'n1': WheelChannel(teeth=60)})['n1'].revolutions:.3f}")
+    >>> print(f"{rotations_of_wheels(record, {'n1': WheelChannel(teeth=60)})['n1'].revolutions:.3f}")
     9.983
     """
     found: dict[str, WheelRotation] = {}
