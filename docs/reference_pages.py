@@ -27,6 +27,7 @@ SUBJECTS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
     ),
     ("Identification", "", (*IDENTIFICATION, "identification", "solve.sensitivity")),
     ("Virtual benches", "", (*BENCHES, "bench")),
+    ("Campaigns", "Rotating tests; [](how_to/campaign.md) walks through one.", ("campaign",)),
     ("Symbols", "", ("symbolic",)),
     ("Plots", "Each function returns a figure of matplotlib.", ("plot",)),
     (

@@ -1,5 +1,6 @@
 # Written by `make generate`.
 from torsionnet import bench as bench
+from torsionnet import campaign as campaign
 from torsionnet import identification as identification
 from torsionnet import io as io
 from torsionnet import modal as modal
@@ -11,6 +12,8 @@ from torsionnet import study as study
 from torsionnet import symbolic as symbolic
 from torsionnet.bench import Bench as Bench
 from torsionnet.bench import load_bench as load_bench
+from torsionnet.campaign import load_campaign as load_campaign
+from torsionnet.campaign import run_campaign as run_campaign
 from torsionnet.core import units as units
 from torsionnet.core.damping import convert_damping as convert_damping
 from torsionnet.core.errors import Fault as Fault
@@ -143,6 +146,7 @@ __all__ = [
     "Vehicle",
     "ViscousDamper",
     "bench",
+    "campaign",
     "convert_damping",
     "identification",
     "identify",
@@ -151,12 +155,14 @@ __all__ = [
     "library_models",
     "load",
     "load_bench",
+    "load_campaign",
     "load_study",
     "loads",
     "modal",
     "plot",
     "report",
     "response",
+    "run_campaign",
     "sensitivity",
     "signals",
     "study",

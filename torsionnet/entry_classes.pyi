@@ -1,14 +1,18 @@
 # Written by `make generate`.
 import datetime
 from collections.abc import Mapping
-from torsionnet.core.entries.accepted_types import Entries, NumberByNumber, Scalar, Scalars, WholeNumber
+from torsionnet.core.entries.accepted_types import Entries, NumberByNumber, NumberRows, Scalar, Scalars, WholeNumber
 from torsionnet.model.report import SECTIONS
 from typing import Literal
 from torsionnet.model.bench.parts import Acquisition as _Acquisition
 from torsionnet.signals.excitation.broadband import BurstRandom as _BurstRandom
+from torsionnet.model.bench.bench_motions import CoastDown as _CoastDown
 from torsionnet.study.space.correlation import Correlation as _Correlation
+from torsionnet.model.bench.parts import DropOuts as _DropOuts
 from torsionnet.model.bench.parts import Encoder as _Encoder
 from torsionnet.model.bench.parts import Exciter as _Exciter
+from torsionnet.model.bench.bench_motions import GivenSpeed as _GivenSpeed
+from torsionnet.model.bench.parts import Hum as _Hum
 from torsionnet.signals.excitation.sweeps import LinearChirp as _LinearChirp
 from torsionnet.study.space.variations.list_of_values import ListOfValues as _ListOfValues
 from torsionnet.signals.excitation.sweeps import LogarithmicSweep as _LogarithmicSweep
@@ -17,16 +21,29 @@ from torsionnet.signals.excitation.broadband import Multisine as _Multisine
 from torsionnet.study.space.variations.normal import Normal as _Normal
 from torsionnet.model.operating_point import OperatingPoint as _OperatingPoint
 from torsionnet.model.parameters import Parameter as _Parameter
+from torsionnet.model.bench.toothed_wheel import PitchErrors as _PitchErrors
 from torsionnet.model.bench.plan import Plan as _Plan
+from torsionnet.signals.rotation.pulse_reading import PulseReading as _PulseReading
+from torsionnet.model.bench.toothed_wheel import RadialVibration as _RadialVibration
+from torsionnet.model.bench.parts import RecordingSystem as _RecordingSystem
 from torsionnet.model.report.report_plan import ReportPlan as _ReportPlan
 from torsionnet.model.report.title_block import Revision as _Revision
+from torsionnet.model.bench.bench_motions import RunDown as _RunDown
+from torsionnet.model.bench.bench_motions import RunUp as _RunUp
 from torsionnet.study.space.samples import Samples as _Samples
+from torsionnet.model.bench.strain_gauge import ShuntCalibration as _ShuntCalibration
+from torsionnet.model.bench.bench_motions import SteadyPoints as _SteadyPoints
 from torsionnet.signals.excitation.sweeps import SteppedSine as _SteppedSine
+from torsionnet.model.bench.strain_gauge import StrainGauge as _StrainGauge
 from torsionnet.model.report.title_block import TitleBlock as _TitleBlock
+from torsionnet.model.bench.toothed_wheel import ToothedWheel as _ToothedWheel
 from torsionnet.model.bench.parts import Transducer as _Transducer
 from torsionnet.study.space.variations.triangle import Triangular as _Triangular
 from torsionnet.study.space.variations.uniform import Uniform as _Uniform
 from torsionnet.study.space.variations.range_of_values import ValueRange as _ValueRange
+from torsionnet.signals.rotation.wheel import Wheel as _Wheel
+from torsionnet.signals.rotation.wheel_channel import WheelChannel as _WheelChannel
+from torsionnet.model.bench.strain_gauge import ZeroDrift as _ZeroDrift
 
 class Acquisition(_Acquisition):
     r"""Sampling of all channels at once.
@@ -79,6 +96,35 @@ class BurstRandom(_BurstRandom):
         share: Scalar = 0.5,
     ) -> None: ...
 
+class CoastDown(_CoastDown):
+    r"""A speed that falls by itself: with a time constant, or by the drag of the model's load.
+
+    Without a time constant the torque that the load absorbs at each speed brakes all inertias that turn with the
+    reference shaft. An engine that runs out without injection is a configuration with ``gas_off`` or ``misfire`` of all
+    its cylinders; what does not act at all stands in ``without``.
+
+    Parameters
+    ----------
+    speed_of: node whose speed it is; by default that of speeds:
+    start_angle: angle of the reference shaft at the beginning; 0 is where phases of orders are counted from
+    without: excitations of the model that are off
+    outside_speeds: whether speeds outside those of the model are meant
+    start: a speed
+    stop: a speed
+    time_constant: time in which the speed falls to 1/e; without it the load of the model brakes
+    """
+    def __init__(
+        self,
+        *,
+        speed_of: str = '',
+        start_angle: Scalar = 0.0,
+        without: tuple[str, ...] | list[str] = (),
+        outside_speeds: bool = False,
+        start: Scalar,
+        stop: Scalar,
+        time_constant: Scalar | None = None,
+    ) -> None: ...
+
 class Correlation(_Correlation):
     r"""Linear correlation, from -1 to 1, of the values of parameters, of every two where more are named.
 
@@ -95,6 +141,23 @@ class Correlation(_Correlation):
         *,
         between: tuple[str, ...] | list[str],
         coefficient: Scalar,
+    ) -> None: ...
+
+class DropOuts(_DropOuts):
+    r"""Times without telemetry, at random, in which the channel holds its last value or reads zero.
+
+    Parameters
+    ----------
+    rate: how many there are per second, on average
+    duration: length of each
+    reads: what is recorded meanwhile
+    """
+    def __init__(
+        self,
+        *,
+        rate: Scalar,
+        duration: Scalar,
+        reads: Literal['held', 'zero'] = 'held',
     ) -> None: ...
 
 class Encoder(_Encoder):
@@ -141,6 +204,42 @@ class Exciter(_Exciter):
         limit: Scalar | None = None,
         bits: WholeNumber | None = None,
         full_scale: Scalar | None = None,
+    ) -> None: ...
+
+class GivenSpeed(_GivenSpeed):
+    r"""A speed given over time by a table, straight between its rows.
+
+    Parameters
+    ----------
+    speed_of: node whose speed it is; by default that of speeds:
+    start_angle: angle of the reference shaft at the beginning; 0 is where phases of orders are counted from
+    without: excitations of the model that are off
+    outside_speeds: whether speeds outside those of the model are meant
+    table: rows of time and speed
+    """
+    def __init__(
+        self,
+        *,
+        speed_of: str = '',
+        start_angle: Scalar = 0.0,
+        without: tuple[str, ...] | list[str] = (),
+        outside_speeds: bool = False,
+        table: NumberRows,
+    ) -> None: ...
+
+class Hum(_Hum):
+    r"""A sine that the mains add to an analog channel, from a phase that the seed decides.
+
+    Parameters
+    ----------
+    amplitude: peak
+    frequency: frequency of the mains
+    """
+    def __init__(
+        self,
+        *,
+        amplitude: Scalar,
+        frequency: Scalar = 50.0,
     ) -> None: ...
 
 class LinearChirp(_LinearChirp):
@@ -315,14 +414,40 @@ class Parameter(_Parameter):
         table: NumberByNumber | None = None,
     ) -> None: ...
 
+class PitchErrors(_PitchErrors):
+    r"""Errors of the places of the teeth of a wheel; those that are given add up.
+
+    Independent errors of standard deviation s at z teeth add 2 s/sqrt(z) to the peak amplitude of each whole order,
+    as the RMS over wheels.
+
+    Parameters
+    ----------
+    normal: standard deviation of each tooth's place, as a share of a pitch
+    uniform: largest error of each tooth's place, plus or minus, as a share of a pitch
+    eccentricity: amplitude once per turn, as an angle
+    eccentricity_phase: phase of the eccentricity: tooth k is late by a cos(2 pi k/teeth + phase)
+    list: by how much each tooth stands beyond its place
+    """
+    def __init__(
+        self,
+        *,
+        normal: Scalar = 0.0,
+        uniform: Scalar = 0.0,
+        eccentricity: Scalar = 0.0,
+        eccentricity_phase: Scalar = 0.0,
+        list: Scalars = (),
+    ) -> None: ...
+
 class Plan(_Plan):
     r"""A test: what drives the drivetrain, what is measured, and how it is recorded.
 
     Attributes
     ----------
-    excitation : Excitation
-        Set-point of the torque.
-    channels : mapping of str to Transducer or Encoder
+    excitation : Excitation, optional
+        Set-point of the torque that shakes the drivetrain.
+    motion : BenchMotion, optional
+        Instead: how the drivetrain turns under the excitations of its model.
+    channels : mapping of str to Transducer, StrainGauge, Encoder or ToothedWheel
         By the name of a sensor of the model, or of any other name with a ``sensor`` of its own.
     acquisition : Acquisition
     exciter : Exciter, optional
@@ -331,25 +456,104 @@ class Plan(_Plan):
         Input of the model on which the torque acts; by default the only one there is.
     seed : int, optional
         Of noise and of the encoders' starting positions; the same seed gives the same record.
+    systems : mapping of str to RecordingSystem
+        Further recording systems by name, with the channels that they record.
 
     Parameters
     ----------
     drive: input on which the torque acts, if there are several
     excitation: what the torque is to be
+    motion: how the drivetrain turns
     exciter: the motor that shakes
     channels: what is recorded, by the name of a sensor
     acquisition: sampling of all channels
     seed: the same seed gives the same record
+    systems: further recording systems, by name
     """
     def __init__(
         self,
         *,
         drive: str = '',
-        excitation: LinearChirp | LogarithmicSweep | SteppedSine | Multisine | BurstRandom | Entries,
+        excitation: LinearChirp | LogarithmicSweep | SteppedSine | Multisine | BurstRandom | Entries | None = None,
+        motion: SteadyPoints | RunUp | RunDown | CoastDown | GivenSpeed | Entries | None = None,
         exciter: Exciter | Entries = Exciter(bandwidth=None, compensated=False, harmonics=None, limit=None, bits=None, full_scale=None),
-        channels: Mapping[str, Transducer | Encoder | Entries],
+        channels: Mapping[str, Transducer | StrainGauge | Encoder | ToothedWheel | Entries],
         acquisition: Acquisition | Entries,
         seed: WholeNumber = 0,
+        systems: Mapping[str, RecordingSystem | Entries] | None = None,
+    ) -> None: ...
+
+class PulseReading(_PulseReading):
+    r"""Reading of the values of a channel of pulses: counts of a clock, which may wrap, times, or the signal of teeth.
+
+    Without ``tick`` and ``clock`` the values are times of pulses in the unit of the channel.
+
+    Parameters
+    ----------
+    tick: time of one count of the counter
+    clock: instead: frequency that the counter counts
+    bits: width of the counter in bits, which begins at 0 again when it is full
+    level: value that a tooth signal passes, in its unit; default: the middle
+    hysteresis: share of its height by which a tooth signal must pass on either side
+    edge: which flanks of a tooth signal are pulses
+    pickup: whether a tooth signal switches, or grows with the speed
+    second: channel of a second track a quarter pitch further, which tells the direction
+    """
+    def __init__(
+        self,
+        *,
+        tick: Scalar | None = None,
+        clock: Scalar | None = None,
+        bits: WholeNumber | None = None,
+        level: Scalar | None = None,
+        hysteresis: Scalar = 0.2,
+        edge: Literal['rising', 'falling'] = 'rising',
+        pickup: Literal['switching', 'inductive'] = 'switching',
+        second: str = '',
+    ) -> None: ...
+
+class RadialVibration(_RadialVibration):
+    r"""Vibration of the centre of a wheel, which a pickup reads as a rotation of displacement over radius.
+
+    The displacement is amplitude cos(order phi + 2 pi frequency t + phase), phi the angle of the reference shaft.
+
+    Parameters
+    ----------
+    amplitude: peak displacement of the centre
+    order: vibrations per revolution of the reference shaft
+    frequency: instead: fixed frequency
+    phase: phase where phi and time are 0
+    direction: direction of the displacement, from the pickup at 0 in the sense of rotation
+    """
+    def __init__(
+        self,
+        *,
+        amplitude: Scalar,
+        order: Scalar | None = None,
+        frequency: Scalar | None = None,
+        phase: Scalar = 0.0,
+        direction: Scalar = 1.5707963267948966,
+    ) -> None: ...
+
+class RecordingSystem(_RecordingSystem):
+    r"""A second system that records some channels on a clock of its own, into a record of its own.
+
+    It begins ``offset`` after the first one, and its clock gains ``drift`` on that of the first.
+
+    Parameters
+    ----------
+    channels: channels that it records
+    drift: share by which its clock is fast
+    offset: time on the first system's clock at which it begins, at its own time 0
+    rate: sampling rate, by default that of the first
+    """
+    def __init__(
+        self,
+        *,
+        channels: tuple[str, ...] | list[str],
+        drift: Scalar = 0.0,
+        offset: Scalar = 0.0,
+        rate: Scalar | None = None,
     ) -> None: ...
 
 class ReportPlan(_ReportPlan):
@@ -473,6 +677,60 @@ class Revision(_Revision):
         approved: str | int = '',
     ) -> None: ...
 
+class RunDown(_RunDown):
+    r"""A speed that falls straight over time.
+
+    Parameters
+    ----------
+    speed_of: node whose speed it is; by default that of speeds:
+    start_angle: angle of the reference shaft at the beginning; 0 is where phases of orders are counted from
+    without: excitations of the model that are off
+    outside_speeds: whether speeds outside those of the model are meant
+    start: a speed
+    stop: a speed
+    duration: time from start to stop
+    rate: instead: change of the speed
+    """
+    def __init__(
+        self,
+        *,
+        speed_of: str = '',
+        start_angle: Scalar = 0.0,
+        without: tuple[str, ...] | list[str] = (),
+        outside_speeds: bool = False,
+        start: Scalar,
+        stop: Scalar,
+        duration: Scalar | None = None,
+        rate: Scalar | None = None,
+    ) -> None: ...
+
+class RunUp(_RunUp):
+    r"""A speed that rises straight over time.
+
+    Parameters
+    ----------
+    speed_of: node whose speed it is; by default that of speeds:
+    start_angle: angle of the reference shaft at the beginning; 0 is where phases of orders are counted from
+    without: excitations of the model that are off
+    outside_speeds: whether speeds outside those of the model are meant
+    start: a speed
+    stop: a speed
+    duration: time from start to stop
+    rate: instead: change of the speed
+    """
+    def __init__(
+        self,
+        *,
+        speed_of: str = '',
+        start_angle: Scalar = 0.0,
+        without: tuple[str, ...] | list[str] = (),
+        outside_speeds: bool = False,
+        start: Scalar,
+        stop: Scalar,
+        duration: Scalar | None = None,
+        rate: Scalar | None = None,
+    ) -> None: ...
+
 class Samples(_Samples):
     r"""Number, method and seed of the draws of parameters with a distribution.
 
@@ -493,6 +751,46 @@ class Samples(_Samples):
         method: Literal['random', 'latin_hypercube', 'sobol'] = 'random',
         count: WholeNumber,
         seed: WholeNumber = 1,
+    ) -> None: ...
+
+class ShuntCalibration(_ShuntCalibration):
+    r"""A resistor beside an arm of the bridge, which reads like a known value for a while.
+
+    Parameters
+    ----------
+    value: what the resistor is to read, added to the measurand
+    duration: time for which it is connected
+    at: end of the record where it is connected
+    """
+    def __init__(
+        self,
+        *,
+        value: Scalar,
+        duration: Scalar,
+        at: Literal['start', 'end'] = 'start',
+    ) -> None: ...
+
+class SteadyPoints(_SteadyPoints):
+    r"""Steady speeds, each held for a while and recorded by itself; the time between them is left out.
+
+    Parameters
+    ----------
+    speed_of: node whose speed it is; by default that of speeds:
+    start_angle: angle of the reference shaft at the beginning; 0 is where phases of orders are counted from
+    without: excitations of the model that are off
+    outside_speeds: whether speeds outside those of the model are meant
+    speeds: speeds of the points
+    duration: time recorded at each
+    """
+    def __init__(
+        self,
+        *,
+        speed_of: str = '',
+        start_angle: Scalar = 0.0,
+        without: tuple[str, ...] | list[str] = (),
+        outside_speeds: bool = False,
+        speeds: Scalars,
+        duration: Scalar,
     ) -> None: ...
 
 class SteppedSine(_SteppedSine):
@@ -519,6 +817,38 @@ class SteppedSine(_SteppedSine):
         mean: Scalar = 0.0,
         frequencies: object,
         hold: Scalar,
+    ) -> None: ...
+
+class StrainGauge(_StrainGauge):
+    r"""A strain gauge bridge on a shaft with its amplifier and telemetry; it reads gain * value + zero + noise.
+
+    Parameters
+    ----------
+    sensor: what it reads if its name is no sensor of the model: "velocity(motor)", "torque(gearbox,
+        output_shaft)"
+    range: largest value, plus or minus; beyond it the reading is clipped
+    noise: standard deviation of white noise at the sampling rate
+    offset: added to every value
+    gain: bridge factor: what the chain reads over what is there
+    delay: time by which the channel lags behind the others
+    hum: hum of the mains
+    drop_outs: times without telemetry
+    shunt: shunt calibration
+    zero_drift: drift of the zero
+    """
+    def __init__(
+        self,
+        *,
+        sensor: str | None = None,
+        range: Scalar | None = None,
+        noise: Scalar | None = None,
+        offset: Scalar | None = None,
+        gain: Scalar = 1.0,
+        delay: Scalar = 0.0,
+        hum: Hum | Entries | None = None,
+        drop_outs: DropOuts | Entries | None = None,
+        shunt: ShuntCalibration | Entries | None = None,
+        zero_drift: ZeroDrift | Entries | None = None,
     ) -> None: ...
 
 class TitleBlock(_TitleBlock):
@@ -572,6 +902,50 @@ class TitleBlock(_TitleBlock):
         revisions: tuple[Revision | Entries, ...] | list[Revision | Entries] = (),
     ) -> None: ...
 
+class ToothedWheel(_ToothedWheel):
+    r"""A toothed wheel with a pickup, whose pulses a counter stamps; a channel of pulse times.
+
+    Tooth k passes the pickup where the wheel's angle, positive in its sense of rotation, is 2 pi k/teeth plus the error
+    of its place plus the pickup's angle. Channels with ``wheel`` are further pickups on the wheel of another channel.
+
+    Parameters
+    ----------
+    sensor: the angle of its node, if its name is no sensor of the model: "angle(fly)"
+    wheel: channel of the wheel's first pickup, of a further pickup on it
+    teeth: teeth on the circumference, missing ones included
+    missing_teeth: teeth that the gap lacks, the last ones of a turn
+    gearing: turns of the wheel per turn of its node, as 0.5 of a camshaft
+    mounting: angle of the wheel where that of its node is 0, in its sense of rotation
+    pitch_errors: errors of the places of the teeth
+    radius: radius at the tips of the teeth
+    radial_vibration: vibration of the wheel's centre
+    pickup_angle: place of the pickup in the sense of rotation, so that a tooth passes it later
+    index: whether a pulse per turn is recorded, too, as NAME_index, at the place of tooth 0
+    missing_pulses: share of the pulses that are lost
+    double_pulses: share of the pulses followed by a second one
+    jitter: standard deviation of the time of a pulse
+    tick: step of the counter, to which times are rounded down
+    """
+    def __init__(
+        self,
+        *,
+        sensor: str | None = None,
+        wheel: str = '',
+        teeth: WholeNumber | None = None,
+        missing_teeth: WholeNumber = 0,
+        gearing: Scalar = 1.0,
+        mounting: Scalar = 0.0,
+        pitch_errors: PitchErrors | Entries = PitchErrors(normal=0.0, uniform=0.0, eccentricity=0.0, eccentricity_phase=0.0, list=()),
+        radius: Scalar | None = None,
+        radial_vibration: RadialVibration | Entries | None = None,
+        pickup_angle: Scalar = 0.0,
+        index: bool = False,
+        missing_pulses: Scalar = 0.0,
+        double_pulses: Scalar = 0.0,
+        jitter: Scalar = 0.0,
+        tick: Scalar = 0.0,
+    ) -> None: ...
+
 class Transducer(_Transducer):
     r"""An analog sensor: torque transducer, tachometer, accelerometer. It reads gain * value + offset + noise.
 
@@ -584,6 +958,8 @@ class Transducer(_Transducer):
     offset: added to every value
     gain: what it reads over what is there
     delay: time by which the channel lags behind the others
+    hum: hum of the mains
+    drop_outs: times without telemetry
     """
     def __init__(
         self,
@@ -594,6 +970,8 @@ class Transducer(_Transducer):
         offset: Scalar | None = None,
         gain: Scalar = 1.0,
         delay: Scalar = 0.0,
+        hum: Hum | Entries | None = None,
+        drop_outs: DropOuts | Entries | None = None,
     ) -> None: ...
 
 class Triangular(_Triangular):
@@ -645,4 +1023,79 @@ class ValueRange(_ValueRange):
         high: object,
         count: WholeNumber,
         spacing: Literal['linear', 'log'] = 'linear',
+    ) -> None: ...
+
+class Wheel(_Wheel):
+    r"""A toothed wheel or an encoder, as its pulses are read.
+
+    Parameters
+    ----------
+    teeth: pulses per revolution of the wheel, missing ones included
+    missing_teeth: teeth that the gap lacks, as 2 of a wheel 60-2
+    ratio: turns of the reference shaft per turn of the wheel
+    reversed: whether the wheel turns against the sense of the model
+    pattern: file of its pitch pattern, from the folder of this file
+    """
+    def __init__(
+        self,
+        *,
+        teeth: WholeNumber,
+        missing_teeth: WholeNumber = 0,
+        ratio: Scalar = 1.0,
+        reversed: bool = False,
+        pattern: str = '',
+    ) -> None: ...
+
+class WheelChannel(_WheelChannel):
+    r"""A channel of pulses: the wheel that it sees, and how its values are read.
+
+    Parameters
+    ----------
+    teeth: pulses per revolution of the wheel, missing ones included
+    missing_teeth: teeth that the gap lacks, as 2 of a wheel 60-2
+    ratio: turns of the reference shaft per turn of the wheel
+    reversed: whether the wheel turns against the sense of the model
+    pattern: file of its pitch pattern, from the folder of this file
+    tick: time of one count of the counter
+    clock: instead: frequency that the counter counts
+    bits: width of the counter in bits, which begins at 0 again when it is full
+    level: value that a tooth signal passes, in its unit; default: the middle
+    hysteresis: share of its height by which a tooth signal must pass on either side
+    edge: which flanks of a tooth signal are pulses
+    pickup: whether a tooth signal switches, or grows with the speed
+    second: channel of a second track a quarter pitch further, which tells the direction
+    index: channel of an index pulse, once in a turn of the wheel or in several
+    """
+    def __init__(
+        self,
+        *,
+        teeth: WholeNumber,
+        missing_teeth: WholeNumber = 0,
+        ratio: Scalar = 1.0,
+        reversed: bool = False,
+        pattern: str = '',
+        tick: Scalar | None = None,
+        clock: Scalar | None = None,
+        bits: WholeNumber | None = None,
+        level: Scalar | None = None,
+        hysteresis: Scalar = 0.2,
+        edge: Literal['rising', 'falling'] = 'rising',
+        pickup: Literal['switching', 'inductive'] = 'switching',
+        second: str = '',
+        index: str = '',
+    ) -> None: ...
+
+class ZeroDrift(_ZeroDrift):
+    r"""A zero that moves over the record, straight or as something that warms up.
+
+    Parameters
+    ----------
+    change: change of the zero from the first to the last sample
+    warming: time constant of warming up; without it the zero moves straight
+    """
+    def __init__(
+        self,
+        *,
+        change: Scalar,
+        warming: Scalar | None = None,
     ) -> None: ...

@@ -17,6 +17,10 @@ from torsionnet.io.tors_reading import from_tors as from_tors
 from torsionnet.io.tors_reading import read_tors as read_tors
 from torsionnet.io.tors_writing import to_tors as to_tors
 from torsionnet.io.tors_writing import write_tors as write_tors
+from torsionnet.io.tracked_order_tables import read_tracked_orders as read_tracked_orders
+from torsionnet.io.tracked_order_tables import write_tracked_orders as write_tracked_orders
+from torsionnet.io.wheel_pattern_files import read_wheel_pattern as read_wheel_pattern
+from torsionnet.io.wheel_pattern_files import write_wheel_pattern as write_wheel_pattern
 from torsionnet.model.catalogues.catalogue import Catalogue as Catalogue
 from torsionnet.model.catalogues.catalogue_reading import read_catalogue as read_catalogue
 from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet as MassElasticSheet
@@ -32,6 +36,8 @@ __all__ = [
     "read_mass_elastic",
     "read_recording",
     "read_tors",
+    "read_tracked_orders",
+    "read_wheel_pattern",
     "to_mass_elastic",
     "to_matlab",
     "to_modelica",
@@ -43,4 +49,6 @@ __all__ = [
     "write_modelica",
     "write_recording",
     "write_tors",
+    "write_tracked_orders",
+    "write_wheel_pattern",
 ]

@@ -12,6 +12,19 @@ from torsionnet.modal.matching import match as match
 from torsionnet.modal.method_choice import stabilisation as stabilisation
 from torsionnet.modal.modal_estimate import IdentifiedMode as IdentifiedMode
 from torsionnet.modal.modal_estimate import ModalEstimate as ModalEstimate
+from torsionnet.modal.operational.ambient_modes import AmbientPoles as AmbientPoles
+from torsionnet.modal.operational.ambient_modes import modes_from_ambient as modes_from_ambient
+from torsionnet.modal.operational.decay_modes import DecayFit as DecayFit
+from torsionnet.modal.operational.decay_modes import modes_from_decay as modes_from_decay
+from torsionnet.modal.operational.decrement import Decrement as Decrement
+from torsionnet.modal.operational.operational_modes import OperationalMode as OperationalMode
+from torsionnet.modal.operational.operational_modes import OperationalModes as OperationalModes
+from torsionnet.modal.operational.run_up_modes import modes_from_run_up as modes_from_run_up
+from torsionnet.modal.operational.run_up_modes import modes_from_tracked_orders as modes_from_tracked_orders
+from torsionnet.modal.operational.swept_fit import SweptFit as SweptFit
+from torsionnet.modal.operational.swept_response import SpeedSweep as SpeedSweep
+from torsionnet.modal.operational.swept_response import sweep_of as sweep_of
+from torsionnet.modal.operational.swept_response import swept_response as swept_response
 from torsionnet.modal.peak_picking import peak_picking as peak_picking
 from torsionnet.modal.settings import Criteria as Criteria
 from torsionnet.modal.settings import Settings as Settings
@@ -19,22 +32,35 @@ from torsionnet.modal.stabilisation import Order as Order
 from torsionnet.modal.stabilisation import Stabilisation as Stabilisation
 
 __all__ = [
+    "AmbientPoles",
     "CircleFit",
     "Criteria",
+    "DecayFit",
+    "Decrement",
     "IdentifiedMode",
     "Match",
     "ModalEstimate",
+    "OperationalMode",
+    "OperationalModes",
     "Order",
     "Settings",
+    "SpeedSweep",
     "Stabilisation",
+    "SweptFit",
     "circle_fit",
     "cmif",
     "fit_poles",
     "identify_modes",
     "mac",
     "match",
+    "modes_from_ambient",
+    "modes_from_decay",
+    "modes_from_run_up",
+    "modes_from_tracked_orders",
     "mpc",
     "msf",
     "peak_picking",
     "stabilisation",
+    "sweep_of",
+    "swept_response",
 ]

@@ -14,11 +14,13 @@ from torsionnet.plot.limit_check import limit_check as limit_check
 from torsionnet.plot.limit_families import limit_families as limit_families
 from torsionnet.plot.mac import mac_matrix as mac_matrix
 from torsionnet.plot.nyquist import nyquist as nyquist
+from torsionnet.plot.operational_modes import operational_modes as operational_modes
 from torsionnet.plot.order_overlay import order_overlay as order_overlay
 from torsionnet.plot.order_response import half_ranges as half_ranges
 from torsionnet.plot.order_response import order_response as order_response
 from torsionnet.plot.order_response import waveform as waveform
 from torsionnet.plot.passage_response import passage_response as passage_response
+from torsionnet.plot.pitch_pattern import wheel_pattern as wheel_pattern
 from torsionnet.plot.schematic.schematic import schematic as schematic
 from torsionnet.plot.shapes import mode_shapes as mode_shapes
 from torsionnet.plot.stabilisation import stabilisation as stabilisation
@@ -40,7 +42,9 @@ from torsionnet.plot.time_frequency import order_map as order_map
 from torsionnet.plot.time_frequency import spectrogram as spectrogram
 from torsionnet.plot.time_frequency import sweep_harmonics as sweep_harmonics
 from torsionnet.plot.tornado import tornado as tornado
+from torsionnet.plot.tracked_orders import tracked_orders as tracked_orders
 from torsionnet.plot.waterfall import waterfall as waterfall
+from torsionnet.plot.wheel_rotations import wheel_rotations as wheel_rotations
 
 __all__ = [
     "STYLE",
@@ -63,6 +67,7 @@ __all__ = [
     "mac_matrix",
     "mode_shapes",
     "nyquist",
+    "operational_modes",
     "order_map",
     "order_overlay",
     "order_response",
@@ -82,7 +87,10 @@ __all__ = [
     "sweep_harmonics",
     "time_histories",
     "tornado",
+    "tracked_orders",
     "waterfall",
     "waveform",
+    "wheel_pattern",
+    "wheel_rotations",
     "worst_variants",
 ]

@@ -31,8 +31,10 @@ from torsionnet.response.mass_elastic_table import MassElasticShaft as MassElast
 from torsionnet.response.mass_elastic_table import MassElasticTable as MassElasticTable
 from torsionnet.response.mass_elastic_table import StationSection as StationSection
 from torsionnet.response.mean_response import MeanResponse as MeanResponse
+from torsionnet.response.measured.tracked_orders import TrackedOrders as TrackedOrders
 from torsionnet.response.modes import ModeRow as ModeRow
 from torsionnet.response.modes import Modes as Modes
+from torsionnet.response.order_comparison import MeasuredOrder as MeasuredOrder
 from torsionnet.response.order_line import OrderLine as OrderLine
 from torsionnet.response.order_response import OrderResponse as OrderResponse
 from torsionnet.response.passage_response import PassagePeak as PassagePeak
@@ -79,6 +81,7 @@ __all__ = [
     "MassElasticShaft",
     "MassElasticTable",
     "MeanResponse",
+    "MeasuredOrder",
     "ModeRow",
     "Modes",
     "OrderLine",
@@ -94,6 +97,7 @@ __all__ = [
     "StaticState",
     "StationSection",
     "Table",
+    "TrackedOrders",
     "VibrationMode",
     "WorstLimit",
     "WorstResponse",
