@@ -267,7 +267,7 @@ def test_verdict_of_a_fit_and_ranking_agree():
 def test_what_explains_beside_the_best(monkeypatch, misfits, squares, error, explain):
     """As of a measured thruster rig, where one value left 4.8 % and another, a hundredth of what it is, 8.4 %."""
     monkeypatch.setattr(cause_fits, "overall_misfit", lambda problem, _: problem.misfit)
-    blocks = [SimpleNamespace(measurement=SimpleNamespace(error=error))]
+    blocks = [SimpleNamespace(noise_is_stated=error is not None)]
     tried = [
         cause_fits.CauseFit(
             Cause("value", "k"),

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -24,8 +25,18 @@ EQUALLY_GOOD_RATIO = 1.5
 RANGE_END_FACTOR = 1e-3
 """Factor from an end of the search range within which a freed value has run to zero or grown without bound."""
 
-Solve = Callable[[FitProblem, FloatArray], LeastSquaresSolution]
-"""Function that returns the local optimum of a fit problem found from start values."""
+ROUGH_TOLERANCE = 1e-6
+"""Relative change of cost, values and gradient at which the search with a cause freed ends at first: a cause that
+explains nothing has a flat optimum, and most of its search would go into digits that nobody reads."""
+REFINED_RATIO = 2.0
+"""Ratio to the sum of squares up to which a cause may count as an explanation, within which its search goes on to the
+end."""
+
+
+class Solve(Protocol):
+    """Function that returns the local optimum of a fit problem found from start values."""
+
+    def __call__(self, problem: FitProblem, start: FloatArray, tolerance: float = ...) -> LeastSquaresSolution: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,9 +79,12 @@ def overall_misfit(problem: FitProblem, values: FloatArray) -> float:
 
 
 def fit_causes(
-    problem: FitProblem, causes: Sequence[Cause], starts: Sequence[FloatArray], solve: Solve
+    problem: FitProblem, causes: Sequence[Cause], starts: Sequence[FloatArray], solve: Solve, whole: float
 ) -> list[CauseFit]:
-    """Best fit with each cause freed, of those from all start values, sorted with the best cause first."""
+    """Best fit with each cause freed, of those from all start values, sorted with the best cause first.
+
+    Causes that leave most of the sum of squares ``whole`` are not searched to the last digit.
+    """
     best: dict[Cause, CauseFit] = {}
     found = [
         _tried(problem, cause, start, solve, factor)
@@ -80,7 +94,14 @@ def fit_causes(
     ]
     for one in sorted((one for one in found if one is not None), key=lambda one: one.criterion):
         best.setdefault(one.cause, one)
-    return list(best.values())
+    most = REFINED_RATIO * (1 - LEAST_MISFIT_REDUCTION) * whole
+    refined = [_refined(one, solve) if one.sum_of_squares <= most else one for one in best.values()]
+    return sorted(refined, key=lambda one: one.criterion)
+
+
+def _refined(one: CauseFit, solve: Solve) -> CauseFit:
+    found = solve(one.problem, one.values).x
+    return replace(one, values=found, sum_of_squares=sum_of_squares(one.problem, found))
 
 
 def _factors(problem: FitProblem, cause: Cause) -> tuple[float, ...]:
@@ -95,7 +116,7 @@ def _tried(problem: FitProblem, cause: Cause, start: FloatArray, solve: Solve, f
         with_it = with_causes(problem, [cause], start, instead=True)
         begin = with_it.start.copy()
         begin[[name.partition("[")[0] == cause.unknown for name in with_it.names]] *= factor
-        found = solve(with_it, begin).x
+        found = solve(with_it, begin, ROUGH_TOLERANCE).x
         return CauseFit(cause, with_it, found, sum_of_squares(with_it, found))
     except (TorsionnetError, np.linalg.LinAlgError):
         return None  # what cannot be calculated explains nothing

@@ -33,11 +33,11 @@ def explanations(problem: FitProblem, values: FloatArray, solve: Solve, errors: 
     # A reference angle is found from afar, which a linear step does not show.
     turned = [cause for cause in possible_causes(problem) if cause.kind == "reference_angle"]
     first = list(dict.fromkeys([*turned, *(cause for start in starts for cause in _promising(problem, start))]))
-    tried = fit_causes(problem, first, starts, solve)
+    tried = fit_causes(problem, first, starts, solve, whole)
     good = explaining_fits(tried, whole)
     if not good:  # the linear estimate may have picked the wrong causes
         others = [cause for cause in possible_causes(problem) if cause not in first]
-        good = explaining_fits(fit_causes(problem, others, [values], solve), whole)
+        good = explaining_fits(fit_causes(problem, others, [values], solve, whole), whole)
     found = [_explained(one, one.sum_of_squares / whole, solve, errors) for one in good]
     return tuple(one for one in found if one.complete or not found[0].complete)
 

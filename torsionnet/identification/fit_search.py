@@ -42,20 +42,22 @@ class LeastSquaresSolution:
     scale: float = 1.0
 
 
-def local_optimum(problem: FitProblem, start: FloatArray, loss: str) -> LeastSquaresSolution:
+def local_optimum(
+    problem: FitProblem, start: FloatArray, loss: str, tolerance: float = CONVERGENCE_TOLERANCE
+) -> LeastSquaresSolution:
     """Local optimum of a fit problem found from start values; its cost is infinite if it cannot be calculated.
 
     A robust loss needs the size of residuals that are not outliers: the median of their absolute values, calculated
-    again until it settles.
+    again until it settles. The search ends where cost, values or gradient change by less than ``tolerance``.
     """
     if loss == "linear":
-        return _local(problem, start, loss, 1.0)
-    found = _local(problem, start, "linear", 1.0)
+        return _local(problem, start, loss, 1.0, tolerance)
+    found = _local(problem, start, "linear", 1.0, tolerance)
     scale = residual_scale(problem, found.x)
     for _ in range(SCALE_ROUNDS):
         if not np.isfinite(found.cost) or scale == 0:
             break
-        found = _local(problem, found.x, loss, LOSS_TUNING[loss] * scale)
+        found = _local(problem, found.x, loss, LOSS_TUNING[loss] * scale, tolerance)
         before, scale = scale, residual_scale(problem, found.x)
         if abs(scale / before - 1) < SETTLED_SCALE_CHANGE:
             break
@@ -67,7 +69,7 @@ def residual_scale(problem: FitProblem, x: FloatArray) -> float:
     return DEVIATION_PER_MEDIAN * float(np.median(np.abs(problem.residuals(x))))
 
 
-def _local(problem: FitProblem, start: FloatArray, loss: str, scale: float) -> LeastSquaresSolution:
+def _local(problem: FitProblem, start: FloatArray, loss: str, scale: float, tolerance: float) -> LeastSquaresSolution:
     lower, upper = search_bounds(problem)
     chosen: Any = loss
     try:
@@ -79,9 +81,9 @@ def _local(problem: FitProblem, start: FloatArray, loss: str, scale: float) -> L
             x_scale=typical_steps(problem, problem.start),
             loss=chosen,
             f_scale=scale,
-            xtol=CONVERGENCE_TOLERANCE,
-            ftol=CONVERGENCE_TOLERANCE,
-            gtol=CONVERGENCE_TOLERANCE,
+            xtol=tolerance,
+            ftol=tolerance,
+            gtol=tolerance,
             max_nfev=MOST_EVALUATIONS,
         )
     except SolveError as error:

@@ -15,7 +15,13 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.explanations import coarse_sensor_remarks, explanations
 from torsionnet.identification.fit import Fit, make_fit
 from torsionnet.identification.fit_problem import FitProblem, make_problem
-from torsionnet.identification.fit_search import LeastSquaresSolution, local_optimum, loss_weights, typical_steps
+from torsionnet.identification.fit_search import (
+    CONVERGENCE_TOLERANCE,
+    LeastSquaresSolution,
+    local_optimum,
+    loss_weights,
+    typical_steps,
+)
 from torsionnet.identification.lack_of_fit import LackOfFit, misfits
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.residual_forms import FORMS
@@ -122,8 +128,8 @@ def _judge_fit(model: Drivetrain, problem: FitProblem, best: LeastSquaresSolutio
     problem.take_measured_noise(best.x)
     best = local_optimum(problem, best.x, loss)
 
-    def solve(tried: FitProblem, start: FloatArray) -> LeastSquaresSolution:
-        return local_optimum(tried, start, loss)
+    def solve(tried: FitProblem, start: FloatArray, tolerance: float = CONVERGENCE_TOLERANCE) -> LeastSquaresSolution:
+        return local_optimum(tried, start, loss, tolerance)
 
     def errors(tried: FitProblem, at: LeastSquaresSolution) -> Mapping[str, float]:
         return make_fit(model, tried, at, loss).standard_errors

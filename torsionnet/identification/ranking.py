@@ -16,7 +16,7 @@ from torsionnet.identification.cause_fits import CauseFit, explaining_fits, fit_
 from torsionnet.identification.causes import CHANNEL_CAUSES, possible_causes
 from torsionnet.identification.fit import Fit
 from torsionnet.identification.fit_problem import FitProblem, make_problem
-from torsionnet.identification.fit_search import LeastSquaresSolution, local_optimum
+from torsionnet.identification.fit_search import CONVERGENCE_TOLERANCE, LeastSquaresSolution, local_optimum
 from torsionnet.identification.lack_of_fit_words import cause_in_words
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.unknown_parameter import Unknown, read_unknowns
@@ -150,7 +150,7 @@ def rank_causes(
     """
     problem, values = _prepared(model, measurements, parameters, residual)
     whole = sum_of_squares(problem, values)
-    tried = fit_causes(problem, possible_causes(problem), [values], _solve)
+    tried = fit_causes(problem, possible_causes(problem), [values], _solve, whole)
     good = {one.cause for one in explaining_fits(tried, whole)}
     ranked = [_ranked(one, whole, explains=one.cause in good) for one in tried]
     return Ranking(tuple(ranked), overall_misfit(problem, values))
@@ -173,9 +173,9 @@ def _prepared(
     return problem, _solve(problem, problem.start).x
 
 
-def _solve(problem: FitProblem, start: FloatArray) -> LeastSquaresSolution:
+def _solve(problem: FitProblem, start: FloatArray, tolerance: float = CONVERGENCE_TOLERANCE) -> LeastSquaresSolution:
     return (
-        local_optimum(problem, start, "linear")
+        local_optimum(problem, start, "linear", tolerance)
         if len(start)
         else LeastSquaresSolution(start, 0.0, converged=True, message="")
     )

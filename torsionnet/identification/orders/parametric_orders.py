@@ -8,10 +8,10 @@ and amplitudes.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,7 @@ from torsionnet.solve.sensitivity import Evaluation, ParametricResponse, paramet
 DIFFERENCE_STEP = 1e-4
 """Step of a central difference over the number, or over its usual size: the error of a phase is then 2e-9 of its
 derivative, and rounding 1e-12 of the torque."""
+T = TypeVar("T")
 USUAL_SIZES = {"pressure": 1e5, "torque": 100.0, "speed": 10.0, "acceleration": 100.0}
 """Usual size of a number in SI by dimension, for the step where the number is 0; 1 of all others."""
 
@@ -58,6 +59,19 @@ def parameters_of_drivetrain(model: Model, names: Sequence[str]) -> tuple[str, .
     """Names of the unknowns of a fit that are parameters or fields of the drivetrain, not numbers of excitations."""
     numbers = numbers_of_excitations(model, names)
     return tuple(name for name in names if name not in numbers)
+
+
+class _Last(Generic[T]):
+    """Last result of a calculation with its values, kept as many searches move either the drivetrain or its loads."""
+
+    def __init__(self) -> None:
+        self._known: tuple[tuple[float, ...], T] | None = None
+
+    def at(self, values: tuple[float, ...], calculate: Callable[[], T]) -> T:
+        """Result at these values, the last one where they are the same."""
+        if self._known is None or self._known[0] != values:
+            self._known = values, calculate()
+        return self._known[1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +118,8 @@ class ParametricOrders:
     """Pairs whose vibration runs backwards in phase, (n_pairs,)."""
     _responses: tuple[tuple[ParametricResponse, NDArray[np.intp], NDArray[np.intp]], ...]
     """Receptances, the pairs that they belong to, and the frequency of each of these."""
+    _last_loads: _Last[tuple[ComplexArray, dict[str, ComplexArray]]] = field(default_factory=lambda: _Last())
+    _last_gains: _Last[tuple[ComplexArray, ComplexArray]] = field(default_factory=lambda: _Last())
 
     @property
     def frequencies(self) -> FloatArray:
@@ -130,14 +146,13 @@ class ParametricOrders:
         """
         given = dict(zip(self.names, map(float, values), strict=True))
         gains, slopes = self._gains([given[name] for name in self._structural])
-        numbers = {name: given[name] for name in self.numbers}
-        loads = self._loads(numbers)
+        loads, load_slopes = self._loads_and_slopes({name: given[name] for name in self.numbers})
         found = np.zeros(len(self.orders), dtype=complex)
         jacobian = np.zeros((len(self.orders), len(self.names)), dtype=complex)
         np.add.at(found, self._pairs.measured, (gains * loads).sum(axis=1))
         for place, name in enumerate(self.names):
             if name in self.numbers:
-                moved = gains * self._load_slopes(name, numbers)
+                moved = gains * load_slopes[name]
             else:
                 moved = slopes[:, :, self._structural.index(name)] * loads
             np.add.at(jacobian[:, place], self._pairs.measured, moved.sum(axis=1))
@@ -145,6 +160,9 @@ class ParametricOrders:
 
     def _gains(self, values: Sequence[float]) -> tuple[ComplexArray, ComplexArray]:
         """Receptances (n_pairs, n_inputs) and their derivatives (n_pairs, n_inputs, n_structural)."""
+        return self._last_gains.at(tuple(values), lambda: self._solved(values))
+
+    def _solved(self, values: Sequence[float]) -> tuple[ComplexArray, ComplexArray]:
         count = len(self._pairs.measured)
         first = self._responses[0][0]
         gains = np.zeros((count, len(first.loads)), dtype=complex)
@@ -155,6 +173,14 @@ class ParametricOrders:
         backward = self._signs
         gains[backward], slopes[backward] = gains[backward].conj(), slopes[backward].conj()
         return gains, slopes
+
+    def _loads_and_slopes(self, numbers: Mapping[str, float]) -> tuple[ComplexArray, dict[str, ComplexArray]]:
+        """Complex torques or motions (n_pairs, n_inputs) and their derivatives by each number of an excitation."""
+
+        def found() -> tuple[ComplexArray, dict[str, ComplexArray]]:
+            return self._loads(numbers), {name: self._load_slopes(name, numbers) for name in numbers}
+
+        return self._last_loads.at(tuple(numbers.values()), found)
 
     def _loads(self, numbers: Mapping[str, float]) -> ComplexArray:
         """Complex torques or motions (n_pairs, n_inputs) with these numbers of the excitations."""

@@ -19,6 +19,8 @@ from torsionnet.model.excitations.table_by_pressure import TableByPressure
 
 Tables: TypeAlias = "Mapping[float | None, Mapping[float, TangentialHarmonic]]"
 PHASES = ("cosine", "sine")
+ORDER_ROUNDING = 1e-5
+"""Relative difference of two orders up to which they are the same, as tables give orders with a few digits."""
 _SIGNED = Value("tangential pressure", "pressure", lower=None)
 
 
@@ -90,6 +92,7 @@ def amplitudes(table: Mapping[float, TangentialHarmonic], orders: FloatArray, ph
     0 at orders that the table lacks.
     """
     found = np.zeros(len(orders), dtype=complex)
-    for order, one in table.items():
-        found[np.isclose(orders, order)] = one.complex_amplitude(phase_of)
+    known = np.array(list(table), dtype=float)
+    same, row = np.nonzero(np.abs(orders[:, None] - known) <= ORDER_ROUNDING * known)
+    found[same] = np.array([one.complex_amplitude(phase_of) for one in table.values()])[row]
     return found
