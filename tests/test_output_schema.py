@@ -50,6 +50,8 @@ def folder(tmp_path_factory):
             "time [s],T [N*m]\n"
             + "".join(f"{a:.2f},{b:.6g}\n" for a, b in zip(t, np.exp(-t) * np.cos(40 * t), strict=True))
         )
+        lines = (f"{a:.2f},{np.cos(60 * a):.6g},20" for a in t)
+        Path("turning.csv").write_text("time [s],T [N*m],n [rad/s]\n" + "\n".join(lines))
         yield folder
 
 
@@ -107,6 +109,7 @@ CALLS = {
         "damping decay.csv --from decay --channel T --start 0",
         "damping decay.csv --from decay --channel T --start 0 --against rig.yaml -c soft",
     ],
+    "track": ["track turning.csv --reference n --channel T --orders 3"],
     "identify-modes": [
         "identify-modes run_soft.npz --output phi --input M",
         "identify-modes run_soft.npz --output phi --input M --against rig.yaml -c soft",

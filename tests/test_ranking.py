@@ -196,7 +196,11 @@ def test_a_reversed_channel_is_found_along(residual):
 def test_a_gain_is_tried_both_ways():
     problem = make_problem(rig(), [reversed_test()], {"d": Unknown()}, "complex")
     gain = Cause("gain", "gain")
-    (found,) = cause_fits.fit_causes(problem, [gain], [problem.start], lambda *p: local_optimum(*p, "linear"))
+
+    def solve(tried, start, tolerance=1e-12):
+        return local_optimum(tried, start, "linear", tolerance)
+
+    (found,) = cause_fits.fit_causes(problem, [gain], [problem.start], solve, np.inf)
     assert dict(zip(found.problem.names, found.values, strict=True))["gain[measurement]"] == pytest.approx(-1, abs=0.01)
     assert cause_fits.explaining_fits([found], cause_fits.sum_of_squares(problem, problem.start)) == [found]
 

@@ -36,7 +36,7 @@ end."""
 class Solve(Protocol):
     """Function that returns the local optimum of a fit problem found from start values."""
 
-    def __call__(self, problem: FitProblem, start: FloatArray, tolerance: float = ...) -> LeastSquaresSolution: ...
+    def __call__(self, problem: FitProblem, start: FloatArray, tolerance: float = ..., /) -> LeastSquaresSolution: ...
 
 
 @dataclass(frozen=True, eq=False)

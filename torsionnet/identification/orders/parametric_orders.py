@@ -118,8 +118,8 @@ class ParametricOrders:
     """Pairs whose vibration runs backwards in phase, (n_pairs,)."""
     _responses: tuple[tuple[ParametricResponse, NDArray[np.intp], NDArray[np.intp]], ...]
     """Receptances, the pairs that they belong to, and the frequency of each of these."""
-    _last_loads: _Last[tuple[ComplexArray, dict[str, ComplexArray]]] = field(default_factory=lambda: _Last())
-    _last_gains: _Last[tuple[ComplexArray, ComplexArray]] = field(default_factory=lambda: _Last())
+    _last_loads: _Last[tuple[ComplexArray, dict[str, ComplexArray]]] = field(default_factory=_Last)
+    _last_gains: _Last[tuple[ComplexArray, ComplexArray]] = field(default_factory=_Last)
 
     @property
     def frequencies(self) -> FloatArray:
