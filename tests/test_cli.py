@@ -691,7 +691,10 @@ def unfolded(text):
     return {tuple(map(" ".join, row)) for row in rows}
 
 
-FITTED = ("fit", "identify-modes", "estimate", "compare", "spectrogram", "bench", "sensitivity")
+FITTED = (
+    "fit", "identify-modes", "estimate", "compare", "spectrogram", "bench", "sensitivity", "calibrate-wheel", "angle",
+    "track", "damping",
+)  # fmt: skip
 
 
 def alike(shown, output):

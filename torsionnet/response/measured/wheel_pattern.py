@@ -75,5 +75,7 @@ class WheelPattern:
         """
         turning = np.exp(-2j * np.pi * order * np.arange(self.teeth) / self.teeth)
         lines: ComplexArray = self.positions * turning
-        double = 1 if order % self.teeth in (0, self.teeth / 2) else 2
-        return -double * complex(lines.mean())
+        mean = complex(lines.mean())
+        if order % self.teeth in (0, self.teeth / 2):
+            return complex(-mean.real, 0)  # real but for rounding, which would be read as a phase
+        return -2 * mean

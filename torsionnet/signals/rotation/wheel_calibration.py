@@ -311,7 +311,7 @@ def _result(
         (),
         wheel.reversed,
     )
-    rows += [PitchOrder(order, -pattern.order(order), width, True, ABOVE) for order in above]
+    rows += [PitchOrder(order, 0 - pattern.order(order), width, True, ABOVE) for order in above]
     remarks = [
         text
         for one, test in zip(rotations, stack.tests, strict=True)
