@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from torsionnet.cli import main
 from torsionnet.io import write_recording
 from torsionnet.io.tracked_order_tables import write_tracked_orders
 from torsionnet.modal.operational.swept_response import sweep_of, swept_response
+from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.recording import Recording, Signal
 
@@ -33,6 +35,25 @@ def test_run_up(run_up, tmp_path, capsys):
     assert mode["damping_ratio"] == pytest.approx(ZETA, rel=0.03)
     assert figure.stat().st_size > 10_000
     assert "natural frequency [Hz]" in table.read_text()
+
+
+def test_run_up_by_the_pulses_of_a_wheel_with_a_gap(tmp_path, capsys):
+    record = swept(10)
+    speed, time = record["n"].values, record.time
+    turned = np.concatenate([[0.0], np.cumsum((speed[1:] + speed[:-1]) / 2 / record.sampling_rate)])
+    teeth = np.arange(int(turned[-1] / (2 * np.pi) * 60))
+    teeth = teeth[teeth % 60 < 58]
+    fine = np.linspace(0, time[-1], 400_000)
+    passed = np.interp(2 * np.pi * teeth / 60, np.interp(fine, time, turned), fine)
+    path = tmp_path / "pulses.npz"
+    write_recording(replace(record, signals=(record["T"],), pulses=(PulseChannel("fly", passed),)), path)
+    words = ["damping", str(path), "--from", "run-up", "--channel", "T", "--order", "1"]
+    assert main([*words, "--angle", "fly", "--pulses", "fly=60-2", "--json"]) == 0
+    (mode,) = json.loads(capsys.readouterr().out)["modes"]
+    assert mode["natural_frequency_Hz"] == pytest.approx(F0, rel=1e-3)
+    assert mode["damping_ratio"] == pytest.approx(ZETA, rel=0.03)
+    assert main([*words, "--angle", "n", "--pulses", "fly=60-2"]) == 2
+    assert "names this wheel" in capsys.readouterr().err
 
 
 def test_decay_beside_a_model(tmp_path, capsys):

@@ -64,6 +64,43 @@ def test_orders_with_phase_from_top_dead_centre(record, tmp_path):
     assert (tmp_path / "up.png").stat().st_size > 10_000
 
 
+def test_wheels_of_a_file(record, tmp_path):
+    """The file says the same as the options: channel, gap and gearing."""
+    file = tmp_path / "wheels.yaml"
+    file.write_text("fly: {teeth: 60, missing_teeth: 2}\ngen: {teeth: 60}\n")
+    words = (record, "--reference", "fly", "--tdc", "35deg", "--cam", "cam", "--orders", "1.5,3", "--json")
+    found = json.loads(run(*words, "--wheels", file).stdout)
+    assert [one["channel"] for one in found] == ["T", "n", "fly", "gen"]
+    torque = np.array(found[0]["real"]) + 1j * np.array(found[0]["imag"])
+    assert torque[0] == pytest.approx(np.full(torque.shape[1], 30 * np.exp(-0.2j)), abs=0.05)
+    assert torque[1] == pytest.approx(np.full(torque.shape[1], 100 * np.exp(0.7j)), abs=0.05)
+    one = json.loads(run(*words, "--wheels", file, "--pulses", "fly").stdout)
+    assert [each["channel"] for each in one] == ["T", "n", "fly"]
+    refused = run(*words, "--wheels", file, "--ratio", "gen=2", "--pulses", "gen=60", code=2)
+    assert "leave gen=60, --ratio out" in refused.output
+
+
+def test_signals_of_teeth(tmp_path):
+    """A sampled tooth signal that reads 0 to 5 V, and a cam of its own level: orders and phases as from pulses."""
+    time = np.arange(60_000) / 10e3
+    phi = 60 * time + 1.5 * time**2
+    teeth = 2.5 + 2.5 * np.sin(60 * phi)  # rises through 2.5 V where phi is a multiple of 6 degrees
+    tdc = np.where((phi + 1e-9) % (2 * np.pi) < 0.3, 12.0, 0.0)
+    cam = np.where((phi + np.pi / 2) % (4 * np.pi) < 0.3, 24.0, 8.0)
+    torque = 100 * np.cos(3 * phi + 0.7) + 30 * np.cos(1.5 * phi - 0.2)
+    file = tmp_path / "raw.csv"
+    rows = np.column_stack([time, teeth, tdc, cam, torque])
+    heading = "time [s],fly [V],tdc [V],cam [V],T [N*m]"
+    np.savetxt(file, rows, delimiter=",", header=heading, comments="", fmt="%.6f")
+    words = (file, "--reference", "fly=60", "--phase", "tdc", "--cam", "cam", "--channel", "T", "--orders", "1.5,3")
+    found = json.loads(run(*words, "--level", "fly=2.5", "--level", "cam=16", "--json").stdout)[0]
+    values = np.array(found["real"]) + 1j * np.array(found["imag"])
+    assert np.abs(values[1]) == pytest.approx(np.full(values.shape[1], 100), rel=2e-3)
+    assert np.angle(values[1]) == pytest.approx(np.full(values.shape[1], 0.7), abs=0.02)
+    assert np.angle(values[0]) == pytest.approx(np.full(values.shape[1], -0.2), abs=0.02)
+    assert "there is no wheel of this name" in run(*words, "--level", "flt=2.5", code=2).output
+
+
 def test_vold_kalman_slices_and_waterfall(record, tmp_path):
     words = (record, "--reference", "n", "--channel", "T", "--orders", "1.5,3", "--method", "vold-kalman")
     found = json.loads(run(*words, "--bandwidth", "3Hz", "--steps", "50rpm", "--json").stdout)[0]

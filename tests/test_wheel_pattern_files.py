@@ -5,6 +5,7 @@ import pathlib
 
 import numpy as np
 import pytest
+from scipy.interpolate import PchipInterpolator
 from test_cli import run
 from test_wheel_evidence import DEGREE, RPM, VALUES, Z, record, teeth
 
@@ -12,7 +13,7 @@ from torsionnet.core.errors import ModelError
 from torsionnet.io import read_wheel_pattern, write_recording, write_wheel_pattern
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.measured.wheel_pattern import WheelPattern
-from torsionnet.response.recording import Recording
+from torsionnet.response.recording import Recording, Signal
 
 
 def test_what_is_written_is_read_again(tmp_path):
@@ -77,6 +78,27 @@ def test_the_command_writes_a_pattern_by_two_pickups(records):
     assert found.positions == pytest.approx(records, abs=1e-4 * DEGREE)
     assert (found.name, found.unresolved) == ("flywheel", ())
     assert any("two pickups" in note for note in found.notes)
+
+
+def test_signals_of_teeth_and_a_file_of_wheels(records):
+    """Two pickups, sampled, read at one level: the pattern is that of their pulses; the file says what the options say."""
+    test = record(records, 900 * RPM, angle=100 * DEGREE, values=VALUES)
+    time = np.arange(test.second.times[2], test.first.times[-2], 1 / 40e3)
+    signals = tuple(
+        Signal(one.name, "", np.sin(2 * np.pi * PchipInterpolator(one.times, np.arange(float(len(one))))(time)))
+        for one in (test.first, test.second)
+    )
+    times = np.array([one for one in test.index.times if time[0] < one < time[-1]])
+    whole = Recording(signals, 40e3, float(time[0]), pulses=(PulseChannel("index", times),))
+    write_recording(whole, "raw.npz")
+    words = ("calibrate-wheel", "raw.npz", "--second-pickup", "B", "--angle", "99deg")
+    run(*words, *CALL, "--level", "A=0", "-o", "one.yaml")
+    found = read_wheel_pattern("one.yaml").positions
+    assert found == pytest.approx(records, abs=5e-3 * DEGREE)
+    pathlib.Path("wheels.yaml").write_text(f"A: {{teeth: {Z}, level: 0, index: index}}\nC: {{teeth: 60}}\n")
+    run(*words, "--wheels", "wheels.yaml", "--pulses", "A", "-o", "two.yaml")
+    assert read_wheel_pattern("two.yaml").positions == pytest.approx(found, abs=1e-9)
+    assert "one wheel is calibrated at a time" in run(*words, "--wheels", "wheels.yaml", code=2).stderr
 
 
 @pytest.mark.usefixtures("records")

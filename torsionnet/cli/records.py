@@ -38,12 +38,18 @@ def load_record(
     if Path(path).is_file() and Path(path).stat().st_size > LARGE_FILE and "pulses" not in reading.arguments:
         return _checked_blocks(path, reading, wanted, window, advance)
     record = read_recording(path, names=wanted, resample=reading.resample, **reading.arguments)
+    record = checked_record(record, reading, path, window)
+    advance(record.duration)
+    return record
+
+
+def checked_record(record: Recording, reading: RecordReading, path: str, window: float = 0.0) -> Recording:
+    """Recording with even time stamps, its notes and the warnings of its checks told; ModelError where it is faulty."""
     for note in record.notes:
         if not note.startswith("warning:"):  # those come with the result
             message("note", note)
     record = _even(record, reading, path)
     _refuse(check_recording(record, window), path)
-    advance(record.duration)
     return record
 
 

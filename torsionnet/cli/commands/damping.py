@@ -11,10 +11,12 @@ import click
 from torsionnet.cli.command import TABLE, Answer, click_command, separated_by_lines
 from torsionnet.cli.declarations import option
 from torsionnet.cli.options import FiniteFloat
+from torsionnet.cli.pulse_options import NamedWheel, PulseOptions
 from torsionnet.cli.record_options import RecordCommand
 from torsionnet.cli.terminal import print_warnings
 
 if TYPE_CHECKING:
+    from torsionnet.io.wheel_files import WheelOfTest
     from torsionnet.modal import Match, OperationalModes
     from torsionnet.response.recording import FloatArray, Recording
 
@@ -38,6 +40,7 @@ class DampingCommand(RecordCommand):
 
     \b
     torsionnet damping runup.npz --from run-up --channel T --order 6 --speed n
+    torsionnet damping runup.npz --from run-up --channel T --order 6 --angle fly --pulses fly=60-2
     torsionnet damping drop.npz --from decay --channel T
     torsionnet damping night.npz --from ambient --channel T --to 60
     """
@@ -45,6 +48,7 @@ class DampingCommand(RecordCommand):
     forms = TABLE
     picture = "measured order and swept fit, decay with envelope, or stabilisation diagram"
 
+    reading: PulseOptions
     source: str = option("--from", type=click.Choice(SOURCES), required=True, help="What the record holds.")
     channels: tuple[str, ...] = option("--channel", metavar="CHANNEL", required=True, help="Ambient: repeatable.")
     orders: tuple[float, ...] = option(
@@ -53,10 +57,10 @@ class DampingCommand(RecordCommand):
         help="Run-up: the order that passes the resonance; further ones are fitted with it. "
         "Ambient: orders of the running machine. Repeatable.",
     )
-    speed: str | None = option("--speed", metavar="CHANNEL", help="Channel of the speed of the reference shaft.")
-    angle: str | None = option(
-        "--angle", metavar="CHANNEL", help="Instead: channel of its angle, such as one of --pulses."
+    speed: str | None = option(
+        "--speed", metavar="CHANNEL", help="Channel of the speed of the reference shaft, or a wheel of --pulses."
     )
+    angle: str | None = option("--angle", metavar="CHANNEL", help="Instead: channel of its angle, or such a wheel.")
     band: tuple[float, float] | None = option(
         "--band",
         type=(POSITIVE, POSITIVE),
@@ -170,9 +174,33 @@ class DampingCommand(RecordCommand):
         from torsionnet.response.recording import Recording
 
         names = [*self.channels, *(one for one in (self.speed, self.angle) if one)]
+        wheels = self.reading.wheels([NamedWheel(name) for name in names])
+        unused = [name for name in wheels if name not in names]
+        if unused and not self.reading.wheels_file:
+            text = f"--pulses {unused[0]}: no --angle, --speed or --channel names this wheel"
+            raise click.UsageError(text)
+        if used := {name: wheel for name, wheel in wheels.items() if name in names}:
+            return self._turning(used, [name for name in names if name not in used])
         with progress("reading", None) as advance:
             found = load_record(self.record, self.reading, names, 0.0, advance)
             return found if isinstance(found, Recording) else _joined(list(found))
+
+    def _turning(self, wheels: dict[str, WheelOfTest], kept: list[str]) -> Recording:
+        """Recording of the channels kept, with the angle (rad) of each wheel, or its speed (rad/s), by its name."""
+        from torsionnet.cli.records import checked_record
+        from torsionnet.io.turning_records import read_turning_record
+        from torsionnet.io.wheel_files import channels_of, patterns_of
+        from torsionnet.signals.rotation.angle_record import angle_record
+        from torsionnet.signals.rotation.rotations_of_wheels import rotations_of_wheels
+
+        channels = channels_of(wheels)
+        marks = self.reading.marks({one.index for one in channels.values()}, wheels)
+        record = read_turning_record(self.record, channels, marks, kept, **self.reading.arguments)
+        rotations = rotations_of_wheels(record, channels, patterns_of(wheels), marks=marks)
+        made = angle_record(record, tuple(rotations.values()), keep=kept, sampling_rate=self.reading.rate)
+        named = {f"{name} {'speed' if name == self.speed else 'angle'}": name for name in wheels}
+        signals = [*(made[name] for name in kept), *(replace(made[one], name=name) for one, name in named.items())]
+        return checked_record(replace(made, signals=tuple(signals), pulses=()), self.reading, self.record)
 
 
 def _joined(blocks: list[Recording]) -> Recording:
