@@ -12,6 +12,7 @@ from torsionnet.signals import (
     rotation_clocks,
     signal_clocks,
 )
+from torsionnet.signals.rotation.clock_drift import ClockDrift
 from torsionnet.signals.rotation.wheel import Wheel
 from torsionnet.signals.rotation.wheel_rotation import wheel_rotation
 
@@ -119,6 +120,24 @@ class TestFiftyPpm:
         apart = moved["T"].values - torque(moved.time)
         # Of the noise up to 750 Hz, the filter passes what is below 450 Hz.
         assert np.std(apart[1000:-1000]) == pytest.approx(0.5 * np.sqrt(450 / 750), rel=0.05)
+
+
+def test_a_record_keeps_its_samples_at_the_rate_of_the_first_clock():
+    """A clock that gains shows too much time between samples: their true rate is higher."""
+    record = Recording((Signal("T", "torque", np.zeros(10_001)),), 1000.0, start=0.25)
+    moved = on_first_clock(record, ClockDrift(1e-3, 0.0, 0.25, 0.0))
+    assert moved.time[[0, -1]] == pytest.approx([0, 10 / 1.001], abs=1e-9)
+
+
+def test_intervals_of_the_drift_are_those_of_its_scatter():
+    """Errors of the times of pulses: the drift scatters over 30 records as its half widths say."""
+    true, draw = pulses(steady, 12, 4), np.random.default_rng(6)
+    first = rotation(true, 12)
+    ratios = []
+    for _ in range(30):
+        clocks = rotation_clocks(first, rotation(true + 2e-5 * draw.normal(size=len(true)), 12), same_start=True)
+        ratios.append(clocks.drift / clocks.drift_half_width)
+    assert 0.35 < np.std(ratios) < 0.75  # 1/1.96 and its scatter
 
 
 class TestRefused:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.stats import t as student_t
 from turned_wheels import crossing_angles, position_amplitude, run_up, steady
 
 import torsionnet as tn
@@ -212,6 +213,22 @@ class TestCalculated:
         for row in found.orders[:3]:
             assert row.value == pytest.approx(position_amplitude(positions, row.order), abs=1e-4 * DEGREE)
 
+    def test_orders_of_a_wheel_behind_a_gear_are_those_of_its_own_angle(self):
+        """A wheel that turns once while the reference shaft turns twice: order 1 of the shaft is order 2 of the wheel."""
+        positions, speeds = teeth(), np.array([60.0, 100.0, 140.0])
+        response = np.array([0.2, 0.1j]) * DEGREE
+        tests = []
+        for speed in speeds:
+            times = steady(crossing_angles([2, 4], response / 2, positions, 20), speed / 2)
+            index = PulseChannel("I", 2 * np.pi * np.arange(21) / (speed / 2) - 1e-4)
+            tests.append(WheelTest(PulseChannel("A", times), index=index))
+        known = np.repeat(response[:, None], 3, axis=1)
+        calculated = CalculatedOrders(speeds, np.array([1.0, 2.0]), known, np.zeros((0, 2, 3)))
+        found = calibrate_wheel(tests, Wheel(teeth=Z, ratio=2), calculated=calculated, cycle=1)
+        for row in found.orders[1:4:2]:
+            assert row.by == "calculated orders"
+            assert row.value == pytest.approx(position_amplitude(positions, row.order), abs=1e-4 * DEGREE)
+
     def test_speeds_beyond_the_calculated_ones_are_refused(self):
         calculated = CalculatedOrders(np.array([50.0, 60.0]), ORDERS, np.zeros((5, 2)), np.zeros((0, 5, 2)))
         tests = [record(teeth(), speed) for speed in (60.0, 100.0)]
@@ -238,6 +255,13 @@ class TestIntervals:
         moved = constant_part(1 + noise + 0.1 * np.array([1, -1, 1j, -1j, 0.5, -0.5])[groups], none, groups)
         assert (alone.between, moved.between) == (False, True)
         assert moved.half_width > 5 * alone.half_width
+
+    def test_the_half_width_of_a_mean_is_students(self):
+        random = np.random.default_rng(2)
+        values = 3 + random.standard_normal(12) + 1j * random.standard_normal(12)
+        found = constant_part(values, np.empty((12, 0), dtype=complex), np.zeros(12, dtype=int))
+        part = np.sqrt((np.abs(values - values.mean()) ** 2).sum() / (2 * 11))  # of real and of imaginary part
+        assert found.half_width == pytest.approx(student_t.ppf(0.975, 22) * part / np.sqrt(12))
 
     @pytest.mark.slow
     def test_intervals_of_orders_and_teeth_cover_95_percent(self):

@@ -125,6 +125,28 @@ class TestUncertainty:
         assert found.deviations.jitter == pytest.approx(jitter, rel=0.1)
         assert found.deviations.places == pytest.approx(places.std(), rel=0.35)
 
+    def test_tooth_errors_as_small_as_what_the_times_leave_are_not_doubled_by_it(self):
+        draw, turns, jitter = np.random.default_rng(5), 20, 1e-5
+        _, angle = shaft(900 * RPM, {3: TENTH})
+        of_times, seen = jitter * 900 * RPM / np.sqrt(turns), []
+        for _ in range(12):
+            times = pulses(angle, positions=of_times * draw.normal(size=60), turns=turns)
+            late = PulseChannel("n1", times + jitter * draw.normal(size=len(times)))
+            seen.append(wheel_rotation(late, Wheel(teeth=60)).deviations.places)
+        assert np.sqrt(np.mean(np.square(seen))) == pytest.approx(of_times, rel=0.25)
+
+    def test_times_of_n_pulses_add_two_sigma_over_the_root_of_n_to_half_orders(self):
+        draw, jitter, speed = np.random.default_rng(4), 1e-5, 900 * RPM
+        _, angle = shaft(speed)
+        places = 2 * np.pi * np.arange(120, 60 * 22 + 1) / 60  # whole cycles: other lines do not leak into order 1.5
+        seen = [
+            2 * np.mean(jitter * speed * draw.normal(size=1200) * np.exp(-1.5j * places[:1200])) for _ in range(400)
+        ]
+        times = pulse_times(angle, places, 3.0) + jitter * draw.normal(size=len(places))
+        found = wheel_rotation(PulseChannel("n1", times), Wheel(teeth=60)).order_deviation(1.5)
+        assert found == pytest.approx(np.sqrt(np.mean(np.abs(seen) ** 2)), rel=0.1)
+        assert found == pytest.approx(2 * jitter * speed / np.sqrt(1200), rel=0.1)
+
     def test_what_independent_tooth_errors_add_to_whole_orders(self):
         """0.0129 degrees for 0.05 degrees at 60 teeth, as the mean square over wheels of their own Fourier lines."""
         draw = np.random.default_rng(5)
