@@ -86,8 +86,10 @@ class TestVerdict:
 
     def test_damping_twice_as_large_is_no_shift(self):
         found = order_agreement(pair(resonance(6, zeta=0.06) + noise(7), resonance(6)))
-        assert found.verdict == "amplitude differs"
+        assert found.verdict == "damping differs"
         assert found.peak == pytest.approx(-50, abs=1)
+        height, width, damping = map(float, re.findall(r"[\d.]+", found.sentence))
+        assert (height, width, damping) == pytest.approx((0.5, 2, 2), rel=0.05)
 
     def test_without_an_interval_nothing_agrees(self):
         found = order_agreement(pair(resonance(6) + noise(8), resonance(6), width=None))

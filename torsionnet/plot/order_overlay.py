@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -36,6 +37,7 @@ def order_overlay(
     *,
     conventions: Conventions = SI,
     title: str | None = None,
+    swept: Mapping[str, Sequence[MeasuredOrder]] = MappingProxyType({}),
 ) -> Figure:
     """Figure of amplitudes of orders over speed, measured as dots, calculated as lines, a panel for each output.
 
@@ -51,6 +53,8 @@ def order_overlay(
         Unit of angles.
     title : str, optional
         By default that of the response.
+    swept : mapping, optional
+        Output -> orders of the model along the speed over time of the test, in place of the steady ones.
 
     Returns
     -------
@@ -61,7 +65,10 @@ def order_overlay(
     UsageError
         No such output, or none of the measured orders was calculated.
     """
-    pairs = {name: _strongest(compared_orders(response, name, orders)) for name, orders in measured.items()}
+    pairs = {
+        name: _strongest(compared_orders(response, name, orders, swept.get(name, ())))
+        for name, orders in measured.items()
+    }
     shown = [
         (name, found, phase)
         for name, found in pairs.items()
@@ -105,7 +112,7 @@ def _amplitudes(panel: Axes, pairs: Sequence[ComparedOrder], scale: float) -> No
     for number, one in enumerate(pairs):
         drawn = style.line_style(number)
         rpm, label = one.measured.speeds * RPM, f"order {one.measured.order:g}"
-        model = "model, at most" if one.pair.bound else "model"
+        model = "model, at most" if one.pair.bound else "model, swept" if one.pair.swept else "model"
         panel.plot(one.pair.curve_speeds * RPM, np.abs(one.pair.curve) * scale, label=f"{label}, {model}", **drawn)
         size = one.measured.amplitude * scale
         panel.plot(rpm, size, color=drawn["color"], label=f"{label}, test", **_dots(number))

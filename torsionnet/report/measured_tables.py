@@ -37,7 +37,7 @@ RANGE_NOTE = (
 def measured_order_tables(
     run: OrderResponse, output: str, measured: Sequence[MeasuredOrder], conventions: Conventions, words: str
 ) -> list[TableBlock]:
-    """Tables of the peaks of measured and calculated orders, and of their differences over speed with a verdict.
+    """Tables of the peaks of measured and calculated orders, with a verdict, and of their differences over speed.
 
     ``words`` say the place and the condition.
     """
@@ -76,8 +76,7 @@ def _differences(pairs: Sequence[ComparedOrder], caption: str, notes: Sequence[C
         Heading("RMS difference", "%", numeric=True),
         Heading("Phase at peak", "deg", numeric=True),
         Heading("RMS phase", "deg", numeric=True),
-        Heading("RMS in half widths", numeric=True),
-        Heading("Verdict"),
+        Heading("In half widths", numeric=True),
         Heading("Explanation", wide=True),
     )
     cells: list[list[Cell]] = [
@@ -86,7 +85,6 @@ def _differences(pairs: Sequence[ComparedOrder], caption: str, notes: Sequence[C
         column(lambda one: one.phase_at_peak),
         column(lambda one: one.phase_rms),
         column(lambda one: one.intervals),
-        [one.agreement.verdict for one in pairs],
         [one.agreement.sentence for one in pairs],
     ]
     return table(caption, columns, list(zip(*cells, strict=True)), notes)

@@ -74,12 +74,14 @@ class ComparedOrder:
 
 
 def compared_orders(
-    response: OrderResponse, output: str | None, measured: Sequence[MeasuredOrder]
+    response: OrderResponse, output: str | None, measured: Sequence[MeasuredOrder], swept: Sequence[MeasuredOrder] = ()
 ) -> tuple[ComparedOrder, ...]:
     """Measured orders that were also calculated, with both amplitudes (SI) over speed.
 
     Excitations with the same order are added with their phases. Where the response is that of the worst of several
     cases, or of engines at unknown angles, its amplitude is the largest of all: an upper bound without a phase.
+    Where ``swept`` has the order, as the model shows it along the speed over time of the test, that is the calculated
+    side.
 
     Raises
     ------
@@ -112,6 +114,12 @@ def compared_orders(
         else:
             values, at = bound.astype(complex), np.interp(kept.speeds, speeds, bound[rising]).astype(complex)
         phased = kept.values if bound is None else None
+        run = next((one for one in swept if math.isclose(one.order, kept.order, rel_tol=SAME_ORDER_DIFFERENCE)), None)
+        if run is not None and run.values is not None and bound is None:
+            at = np.interp(kept.speeds, run.speeds, run.values)
+            curve_speeds, curve = run.speeds, run.values
+        else:
+            run, curve_speeds, curve = None, speeds, values[rising]
         pair = OrderPair(
             one.order,
             kept.speeds,
@@ -119,9 +127,10 @@ def compared_orders(
             np.abs(at).astype(complex) if phased is None else at,
             phased is not None,
             kept.half_widths,
-            speeds,
-            values[rising],
+            curve_speeds,
+            curve,
             bound is not None,
+            run is not None,
         )
         found.append(ComparedOrder(kept, np.abs(at), np.abs(values), pair, order_agreement(pair)))
     if not found:
@@ -132,7 +141,11 @@ def compared_orders(
 
 
 def order_comparison(
-    response: OrderResponse, output: str | None, measured: Sequence[MeasuredOrder], conventions: Conventions = SI
+    response: OrderResponse,
+    output: str | None,
+    measured: Sequence[MeasuredOrder],
+    conventions: Conventions = SI,
+    swept: Sequence[MeasuredOrder] = (),
 ) -> Table:
     """Table of the peak of each order, measured and calculated, with their differences in % and degrees and a verdict.
 
@@ -141,7 +154,7 @@ def order_comparison(
     channel = response.outputs[response.output(output)]
     scale, unit = conventions.scale(channel.unit), conventions.unit(channel.unit)
     rows: list[tuple[object, ...]] = []
-    pairs = compared_orders(response, output, measured)
+    pairs = compared_orders(response, output, measured, swept)
     for pair in pairs:
         test, model, apart = pair.measured.amplitude, pair.calculated, pair.agreement
         first, second = int(np.argmax(test)), int(np.argmax(model))
@@ -197,6 +210,12 @@ def meaning_notes(response: OrderResponse, pairs: Sequence[ComparedOrder]) -> tu
         )
     if any(pair.pair.bound for pair in pairs):
         notes.append(bound_note(response))
+    orders = ", ".join(f"{pair.measured.order:g}" for pair in pairs if pair.pair.swept)
+    if orders:
+        notes.append(
+            f"order {orders} compared with the response along the measured speed over time, averaged over whole cycles "
+            "as the test"
+        )
     return tuple(notes)
 
 

@@ -82,30 +82,31 @@ class OrdersCommand(ModelCommand):
         cases = self.cases()
         found = self.each("orders", cases, self._run)
         tests = self._tests(cases[0], found[0]) if self.measured else {}
+        swept, remarks = self._swept(cases[0], found[0]) if self.measured else ({}, ())
         return Answer(
             screen=lambda: (
-                self._compared(cases[0], found[0], tests, conventions) if tests else _shown(found, conventions)
+                self._compared(found[0], tests, swept, remarks, conventions) if tests else _shown(found, conventions)
             ),
             data=lambda: [
-                orders_record(run, case.configuration, tests) for case, run in zip(cases, found, strict=True)
+                orders_record(run, case.configuration, tests, swept) for case, run in zip(cases, found, strict=True)
             ],
             csv=lambda: [("", self.combined_table(cases, [run.long_table() for run in found]))],
             figures=lambda plot: [
                 (case.configuration + ending, figure)
                 for case, run in zip(cases, found, strict=True)
-                for ending, figure in self._pictures(plot, run, tests, conventions)
+                for ending, figure in self._pictures(plot, run, tests, swept, conventions)
             ],
         )
 
     def _pictures(
-        self, plot: ModuleType, run: OrderResponse, tests: Tests, conventions: Any
+        self, plot: ModuleType, run: OrderResponse, tests: Tests, swept: Tests, conventions: Any
     ) -> Iterator[tuple[str, Figure]]:
         """Endings of file names, and figures of the vibration over speed.
 
         One with all outputs, or one for each output.
         """
         if tests:
-            yield "", plot.order_overlay(run, tests, conventions=conventions)
+            yield "", plot.order_overlay(run, tests, conventions=conventions, swept=swept)
             return
         if self.drawn == PICTURES[0]:
             yield "", plot.order_response(run, conventions=conventions)
@@ -124,22 +125,40 @@ class OrdersCommand(ModelCommand):
 
         return {channel.name: read_orders(str(self.measured), channel, case.configuration) for channel in run.outputs}
 
-    def _compared(
-        self, case: ConfiguredCase, run: OrderResponse, tests: Tests, conventions: Any
-    ) -> Iterator[Table | str]:
-        """Yield tables of measured and calculated orders, and remarks on a run-up too fast for the steady response."""
+    def _swept(self, case: ConfiguredCase, run: OrderResponse) -> tuple[Tests, tuple[str, ...]]:
+        """Orders of the model along the speed over time of a run-up too fast for steady peaks, and remarks on it.
+
+        None where the file has no times, no peak loses anything, or alternatives leave the model without one phase.
+        """
         from torsionnet.io.order_tables import tracked_channel
         from torsionnet.io.tracked_order_tables import is_tracked_table
+        from torsionnet.response.measured.calculated_order import largest_amplitudes
         from torsionnet.response.measured.sweep_loss import sweep_remarks
+        from torsionnet.solve.running.swept_orders import swept_orders
+
+        if not is_tracked_table(str(self.measured)):
+            return {}, ()
+        tracked = tracked_channel(str(self.measured), run.outputs[0])
+        remarks = sweep_remarks(tracked.times, tracked.speeds, tracked.orders.tolist(), case.drivetrain.modes())
+        if not remarks or largest_amplitudes(run, range(len(run.lines)), 0) is not None:
+            return {}, remarks
+        outputs = referred_outputs(self.outputs, self.referred_to)
+        try:
+            found = swept_orders(case.drivetrain, outputs, tracked, self.excitations or None)
+        except UsageError as error:
+            return {}, (*remarks, f"compared with steady peaks: {error}")
+        return {channel.name: one.measured() for channel, one in zip(run.outputs, found, strict=True)}, remarks
+
+    def _compared(
+        self, run: OrderResponse, tests: Tests, swept: Tests, remarks: tuple[str, ...], conventions: Any
+    ) -> Iterator[Table | str]:
+        """Yield tables of measured and calculated orders, and remarks on a run-up too fast for the steady response."""
         from torsionnet.response.order_comparison import order_comparison
 
-        swept = is_tracked_table(str(self.measured))
         for number, (name, measured) in enumerate(tests.items()):
             yield from [""] if number else []
-            yield order_comparison(run, name, measured, conventions)
-            if swept:
-                one = tracked_channel(str(self.measured), run.outputs[run.output(name)])
-                yield from sweep_remarks(one.times, one.speeds, one.orders.tolist(), case.drivetrain.modes())
+            yield order_comparison(run, name, measured, conventions, swept.get(name, ()))
+        yield from remarks
 
     def _run(self, case: ConfiguredCase) -> OrderResponse:
         return case.drivetrain.order_response(

@@ -14,6 +14,7 @@ from torsionnet.response.measured.difference_explanations import (
     WRONG_SIGN,
     DifferenceExplanation,
     best_explanation,
+    damping_difference,
     explanations,
     holds,
     peak_shift,
@@ -26,7 +27,7 @@ AGREES, NO_INTERVAL, WITHIN_BOUND, ABOVE_BOUND = "agrees", "no interval", "withi
 is an upper bound, which the measured one keeps or exceeds."""
 OFFSET_OR_DELAY, PHASE = "offset or delay", "phase differs"
 """Verdicts on an order whose amplitude agrees: both explain its phase; no single number does."""
-SHIFTED, DIFFERS = "peak at another speed", "amplitude differs"
+SHIFTED, DAMPING, DIFFERS = "peak at another speed", "damping differs", "amplitude differs"
 """Verdicts on an order whose amplitude does not agree."""
 UNSTATED = "the test states no interval, so nothing says which difference is too large"
 """Sentence on an order without interval."""
@@ -159,8 +160,9 @@ def _judged(pair: OrderPair) -> DifferenceExplanation:
     if best is not None:
         return best
     if sizes:
-        return DifferenceExplanation(
-            PHASE, "the amplitude agrees; no single offset or delay explains the phase", pair.calculated
-        )
+        return DifferenceExplanation(PHASE, UNEXPLAINED, pair.calculated)
     shift = peak_shift(pair, float(widths[int(np.argmax(np.abs(pair.measured)))]))
-    return DifferenceExplanation(SHIFTED if shift else DIFFERS, shift, pair.calculated)
+    if shift:
+        return DifferenceExplanation(SHIFTED, shift, pair.calculated)
+    damping = damping_difference(pair)
+    return DifferenceExplanation(DAMPING if damping else DIFFERS, damping, pair.calculated)

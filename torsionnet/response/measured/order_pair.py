@@ -32,6 +32,8 @@ class OrderPair:
         Calculated values at these.
     bound : bool
         Whether the calculated amplitude is an upper bound.
+    swept : bool
+        Whether the calculated values are those along the measured speed over time.
     """
 
     order: float
@@ -43,6 +45,7 @@ class OrderPair:
     curve_speeds: FloatArray
     curve: ComplexArray
     bound: bool = False
+    swept: bool = False
 
     @property
     def in_intervals(self) -> FloatArray:

@@ -74,6 +74,7 @@ class MeasuredOrderRow:
     measured: FloatArray
     calculated: FloatArray
     is_bound: bool
+    is_swept: Annotated[bool, Out(schema={"type": "boolean", "description": "calculated along the measured speed"})]
     half_widths: FloatArray | None
     phases: Annotated[FloatArray | None, Out(json="phases_deg")]
     verdict: str
@@ -120,14 +121,22 @@ class OrdersRecord:
 
 
 def orders_record(
-    run: OrderResponse, configuration: str = "", tests: Mapping[str, Sequence[MeasuredOrder]] = MappingProxyType({})
+    run: OrderResponse,
+    configuration: str = "",
+    tests: Mapping[str, Sequence[MeasuredOrder]] = MappingProxyType({}),
+    swept: Mapping[str, Sequence[MeasuredOrder]] = MappingProxyType({}),
 ) -> OrdersRecord:
     """Order responses of one configuration as plain data for JSON, amplitudes in SI units, speeds in rpm."""
-    outputs = tuple(_output_row(run, place, tests.get(channel.name)) for place, channel in enumerate(run.outputs))
+    outputs = tuple(
+        _output_row(run, place, tests.get(channel.name), swept.get(channel.name, ()))
+        for place, channel in enumerate(run.outputs)
+    )
     return OrdersRecord(run.title, configuration, run.reference, run.rpm, run.revolutions, outputs)
 
 
-def _output_row(run: OrderResponse, place: int, measured: Sequence[MeasuredOrder] | None) -> OrderOutputRow:
+def _output_row(
+    run: OrderResponse, place: int, measured: Sequence[MeasuredOrder] | None, swept: Sequence[MeasuredOrder]
+) -> OrderOutputRow:
     channel, worst = run.outputs[place], run if isinstance(run, WorstResponse) else None
     turning = worst if worst and worst.angles else None
     sums = ((one, run.values[:, list(one.places), place].sum(axis=1)) for one in sums_of_lines(run.lines))
@@ -144,7 +153,7 @@ def _output_row(run: OrderResponse, place: int, measured: Sequence[MeasuredOrder
         ),
         tuple(OrderSumRow(one.name, one.fixed, one.order, values.real, values.imag) for one, values in sums),
         None if measured is None else tuple(
-            _measured_row(pair) for pair in compared_orders(run, channel.name, measured)
+            _measured_row(pair) for pair in compared_orders(run, channel.name, measured, swept)
         ),
     )  # fmt: skip
 
@@ -152,7 +161,7 @@ def _output_row(run: OrderResponse, place: int, measured: Sequence[MeasuredOrder
 def _measured_row(one: ComparedOrder) -> MeasuredOrderRow:
     pair, found = one.pair, one.agreement
     return MeasuredOrderRow(
-        one.measured.order, one.measured.speeds * RPM, one.measured.amplitude, one.calculated, pair.bound,
+        one.measured.order, one.measured.speeds * RPM, one.measured.amplitude, one.calculated, pair.bound, pair.swept,
         pair.half_widths,
         np.degrees(np.angle(np.conj(pair.calculated) * pair.measured)) if pair.has_phase else None,
         found.verdict, found.sentence, found.peak, found.rms, found.phase_at_peak, found.phase_rms, found.intervals,

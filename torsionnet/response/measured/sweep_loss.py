@@ -120,7 +120,7 @@ def sweep_remarks(times: FloatArray, speeds: FloatArray, orders: Sequence[float]
                 found.append(
                     f"order {order:g} passed {natural:.4g} Hz (damping ratio {ratio:.3g}, {rpm:.4g} rpm) at "
                     f"{abs(worst[1]):.3g} Hz/s: the model's steady peak loses {100 * worst[0].loss:.2g} % and moves by "
-                    f"{100 * worst[0].shift:+.2g} % in speed; compare with a passage, or run slower"
+                    f"{100 * worst[0].shift:+.2g} % in speed"
                 )
     return tuple(found)
 

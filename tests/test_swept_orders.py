@@ -1,0 +1,118 @@
+"""Orders along the speed of a run-up beside measured ones: a plant integrated over time in the test."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.signal import lsim
+from test_cli import run
+
+import torsionnet as tn
+from torsionnet.io.tracked_order_tables import read_tracked_orders, write_tracked_orders
+from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.solve.running.swept_orders import swept_orders
+
+RPM = np.pi / 30
+PLANT = """torsionnet: 1
+name: pump on a motor
+elements:
+  motor: {type: inertia, node: m, inertia: 0.5 kg*m^2}
+  shaft: {type: spring, nodes: [m, f], stiffness: 40 kN*m/rad, damping: 5 N*m*s/rad}
+  pump: {type: inertia, node: f, inertia: 2 kg*m^2}
+sensors: {T: {torque: shaft}}
+speeds: {of: m, range: 250..960 rpm, step: 5 rpm}
+excitations: {motor: {type: harmonic, node: m, orders: {6: {amplitude: 20 N*m, phase: 30 deg}}}}
+"""
+FIRST, RATE, LONG = 300 * RPM, 100 * RPM, 6.0  # 10 Hz/s of order 6, through 50.3 Hz with a damping ratio of 0.02
+
+
+def run_up(step=1e-4):
+    """Torque of the shaft over time by lsim, and the angle; the twist follows one equation of second order."""
+    time = np.arange(0, LONG + step / 2, step)
+    angle = FIRST * time + RATE * time**2 / 2
+    whole = 1 / 0.5 + 1 / 2
+    torque = 20 * np.cos(6 * angle + np.radians(30))
+    system = ([5.0 / 0.5, 4e4 / 0.5], [1.0, 5 * whole, 4e4 * whole])
+    return time, angle, lsim(system, torque, time)[1]
+
+
+def averaged(time, angle, signal, at, cycles):
+    """Order 6 by quadrature over the angle under a window of Hann's edges, flat between: cycles of two turns."""
+    found = []
+    for moment in at:
+        middle = np.interp(moment, time, angle)
+        half = cycles * 2 * np.pi
+        x = np.linspace(-half, half, 4001)[:-1] + middle
+        y = np.interp(x, angle, signal)
+        edge = np.clip((half - np.abs(x - middle)) / (4 * np.pi), 0, 1)
+        weight = 0.5 - 0.5 * np.cos(np.pi * edge)
+        found.append(2 * (weight * y * np.exp(-6j * x)).sum() / weight.sum())
+    return np.array(found)
+
+
+@pytest.fixture(scope="module")
+def test_of_plant():
+    time, angle, signal = run_up()
+    at = np.arange(1.0, 5.2, 0.1)
+    values = averaged(time, angle, signal, at, 2)
+    return TrackedOrders(
+        "T", "torque", np.array([6.0]), at, FIRST + RATE * at, values[None], np.full((1, len(at)), 1.0), None, "a pulse"
+    )
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "plant.yaml").write_text(PLANT)
+
+
+def test_orders_of_a_run_up_at_ten_hertz_a_second(test_of_plant):
+    (found,) = swept_orders(tn.load("plant.yaml"), ["T"], test_of_plant)
+    peak = np.abs(test_of_plant.values).max()
+    assert np.abs(found.values - test_of_plant.values).max() < 0.005 * peak
+    steady = 20 / 0.5 * 4e4 / (2 * 0.02 * 4e4 * 2.5)
+    assert peak < 0.8 * steady  # the run-up does not reach the steady peak
+
+
+def test_the_command_compares_with_the_swept_response(test_of_plant):
+    write_tracked_orders([test_of_plant], "tracked.csv")
+    options = ["orders", "plant.yaml", "--output", "T", "--measured", "tracked.csv"]
+    (found,) = json.loads(run(*options, "--json").stdout)
+    (row,) = found["outputs"][0]["measured"]
+    assert (row["is_swept"], row["verdict"]) == (True, "agrees")
+    text = " ".join(run(*options).stdout.split())
+    assert "order 6 compared with the response along the measured speed over time" in text
+    assert "the model's steady peak loses" in text
+
+
+def test_a_slow_run_is_compared_with_the_steady_response(test_of_plant):
+    slow = TrackedOrders(
+        "T", "torque", test_of_plant.orders, test_of_plant.times * 1000, test_of_plant.speeds, test_of_plant.values,
+        test_of_plant.half_widths, None, "a pulse",
+    )  # fmt: skip
+    write_tracked_orders([slow], "tracked.csv")
+    (found,) = json.loads(run("orders", "plant.yaml", "--output", "T", "--measured", "tracked.csv", "--json").stdout)
+    (row,) = found["outputs"][0]["measured"]
+    assert (row["is_swept"], row["verdict"] == "agrees") == (False, False)
+
+
+def test_an_order_of_undecided_sign_is_compared_by_amplitude():
+    """Half orders whose turn of the cycle is not known have no phase: none is said to have the wrong sign."""
+    Path("half.yaml").write_text(PLANT.replace("{6:", "{4.5:"))
+    rpm = np.arange(300.0, 900.0, 7.0)
+    s = 4.5j * rpm * RPM
+    kappa = 4e4 + 5 * s
+    truth = kappa * 20 * np.exp(1j * np.radians(30)) / 0.5 / (s**2 + kappa * 2.5)
+    widths = np.full((1, len(rpm)), 0.5)
+    options = ["orders", "half.yaml", "--output", "T", "--measured", "tracked.csv", "--json"]
+    for undecided, verdict in (((4.5,), "agrees"), ((), "wrong sign")):
+        one = TrackedOrders(
+            "T", "torque", np.array([4.5]), np.arange(len(rpm)) * 60.0, rpm * RPM, -truth[None], widths, None,
+            "a pulse", undecided=undecided,
+        )  # fmt: skip
+        write_tracked_orders([one], "tracked.csv")
+        assert read_tracked_orders("tracked.csv")[0].undecided == undecided
+        (found,) = json.loads(run(*options).stdout)
+        (row,) = found["outputs"][0]["measured"]
+        assert row["verdict"] == verdict
