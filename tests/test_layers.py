@@ -30,6 +30,7 @@ MAX_FILES = 35
 SAME_THING = {
     "a command, what it calls and what shows its result": {
         "bench",
+        "campaign",
         "comparison",
         "critical_speeds",
         "damping",

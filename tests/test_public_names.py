@@ -20,7 +20,7 @@ DOCS = Path(__file__).parents[1] / "docs"
 MISTAKES = Path(rig.__file__).with_name("mistakes.py")
 PACKAGES = [
     *(tn.bench, tn.identification, tn.io, tn.modal, tn.plot, tn.report, tn.response, tn.sensitivity, tn.signals),
-    *(tn.study, tn.symbolic),
+    *(tn.study, tn.symbolic, tn.campaign),
 ]
 OFFERED_MODULES = {*(package.__name__ for package in PACKAGES), "torsionnet.core.units"}
 named = pytest.mark.parametrize("package", [tn, *PACKAGES], ids=lambda package: package.__name__)

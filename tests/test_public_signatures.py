@@ -73,7 +73,7 @@ def test_what_public_functions_return_is_public(names):
     assert {name: line for name, line in returned.items() if name not in public | KNOWN_ELSEWHERE} == {}
 
 
-KNOWN_ELSEWHERE = {"Any", "ComplexArray", "ExternalTorques", "Figure", "FloatArray", "Fraction", "Json", "None"}
+KNOWN_ELSEWHERE = {"Any", "ComplexArray", "ExternalTorques", "Figure", "FloatArray", "Fraction", "Json", "None", "Path"}
 """Aliases of arrays and numbers, and classes of other packages."""
 
 

@@ -127,7 +127,7 @@ class CampaignResult(NotebookResult):
 
     @property
     def rows(self) -> tuple[RecordRow, ...]:
-        """One row for each record, with its condition, speeds and the number of orders that agree."""
+        """Rows of the table: for each record its condition, speeds and the number of orders that agree."""
         found, verdicts = [], self.verdicts
         for name, one in self.records.items():
             entry, first = self.campaign.plan.records[name], one.orders[0]

@@ -12,6 +12,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "CrossSpectra": "torsionnet.signals.spectral_matrix",
         "CycleAverage": "torsionnet.signals.orders.cycle_average",
         "Difference": "torsionnet.signals.comparison",
+        "DirectedPulses": "torsionnet.signals.rotation.quadrature",
         "Harmonics": "torsionnet.signals.harmonics",
         "LinearChirp": "torsionnet.signals.excitation",
         "LogarithmicSweep": "torsionnet.signals.excitation",

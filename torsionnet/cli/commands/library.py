@@ -11,7 +11,7 @@ from torsionnet.core.result_rows import Out
 if TYPE_CHECKING:
     from torsionnet.core.entries.spec import Schema
 
-LIBRARY_KIND: Schema = {"enum": ["model", "part", "catalogue", "study"]}
+LIBRARY_KIND: Schema = {"enum": ["model", "part", "catalogue", "study", "campaign"]}
 """JSON Schema of the kind of a library file, such as a model or a part."""
 
 

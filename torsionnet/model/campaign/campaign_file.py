@@ -96,7 +96,7 @@ class CampaignRecord(Declared):
 
 @dataclass(frozen=True, kw_only=True)
 class CampaignPhase(Declared):
-    """What phases count from: a mark on the shaft, and the angle from it to top dead centre."""
+    """Reference of phases: a mark on the shaft, and the angle from it to top dead centre."""
 
     kind: ClassVar[str] = "campaign phase"
     article: ClassVar[str] = "the section phase"
@@ -111,7 +111,7 @@ class CampaignPhase(Declared):
 
 @dataclass(frozen=True, kw_only=True)
 class CampaignOrders(Declared):
-    """Which orders are tracked, and how."""
+    """Orders that are tracked, and how."""
 
     kind: ClassVar[str] = "campaign orders"
     article: ClassVar[str] = "the section orders"
