@@ -11,6 +11,7 @@ from known_damping import F0, ZETA, closed_form, half_power, swept, with_noise
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.modal import match, modes_from_run_up, modes_from_tracked_orders
 from torsionnet.modal.operational.swept_response import sweep_of, swept_response
+from torsionnet.modal.operational.tracking_kernel import TrackingKernel
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.recording import Recording, Signal
 
@@ -138,6 +139,34 @@ def test_smear_of_a_tracking_filter_is_fitted_with_it():
     assert found.damping_ratios == pytest.approx([ZETA], rel=0.03)
     ignorant = modes_from_tracked_orders(tracked(2, bandwidth=2.0), 1)
     assert ignorant.damping_ratios[0] > 1.1 * ZETA
+
+
+@pytest.mark.parametrize("derivative", [1, 2])
+def test_velocity_and_acceleration_at_the_start_are_those_of_the_steady_response(derivative):
+    times = np.arange(0, 10, 1 / 1000)
+    sweep = sweep_of(times, 2 * np.pi * (12 * times + times**2 / 1000), 1.0)
+    steady = abs(POLE) ** 2 / ((1j * sweep.speed - POLE) * (1j * sweep.speed - POLE.conjugate()))
+    found = swept_response(POLE, sweep, derivative)
+    assert found == pytest.approx(steady * (1j * sweep.speed) ** derivative, rel=1e-4)
+
+
+def test_a_sweep_begins_without_ringing():
+    """Beside a sweep that began long before, one that begins near the resonance differs little, and by no step."""
+    whole, late = np.arange(0, 6, 1 / 800), np.arange(4, 6, 1 / 800)
+    long, short = (swept_response(POLE, sweep_of(t, 2 * np.pi * (8 * t + t**2), 1.0)) for t in (whole, late))
+    assert np.abs(short - long[3200:]).max() < 0.02 * np.abs(long[3200:]).max()
+
+
+def test_weights_of_a_tracking_filter_and_of_blocks():
+    """Two poles between -3 dB points of b: exp(-a|t|)(cos a|t| + sin a|t|), a = pi b/(sqrt(2) (sqrt(2) - 1)^(1/4))."""
+    times = np.linspace(-1, 1, 41)
+    a = np.pi * 2.0 / (np.sqrt(2) * (np.sqrt(2) - 1) ** 0.25)
+    exact = np.exp(-a * np.abs(times)) * (np.cos(a * times) + np.sin(a * np.abs(times)))
+    found = TrackingKernel(bandwidth=2.0).weights(times, 60.0, 1.0)
+    assert found / found.max() == pytest.approx(exact, abs=2e-3)
+    blocks = TrackingKernel(revolutions=16.0, taper=2.0)
+    assert blocks.reach(2 * np.pi * 10, 1.0) == pytest.approx(0.8)  # half of 16 revolutions at 10 per second
+    assert blocks.weights(np.array([0, 0.6, 0.7, 0.8]), 2 * np.pi * 10, 1.0) == pytest.approx([1, 1, 0.5, 0])
 
 
 def test_modes_are_laid_beside_those_of_a_model():

@@ -232,6 +232,20 @@ def test_radial_vibration_looks_opposite_at_the_opposite_pickup():
         assert np.abs(apparent - sign * 0.1 / 200 * np.cos(angle + np.radians(20))).max() < 1e-11
 
 
+def test_radial_vibration_towards_a_pickup_is_not_seen():
+    """A centre that moves along 30 degrees is seen by sin(30 - 90) at a pickup at 90 degrees, and not by one at 30."""
+    radial = {"amplitude": "0.1 mm", "order": 1, "direction": "30 deg"}
+    wheel = replace(WHEEL, radius=0.2, radial_vibration=radial)
+    channels = {"b": wheel, "b2": ToothedWheel(wheel="b", pickup_angle="30 deg"),
+                "b3": ToothedWheel(wheel="b", pickup_angle="90 deg")}  # fmt: skip
+    test = bench(channels, replace(STEADY, duration=1.0, without=("engine",))).turned()
+    for name, later in (("b2", np.radians(30)), ("b3", np.radians(90))):
+        angle = 1500 * RPM * test.records[""].pulses_of(name).times
+        apparent = 2 * np.pi * test.numbers[""][name] / 24 + later - angle
+        share = np.sin(np.radians(30) - later)
+        assert np.abs(apparent - share * 0.1 / 200 * np.cos(angle)).max() < 1e-11
+
+
 def test_a_counter_of_1_mhz_at_600_rpm_leaves_0_00104_degrees():
     wheel = replace(WHEEL, teeth=60, tick="1 us")
     motion = SteadyPoints(speeds=["601.37 rpm"], duration="20 s", without=["engine"])
@@ -311,6 +325,9 @@ def test_each_fault_changes_its_own_channel_alone_and_by_what_it_says(name):
             assert [fault.kind for fault in faults] == [f"{name} pulse"] * len(odd)
             assert sorted(fault.time for fault in faults) == odd.tolist()
         assert len(test.numbers[""]["b"]) == len(new)
+        if name == "double":  # behind their tooth, by 0.1 to 0.4 of a pitch
+            behind = odd - old[np.searchsorted(old, odd) - 1]
+            assert ((behind > 0.09 * np.diff(old).mean()) & (behind < 0.41 * np.diff(old).mean())).all()
         if name == "jitter":
             assert (new - old).std() == pytest.approx(2e-6, rel=0.05)
         return
