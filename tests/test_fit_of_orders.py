@@ -12,7 +12,7 @@ from torsionnet.identification import Measurement, identify, load_fit, rank_caus
 from torsionnet.identification.fit_file import load_fit_plan
 from torsionnet.identification.orders.parametric_orders import parametric_orders
 from torsionnet.io import read_frequency_response
-from torsionnet.io.tracked_order_tables import write_tracked_orders
+from torsionnet.io.tracked_order_tables import read_tracked_orders, write_tracked_orders
 from torsionnet.plot import fit as draw_fit
 from torsionnet.response.order_comparison import MeasuredOrder
 
@@ -94,6 +94,7 @@ def test_a_wrong_damping_is_told_as_lack_of_fit():
     assert fit.lack_of_fit.rejected
 
 
+@pytest.mark.slow
 def test_reference_angle_is_found_when_asked():
     turned = tracked(dense_orders(misfire={4: 0.3}), SIGMA, 0, turned=-2.5)
     fit = identify(engine_model(), Measurement(turned, reference_angle=True), ["k_cpl", ENGINE])
@@ -243,3 +244,37 @@ def test_library_model_misfire_of_cylinder_4_at_30_percent():
     assert low < 0.3 < high
     assert high - low < 0.03
     assert fit.values["engine.misfire_share.2"] < 0.02
+
+
+def close_points(seed, sigma=2.0, related=()):
+    """Orders along a slow run-up, whose noise is white noise averaged over five times (a triangle of correlation)."""
+    speeds = np.linspace(900, 2000, 60) * np.pi / 30
+    exact = dense_orders(misfire={4: 0.3}, k_cpl=5.6e3, speeds=speeds)
+    rng = np.random.default_rng(seed)
+    white = rng.normal(size=(2, len(HARMONICS), len(speeds) + 4)) * sigma * np.sqrt(5)
+    real, imag = np.lib.stride_tricks.sliding_window_view(white, 5, axis=2).mean(axis=-1)
+    test = tracked(exact, 0.0, 0, speeds=speeds)
+    widths = np.full(exact.shape, 1.959964 * sigma)
+    return replace(test, values=exact + real + 1j * imag, half_widths=widths, related_within=related)
+
+
+def test_close_points_of_a_filter_count_as_fewer(tmp_path):
+    write_tracked_orders([close_points(0, related=(5.0,) * len(HARMONICS))], tmp_path / "run.csv")
+    test = Measurement(read_tracked_orders(tmp_path / "run.csv")[0])
+    fit = identify(engine_model(), test, ["k_cpl", ENGINE])
+    squares = 60 + 2 * sum((60 - k) * (1 - k / 5) ** 2 for k in range(1, 5))
+    independent = 2 * len(HARMONICS) * 60**2 / squares
+    assert abs(fit.degrees_of_freedom - (independent - 2)) <= 1
+    assert not fit.lack_of_fit.rejected
+
+
+@pytest.mark.slow
+def test_intervals_from_close_points_cover_the_true_values():
+    rig, inside, seeds = engine_model(), {"k_cpl": 0, ENGINE: 0}, 40
+    for seed in range(seeds):
+        fit = identify(rig, Measurement(close_points(seed, related=(5.0,) * len(HARMONICS))), list(inside))
+        for name, true in (("k_cpl", 5.6e3), (ENGINE, 0.3)):
+            low, high = fit.intervals()[name]
+            inside[name] += low < true < high
+    for name, count in inside.items():
+        assert 0.87 * seeds <= count, name

@@ -372,3 +372,12 @@ else:
     for what in ("average", "filter"):
         done = subprocess.run([sys.executable, "-c", program, path, what], check=True, capture_output=True, text=True)
         assert float(done.stdout) < 350
+
+
+def test_values_of_a_filter_share_data_within_a_time_by_its_response():
+    for poles in (1, 2, 3, 4):
+        f = np.linspace(-200, 200, 4_000_001)
+        squares = (1 + (np.sqrt(2) - 1) * (2 * f) ** (2 * poles)) ** -2.0
+        step = f[1] - f[0]
+        expected = 1.5 * (squares**2).sum() * step / (squares.sum() * step) ** 2
+        assert VoldKalman(poles=poles).related_bandwidths == pytest.approx(expected, rel=1e-4)

@@ -23,7 +23,7 @@ LEADING_COLUMNS = ("time [s]", "speed [rpm]", "order")
 PARTS = ("real", "imag", "half_width", "half_range")
 """Columns of each channel: complex peak amplitude, half width of its interval, half range of the signal."""
 _COLUMN = re.compile(r"(?P<name>.*) (?P<part>real|imag|half_width|half_range) \[(?P<unit>[^\]]*)\]")
-_TITLE, _REFERENCE, _NOTE, _UNDECIDED = "title", "reference", "note", "sign undecided"
+_TITLE, _REFERENCE, _NOTE, _UNDECIDED, _RELATED = "title", "reference", "note", "sign undecided", "related within [s]"
 MOST_FAULTS = 20
 """Most faulty cells of a file that a message lists."""
 
@@ -58,6 +58,7 @@ def tracked_orders_text(orders: Sequence[TrackedOrders]) -> str:
     out = io.StringIO()
     heads = [(_TITLE, first.title), (_REFERENCE, first.reference)]
     heads += [(_UNDECIDED, ", ".join(f"{order!r}" for order in first.undecided))]
+    heads += [(_RELATED, ", ".join(f"{time:.6g}" for time in first.related_within))]
     for one in orders:
         heads += [(_NOTE, f"{one.name}: {note}") for note in one.notes]
     for key, text in heads:
@@ -115,6 +116,7 @@ def read_tracked_orders(path: str | os.PathLike[str]) -> tuple[TrackedOrders, ..
         )
     sorted_rows = numbers[np.lexsort((numbers[:, 2], numbers[:, 0]))].reshape(len(times), len(orders), -1)
     undecided = tuple(float(text) for text in heads.get(_UNDECIDED, "").split(",") if text.strip())
+    related = tuple(float(text) for text in heads.get(_RELATED, "").split(",") if text.strip())
     found = []
     for name, (quantity, columns) in channels.items():
         parts = {part: sorted_rows[:, :, place] * factor for part, (place, factor) in columns.items()}
@@ -123,7 +125,7 @@ def read_tracked_orders(path: str | os.PathLike[str]) -> tuple[TrackedOrders, ..
         found.append(TrackedOrders(
             name, quantity, orders, times, numbers[begins, 1] / RPM, (parts["real"] + 1j * parts["imag"]).T, widths.T,
             None if half is None or np.isnan(half).all() else half, heads.get(_REFERENCE, ""), heads.get(_TITLE, ""),
-            tuple(note.removeprefix(f"{name}: ") for note in notes if note.startswith(f"{name}: ")), undecided,
+            tuple(note.removeprefix(f"{name}: ") for note in notes if note.startswith(f"{name}: ")), undecided, related,
         ))  # fmt: skip
     return tuple(found)
 

@@ -74,6 +74,22 @@ class OrderBlock(MeasurementBlock):
         many = len(self.lines.runs)
         return f"{len(self.frequencies)} lines of {many} order{'s' * (many > 1)}"
 
+    def noise_covariance(self, backward: FloatArray) -> FloatArray:
+        lines = self.lines.correlation
+        if lines is None:
+            return super().noise_covariance(backward)
+        return np.asarray(sum(part @ (lines @ part.T) for part in np.split(backward, self.parts, axis=1)))
+
+    @property
+    def squared_correlations(self) -> float:
+        lines = self.lines.correlation
+        return self.count if lines is None else self.parts * float((lines**2).sum())
+
+    @property
+    def known_correlation(self) -> FloatArray:
+        lines = self.lines.correlation
+        return super().known_correlation if lines is None else np.kron(np.eye(self.parts), lines.toarray())
+
     def predicted(self, values: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         return self._distorted(values, self.frequencies)
 
@@ -125,7 +141,8 @@ class OrderBlock(MeasurementBlock):
         residual, _ = self.residuals(values)
         count = len(self.frequencies)
         lines = residual if self.parts == 1 else residual[:count] + 1j * residual[count:]
-        found = [noise_between_lines(lines[run], np.eye(run.stop - run.start)) for run in self.runs]
+        related = self.known_correlation[:count, :count]
+        found = [noise_between_lines(lines[run], related[run, run]) for run in self.runs]
         known = [one for one in found if one is not None]
         if len(known) < len(found):
             return None

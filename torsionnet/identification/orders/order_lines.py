@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import UsageError
@@ -44,6 +45,8 @@ class OrderLines:
     has_phase : bool
     left_out : tuple of float
         Orders of the test that the model does not excite.
+    correlation : (n_lines, n_lines) sparse array, optional
+        Correlation of the noise of the lines, None where they are independent.
     """
 
     orders: FloatArray
@@ -53,6 +56,7 @@ class OrderLines:
     is_known: bool
     has_phase: bool
     left_out: tuple[float, ...] = ()
+    correlation: csr_array | None = None
 
     @property
     def runs(self) -> tuple[slice, ...]:
@@ -111,7 +115,9 @@ def parts_by_phase(measurement: Measurement) -> tuple[Measurement, ...]:
 def _only(data: TrackedOrders, kept: NDArray[np.bool_]) -> TrackedOrders:
     """Tracked orders with some of the orders alone, all of whose signs are known."""
     values, widths = data.values[kept], data.half_widths[kept]
-    return replace(data, orders=data.orders[kept], values=values, half_widths=widths, undecided=())
+    related = tuple(np.array(data.related_within)[kept].tolist()) if data.related_within else ()
+    orders = data.orders[kept]
+    return replace(data, orders=orders, values=values, half_widths=widths, undecided=(), related_within=related)
 
 
 def measured_orders(data: OrderData) -> tuple[float, ...]:
@@ -138,13 +144,16 @@ def order_lines(measurement: Measurement, excited: Sequence[float]) -> OrderLine
     kept = _kept(measurement, orders, speeds) & np.isfinite(values) & (values != 0)
     if not kept.any():
         raise UsageError(f"{measurement.label} has nothing to compare: {_speeds_there(speeds)}")
+    times = np.concatenate([row[4] for row in rows])
+    related = np.concatenate([np.full(len(row[1]), row[5]) for row in rows])
     order = np.lexsort((speeds[kept], orders[kept]))
+    correlation = _correlation(orders[kept][order], times[kept][order], related[kept][order])
     orders, speeds, values, widths = (part[kept][order] for part in (orders, speeds, values, widths))
     phases = has_phases(data)
     values = values if phases else np.abs(values).astype(complex)
     deviations, known = _deviations(measurement, orders, values, widths)
     left_out = () if measurement.orders_used else tuple(one for one in measured_orders(data) if not _among(one, wanted))
-    return OrderLines(orders, speeds, values, deviations, known, phases, left_out)
+    return OrderLines(orders, speeds, values, deviations, known, phases, left_out, correlation)
 
 
 def order_faults(measurement: Measurement, excited: Sequence[float]) -> list[tuple[str, str]]:
@@ -173,28 +182,43 @@ def order_faults(measurement: Measurement, excited: Sequence[float]) -> list[tup
     return found
 
 
-Row = tuple[float, FloatArray, ComplexArray, FloatArray]
+Row = tuple[float, FloatArray, ComplexArray, FloatArray, FloatArray, float]
+"""Order, speeds, values, half widths, times, and the time within which values are related."""
 
 
 def _rows(data: OrderData) -> list[Row]:
-    """Order, speeds, values and half widths of each measured order."""
     if isinstance(data, TrackedOrders):
-        every = zip(data.orders.tolist(), data.values, data.half_widths, strict=True)
-        return [(order, data.speeds, values, widths) for order, values, widths in every]
+        related = data.related_within or (0.0,) * len(data.orders)
+        every = zip(data.orders.tolist(), data.values, data.half_widths, related, strict=True)
+        return [(order, data.speeds, values, widths, data.times, within) for order, values, widths, within in every]
     return [
         (
             one.order,
             one.speeds,
             np.asarray(one.amplitude if one.values is None else one.values, dtype=complex),
             np.full(len(one.speeds), np.nan) if one.half_widths is None else one.half_widths,
+            np.arange(float(len(one.speeds))),
+            0.0,
         )
         for one in data
     ]
 
 
 def _columns(row: Row) -> tuple[FloatArray, FloatArray, ComplexArray, FloatArray]:
-    order, speeds, values, widths = row
+    order, speeds, values, widths = row[:4]
     return np.full(len(speeds), order), np.asarray(speeds, dtype=float), values, widths
+
+
+def _correlation(orders: FloatArray, times: FloatArray, related: FloatArray) -> csr_array | None:
+    """Correlation (n_lines, n_lines) of the noise of lines, which falls in a straight line over the time apart."""
+    if not (related > 0).any():
+        return None
+    apart = np.abs(times[:, None] - times) / np.where(related > 0, related, np.finfo(float).tiny)
+    alike = np.where((orders[:, None] == orders) & (apart < 1), 1 - apart, 0.0)
+    np.fill_diagonal(alike, 1.0)
+    found = csr_array(alike)
+    # Far apart, as an average over bins of speed leaves them, they are independent.
+    return found if found.nnz > len(orders) else None
 
 
 def _kept(measurement: Measurement, orders: FloatArray, speeds: FloatArray) -> NDArray[np.bool_]:

@@ -51,6 +51,9 @@ class TrackedOrders(NotebookResult):
     undecided : tuple of float
         Orders whose sign is not known, since which turn of a cycle begins at the reference is not: their values are
         amplitudes, without a phase.
+    related_within : tuple of float
+        For each order the time in s within which values share data: the noise of two values dt apart has about the
+        correlation 1 - dt/related_within. Empty where values are independent, as averages over blocks are.
 
     Examples
     --------
@@ -76,6 +79,7 @@ class TrackedOrders(NotebookResult):
     title: str = ""
     notes: tuple[str, ...] = ()
     undecided: tuple[float, ...] = ()
+    related_within: tuple[float, ...] = ()
 
     @property
     def unit(self) -> str:

@@ -108,10 +108,12 @@ def _results(
         wide = np.hypot(widths[:, mine], one.uncertain(orders)[:, None] if number == 0 else 0.0)
         ranges = half_ranges(kept, orders, shaft.cycle)
         notes = (*shaft.notes, said, *one.notes)
+        bandwidths = settings.bandwidths(np.outer(orders, speeds / (2 * np.pi))).mean(axis=1)
+        related = tuple((settings.related_bandwidths / bandwidths).tolist())
         if number:
             notes = (*notes, f"orders of {shaft.name}")
         found.append([
-            tracked_values(signal, orders, times, speeds, kept[place], wide[place], ranges[place], mark, notes)
+            tracked_values(signal, orders, times, speeds, kept[place], wide[place], ranges[place], mark, notes, related)
             for place, signal in enumerate(one.signals)
         ])  # fmt: skip
     return found

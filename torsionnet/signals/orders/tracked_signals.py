@@ -173,6 +173,7 @@ def _of_pattern(wheel: WheelRotation, orders: FloatArray) -> FloatArray:
 def tracked_values(
     signal: Signal, orders: FloatArray, times: FloatArray, speeds: FloatArray, values: ComplexArray,
     widths: FloatArray, half_range: FloatArray | None, zero: PhaseReference, notes: tuple[str, ...],
+    related_within: tuple[float, ...] = (),
 ) -> TrackedOrders:  # fmt: skip
     """Orders of one signal in SI, those whose sign is not known as amplitudes without a phase."""
     half = np.abs(orders - np.rint(orders)) > 1e-9
@@ -181,4 +182,5 @@ def tracked_values(
     return TrackedOrders(
         signal.name, signal.quantity, orders, times, speeds, values, widths, half_range, zero.words,
         notes=(*notes, *zero.notes), undecided=tuple(orders[undecided].tolist()) if zero.words else (),
+        related_within=related_within,
     )  # fmt: skip

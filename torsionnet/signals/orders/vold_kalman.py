@@ -75,6 +75,20 @@ class VoldKalman:
         width = f"{100 * self.share:.4g} % of the order's frequency" if self.share else f"{self.bandwidth:.4g} Hz"
         return f"Vold-Kalman filter of {self.poles} poles, bandwidth {width} between the -3 dB points"
 
+    @property
+    def related_bandwidths(self) -> float:
+        """Time within which values share data, times the bandwidth, without unit.
+
+        With a correlation that falls in a straight line over it, values are worth as many independent ones as with
+        white noise behind the filter: it is 3/2 of the integral of H^4 over the square of that of H^2, with the
+        response H = 1/(1 + (sqrt 2 - 1) (2f/bandwidth)^(2 poles)).
+        """
+        power = 2 * self.poles
+        first = np.pi / power / np.sin(np.pi / power)
+        of_squares = first * (1 - 1 / power)
+        of_fourths = of_squares * (1 - 1 / (2 * power)) * (1 - 1 / (3 * power))
+        return float(1.5 * of_fourths / of_squares**2 * (np.sqrt(2) - 1) ** (1 / power))
+
     def bandwidths(self, frequencies: FloatArray) -> FloatArray:
         """Bandwidth in Hz at frequencies of orders in Hz, in their shape."""
         return self.share * frequencies if self.share else np.full(frequencies.shape, self.bandwidth)
