@@ -46,7 +46,7 @@ def test_derivatives_of_orders_are_differences_of_dense_matrices():
     assert np.abs(slopes[:, 1] - by_share).max() < 1e-8 * np.abs(by_share).max()
 
 
-def test_stiffness_and_misfire_of_cylinder_4_are_found_within_their_intervals():
+def test_stiffness_and_misfire_of_cylinder_4_are_found_within_their_intervals(tmp_path):
     test = measurement(dense_orders(misfire={4: 0.3}, k_cpl=5.6e3))
     fit = identify(engine_model(), test, ["k_cpl", ENGINE])
     for name, true in (("k_cpl", 5.6e3), (ENGINE, 0.3)):
@@ -57,6 +57,9 @@ def test_stiffness_and_misfire_of_cylinder_4_are_found_within_their_intervals():
     changed = fit.configured(engine_model())
     assert changed.definition.excitations["engine"].misfire_share == {"4": fit.values[ENGINE]}
     assert changed.parameters["k_cpl"] == fit.values["k_cpl"]
+    changed.to_yaml(tmp_path / "fitted.yaml")
+    again = tn.load(tmp_path / "fitted.yaml").definition.excitations["engine"].misfire_share["4"]
+    assert again == pytest.approx(fit.values[ENGINE], rel=1e-12)
 
 
 def test_gas_torque_of_an_order_is_found_as_a_complex_factor():
