@@ -108,7 +108,7 @@ def _tracked(run: PassageResponse, test: TrackedOrders, edges: FloatArray, cycle
             ends = ends - (angle(ends) - marks) / angle(ends, 1)
         block = averaged_blocks(
             lambda at: np.asarray(signals(at).T),
-            MeanRotation(cycle, ends, marks, run.reference, (), (angle,)),
+            MeanRotation(cycle, ends, np.asarray(marks, dtype=np.float64), run.reference, (), (angle,)),
             test.orders,
             np.array([0, count], dtype=np.intp),
             lambda _: samples,
