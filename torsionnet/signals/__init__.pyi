@@ -35,6 +35,8 @@ from torsionnet.signals.order_tracking import order_map as order_map
 from torsionnet.signals.orders.cycle_average import CycleAverage as CycleAverage
 from torsionnet.signals.orders.mean_rotation import MeanRotation as MeanRotation
 from torsionnet.signals.orders.mean_rotation import mean_rotation as mean_rotation
+from torsionnet.signals.orders.orders_of_test import PhaseMark as PhaseMark
+from torsionnet.signals.orders.orders_of_test import orders_of_test as orders_of_test
 from torsionnet.signals.orders.phase_reference import PhaseReference as PhaseReference
 from torsionnet.signals.orders.phase_reference import phase_reference as phase_reference
 from torsionnet.signals.orders.track_orders import track_orders as track_orders
@@ -58,9 +60,11 @@ from torsionnet.signals.rotation.counter import lowest_speed as lowest_speed
 from torsionnet.signals.rotation.counter import pulse_channel as pulse_channel
 from torsionnet.signals.rotation.pitch_order import PitchOrder as PitchOrder
 from torsionnet.signals.rotation.pitch_order import pickup_gains as pickup_gains
+from torsionnet.signals.rotation.quadrature import DirectedPulses as DirectedPulses
 from torsionnet.signals.rotation.quadrature import quadrature_pulses as quadrature_pulses
 from torsionnet.signals.rotation.rotation_blocks import iter_wheel_rotations as iter_wheel_rotations
 from torsionnet.signals.rotation.rotation_clocks import rotation_clocks as rotation_clocks
+from torsionnet.signals.rotation.rotations_of_wheels import rotations_of_wheels as rotations_of_wheels
 from torsionnet.signals.rotation.signal_clocks import signal_clocks as signal_clocks
 from torsionnet.signals.rotation.unequal_wheels import phase_between as phase_between
 from torsionnet.signals.rotation.unequal_wheels import tooth_by_difference as tooth_by_difference
@@ -89,6 +93,7 @@ __all__ = [
     "CrossSpectra",
     "CycleAverage",
     "Difference",
+    "DirectedPulses",
     "Harmonics",
     "LinearChirp",
     "LogarithmicSweep",
@@ -97,6 +102,7 @@ __all__ = [
     "Multisine",
     "OrderMap",
     "PAPER",
+    "PhaseMark",
     "PhaseReference",
     "PitchOrder",
     "PulseChannel",
@@ -141,6 +147,7 @@ __all__ = [
     "multiple_coherence",
     "on_first_clock",
     "order_map",
+    "orders_of_test",
     "phase_between",
     "phase_reference",
     "pickup_gains",
@@ -155,6 +162,7 @@ __all__ = [
     "resolution",
     "resolution_limit",
     "rotation_clocks",
+    "rotations_of_wheels",
     "signal_clocks",
     "spectrogram",
     "stepped_sine",
