@@ -92,8 +92,14 @@ class Bench(NotebookResult):
         return {name: sensor for name, sensor in found.items() if sensor is not None}
 
     def configured(self, name: str = "", /, **overrides: Any) -> Bench:
-        """Copy of the bench with the drivetrain in another configuration, or with other parameter values."""
-        return replace(self, drivetrain=self.drivetrain.configured(name, **overrides))
+        """Copy of the bench with the drivetrain in another configuration, or with other parameter values.
+
+        Numbers of excitations may be given, too, as ``engine.misfire_share.4``.
+        """
+        excitations = {one for one in overrides if one.partition(".")[0] in self.drivetrain.definition.excitations}
+        numbers = {one: float(overrides.pop(one)) for one in excitations}
+        changed = self.drivetrain.configured(name, **overrides) if name or overrides else self.drivetrain
+        return replace(self, drivetrain=changed.with_excitation_numbers(numbers) if numbers else changed)
 
     @cached_property
     def exciter_output(self) -> ExciterOutput:

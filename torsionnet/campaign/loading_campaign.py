@@ -151,7 +151,7 @@ def _records(plan: CampaignFile, model: Drivetrain, folder: Path) -> Iterator[Fa
 
 
 def _fitted(plan: CampaignFile) -> Iterator[Fault]:
-    if plan.fit is not None and plan.fit.parameters is None and not plan.fit.rank:
+    if plan.fit is not None and not plan.fit.parameters and not plan.fit.rank:
         yield Fault("a fit needs parameters, or rank: true", ("fit",), on_key=True)
 
 

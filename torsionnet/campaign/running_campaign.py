@@ -9,7 +9,10 @@ import re
 import shutil
 import tempfile
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+
+import numpy as np
 
 from torsionnet.campaign.campaign import Campaign
 from torsionnet.campaign.campaign_result import CampaignRecordResult, CampaignResult
@@ -105,7 +108,7 @@ def _file_name(name: str) -> str:
 
 def _key(campaign: Campaign, name: str) -> str:
     """Key of what the orders of a record follow from: the bytes of its file, entries, pitch patterns, version."""
-    plan = campaign.plan.written_entries()
+    plan = replace(campaign.plan, fit=None).written_entries()
     one = campaign.plan.records[name]
     asked = {key: plan.get(key) for key in ("wheels", "reference", "phase", "channels", "twists", "orders")}
     asked |= {"start": one.start, "stop": one.stop, "version": __version__, "title": campaign.title}
@@ -123,7 +126,11 @@ def _calculated(campaign: Campaign, name: str, orders: tuple[TrackedOrders, ...]
     outputs = list(dict.fromkeys(sensors[one.name] for one in orders if one.name in sensors))
     if not outputs:
         return None
-    return campaign.model_of(campaign.plan.records[name]).order_response(outputs, refine=True)
+    model = campaign.model_of(campaign.plan.records[name])
+    measured = np.unique(np.concatenate([one.speeds for one in orders]))
+    run, plan = model.order_response(outputs, refine=True), model.definition.speeds
+    inside = plan is not None and run.speeds.min() <= measured.min() and measured.max() <= run.speeds.max()
+    return run if inside else model.order_response(outputs, speeds=measured)
 
 
 def _spreads(campaign: Campaign, orders: dict[str, tuple[TrackedOrders, ...]]) -> tuple[ConditionSpread, ...]:

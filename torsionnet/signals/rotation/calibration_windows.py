@@ -148,7 +148,8 @@ def windows_of_test(
         inside = stamps[slice(*np.searchsorted(stamps, [window.begin, window.end]).tolist())]
         if len(inside) < len(orders.orders) * 2 + 1:
             raise UsageError(f"{second.name} has {len(inside)} pulses from {window.begin:.6g} to {window.end:.6g} s")
-        passing = _numbers(second.name, teeth * (window.mean_rotation(inside) - angle) / (2 * np.pi), wheel)
+        # The shaft may vibrate by more than a pitch: the first pickup's pulses say where it is, not the mean rotation.
+        passing = _numbers(second.name, np.interp(inside, times, numbers) - teeth * angle / (2 * np.pi), wheel)
         shown.append(second_shown(window, inside, passing, teeth, angle, orders.orders))
     return TestWindows(windows, tuple(shown), load, tuple(f"{second.name}: {text}" for text in found.remarks))
 
