@@ -32,7 +32,7 @@ CAMPAIGN = """
 torsionnet: 1
 name: two steady points
 model: fan.yaml
-wheels: {wheel: {teeth: 60, sensor: angle(motor)}}
+wheels: {wheel: {teeth: 60}}
 phase: {index: mark, tdc: 0 deg}
 channels: {T: {gain: 2}}
 records:
@@ -166,7 +166,7 @@ def test_a_folder_that_was_half_written_is_not_taken_for_a_result(folder, monkey
 def test_every_fault_of_a_campaign_file_has_its_place(folder):
     text = (
         CAMPAIGN.replace("clean}\norders", "rusty}\norders")
-        .replace("angle(motor)", "angel")
+        .replace("teeth: 60", "teeth: 60, sensor: angel")
         .replace("first.npz", "frist.npz")
     )
     (folder / "test.yaml").write_text(text, encoding="utf-8")
