@@ -31,6 +31,8 @@ class PhaseMark:
         From the mark to where phases are 0, rad.
     place : str
         What is there, as ``"top dead centre of cylinder 1"``.
+    of_wheel : bool
+        Whether tooth 0 of the wheel is a mark; False where the cam's pulse alone is.
 
     Examples
     --------
@@ -42,6 +44,7 @@ class PhaseMark:
     cam: PulseChannel | None = None
     offset: float = 0.0
     place: str = ""
+    of_wheel: bool = True
 
 
 def orders_of_test(
@@ -98,7 +101,13 @@ def orders_of_test(
     """
     at = mark or PhaseMark()
     reference = phase_reference(
-        mean, rotations.get(mean.name), index=at.index, cam=at.cam, offset=at.offset, place=at.place
+        mean,
+        rotations.get(mean.name),
+        index=at.index,
+        cam=at.cam,
+        offset=at.offset,
+        place=at.place,
+        wheel_has_mark=at.of_wheel,
     )
     return track_orders(
         recordings, mean, channels, [rotations[name] for name in wheels],
