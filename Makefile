@@ -89,6 +89,7 @@ generate: $(VENV)/.group-docs  ## pages, stubs for type checkers and the JSON Sc
 	$(RUN) docs/generate.py
 	$(RUN) -m torsionnet schema -o library/torsionnet.schema.json
 	$(RUN) -m torsionnet schema --file study -o library/study.schema.json
+	$(RUN) -m torsionnet schema --file campaign -o library/campaign.schema.json
 
 signatures: $(VENV)/.group-docs  ## the list of public signatures, tests/public_signatures.txt, after a decision
 	$(RUN) docs/public_names.py

@@ -37,9 +37,10 @@ def test_editors_find_nothing_wrong_in_any_study(name):
     jsonschema.validate(yaml.safe_load(text), json.loads(schema.read_text(encoding="utf-8")))
 
 
-def test_schema_of_studies_is_that_of_the_code():
-    kept = (library_folder() / "study.schema.json").read_text(encoding="utf-8")
-    assert CliRunner().invoke(app, ["schema", "--file", "study"]).stdout == kept, "run: make generate"
+@pytest.mark.parametrize("kind", ["study", "campaign"])
+def test_schema_of_a_kind_of_file_is_that_of_the_code(kind):
+    kept = (library_folder() / f"{kind}.schema.json").read_text(encoding="utf-8")
+    assert CliRunner().invoke(app, ["schema", "--file", kind]).stdout == kept, "run: make generate"
 
 
 @pytest.mark.parametrize(
