@@ -329,7 +329,7 @@ def commands(page, *, shown_with_output=True):
 
 
 def command_lines(text):
-    lines = [line.partition("#")[0].strip() for line in text.splitlines()]
+    lines = [line.partition("#")[0].strip() for line in text.replace("\\\n", " ").splitlines()]
     return [line for line in lines if line.startswith("torsionnet ")]
 
 

@@ -13,6 +13,9 @@ from test_cli import run
 from test_cli_fit import FIT
 from test_cli_records import RIG
 from test_order_response import PLANT
+from test_rotating_campaign import CAMPAIGN, SPEED, torque
+from test_rotating_campaign import MODEL as FAN
+from test_rotating_campaign import write as write_steady_record
 from test_wheel_evidence import record, teeth
 
 import torsionnet as tn
@@ -52,6 +55,11 @@ def folder(tmp_path_factory):
         )
         lines = (f"{a:.2f},{np.cos(60 * a):.6g},20" for a in t)
         Path("turning.csv").write_text("time [s],T [N*m],n [rad/s]\n" + "\n".join(lines))
+        Path("fan").mkdir()
+        Path("fan", "fan.yaml").write_text(FAN)
+        Path("fan", "campaign.yaml").write_text(CAMPAIGN)
+        for seed, name in enumerate(("first", "again")):
+            write_steady_record(folder / "fan" / f"{name}.npz", seed, torque(SPEED))
         yield folder
 
 
@@ -110,6 +118,7 @@ CALLS = {
         "damping decay.csv --from decay --channel T --start 0 --against rig.yaml -c soft",
     ],
     "track": ["track turning.csv --reference n --channel T --orders 3"],
+    "campaign": ["campaign fan/campaign.yaml"],
     "identify-modes": [
         "identify-modes run_soft.npz --output phi --input M",
         "identify-modes run_soft.npz --output phi --input M --against rig.yaml -c soft",

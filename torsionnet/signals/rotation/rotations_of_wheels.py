@@ -42,6 +42,7 @@ def rotations_of_wheels(
     Examples
     --------
     >>> import numpy as np
+    >>> from torsionnet.signals import PulseChannel
     >>> record = Recording((), 600.0, pulses=(PulseChannel("n1", np.arange(600) / 600),))
     >>> print(f"{rotations_of_wheels(record, {'n1': WheelChannel(teeth=60)})['n1'].revolutions:.3f}")
     9.983
