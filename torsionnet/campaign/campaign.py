@@ -19,7 +19,7 @@ class Campaign(NotebookResult):
 
     Attributes
     ----------
-    path : path
+    file : path
         File that describes it.
     folder : path
         Folder from which the files of the records are named.
@@ -29,7 +29,7 @@ class Campaign(NotebookResult):
         Pitch patterns of the wheels that have one, by wheel.
     """
 
-    path: Path
+    file: Path
     folder: Path
     plan: CampaignFile
     model: Drivetrain
@@ -38,7 +38,7 @@ class Campaign(NotebookResult):
     @property
     def title(self) -> str:
         """Title of the campaign; without one the name of its file."""
-        return self.plan.name or self.path.stem
+        return self.plan.name or self.file.stem
 
     @property
     def reference(self) -> str:

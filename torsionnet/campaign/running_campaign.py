@@ -56,7 +56,7 @@ def run_campaign(
     ModelError
         A record lacks a channel, or its pulses do not fit their wheel.
     """
-    place = Path(folder) if folder is not None else campaign.folder / f"{campaign.path.stem}.orders"
+    place = Path(folder) if folder is not None else campaign.folder / f"{campaign.file.stem}.orders"
     show = progress or (lambda *_: None)
     records, count = {}, len(campaign.plan.records)
     for done, name in enumerate(campaign.plan.records):

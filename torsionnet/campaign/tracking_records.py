@@ -52,7 +52,7 @@ def record_orders(campaign: Campaign, name: str) -> tuple[TrackedOrders, ...]:
             )  # fmt: skip
             found |= zip([*channels, *turning, *twists], tracked, strict=True)
     except UsageError as error:
-        raise ModelError([Fault(f"record {name}: {error}", ("records", name))], campaign.path.name) from None
+        raise ModelError([Fault(f"record {name}: {error}", ("records", name))], campaign.file.name) from None
     except ModelError as error:
         faults = [replace(fault, message=f"record {name}: {fault.message}") for fault in error.faults]
         raise ModelError(faults, one.file) from None

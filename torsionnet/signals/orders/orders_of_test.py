@@ -78,7 +78,7 @@ def orders_of_test(
         Between wheels, which they name.
     mark : PhaseMark, optional
     method : CycleAverage or VoldKalman, optional
-    further : sequence of (MeanRotation, orders), optional
+    further : sequence of (MeanRotation, sequence of float), optional
         Orders of other shafts, as for :func:`track_orders`.
 
     Raises

@@ -54,7 +54,7 @@ def track_orders(
         Averages over blocks of eight cycles by default.
     reference : PhaseReference, optional
         Where phases are 0; without one they count from the begin of the record and are not for comparison.
-    further : sequence of (MeanRotation, orders), optional
+    further : sequence of (MeanRotation, sequence of float), optional
         Orders of other shafts that are tracked together with these, by Vold-Kalman filters only.
 
     Returns
