@@ -117,7 +117,7 @@ class ModalEstimate(NotebookResult):
         """Kind of each identified mode, ``"oscillatory"`` or ``"real pole"``, as of :class:`torsionnet.Modes`."""
         return pole_numbers.kinds(self.poles)
 
-    @cached_property
+    @property
     def shapes(self) -> ComplexArray:
         """Mode shapes (n_out, n_modes), angles at the sensors over the largest, and torques in N m for that angle.
 

@@ -54,5 +54,8 @@ def bound_note(response: OrderResponse) -> str:
         why += [f"the worst scatter of {', '.join(response.scattered)}"] if response.scattered else []
     else:
         why += ["every angle between engines of which the model gives none"]
-    text = f"calculated amplitudes are upper bounds, over {' and '.join(why) or 'all cases'}, and have no phase"
-    return f"{text}: name the case that was tested, or give the phases between engines, to compare phases"
+    reason = " and ".join(why) or "all cases"
+    return (
+        f"calculated amplitudes are upper bounds, over {reason}, and have no phase: name the case that was tested, or "
+        "give the phases between engines, to compare phases"
+    )
