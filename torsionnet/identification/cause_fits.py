@@ -28,6 +28,8 @@ RANGE_END_FACTOR = 1e-3
 ROUGH_TOLERANCE = 1e-6
 """Relative change of cost, values and gradient at which the search with a cause freed ends at first: a cause that
 explains nothing has a flat optimum, and most of its search would go into digits that nobody reads."""
+SMALLEST_START = 1e-6
+"""Start value in SI below which a freed value counts as 0 in the model, as of a shaft without damping."""
 REFINED_RATIO = 2.0
 """Ratio to the sum of squares up to which a cause may count as an explanation, within which its search goes on to the
 end."""
@@ -115,8 +117,11 @@ def _tried(problem: FitProblem, cause: Cause, start: FloatArray, solve: Solve, f
     try:
         with_it = with_causes(problem, [cause], start, instead=True)
         begin = with_it.start.copy()
-        begin[[name.partition("[")[0] == cause.unknown for name in with_it.names]] *= factor
-        found = solve(with_it, begin, ROUGH_TOLERANCE).x
+        places = [place for place, name in enumerate(with_it.names) if name.partition("[")[0] == cause.unknown]
+        begin[places] *= factor
+        # Rough searches of causes whose value begins at 0, as damping, do not leave it.
+        from_zero = any(abs(begin[place]) < SMALLEST_START for place in places)
+        found = (solve(with_it, begin) if from_zero else solve(with_it, begin, ROUGH_TOLERANCE)).x
         return CauseFit(cause, with_it, found, sum_of_squares(with_it, found))
     except (TorsionnetError, np.linalg.LinAlgError):
         return None  # what cannot be calculated explains nothing
