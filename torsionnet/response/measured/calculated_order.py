@@ -49,8 +49,11 @@ def bound_note(response: OrderResponse) -> str:
     """Note on why the calculated amplitudes are upper bounds without phases."""
     why = []
     if isinstance(response, WorstResponse):
-        why += [f"the worst of {len(response.labels)} cases"] if len(response.labels) > 1 else []
-        why += [f"the worst angle of {' and '.join(one.engine for one in response.angles)}"] if response.angles else []
+        cases, engines = len(response.labels), " and ".join(one.engine for one in response.angles)
+        if cases > 1 and engines:
+            why.append(f"the worst of {cases} cases and the worst angle of {engines}")
+        elif cases > 1 or engines:
+            why.append(f"the worst angle of {engines}" if engines else f"the worst of {cases} cases")
         why += [f"the worst scatter of {', '.join(response.scattered)}"] if response.scattered else []
     else:
         why += ["every angle between engines of which the model gives none"]
