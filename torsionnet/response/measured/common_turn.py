@@ -37,9 +37,9 @@ def common_turn(pairs: Sequence[OrderPair]) -> str:
     period = _period([pair.order for pair in used])
     offset = best_turn(orders, products, -period / 2, period / 2)
     delay = best_turn(-omega, products, -LONGEST_DELAY, LONGEST_DELAY)
-    again = f" (or {math.degrees(period):.4g} degrees more)" if period < SHORT_PERIOD else ""
+    again = period if period < SHORT_PERIOD else 0.0
     turned = {
-        f"{offset_words(offset)}{again}": np.exp(1j * orders * offset),
+        offset_words(offset, again): np.exp(1j * orders * offset),
         delay_words(delay): np.exp(-1j * omega * delay),
     }
     left = {words: float((np.abs(test - model * turn) ** 2).sum()) for words, turn in turned.items()}

@@ -73,19 +73,35 @@ def explanations(pair: OrderPair, weights: FloatArray) -> Iterator[DifferenceExp
             yield DifferenceExplanation(DELAY, delay_words(delay), model * np.exp(-1j * omega * delay), delay=delay)
     factor = float(products.sum().real) / power
     if factor > 0:
-        words = f"amplitudes {abs(factor - 1) * 100:.3g} % {'above' if factor > 1 else 'below'} the calculated ones"
-        yield DifferenceExplanation(FACTOR, f"{words} at every speed", factor * model, factor=factor)
+        share = f"{abs(factor - 1) * 100:.3g}"
+        words = (
+            f"amplitudes {share} % above the calculated ones at every speed"
+            if factor > 1
+            else f"amplitudes {share} % below the calculated ones at every speed"
+        )
+        yield DifferenceExplanation(FACTOR, words, factor * model, factor=factor)
 
 
-def offset_words(offset: float) -> str:
-    """Text on an offset of the test's zero in rad, with degrees of the reference shaft."""
-    side = "later" if offset > 0 else "earlier"
-    return f"the zero of the angle lies {abs(math.degrees(offset)):.3g} degrees {side} than in the calculation"
+def offset_words(offset: float, period: float = 0.0) -> str:
+    """Text on an offset of the test's zero in rad, with degrees of the reference shaft, and its period in rad."""
+    size, more = f"{abs(math.degrees(offset)):.3g}", f"{math.degrees(period):.4g}"
+    if period:
+        return (
+            f"the zero of the angle lies {size} degrees later than in the calculation (or {more} degrees more)"
+            if offset > 0
+            else f"the zero of the angle lies {size} degrees earlier than in the calculation (or {more} degrees more)"
+        )
+    return (
+        f"the zero of the angle lies {size} degrees later than in the calculation"
+        if offset > 0
+        else f"the zero of the angle lies {size} degrees earlier than in the calculation"
+    )
 
 
 def delay_words(delay: float) -> str:
     """Text on a delay of the measured signal in s, with its size in ms."""
-    return f"the signal comes {abs(delay) * 1e3:.3g} ms {'late' if delay > 0 else 'early'}"
+    size = f"{abs(delay) * 1e3:.3g}"
+    return f"the signal comes {size} ms late" if delay > 0 else f"the signal comes {size} ms early"
 
 
 def holds(one: DifferenceExplanation, pair: OrderPair) -> bool:

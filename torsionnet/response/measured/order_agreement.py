@@ -30,7 +30,8 @@ OFFSET_OR_DELAY, PHASE = "offset or delay", "phase differs"
 SHIFTED, DAMPING, DIFFERS = "peak at another speed", "damping differs", "amplitude differs"
 """Verdicts on an order whose amplitude does not agree."""
 UNSTATED = "the test states no interval, so nothing says which difference is too large"
-"""Sentence on an order without interval."""
+UNSTATED_BUT = "the test states no interval, so nothing says which difference is too large; "
+"""Sentence on an order without interval, and its beginning where another one follows."""
 UNEXPLAINED = "the amplitude agrees; no single offset or delay explains the phase"
 """Sentence on an order whose phase nothing explains."""
 LARGEST_EXCESS = 1.0
@@ -126,9 +127,9 @@ def _without_interval(pair: OrderPair) -> DifferenceExplanation:
         return DifferenceExplanation(ABOVE_BOUND if over else WITHIN_BOUND, "", pair.calculated)
     best = best_explanation(pair, np.ones(len(pair.speeds)))
     if best is not None:
-        return replace(best, verdict=NO_INTERVAL, sentence=f"{UNSTATED}; {best.sentence}")
+        return replace(best, verdict=NO_INTERVAL, sentence=UNSTATED_BUT + best.sentence)
     shift = peak_shift(pair, 0.0)
-    return DifferenceExplanation(NO_INTERVAL, f"{UNSTATED}; {shift}" if shift else UNSTATED, pair.calculated)
+    return DifferenceExplanation(NO_INTERVAL, UNSTATED_BUT + shift if shift else UNSTATED, pair.calculated)
 
 
 def _bounded(pair: OrderPair) -> DifferenceExplanation:
