@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.core.units import RPM
 from torsionnet.response.frequency_response import ComplexArray
@@ -63,7 +62,7 @@ class PitchOrder:
     why: str = ""
 
 
-def pickup_gains(angle: float, orders: Sequence[float] | FloatArray) -> FloatArray:
+def pickup_gains(angle: float, orders: ArrayLike) -> FloatArray:
     """Gain 2 sin(o alpha/2) of two pickups at an angle alpha in rad for each order, of which 0 is blind.
 
     Examples
