@@ -67,6 +67,27 @@ def fit(figure):
     return tn.identify(rig(), figure, ["d"])
 
 
+UNDAMPED = """\
+torsionnet: 1
+parameters: {c: 0}
+elements:
+  rotor: {type: inertia, node: a, inertia: 2}
+  shaft: {type: spring, nodes: [a, ground], stiffness: 5 kN*m/rad, damping: c}
+inputs: {T: {torque: a}}
+sensors: {phi: {angle: a}}
+"""
+
+
+def test_a_value_that_is_zero_in_the_model_is_searched_to_the_end():
+    """Its search begins with tiny steps, which change next to nothing."""
+    model = tn.loads(UNDAMPED)
+    test = model.configured(c=8.0).frequency_response("phi", "T", np.linspace(6, 10, 9))
+    ranking = rank_causes(model, tn.Measurement(test, "phi", "T", error=0.01))
+    (damping,) = (one for one in ranking.causes if one.unknown == "c")
+    assert damping.value == pytest.approx(8, rel=1e-4)
+    assert damping.explains
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("ratio", "name"),

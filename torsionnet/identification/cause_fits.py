@@ -119,7 +119,7 @@ def _tried(problem: FitProblem, cause: Cause, start: FloatArray, solve: Solve, f
         begin = with_it.start.copy()
         places = [place for place, name in enumerate(with_it.names) if name.partition("[")[0] == cause.unknown]
         begin[places] *= factor
-        # Rough searches of causes whose value begins at 0, as damping, do not leave it.
+        # A value that begins at 0, as damping, takes tiny steps at first, which a rough search takes for the end.
         from_zero = any(abs(begin[place]) < SMALLEST_START for place in places)
         found = (solve(with_it, begin) if from_zero else solve(with_it, begin, ROUGH_TOLERANCE)).x
         return CauseFit(cause, with_it, found, sum_of_squares(with_it, found))
