@@ -41,10 +41,10 @@ def with_noise(record, sigma, seed):
 
 
 def closed_form(rate, frequencies, *, f0=F0, zeta=ZETA):
-    """|X| over the frequency of a linear sweep from the far past, one degree of freedom, static response 1.
+    """X over the frequency of a linear sweep from the far past, one degree of freedom, static response 1.
 
     z' = lambda z + exp(j a t^2/2) with z -> 0 long before: z = exp(lambda t) integral to t of exp(j a s^2/2 - lambda s),
-    which is sqrt(pi/2/|a|) exp(j pi/4) times w(), the Faddeeva function.
+    which is sqrt(pi/2/|a|) exp(j pi/4) exp(j a t^2/2) times w(), the Faddeeva function.
     """
     from scipy.special import wofz
 
@@ -54,7 +54,7 @@ def closed_form(rate, frequencies, *, f0=F0, zeta=ZETA):
     for sign, pole in ((1, w * complex(-zeta, np.sqrt(1 - zeta**2))), (-1, w * complex(-zeta, -np.sqrt(1 - zeta**2)))):
         argument = -np.exp(1j * np.pi / 4) * (a * t + 1j * pole) / np.sqrt(2 * a)
         total = total + sign * np.sqrt(np.pi / (2 * a)) * np.exp(1j * np.pi / 4) * wofz(argument)
-    return np.abs(w**2 * total / (2j * w * np.sqrt(1 - zeta**2)))
+    return w**2 * total / (2j * w * np.sqrt(1 - zeta**2))
 
 
 def half_power(frequencies, amplitude, f0=F0):
