@@ -7,6 +7,7 @@ import sys
 
 import numpy as np
 import pytest
+from scipy.stats import t as student
 
 from torsionnet.core.errors import UsageError
 from torsionnet.response.measured.pulse_channel import PulseChannel
@@ -126,8 +127,14 @@ def test_interval_covers_in_white_and_in_correlated_noise():
         error = found.values[0] - 10
         parts = np.concatenate([error.real, error.imag])
         hits[name] = np.mean(np.abs(parts) < np.tile(found.half_widths[0], 2))
+        if name == "white":
+            widths = found.half_widths[0]
     assert 0.88 < hits["white"] < 1.0
     assert 0.85 < hits["slow"] <= 1.0
+    # A block weights 12 cycles of 100 samples by sin^2 up, 1, and sin^2 down; 2/(11 * 100) of the sum is an order.
+    closed = np.sqrt(2 * (10 + 2 * 3 / 8) / 100) / 11
+    worth = 11 * 5 / 7  # pairs of cycles that share one correlate by 1/6
+    assert np.sqrt(np.mean(widths**2)) == pytest.approx(student.ppf(0.975, 2 * (worth - 2)) * closed, rel=0.12)
 
 
 def crossing(rate: float = 1000.0) -> tuple[Recording, MeanRotation, MeanRotation, np.ndarray]:
@@ -191,17 +198,19 @@ def test_twist_of_two_wheels_with_errors_of_teeth():
     rng = np.random.default_rng(7)
     closed = np.sqrt(2) * 2e6 * 2 * np.radians(0.05) / np.sqrt(60)
     assert closed == pytest.approx(637, abs=0.5)
-    found = []
+    found, widths = [], []
     for _ in range(8):
-        seen = [
-            wheel(np.sort(pulses_of(900, 8, 0 * ORDERS, positions=rng.normal(0, np.radians(0.05), 60))), name=name)
-            for name in "ab"
-        ]
+        places = rng.normal(0, np.radians(0.05), (2, 60))
+        times = (2 * np.pi * np.arange(60 * 12) / 60 + np.tile(places, 12)) / (30 * np.pi)
+        seen = [wheel(one, name=name) for one, name in zip(times, "ab", strict=True)]
         pair = (Twist("a", "b", 2e6), *seen)
         (torque,) = track_orders(None, seen[0], twists=[pair], orders=np.arange(1.0, 13.0), reference=TOP)
         assert (torque.name, torque.unit) == ("torque(a-b)", "N*m")
         found.append(np.abs(torque.values[:, 0]))
+        widths.append(torque.half_widths[:, 0])
     assert np.sqrt(np.mean(np.square(found))) == pytest.approx(637, rel=0.12)
+    # The interval is one of real and of imaginary part, each 1/sqrt(2) of the amplitude.
+    assert np.sqrt(np.mean(np.square(widths))) == pytest.approx(1.96 * 637 / np.sqrt(2), rel=0.12)
     half = track_orders(None, seen[0], twists=[pair], orders=[0.5, 1.5], reference=TOP)[0]
     assert np.abs(half.values).max() < 1
 
@@ -376,7 +385,7 @@ else:
 
 def test_values_of_a_filter_share_data_within_a_time_by_its_response():
     for poles in (1, 2, 3, 4):
-        f = np.linspace(-200, 200, 4_000_001)
+        f = np.linspace(-100, 100, 200_001)
         squares = (1 + (np.sqrt(2) - 1) * (2 * f) ** (2 * poles)) ** -2.0
         step = f[1] - f[0]
         expected = 1.5 * (squares**2).sum() * step / (squares.sum() * step) ** 2
