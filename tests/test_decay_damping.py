@@ -7,6 +7,7 @@ import pytest
 
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.modal import modes_from_decay
+from torsionnet.modal.operational.decrement import logarithmic_decrement
 from torsionnet.modal.operational.matrix_pencil import pencil_poles
 from torsionnet.response.recording import Recording, Signal
 
@@ -79,6 +80,25 @@ def test_linear_decay_has_no_remark_on_amplitude():
         modes_from_decay(record(decay(9, 0.02, 100), 1, seed), "T").evidence.decrement.depends_on_amplitude
         for seed in range(5)
     )
+
+
+def test_interval_of_the_decrement_is_that_of_a_weighted_line():
+    """N samples a cycle leave sigma sqrt(2/N) in each amplitude, and that over the amplitude in its logarithm."""
+    noise, w, zeta = 1.0, 2 * np.pi * 10, 0.02
+    pole = w * complex(-zeta, np.sqrt(1 - zeta**2))
+    times = np.arange(2000) / RATE
+    clean = 100 * np.exp(pole * times).real
+    found = [
+        logarithmic_decrement(times, clean + np.random.default_rng(seed).normal(0, noise, len(times)), pole, noise)
+        for seed in range(40)
+    ]
+    true = 2 * np.pi * zeta / np.sqrt(1 - zeta**2)
+    size = 100 * np.exp(-true * (np.arange(len(found[0].times)) + 0.5))
+    columns = np.stack([size, size * np.arange(len(size))], axis=1)
+    error = noise * np.sqrt(2 / 100) * np.sqrt(np.linalg.inv(columns.T @ columns)[1, 1])
+    assert len(size) == 19
+    assert np.sqrt(np.mean([one.half_width**2 for one in found])) == pytest.approx(1.96 * error, rel=0.08)
+    assert np.std([one.decrement - true for one in found]) == pytest.approx(error, rel=0.25)
 
 
 def test_wrong_input_is_named():
