@@ -161,6 +161,25 @@ def test_inertia_behind_a_gear_counts_with_the_square_of_the_ratio():
     assert turning_inertia(rig, "fly") == pytest.approx(engine + quill + behind / 4.94**2, rel=0.01)
 
 
+@pytest.mark.parametrize("ratio", [3, -3])
+@pytest.mark.parametrize("node", ["a", "c"])
+def test_a_coast_down_takes_one_time_at_whichever_shaft_it_is_told(node, ratio):
+    """J dw/dt = -T0 (w/w0)^2 takes J w0/T0 down to half of w0: 4 kg m^2 and 100 N m at a, 36 and 300 at c."""
+    elements = [
+        tn.Inertia("first", node="a", inertia=J_A),
+        tn.Spring("shaft", nodes=("a", "b"), stiffness=K, damping=C),
+        tn.Gear("mesh", nodes=("b", "c"), ratio=ratio),
+        tn.Inertia("second", node="c", inertia=9 * J_B),
+    ]
+    speeds = {"of": "a", "range": "100..3000 rpm", "step": "100 rpm", "rated": "1500 rpm"}
+    load = {"absorbed_at": "c", "torque": "300 N*m", "torque_exponent": 2, "driven_by": {"a": 1}}
+    begin = 1500 * RPM / {"a": 1, "c": 3}[node]
+    times, _, notes = coast_down(tn.Drivetrain("geared", elements, speeds=speeds, load=load), node, begin, begin / 2)
+    assert times[-1] == pytest.approx(4 * 1500 * RPM / 100, rel=1e-5)
+    said = {"a": "100 N*m at first, with 4 kg*m^2", "c": "300 N*m at first, with 36 kg*m^2"}[node]
+    assert notes == (f"braked by the load, {said}, both at {node}",)
+
+
 @pytest.mark.slow
 def test_a_load_that_absorbs_nothing_lets_nothing_coast_down():
     with pytest.raises(UsageError, match="absorbs nothing at some of these speeds; give a time_constant"):
