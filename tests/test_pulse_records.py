@@ -168,6 +168,9 @@ class TestCounts:
         found = pulse_channel("n1", [1, 5, 5, 9], PulseReading(tick="1 ms"))
         assert found.times.round(9).tolist() == [0.001, 0.005, 0.009]
         assert found.notes[-1] == "warning: 1 pulse at the count of the one before left out: pulse 2"
+        full = pulse_channel("n1", [65534, 65534, 0, 0, 2], PulseReading(tick="1 ms", bits=16))
+        assert np.diff(full.times).round(9).tolist() == [0.002, 0.002]
+        assert full.notes[1] == "unwrapped: 1 wrap of 16 bits"
 
     @pytest.mark.parametrize(
         ("values", "reading", "message"),
