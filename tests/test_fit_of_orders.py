@@ -62,6 +62,14 @@ def test_stiffness_and_misfire_of_cylinder_4_are_found_within_their_intervals(tm
     assert again == pytest.approx(fit.values[ENGINE], rel=1e-12)
 
 
+@pytest.mark.parametrize("gain", [1.0, 1.5])
+def test_a_noisy_channel_beside_a_precise_one_is_no_contradiction_but_a_false_one_is(gain):
+    sharp = Measurement(tracked(dense_orders(), SIGMA / 10, 0), name="sharp")
+    rough = Measurement(tracked(gain * dense_orders(), SIGMA, 1), name="rough")
+    odd = [one for one in identify(engine_model(), [sharp, rough], ["k_cpl"]).verdicts if "the others" in one]
+    assert [one.startswith("rough does not fit the others") for one in odd] == ([] if gain == 1 else [True])
+
+
 def test_gas_torque_of_an_order_is_found_as_a_complex_factor():
     names = ["engine.gas.correction.3.real", "engine.gas.correction.3.imag"]
     fit = identify(engine_model(), measurement(dense_orders(corrections={3.0: 1.1 - 0.15j})), names)

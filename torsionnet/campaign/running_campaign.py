@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from torsionnet.campaign.campaign import Campaign
+from torsionnet.campaign.campaign_remarks import campaign_remarks
 from torsionnet.campaign.campaign_result import CampaignRecordResult, CampaignResult
 from torsionnet.campaign.condition_spread import ConditionSpread, condition_spread
 from torsionnet.campaign.tracking_records import record_orders
@@ -65,10 +66,8 @@ def run_campaign(
         orders = tuple(files.values())
         records[name] = CampaignRecordResult(name, tuple(files), orders, _calculated(campaign, name, orders))
     show("comparison", count, count)
-    remarks = tuple(dict.fromkeys(
-        f"{name}: {one.name}: {note}" for name, found in records.items() for one in found.orders for note in one.notes
-    ))  # fmt: skip
-    spreads = _spreads(campaign, {name: found.orders for name, found in records.items()})
+    tracked = {name: found.orders for name, found in records.items()}
+    spreads, remarks = _spreads(campaign, tracked), tuple(campaign_remarks(tracked))
     fit, ranking = _fitted(campaign, records)
     return CampaignResult(campaign, records, spreads, fit, ranking, remarks)
 
