@@ -115,7 +115,7 @@ def tracked_orders(seconds: float, orders: Any, *, joint: bool) -> None:
         "scipy, low-pass of 2 Hz, order by order": lambda: (at, demodulated(torque, phi, orders)),
     }
     try:
-        from rota.extract import order_waveform, tracked_harmonics
+        from rota.extract import order_waveform, tracked_harmonics  # type: ignore[import-untyped]
     except ImportError:
         print("rota-order is not installed: pip install rota-order")
     else:
@@ -150,7 +150,7 @@ def calibration() -> None:
             places = 2 * np.pi * numbers / TEETH + positions[numbers % TEETH] + angle
             times = passages(places, ORDERS, values) / (rpm * RPM) + 1e-7 * random.standard_normal(len(numbers))
             pickups.append(signals.PulseChannel(name, times))
-        tests.append(signals.WheelTest(*pickups))
+        tests.append(signals.WheelTest(pickups[0], pickups[1]))
     took, found = timed(lambda: signals.calibrate_wheel(tests, signals.Wheel(teeth=TEETH), angle=PICKUP_ANGLE))
 
     def largest_order(errors: Any) -> float:
