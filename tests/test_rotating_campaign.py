@@ -11,7 +11,7 @@ import torsionnet as tn
 from torsionnet.campaign import running_campaign
 from torsionnet.cli.app import app
 from torsionnet.core.errors import ModelError
-from torsionnet.io import write_recording
+from torsionnet.io import large_records, write_recording
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.recording import Recording, Signal
 
@@ -145,6 +145,26 @@ def test_records_done_before_a_campaign_is_killed_are_kept(folder, tracked, monk
     monkeypatch.setattr(running_campaign, "record_orders", counted)
     assert len(run(folder).records) == 2
     assert tracked == ["first", "again"]
+
+
+def test_large_records_are_read_in_blocks_with_the_same_orders(folder, monkeypatch):
+    text = CAMPAIGN.replace("gain: 2", "gain: 2, delay: 1.3 ms").replace("clean}\norders", "clean, start: 1 s}\norders")
+    (folder / "test.yaml").write_text(text, encoding="utf-8")
+    whole = run(folder)
+    shutil.rmtree(folder / "test.orders")
+    monkeypatch.setattr(large_records, "LARGE_FILE", 1000)
+    monkeypatch.setattr(large_records, "BLOCK_SECONDS", 0.7)
+    for name, found in run(folder).records.items():
+        for one, other in zip(found.orders, whole.records[name].orders, strict=True):
+            np.testing.assert_allclose(one.values, other.values, rtol=1e-9, atol=1e-9 * abs(one.values).max())
+
+
+def test_a_delay_shifts_the_signal_to_earlier_times(folder):
+    """Order 3 of a torque that comes late by 1.3 ms is that of the model turned back by 3 omega times the delay."""
+    (folder / "test.yaml").write_text(CAMPAIGN.replace("gain: 2", "gain: 2, delay: 1.3 ms"), encoding="utf-8")
+    (measured,) = (one for one in run(folder).records["first"].orders if one.name == "T")
+    expected = torque(SPEED) * np.exp(3j * SPEED * 1.3e-3)
+    np.testing.assert_allclose(measured.along(3), expected, atol=0.02 * abs(expected))
 
 
 def test_a_folder_that_was_half_written_is_not_taken_for_a_result(folder, monkeypatch):
