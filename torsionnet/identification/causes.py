@@ -185,8 +185,10 @@ def with_causes(problem: FitProblem, causes: Sequence[Cause], values: FloatArray
         return rig
 
     known = dict(zip(problem.names, values.tolist(), strict=True))
+    rigs = {id(block.response.drivetrain): block.response.drivetrain for block in problem.blocks}
+    rigs = {key: changed(rig) for key, rig in rigs.items()}
     blocks = [
-        block.with_model(changed(block.response.drivetrain), replace(block.measurement, **flags), tuple(unknowns))
+        block.with_model(rigs[id(block.response.drivetrain)], replace(block.measurement, **flags), tuple(unknowns))
         for block in problem.blocks
     ]
     found = lay_out_problem(problem.blocks[0].response.drivetrain, blocks, unknowns, known)
