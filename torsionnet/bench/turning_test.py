@@ -27,7 +27,7 @@ INDEX = "_index"
 MEAN_ANGLE, MEAN_SPEED = "mean_angle", "mean_speed"
 """Names of the true mean angle and mean speed of the reference shaft in a record of the truth."""
 ANGLE = "_angle"
-"""End of the name of the signal that holds the true angle of a wheel's node, as the name alone is that of its pulses."""
+"""End of the name of the signal that holds the true angle of a wheel's node: the name alone is that of its pulses."""
 
 
 @dataclass(frozen=True, eq=False)

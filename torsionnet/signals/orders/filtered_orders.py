@@ -13,8 +13,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.listing import comma_list
 from torsionnet.response.frequency_response import ComplexArray
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.recording import FloatArray
@@ -113,10 +115,18 @@ def _results(
         if number:
             notes = (*notes, f"orders of {shaft.name}")
         found.append([
-            tracked_values(signal, orders, times, speeds, kept[place], wide[place], ranges[place], mark, notes, related)
+            tracked_values(signal, orders, times, speeds, kept[place], wide[place], ranges[place], mark,
+                           (*notes, *_remarks(one, signal.name)), related)
             for place, signal in enumerate(one.signals)
         ])  # fmt: skip
     return found
+
+
+def _remarks(one: Tracked, name: str) -> tuple[str, ...]:
+    """Words on what a signal lost, and on what it lacks as others lost it: all are filtered with the same samples."""
+    others = [signal.name for signal in one.signals if signal.name != name and one.remarks(signal.name)]
+    lacks = (f"samples left out with those that {comma_list(others)} lost, as they are filtered together",)
+    return (*one.remarks(name), *(lacks if others else ()))
 
 
 def half_ranges(values: ComplexArray, orders: FloatArray, cycle: int) -> FloatArray:
@@ -172,7 +182,14 @@ def _segment(
     noise_width = np.sqrt(_at(_mean_around(passed, reach) * density, middles, times))
     left = _at(residual.left(density), middles, times)
     bias = _largest_around(BIAS_FACTOR * lost + left, VALUES_PER_BANDWIDTH // 2)
+    envelopes[:, :, _without_samples(at, times, float(width.max()))] = np.nan
     return _Part(envelopes, np.hypot(NORMAL_HALF_WIDTH * noise_width, bias))
+
+
+def _without_samples(at: FloatArray, times: FloatArray, bandwidth: float) -> NDArray[np.bool_]:
+    """Whether all samples of the time that each value stands for dropped out, shape (n_times,)."""
+    reach = 0.5 / (VALUES_PER_BANDWIDTH * bandwidth)
+    return np.asarray(np.searchsorted(at, times + reach) == np.searchsorted(at, times - reach))
 
 
 @dataclass(frozen=True, eq=False)

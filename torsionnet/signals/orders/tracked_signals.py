@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.response.frequency_response import ComplexArray
 from torsionnet.response.measured.tracked_orders import TrackedOrders
@@ -45,6 +46,10 @@ class Tracked:
         Times and values of the samples between two times, (n,) and (n_signals, n).
     uncertain : callable
         Half width that the signal itself leaves in each order, SI, (n_orders,).
+    lost : callable
+        Whether each signal dropped out between neighbours of the times (n + 1,) in s, (n_signals, n), where it can.
+    remarks : callable
+        Words on a signal by its name, when it was read.
     """
 
     signals: tuple[Signal, ...]
@@ -57,6 +62,8 @@ class Tracked:
     samples: Callable[[float, float], tuple[FloatArray, FloatArray]]
     uncertain: Callable[[FloatArray], FloatArray]
     notes: tuple[str, ...] = ()
+    lost: Callable[[FloatArray], NDArray[np.bool_]] | None = None
+    remarks: Callable[[str], tuple[str, ...]] = lambda _: ()
 
 
 def of_record(window: RecordWindow, orders: FloatArray) -> Tracked:
@@ -71,6 +78,8 @@ def of_record(window: RecordWindow, orders: FloatArray) -> Tracked:
     def samples(begin: float, end: float) -> tuple[FloatArray, FloatArray]:
         at, values = window.between(begin, end)
         inside = (at >= begin) & (at <= end)
+        edges = np.append(at, at[-1:] + 1 / window.rate)
+        inside &= ~window.lost(edges).any(axis=0)
         return at[inside], values[:, inside]
 
     window.reaches(window.start)
@@ -84,6 +93,8 @@ def of_record(window: RecordWindow, orders: FloatArray) -> Tracked:
         lambda speed: spline_response(orders * speed / (2 * np.pi * window.rate)),
         samples,
         np.zeros_like,
+        lost=window.lost,
+        remarks=window.remarks,
     )
 
 
