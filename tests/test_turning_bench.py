@@ -358,6 +358,8 @@ def test_each_fault_changes_its_own_channel_alone_and_by_what_it_says(name):
         if name == "double":  # behind their tooth, by 0.1 to 0.4 of a pitch
             behind = odd - old[np.searchsorted(old, odd) - 1]
             assert ((behind > 0.09 * np.diff(old).mean()) & (behind < 0.41 * np.diff(old).mean())).all()
+            own = clean.numbers[""]["b"][np.searchsorted(old, new, side="right") - 1]
+            assert np.array_equal(test.numbers[""]["b"], own)
         if name == "jitter":
             assert (new - old).std() == pytest.approx(2e-6, rel=0.05)
         return
