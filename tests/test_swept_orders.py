@@ -52,7 +52,7 @@ def averaged(time, angle, signal, at, cycles):
 
 
 @pytest.fixture(scope="module")
-def test_of_plant():
+def run_up_of_plant():
     time, angle, signal = run_up()
     at = np.arange(1.0, 5.2, 0.1)
     values = averaged(time, angle, signal, at, 2)
@@ -67,16 +67,16 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "plant.yaml").write_text(PLANT)
 
 
-def test_orders_of_a_run_up_at_ten_hertz_a_second(test_of_plant):
-    (found,) = swept_orders(tn.load("plant.yaml"), ["T"], test_of_plant)
-    peak = np.abs(test_of_plant.values).max()
-    assert np.abs(found.values - test_of_plant.values).max() < 0.005 * peak
+def test_orders_of_a_run_up_at_ten_hertz_a_second(run_up_of_plant):
+    (found,) = swept_orders(tn.load("plant.yaml"), ["T"], run_up_of_plant)
+    peak = np.abs(run_up_of_plant.values).max()
+    assert np.abs(found.values - run_up_of_plant.values).max() < 0.005 * peak
     steady = 20 / 0.5 * 4e4 / (2 * 0.02 * 4e4 * 2.5)
     assert peak < 0.8 * steady  # the run-up does not reach the steady peak
 
 
-def test_the_command_compares_with_the_swept_response(test_of_plant):
-    write_tracked_orders([test_of_plant], "tracked.csv")
+def test_the_command_compares_with_the_swept_response(run_up_of_plant):
+    write_tracked_orders([run_up_of_plant], "tracked.csv")
     options = ["orders", "plant.yaml", "--output", "T", "--measured", "tracked.csv"]
     (found,) = json.loads(run(*options, "--json").stdout)
     (row,) = found["outputs"][0]["measured"]
@@ -86,10 +86,10 @@ def test_the_command_compares_with_the_swept_response(test_of_plant):
     assert "the model's steady peak loses" in text
 
 
-def test_a_slow_run_is_compared_with_the_steady_response(test_of_plant):
+def test_a_slow_run_is_compared_with_the_steady_response(run_up_of_plant):
     slow = TrackedOrders(
-        "T", "torque", test_of_plant.orders, test_of_plant.times * 1000, test_of_plant.speeds, test_of_plant.values,
-        test_of_plant.half_widths, None, "a pulse",
+        "T", "torque", run_up_of_plant.orders, run_up_of_plant.times * 1000, run_up_of_plant.speeds, run_up_of_plant.values,
+        run_up_of_plant.half_widths, None, "a pulse",
     )  # fmt: skip
     write_tracked_orders([slow], "tracked.csv")
     (found,) = json.loads(run("orders", "plant.yaml", "--output", "T", "--measured", "tracked.csv", "--json").stdout)

@@ -340,6 +340,22 @@ def test_vold_kalman_is_least_squares_with_a_coefficient_for_each_sample():
     assert np.abs(found.values[0] - same)[inside].max() < 0.01
 
 
+@pytest.mark.parametrize("poles", [1, 2, 3])
+def test_bandwidth_of_the_filter_lies_between_its_3_db_points(poles):
+    """An envelope that turns by f Hz passes with 1/(1 + (sqrt 2 - 1)(2f/bandwidth)^(2 poles)): 0.7071 at the edge."""
+    time = np.arange(24_000) / 600
+    signals = [Signal("a", "angle", 60 * time)]
+    beside = (0.0, 0.5, 1.0, -1.0)
+    signals += [Signal(f"{f:g}", "torque", np.cos((180 + 2 * np.pi * f) * time)) for f in beside]
+    record = Recording(tuple(signals), 600)
+    mean = mean_rotation(record, "a")
+    names = [f"{f:g}" for f in beside]
+    found = track_orders(record, mean, names, orders=[3], method=VoldKalman(2.0, poles=poles))
+    for f, one in zip(beside, found, strict=True):
+        inside = np.abs(one.along(3)[len(one.times) // 4 : -len(one.times) // 4])
+        assert inside.mean() == pytest.approx(1 / (1 + (np.sqrt(2) - 1) * f ** (2 * poles)), rel=0.01)
+
+
 def test_order_map_has_phases():
     _, phi, speed = run_up(600, 900, 20, 1000)
     record = Recording((Signal("T", "torque", 3 * np.cos(2 * phi + 0.6)),), sampling_rate=1000.0)
