@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.campaign.campaign import Campaign
+from torsionnet.campaign.checking_responses import response_faults
 from torsionnet.core.entries.format_version import version_faults
 from torsionnet.core.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean
 from torsionnet.drivetrain import Drivetrain
@@ -57,6 +58,7 @@ def load_campaign(path: str | os.PathLike[str]) -> Campaign:
             *_doubled(plan),
             *_sensors(plan, model),
             *_records(plan, model, folder),
+            *response_faults(plan, model),
             *_fitted(plan),
         ]
         patterns, found = _patterns(plan, folder)
@@ -99,7 +101,7 @@ def _model(name: Any, folder: Path) -> tuple[Drivetrain | None, list[Fault]]:
 
 def _references(plan: CampaignFile) -> Iterator[Fault]:
     wheels = list(plan.wheels)
-    known = f"wheels: {', '.join(wheels)}"
+    known = f"wheels: {', '.join(wheels) or 'none'}"
     if plan.reference and plan.reference not in wheels:
         text = f'no wheel is named "{plan.reference}"{did_you_mean(plan.reference, wheels)}'
         yield Fault(f"{text}; {known}", ("reference",))
@@ -138,6 +140,8 @@ def _records(plan: CampaignFile, model: Drivetrain, folder: Path) -> Iterator[Fa
             beside = [one.name for one in folder.iterdir()] if folder.is_dir() else []
             hint = did_you_mean(Path(record.file).name, beside)
             yield Fault(f'there is no file "{record.file}"{hint}', ("records", name, "file"))
+        if record.shows and not getattr(plan, record.shows):
+            yield Fault(f"the campaign has no section {record.shows}", ("records", name, "shows"))
         if not record.configuration and model.configurations:
             known = ", ".join(model.configurations[:MOST_NAMED])
             more = "" if len(model.configurations) <= MOST_NAMED else ", ..."

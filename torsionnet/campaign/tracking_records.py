@@ -6,8 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
+from torsionnet.campaign.calibrated_signals import between_times, with_gain
 from torsionnet.campaign.campaign import Campaign
 from torsionnet.core.errors import Fault, ModelError, UsageError
 from torsionnet.io.large_records import record_or_blocks
@@ -20,7 +19,7 @@ from torsionnet.model.campaign.campaign_file import (
     tracked_entries,
 )
 from torsionnet.response.measured.tracked_orders import TrackedOrders
-from torsionnet.response.recording import FloatArray, Recording
+from torsionnet.response.recording import Recording
 from torsionnet.signals.orders.cycle_average import CycleAverage
 from torsionnet.signals.orders.mean_rotation import mean_rotation
 from torsionnet.signals.orders.orders_of_test import PhaseMark, orders_of_test
@@ -44,7 +43,7 @@ def record_orders(campaign: Campaign, name: str) -> tuple[TrackedOrders, ...]:
     plan, one = campaign.plan, campaign.plan.records[name]
     try:
         wheels, mark = _pulses(campaign, one)
-        mean = mean_rotation(wheels[campaign.reference], cycle=plan.orders.cycle)
+        mean = mean_rotation(wheels[campaign.reference], cycle=campaign.orders.cycle)
         found: dict[str, TrackedOrders] = {}
         for (asked, delay), names in _by_orders_and_delay(campaign).items():
             channels = {key: plan.channels[key] for key in names if plan.channels and key in plan.channels}
@@ -59,7 +58,7 @@ def record_orders(campaign: Campaign, name: str) -> tuple[TrackedOrders, ...]:
                 wheels=turning,
                 twists=[Twist(each.first, each.second, each.stiffness or 0.0) for each in twists.values()],
                 mark=mark,
-                method=_method(plan.orders),
+                method=_method(campaign.orders),
             )
             found |= zip([*channels, *turning, *twists], tracked, strict=True)
     except UsageError as error:
@@ -77,7 +76,7 @@ def _by_orders_and_delay(campaign: Campaign) -> dict[tuple[tuple[float, ...], fl
     found: dict[tuple[tuple[float, ...], float], list[str]] = {}
     for name, one in tracked_entries(campaign.plan).items():
         delay = one.delay if isinstance(one, CampaignChannel) else 0.0
-        found.setdefault((one.orders or campaign.plan.orders.tracked, delay), []).append(name)
+        found.setdefault((one.orders or campaign.orders.tracked, delay), []).append(name)
     return found
 
 
@@ -86,7 +85,7 @@ def _pulses(campaign: Campaign, one: CampaignRecord) -> tuple[dict[str, WheelRot
     plan, phase = campaign.plan, campaign.plan.phase
     names = {"index": phase.index, "cam": phase.cam} if phase is not None else {}
     marks = {name: _reading(campaign, name) for name in names.values() if name}
-    record = _between(read_turning_record(campaign.file_of(one), plan.wheels, marks), one)
+    record = between_times(read_turning_record(campaign.file_of(one), plan.wheels, marks), one)
     rotations = rotations_of_wheels(record, plan.wheels, campaign.patterns, marks=marks)
     if phase is None:
         return rotations, PhaseMark()
@@ -114,7 +113,7 @@ def _signals(path: Path, channels: Mapping[str, CampaignChannel], delay: float, 
         units={name: channel.unit for name, channel in channels.items() if channel.unit},
     )
     if isinstance(record, Recording):
-        return _between(_calibrated(record, channels, delay), one)
+        return between_times(_calibrated(record, channels, delay), one)
     return _blocks_between(record, channels, delay, one)
 
 
@@ -122,7 +121,7 @@ def _blocks_between(
     blocks: Iterable[Recording], channels: Mapping[str, CampaignChannel], delay: float, one: CampaignRecord
 ) -> Iterator[Recording]:
     for block in blocks:
-        kept = _between(_calibrated(block, channels, delay), one)
+        kept = between_times(_calibrated(block, channels, delay), one)
         if len(kept):
             yield kept
 
@@ -131,35 +130,11 @@ def _calibrated(record: Recording, channels: Mapping[str, CampaignChannel], dela
     """Recording with gains applied, and shifted to earlier times by a delay in s."""
     signals = []
     for name, channel in channels.items():
-        signal = record[name]
-        notes = list(signal.notes)
-        if channel.gain != 1:
-            notes.append(f"multiplied by {channel.gain:g}")
-        if delay:
-            notes.append(f"shifted {1e3 * delay:g} ms to earlier times")
-        signals.append(replace(signal, values=channel.gain * signal.values, notes=tuple(notes)))
+        signal = with_gain(record[name], channel)
+        note = f"shifted {1e3 * delay:g} ms to earlier times"
+        signals.append(replace(signal, notes=(*signal.notes, *([note] if delay else []))))
     times = None if record.times is None else record.times - delay
     return replace(record, signals=tuple(signals), start=record.start - delay, times=times)
-
-
-def _between(record: Recording, one: CampaignRecord) -> Recording:
-    """Recording between the times from which and up to which a record of a campaign counts."""
-    if one.start is None and one.stop is None:
-        return record
-    first, last = -np.inf if one.start is None else one.start, np.inf if one.stop is None else one.stop
-
-    def kept(times: FloatArray) -> FloatArray:
-        return np.asarray((times >= first) & (times <= last))
-
-    inside = kept(record.time)
-    times = record.time[inside]
-    return replace(
-        record,
-        signals=tuple(replace(signal, values=signal.values[inside]) for signal in record),
-        start=float(times[0]) if len(times) else record.start,
-        times=None if record.times is None else times,
-        pulses=tuple(replace(channel, times=channel.times[kept(channel.times)]) for channel in record.pulses),
-    ).with_notes(f"cut to {first:g} to {last:g} s")
 
 
 def _method(orders: CampaignOrders) -> CycleAverage | VoldKalman:
