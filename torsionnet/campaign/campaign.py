@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from torsionnet.core.entries.spec import not_none
 from torsionnet.core.notebook import NotebookResult
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.model.campaign.campaign_file import CampaignFile, CampaignOrders, CampaignRecord, tracked_entries
+from torsionnet.model.campaign.campaign_file import CampaignFile, CampaignRecord, tracked_entries
 from torsionnet.response.measured.wheel_pattern import WheelPattern
 from torsionnet.response.table import Column, Table
 
@@ -40,11 +39,6 @@ class Campaign(NotebookResult):
     def title(self) -> str:
         """Title of the campaign; without one the name of its file."""
         return self.plan.name or self.file.stem
-
-    @property
-    def orders(self) -> CampaignOrders:
-        """Orders that are tracked, and how; of a campaign that has some."""
-        return not_none(self.plan.orders)
 
     @property
     def of_orders(self) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from torsionnet.campaign.calibrated_signals import between_times, with_gain
 from torsionnet.campaign.campaign import Campaign
+from torsionnet.core.entries.spec import not_none
 from torsionnet.core.errors import Fault, ModelError, UsageError
 from torsionnet.io.large_records import record_or_blocks
 from torsionnet.io.turning_records import read_turning_record
@@ -43,7 +44,7 @@ def record_orders(campaign: Campaign, name: str) -> tuple[TrackedOrders, ...]:
     plan, one = campaign.plan, campaign.plan.records[name]
     try:
         wheels, mark = _pulses(campaign, one)
-        mean = mean_rotation(wheels[campaign.reference], cycle=campaign.orders.cycle)
+        mean = mean_rotation(wheels[campaign.reference], cycle=not_none(plan.orders).cycle)
         found: dict[str, TrackedOrders] = {}
         for (asked, delay), names in _by_orders_and_delay(campaign).items():
             channels = {key: plan.channels[key] for key in names if plan.channels and key in plan.channels}
@@ -58,7 +59,7 @@ def record_orders(campaign: Campaign, name: str) -> tuple[TrackedOrders, ...]:
                 wheels=turning,
                 twists=[Twist(each.first, each.second, each.stiffness or 0.0) for each in twists.values()],
                 mark=mark,
-                method=_method(campaign.orders),
+                method=_method(not_none(plan.orders)),
             )
             found |= zip([*channels, *turning, *twists], tracked, strict=True)
     except UsageError as error:
@@ -76,7 +77,7 @@ def _by_orders_and_delay(campaign: Campaign) -> dict[tuple[tuple[float, ...], fl
     found: dict[tuple[tuple[float, ...], float], list[str]] = {}
     for name, one in tracked_entries(campaign.plan).items():
         delay = one.delay if isinstance(one, CampaignChannel) else 0.0
-        found.setdefault((one.orders or campaign.orders.tracked, delay), []).append(name)
+        found.setdefault((one.orders or not_none(campaign.plan.orders).tracked, delay), []).append(name)
     return found
 
 

@@ -20,7 +20,7 @@ from torsionnet.signals.orders.vold_kalman import VoldKalman
 from torsionnet.signals.rotation.wheel_channel import WheelChannel
 
 SHOWS = ("orders", "responses")
-"""What a record may show: orders of a turning machine, or frequency responses of a rig that is shaken."""
+"""Names of what a record shows: orders of a turning machine, or frequency responses of a rig that is shaken."""
 METHODS = ("average", "vold-kalman")
 """Ways to track orders: synchronous averages over cycles, or Vold-Kalman filters."""
 _OWN_ORDERS = OrderList("orders tracked of it, instead of those of all")
