@@ -153,9 +153,33 @@ def test_crossing_orders_of_two_shafts_within_two_percent():
     first, second = track_orders(
         record, one, ["T"], orders=[2], method=VoldKalman(1.0), reference=TOP, further=[(other, [1])]
     )
+    assert any("orders cross: 2 of a and 1 of b at 5 s" in note for note in first.notes)
     begin = other.angles[0]
     assert np.abs(first.along(2) / (3 * np.exp(0.5j)) - 1).max() < 0.02
     assert np.abs(second.along(1) / (2 * np.exp(1j * (begin - 1))) - 1).max() < 0.02
+
+
+def test_orders_that_cross_within_a_resonance_lose_more_than_11_percent_and_it_is_said():
+    """Damping ratio 0.03 at 20 Hz, 5 Hz/s, a second order that stands at 20 Hz: no bandwidth does better (issue 32)."""
+    rate, natural, zeta = 1000.0, 20.0, 0.03
+    time = np.arange(10_000) / rate
+    hertz = 5 + 5 * time
+    phi, other = 2 * np.pi * (5 * time + 2.5 * time**2), 2 * np.pi * natural * time
+    envelope = 2 * zeta / (1 - (hertz / natural) ** 2 + 2j * zeta * hertz / natural)
+    values = (envelope * np.exp(1j * phi)).real + np.cos(other)
+    signals = (Signal("a", "angle", phi / 3), Signal("b", "angle", other / 2), Signal("T", "torque", values))
+    record = Recording(signals, sampling_rate=rate)
+    one, two = mean_rotation(record, "a"), mean_rotation(record, "b")
+    for bandwidth, held in ((0.7, True), (1.0, True), (1.5, True), (4.0, False)):
+        method, further = VoldKalman(bandwidth), [(two, [2])]
+        found, _ = track_orders(record, one, ["T"], orders=[3], method=method, reference=TOP, further=further)
+        inside = (found.times > 1) & (found.times < 9)
+        true = np.interp(found.times, time, envelope.real) + 1j * np.interp(found.times, time, envelope.imag)
+        error, width = (found.values[0] - true)[inside], found.half_widths[0, inside]
+        assert np.abs(error).max() > 0.11
+        assert ((np.abs(error.real) < width) & (np.abs(error.imag) < width)).all() == held
+        assert any("orders cross: 3 of a and 2 of b at 3 s; " in note for note in found.notes)
+        assert any("above a bandwidth of 2.2 Hz" in note for note in found.notes)
 
 
 @pytest.mark.parametrize(("bandwidth", "noise"), [(0.7, 0.0), (1.0, 0.0), (2.0, 0.1)])

@@ -20,6 +20,7 @@ from torsionnet.core.listing import comma_list
 from torsionnet.response.frequency_response import ComplexArray
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.recording import FloatArray
+from torsionnet.signals.orders.crossing_orders import crossing_notes
 from torsionnet.signals.orders.mean_rotation import MeanRotation
 from torsionnet.signals.orders.phase_reference import PhaseReference
 from torsionnet.signals.orders.tracked_signals import NORMAL_HALF_WIDTH, Tracked, tracked_values
@@ -100,6 +101,7 @@ def _results(
     times: FloatArray, values: ComplexArray, widths: FloatArray,
 ) -> list[list[TrackedOrders]]:  # fmt: skip
     said = f"{settings.words}; intervals from the residual and from the bend of the envelopes"
+    crossing = crossing_notes(shafts, times)
     found, at = [], 0
     for number, (shaft, orders) in enumerate(shafts):
         mine = slice(at, at + len(orders))
@@ -109,7 +111,7 @@ def _results(
         kept = values[:, mine]
         wide = np.hypot(widths[:, mine], one.uncertain(orders)[:, None] if number == 0 else 0.0)
         ranges = half_ranges(kept, orders, shaft.cycle)
-        notes = (*shaft.notes, said, *one.notes)
+        notes = (*shaft.notes, said, *crossing, *one.notes)
         bandwidths = settings.bandwidths(np.outer(orders, speeds / (2 * np.pi))).mean(axis=1)
         related = tuple((settings.related_bandwidths / bandwidths).tolist())
         if number:
