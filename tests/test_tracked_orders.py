@@ -251,6 +251,37 @@ def test_a_geared_wheel_is_tracked_in_its_own_angle():
     assert np.abs(twist.values).max() < 1e-9
 
 
+@pytest.mark.parametrize("method", [CycleAverage(), VoldKalman(2.0)], ids=["average", "filter"])
+def test_a_wheel_that_turns_against_the_sense_of_the_model_in_a_run_up(method):
+    """It reads minus the angle of the model, and a twist is that between the shafts, not the sum of both rotations."""
+    start, rise = 300 * np.pi / 30, np.pi
+    dense = np.linspace(0, 20, 200_001)
+
+    def phi(at):
+        return start * at + rise * at**2 / 2
+
+    def passing(amplitude, phase, turns):
+        """Times at which teeth pass where the wheel turns by turns phi + amplitude cos(1.5 phi + phase)."""
+        course = turns * phi(dense) + amplitude * np.cos(1.5 * phi(dense) + phase)
+        wanted = 2 * np.pi / 60 * np.arange(1, int(course[-1] * 60 / 2 / np.pi))
+        at = np.interp(wanted, course, dense)
+        for _ in range(5):
+            turning = 1.5 * phi(at) + phase
+            rate = (start + rise * at) * (turns - 1.5 * amplitude * np.sin(turning))
+            at = at - (turns * phi(at) + amplitude * np.cos(turning) - wanted) / rate
+        return at
+
+    fast = wheel(passing(0.01, 0.0, 1.0))
+    slow = wheel(passing(-0.01, 0.7, 0.5), name="slow", ratio=2, reversed=True)
+    zero = PhaseReference(-2 * np.pi / 60, "angle 0")  # tooth 0 is that of the first pulse, a pitch later
+    pair = (Twist("wheel", "slow"), fast, slow)
+    kinds = track_orders(None, fast, wheels=[slow], twists=[pair], orders=[1, 1.5], reference=zero, method=method)
+    for found, true in zip(kinds, (0.01 * np.exp(0.7j), 0.01 + 0.02 * np.exp(0.7j)), strict=True):
+        assert np.abs(found.along(1.5) - true).max() < 3e-5
+        assert np.abs(found.along(1)).max() < 3e-5
+        assert np.isfinite(found.half_widths).all()
+
+
 def marks(angles: np.ndarray, values: np.ndarray, omega: float) -> np.ndarray:
     times = angles / omega
     for _ in range(60):

@@ -181,7 +181,7 @@ def _segment(
     residual = _Residual.around(filtered, filtered.residual(own, values), phase, knots)
     reach = COEFFICIENTS_PER_BANDWIDTH
     density = _mean_around(residual.power, 5 * reach) / _kept_of_noise(settings.poles)
-    noise_width = np.sqrt(_at(_mean_around(passed, reach) * density, middles, times))
+    noise_width = np.sqrt(_at(np.maximum(_mean_around(passed, reach) * density, 0), middles, times))
     left = _at(residual.left(density), middles, times)
     bias = _largest_around(BIAS_FACTOR * lost + left, VALUES_PER_BANDWIDTH // 2)
     envelopes[:, :, _without_samples(at, times, float(width.max()))] = np.nan
@@ -242,7 +242,10 @@ def _kept_of_noise(poles: int) -> float:
 
 
 def _mean_around(values: FloatArray, reach: int) -> FloatArray:
-    """Mean of values over neighbours on both sides along the last axis, in their unit."""
+    """Mean of values over neighbours on both sides along the last axis, in their unit.
+
+    It is a running sum, whose rounding leaves a little of large values, of either sign, where small ones follow.
+    """
     from scipy.ndimage import uniform_filter1d
 
     return np.asarray(uniform_filter1d(values, 2 * reach + 1, axis=-1, mode="nearest"))

@@ -111,7 +111,8 @@ class Twist:
     Attributes
     ----------
     first, second : str
-        Names of the wheels: twist is the angle of the first minus that of the second, each times its ratio.
+        Names of the wheels: twist is the angle of the first minus that of the second, each times its ratio and, of a
+        wheel that turns against the sense of the model, times -1.
     stiffness : float
         Stiffness between them in N m/rad, referred to the reference shaft; 0 where the twist itself is wanted. Torque
         is stiffness times twist: damping between the wheels is left out.
@@ -131,20 +132,25 @@ class Twist:
 
 
 def of_wheel(wheel: WheelRotation, mean: MeanRotation) -> Tracked:
-    """Vibration of a wheel beyond the mean rotation in rad, in the angle of its own shaft."""
+    """Vibration of a wheel beyond the mean rotation in rad, in the angle of its own shaft in the model's sense."""
     return _of_wheels(((wheel, 1 / wheel.wheel.ratio),), mean, Signal(wheel.name, "angle", np.empty(0)))
 
 
 def of_twist(first: WheelRotation, second: WheelRotation, twist: Twist, mean: MeanRotation) -> Tracked:
     """Twist between two wheels in rad, or its torque in N m, referred to the reference shaft."""
     scale = twist.stiffness or 1.0
-    return _of_wheels(((first, scale), (second, -scale)), mean, twist.signal)
+    return _of_wheels(((first, scale * _sense(first)), (second, -scale * _sense(second))), mean, twist.signal)
+
+
+def _sense(wheel: WheelRotation) -> float:
+    """1 where the angle of a wheel rises with the mean rotation, -1 where it turns against the sense of the model."""
+    return -1.0 if wheel.wheel.reversed != wheel.backwards else 1.0
 
 
 def _of_wheels(parts: tuple[tuple[WheelRotation, float], ...], mean: MeanRotation, signal: Signal) -> Tracked:
     begin, end = max(wheel.times[0] for wheel, _ in parts), min(wheel.times[-1] for wheel, _ in parts)
     per_turn = max(wheel.wheel.teeth / abs(wheel.wheel.ratio) for wheel, _ in parts)
-    rest = sum(weight for _, weight in parts)
+    rest = sum(weight * _sense(wheel) for wheel, weight in parts)
 
     def read(times: FloatArray) -> FloatArray:
         inside = np.clip(times, begin, end)
