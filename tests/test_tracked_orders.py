@@ -454,6 +454,45 @@ else:
         assert float(done.stdout) < 350
 
 
+@pytest.mark.slow
+def test_a_wheel_of_an_hour_and_blocks_of_eight_channels_fit_into_400_megabytes():
+    """Pulses of an hour at 1500 rpm, 60 teeth, and the last minute of 8 channels at 10 kHz in two blocks (issue 32)."""
+    program = """
+from pathlib import Path
+import numpy as np
+from torsionnet.response.recording import Recording, Signal
+from torsionnet.signals import PulseChannel, mean_rotation
+from torsionnet.signals.orders.orders_of_test import orders_of_test
+from torsionnet.signals.rotation.rotations_of_wheels import rotations_of_wheels
+from torsionnet.signals.rotation.wheel_channel import WheelChannel
+speed, rate, hour = 50 * np.pi, 10e3, 3600
+
+def pulses():
+    angles = np.arange(1500 * hour) * (2 * np.pi / 60)
+    times = angles / speed
+    angles *= 3
+    times -= 1e-3 / speed * np.cos(angles, out=angles)
+    return np.round(times, 7, out=times)
+
+def blocks():
+    for start in (hour - 60.0, hour - 30.0):
+        wave = np.cos(3 * speed * (start + np.arange(int(30 * rate)) / rate))
+        yield Recording(tuple(Signal(f"T{n}", "torque", (n + 1) * wave) for n in range(8)), rate, start=start)
+
+record = Recording((), rate, pulses=(PulseChannel("fly", pulses(), 1e-7),))
+wheels = rotations_of_wheels(record, {"fly": WheelChannel(teeth=60)})
+names = [f"T{n}" for n in range(8)]
+found = orders_of_test(blocks(), wheels, mean_rotation(wheels["fly"]), orders=[1.5, 3], channels=names)
+assert found[7].times[-1] > hour - 1
+assert np.abs(np.abs(found[7].along(3)) - 8).max() < 1e-4
+late = np.linspace(hour - 2, hour - 1, 1000)
+assert np.ptp(wheels["fly"].angle(late) - speed * late - 1e-3 * np.cos(3 * speed * late)) < 2e-5
+print(int(Path("/proc/self/status").read_text().partition("VmHWM:")[2].split()[0]) / 1024)
+"""
+    done = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True)
+    assert float(done.stdout) < 400
+
+
 def test_values_of_a_filter_share_data_within_a_time_by_its_response():
     for poles in (1, 2, 3, 4):
         f = np.linspace(-100, 100, 200_001)

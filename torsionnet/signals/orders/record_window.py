@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +38,7 @@ class RecordWindow:
         first, _ = next(self._blocks, (None, False))
         if first is None:
             raise UsageError("the record is empty")
-        self.signals: tuple[Signal, ...] = first.signals
+        self.signals: tuple[Signal, ...] = tuple(replace(one, values=np.empty(0)) for one in first)
         self.rate, self._start, self._values = first.sampling_rate, first.start, _stack(first)
         self.title = first.title
         self._lost: list[list[tuple[float, float]]] = [[] for _ in first.signals]
@@ -51,6 +52,7 @@ class RecordWindow:
     def reaches(self, time: float) -> bool:
         """Whether the record goes on to a time in s; blocks are read until it does."""
         while self._end < time:
+            self._values = self._values.copy()  # frees what was dropped before the next block is read
             block, continued = next(self._blocks, (None, False))
             if block is None:
                 return False
