@@ -27,6 +27,8 @@ from torsionnet.signals.rotation.wheel import Wheel
 
 HALF_WIDTH_DEVIATIONS = 1.96
 """Half width of the 95 % interval of a normal variable over its standard deviation."""
+MOST_LISTED_ORDERS = 6
+"""Most orders that a message lists one by one; more are named by the first and the last."""
 WHOLE_ORDER = 1e-6
 """Largest distance of an order from a whole number of vibrations per turn of a wheel at which teeth reach it."""
 
@@ -146,7 +148,8 @@ class WheelRotation:
         beyond = [order for order in orders if order > self.highest_order]
         if not beyond:
             return
-        listed = ", ".join(f"{order:g}" for order in beyond)
+        many = len(beyond) > MOST_LISTED_ORDERS
+        listed = f"{min(beyond):g} to {max(beyond):g}" if many else ", ".join(f"{order:g}" for order in beyond)
         reads = max(beyond)
         alias = f", order {reads:g} would read as {self.aliased(reads):g}" if reads >= self.alias_order else ""
         raise UsageError(
