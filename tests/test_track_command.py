@@ -220,3 +220,13 @@ def test_slices_and_stress():
 def test_entries():
     assert ORDERS.coerce("0.5:2:0.5, 6") == (0.5, 1.0, 1.5, 2.0, 6.0)
     assert (BANDWIDTH.coerce("2%").share, BANDWIDTH.coerce("0.5 Hz").bandwidth) == (0.02, 0.5)
+
+
+def test_a_misspelt_reference_names_the_likely_wheel(record, tmp_path):
+    wheels = tmp_path / "wheels.yaml"
+    wheels.write_text("fly: {teeth: 60, missing_teeth: 2}\ngen: {teeth: 60}\n")
+    result = CliRunner().invoke(
+        app, ["track", str(record), "--wheels", str(wheels), "--reference", "flyy", "--orders", "3"]
+    )
+    assert result.exit_code == 2
+    assert 'named flyy; did you mean "fly"?; wheels: fly, gen; channels: T, n' in " ".join(result.output.split())
