@@ -336,6 +336,25 @@ def test_a_reference_that_is_missing_or_unclear_is_refused():
     assert phase_reference(mean, seen).words == ""
 
 
+@pytest.mark.parametrize(("spoiled", "remark"), [
+    (lambda times: np.delete(times, 30), "1 pulse missing and counted: 1 after pulse 29 at 3.722"),
+    (lambda times: np.sort([*times, times[30] + 0.02]), "1 pulse too many left out: pulse 31 at 3."),
+])  # fmt: skip
+def test_mean_rotation_of_a_once_per_turn_record_counts_missing_and_double_pulses(spoiled, remark):
+    """Speed 5 + 1.5 t turns a second: turn n is done at (sqrt(25 + 3 n) - 5)/1.5."""
+    times = (np.sqrt(25 + 3 * np.arange(80)) - 5) / 1.5
+    mean = mean_rotation(PulseChannel("key", spoiled(times)))
+    assert mean.speed(mean.ends) / (2 * np.pi) == pytest.approx(5 + 1.5 * mean.ends, rel=1e-9)
+    assert any(note.startswith(f"key: {remark}") for note in mean.notes)
+
+
+def test_an_angle_that_begins_again_each_turn_is_refused():
+    time = np.arange(5000) / 1000
+    record = Recording((Signal("a", "angle", 60 * time % (2 * np.pi)),), 1000)
+    with pytest.raises(UsageError, match=r"a jumps back by 35[0-9.]+ deg at 0.104 s, as an angle that begins again"):
+        mean_rotation(record, "a")
+
+
 def test_orders_that_cannot_be_told_are_refused():
     seen = wheel(pulses_of(900, 20, six_cylinder()))
     with pytest.raises(UsageError, match="order 54 would read as 6"):
