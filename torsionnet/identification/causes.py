@@ -20,8 +20,9 @@ from torsionnet.model.excitations.excitation_numbers import numbers_by_name
 AnySpring: TypeAlias = Spring | HystereticSpring
 Change: TypeAlias = Callable[[AssembledModel], AssembledModel]
 FREED_DIMENSIONS = ("inertia", "stiffness", "damping")
-"""Dimensions of element fields that are tried as causes of a misfit, besides gear ratios (inertia, stiffness,
-damping)."""
+"""Dimensions of element fields that are tried as causes of a misfit (inertia, stiffness, damping)."""
+FREED_FIELDS = ("ratio", "natural_frequency")
+"""Other fields that are tried: ratios of gears, and the frequency to which a damper is tuned."""
 REPLACED_FIELDS = {"hysteretic": "damping", "viscous": "loss_factor", "ratio": "teeth"}
 """Field of an element that each kind of cause replaces, the other kind of damping or the teeth behind a ratio."""
 
@@ -82,7 +83,7 @@ def _values(rig: AssembledModel) -> Iterator[Cause]:
     definition, seen = rig.definition, set()
     for element in definition.active:
         for field, (spec, value) in element.scalars().items():
-            known = getattr(spec, "dimension", "") in FREED_DIMENSIONS or field == "ratio"
+            known = getattr(spec, "dimension", "") in FREED_DIMENSIONS or field in FREED_FIELDS
             if not known or not isinstance(value, Expression):
                 continue
             for name in _leaves(value, definition.parameters) or [f"{element.name}.{field}"]:
