@@ -439,6 +439,17 @@ def test_order_map_has_phases():
     assert np.abs(seen.values) == pytest.approx(seen.amplitude)
 
 
+@pytest.mark.parametrize("method", [CycleAverage(), VoldKalman(1.0)])
+def test_pulses_that_go_on_after_the_record_give_orders_up_to_its_end(method):
+    time = np.arange(10_000) / 1000
+    wave = 5 * np.cos(300 * time)
+    rotation = mean_rotation(PulseChannel("n", np.arange(400) * 2 * np.pi / 100))
+    record = Recording((Signal("T", "torque", wave),), sampling_rate=1000.0)
+    (found,) = track_orders(record, rotation, ["T"], orders=[3], method=method)
+    assert 8.5 < found.times[-1] < 10
+    assert np.abs(found.along(3)) == pytest.approx(np.full(len(found.times), 5.0), abs=0.01)
+
+
 @pytest.mark.slow
 def test_an_hour_of_eight_channels_fits_into_memory(tmp_path):
     """A tenth of an hour of 8 channels at 10 kHz, 230 MB, read in blocks: far below 400 MB (issue 32)."""

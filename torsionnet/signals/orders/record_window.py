@@ -41,6 +41,8 @@ class RecordWindow:
         self.signals: tuple[Signal, ...] = tuple(replace(one, values=np.empty(0)) for one in first)
         self.rate, self._start, self._values = first.sampling_rate, first.start, _stack(first)
         self.title = first.title
+        self.end = first.start + first.duration if isinstance(recordings, Recording) else np.inf
+        """Time at which the record ends, s; inf of blocks, whose end shows only when they are read."""
         self._lost: list[list[tuple[float, float]]] = [[] for _ in first.signals]
         self._search(self._values, first.start)
 

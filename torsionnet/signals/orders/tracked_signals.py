@@ -87,7 +87,7 @@ def of_record(window: RecordWindow, orders: FloatArray) -> Tracked:
         window.signals,
         read,
         window.start,
-        np.inf,
+        window.end,
         lambda _: window.rate,
         lambda duration: max(int(np.ceil(duration * window.rate)), 8),
         lambda speed: spline_response(orders * speed / (2 * np.pi * window.rate)),
