@@ -22,7 +22,7 @@ Change: TypeAlias = Callable[[AssembledModel], AssembledModel]
 FREED_DIMENSIONS = ("inertia", "stiffness", "damping")
 """Dimensions of element fields that are tried as causes of a misfit (inertia, stiffness, damping)."""
 FREED_FIELDS = ("ratio", "natural_frequency")
-"""Other fields that are tried: ratios of gears, and the frequency to which a damper is tuned."""
+"""Names of element fields that are tried whatever their dimension: ratios of gears, frequencies of tuned dampers."""
 REPLACED_FIELDS = {"hysteretic": "damping", "viscous": "loss_factor", "ratio": "teeth"}
 """Field of an element that each kind of cause replaces, the other kind of damping or the teeth behind a ratio."""
 
