@@ -12,6 +12,8 @@ from torsionnet.campaign import running_campaign
 from torsionnet.cli.app import app
 from torsionnet.core.errors import ModelError
 from torsionnet.io import write_recording
+from torsionnet.report.campaign_report import campaign_report
+from torsionnet.report.report import writer_for
 from torsionnet.response.recording import Recording, Signal
 
 MODEL = """
@@ -171,6 +173,34 @@ def test_screen_shows_responses_without_a_table_of_orders(folder, monkeypatch):
     assert found.exit_code == 0, found.output
     assert "frequency responses of test and model" in found.stdout
     assert "orders compared" not in found.stdout
+
+
+@pytest.mark.slow
+def test_report_is_as_the_campaign_plans_it(folder):
+    plan = (
+        "report: {kind: approval, title: Prüfstandslauf, language: de, sections: [test],\n"
+        "  title_block: {document_number: TV-17, revisions: [{revision: B, date: 2026-11-20}]}}\n"
+    )
+    result = run(folder, ("responses:", f"{plan}responses:"))
+    report = campaign_report(result)
+    assert report.title == "Prüfstandslauf"
+    assert [section.name for section in report.sections] == ["test"]
+    write = writer_for("report.html")
+    write(report, folder / "report.html")
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert "<html lang=de>" in page
+    assert "TV-17" in page
+    assert "2026-11-20" in page
+
+
+def test_faults_of_the_report_have_their_places(folder):
+    plan = "report: {language: fr, sections: [tests]}\nresponses:"
+    with pytest.raises(ModelError) as caught:
+        run(folder, ("responses:", plan))
+    assert "test.yaml:7:20: error:" in str(caught.value)
+    assert 'test.yaml:7:35: error: no section is named "tests"; did you mean "test"?' in str(caught.value)
+    with pytest.raises(ModelError, match='no sensor or node is named "omgea"'):
+        run(folder, ("responses:", "report: {transfer_functions: [omgea/T_in]}\nresponses:"))
 
 
 def test_every_fault_of_the_responses_has_its_place(folder):

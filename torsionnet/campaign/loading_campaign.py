@@ -22,6 +22,7 @@ from torsionnet.model.files.fault_positions import located_faults, presentable_f
 from torsionnet.model.files.library import library_campaigns
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.model.files.reader import is_file
+from torsionnet.model.report.report_checks import check_report
 from torsionnet.response.measured.wheel_pattern import WheelPattern
 from torsionnet.signals.rotation.pattern_checks import check_pattern
 
@@ -59,6 +60,7 @@ def load_campaign(path: str | os.PathLike[str]) -> Campaign:
             *_sensors(plan, model),
             *_records(plan, model, folder),
             *response_faults(plan, model),
+            *(check_report(plan.report, model.definition) if plan.report else ()),
             *_fitted(plan),
         ]
         patterns, found = _patterns(plan, folder)

@@ -46,9 +46,10 @@ def campaign_report(
     if not places and not campaign.of_responses:
         raise UsageError("no channel of the campaign shows a sensor of the model: name one by sensor: for the report")
     model = campaign.model
-    plan = model.definition.report or ReportPlan()
+    own = campaign.plan.report or ReportPlan()
+    plan = _plan(campaign, own)
     if places:
-        plan = replace(plan, measure=tuple(dict.fromkeys(places.values())))
+        plan = replace(plan, measure=tuple(dict.fromkeys([*places.values(), *own.measure])))
     model = Drivetrain.from_definition(replace(model.definition, report=plan))
     names = {name: _configuration(campaign, one.configuration) for name, one in campaign.plan.records.items()}
     measured = [
@@ -64,9 +65,17 @@ def campaign_report(
         measured=measured,
         tests=list(_tests(result, names)),
         fits=[] if result.fit is None else [result.fit],
-        title=campaign.title,
+        title=own.title or campaign.title,
+        template=campaign.folder / own.template if own.template else None,
         progress=progress,
     )
+
+
+def _plan(campaign: Campaign, own: ReportPlan) -> ReportPlan:
+    """Plan of the report: that of the model, but for the entries that the campaign has of its own."""
+    defaults = ReportPlan.defaults()
+    given = {key: value for key in defaults if (value := getattr(own, key)) != defaults[key]}
+    return replace(campaign.model.definition.report or ReportPlan(), **given)
 
 
 def _tests(result: CampaignResult, configurations: Mapping[str, str]) -> Iterator[Measured]:

@@ -15,6 +15,7 @@ from torsionnet.core.entries.words import MODEL_NAME, Count, Flag, OneOf, Text
 from torsionnet.core.errors import Fault
 from torsionnet.model.campaign.campaign_responses import CampaignResponses
 from torsionnet.model.fit.fit_entries import FitParameter, ParameterTable
+from torsionnet.model.report.report_plan import ReportPlan
 from torsionnet.signals.orders.tracking_entries import BANDWIDTH, ORDERS, OrderList
 from torsionnet.signals.orders.vold_kalman import VoldKalman
 from torsionnet.signals.rotation.wheel_channel import WheelChannel
@@ -207,6 +208,10 @@ class CampaignFile(Declared):
         Nested("frequency responses that are estimated", lambda: CampaignResponses, "campaign_responses"), None
     )
     fit: CampaignFit | None = entry(Nested("parameters that are found", lambda: CampaignFit, "campaign_fit"), None)
+    report: ReportPlan | None = entry(
+        Nested("the report, where it differs from that of the model", lambda: ReportPlan, "report", optional=True),
+        None,
+    )
 
     @classmethod
     def key_faults(cls, raw: Mapping[Any, Any], name: str = "") -> list[Fault]:
