@@ -7,6 +7,7 @@ from typing import Annotated
 
 from torsionnet.campaign.campaign_result import CampaignResult, CampaignVerdict, RecordRow
 from torsionnet.campaign.condition_spread import ConditionSpread
+from torsionnet.campaign.record_findings import RecordFinding
 from torsionnet.campaign.response_rows import ResponseRow, ResponseSpread
 from torsionnet.core.result_rows import Out
 from torsionnet.identification.fit_record import FitRecord, fit_record
@@ -26,6 +27,7 @@ class CampaignJson:
     notes: tuple[str, ...]
     responses: tuple[ResponseRow, ...] = ()
     response_repeatability: tuple[ResponseSpread, ...] = ()
+    checks: tuple[RecordFinding, ...] = ()
 
 
 def campaign_json(result: CampaignResult) -> CampaignJson:
@@ -34,5 +36,5 @@ def campaign_json(result: CampaignResult) -> CampaignJson:
     alone = result.ranking.causes if result.ranking is not None and result.fit is None else None
     return CampaignJson(
         result.campaign.title, result.rows, result.verdicts, result.spreads, fit, alone, result.remarks,
-        result.response_rows, result.response_spreads,
+        result.response_rows, result.response_spreads, result.findings,
     )  # fmt: skip

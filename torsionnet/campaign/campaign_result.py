@@ -10,6 +10,7 @@ from typing import Annotated
 from torsionnet.campaign.campaign import Campaign
 from torsionnet.campaign.condition_spread import ConditionSpread
 from torsionnet.campaign.estimating_responses import CampaignResponse
+from torsionnet.campaign.record_findings import RecordFinding
 from torsionnet.campaign.response_rows import ResponseRow, ResponseSpread, response_lines, response_rows
 from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.result_rows import Out
@@ -93,6 +94,8 @@ class CampaignResult(NotebookResult):
         Repairs of pulses, and what the comparison leaves out.
     response_spreads : tuple of ResponseSpread
         Repeatability of the frequency responses.
+    findings : tuple of RecordFinding
+        Faults that the checks of the records found.
     """
 
     campaign: Campaign
@@ -102,6 +105,12 @@ class CampaignResult(NotebookResult):
     ranking: Ranking | None = None
     remarks: tuple[str, ...] = ()
     response_spreads: tuple[ResponseSpread, ...] = ()
+    findings: tuple[RecordFinding, ...] = ()
+
+    @property
+    def fails(self) -> bool:
+        """Whether a fault of a record is beyond the level at which the campaign fails."""
+        return any(one.consequence == "fails" for one in self.findings)
 
     def tests(self, record: str) -> dict[str, tuple[MeasuredOrder, ...]]:
         """Measured orders of a record by the output of its calculated orders."""

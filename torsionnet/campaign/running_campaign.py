@@ -14,8 +14,10 @@ from torsionnet.campaign.campaign_result import CampaignRecordResult, CampaignRe
 from torsionnet.campaign.condition_spread import ConditionSpread, condition_spread
 from torsionnet.campaign.estimating_responses import campaign_response, response_measurements
 from torsionnet.campaign.kept_files import file_name, kept_path, record_key, write_kept
+from torsionnet.campaign.record_findings import RecordFinding, record_findings
 from torsionnet.campaign.response_rows import ResponseSpread, response_spread
 from torsionnet.campaign.tracking_records import record_orders
+from torsionnet.core.errors import Fault, ModelError
 from torsionnet.identification import Fit, Measurement, Ranking, Unknown, identify, rank_causes
 from torsionnet.io.tracked_order_tables import read_tracked_orders, write_tracked_orders
 from torsionnet.model.campaign.campaign_file import tracked_entries
@@ -51,16 +53,30 @@ def run_campaign(
     """
     place = Path(folder) if folder is not None else campaign.folder / f"{campaign.file.stem}.orders"
     show = progress or (lambda *_: None)
-    records, count = {}, len(campaign.plan.records)
+    records, findings, count = {}, list[RecordFinding](), len(campaign.plan.records)
     for done, name in enumerate(campaign.plan.records):
         show(f"record {name}", done, count)
-        records[name] = _result(campaign, name, place)
+        checked = record_findings(campaign, name, place)
+        findings += checked
+        if not any(one.consequence == "left out" for one in checked):
+            records[name] = _result(campaign, name, place)
+    if not records:
+        texts = [one.remark for one in findings]
+        raise ModelError([Fault(text, ("checks",)) for text in texts], campaign.file.name)
     show("comparison", count, count)
     remarks = tuple(campaign_remarks({name: found.orders for name, found in records.items() if found.orders}))
+    remarks += tuple(one.remark for one in findings)
     fit, ranking = _fitted(campaign, records)
     return CampaignResult(
-        campaign, records, _spreads(campaign, records), fit, ranking, remarks, _response_spreads(campaign, records)
-    )
+        campaign,
+        records,
+        _spreads(campaign, records),
+        fit,
+        ranking,
+        remarks,
+        _response_spreads(campaign, records),
+        tuple(findings),
+    )  # fmt: skip
 
 
 def _result(campaign: Campaign, name: str, folder: Path) -> CampaignRecordResult:

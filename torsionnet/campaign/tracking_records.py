@@ -72,6 +72,11 @@ def record_orders(campaign: Campaign, name: str) -> tuple[TrackedOrders, ...]:
     )
 
 
+def record_rotations(campaign: Campaign, name: str) -> dict[str, WheelRotation]:
+    """Rotations of the wheels of a record of a campaign, by name."""
+    return _pulses(campaign, campaign.plan.records[name])[0]
+
+
 def _by_orders_and_delay(campaign: Campaign) -> dict[tuple[tuple[float, ...], float], list[str]]:
     """Names of wheels, channels and twists by the orders that are tracked of them and by how late they come, in s."""
     found: dict[tuple[tuple[float, ...], float], list[str]] = {}

@@ -57,6 +57,7 @@ class CampaignCommand(Command):
             csv=lambda: _csv(result, conventions),
             files=[(self.report, lambda file: self._write_report(result, file))],
             figures=lambda plot: _figures(plot, result, conventions),
+            exit_code=1 if result.fails else 0,
         )
 
     def _result(self) -> CampaignResult:
@@ -69,6 +70,9 @@ class CampaignCommand(Command):
             result = run_campaign(
                 campaign, self.folder, progress=lambda words, done, total: show("records", done, total, words)
             )
+        for one in result.findings:
+            if one.consequence:
+                message("error" if one.consequence == "fails" else "warning", one.remark)
         for verdict in () if result.fit is None else result.fit.verdicts:
             message("warning", verdict)
         return result

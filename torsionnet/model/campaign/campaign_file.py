@@ -13,6 +13,7 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import MODEL_NAME, Count, Flag, OneOf, Text
 from torsionnet.core.errors import Fault
+from torsionnet.model.campaign.campaign_checks import CampaignChecks
 from torsionnet.model.campaign.campaign_responses import CampaignResponses
 from torsionnet.model.fit.fit_entries import FitParameter, ParameterTable
 from torsionnet.model.report.report_plan import ReportPlan
@@ -206,6 +207,9 @@ class CampaignFile(Declared):
     )
     responses: CampaignResponses | None = entry(
         Nested("frequency responses that are estimated", lambda: CampaignResponses, "campaign_responses"), None
+    )
+    checks: CampaignChecks | None = entry(
+        Nested("when a record is left out, or the command fails", lambda: CampaignChecks, "campaign_checks"), None
     )
     fit: CampaignFit | None = entry(Nested("parameters that are found", lambda: CampaignFit, "campaign_fit"), None)
     report: ReportPlan | None = entry(
