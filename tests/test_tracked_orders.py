@@ -450,6 +450,15 @@ def test_pulses_that_go_on_after_the_record_give_orders_up_to_its_end(method):
     assert np.abs(found.along(3)) == pytest.approx(np.full(len(found.times), 5.0), abs=0.01)
 
 
+@pytest.mark.parametrize("method", [CycleAverage(), VoldKalman(1.0)])
+def test_pulses_that_go_on_after_the_last_block_are_refused_by_name(method):
+    wave = 5 * np.cos(300 * np.arange(5_000) / 1000)
+    blocks = [Recording((Signal("T", "torque", wave),), sampling_rate=1000.0, start=start) for start in (0.0, 5.0)]
+    rotation = mean_rotation(PulseChannel("n", np.arange(400) * 2 * np.pi / 100))
+    with pytest.raises(UsageError, match="channels end at 9.999 s, but the pulses go on"):
+        track_orders(iter(blocks), rotation, ["T"], orders=[3], method=method)
+
+
 @pytest.mark.slow
 def test_an_hour_of_eight_channels_fits_into_memory(tmp_path):
     """A tenth of an hour of 8 channels at 10 kHz, 230 MB, read in blocks: far below 400 MB (issue 32)."""

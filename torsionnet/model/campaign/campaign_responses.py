@@ -29,7 +29,7 @@ class CampaignResponses(Declared):
     excitation: str | None = entry(Text("what drives the model, if it has several inputs"), None)
     band: tuple[float, float] | None = entry(Band("frequencies that are compared", from_zero=True), None)
     excluded: tuple[tuple[float, float], ...] = entry(Bands("bands that the fit leaves out"), None)
-    reference: str = entry(Text("channel of the set-point; by default the model's input with _set"), "")
+    reference: str = entry(Text("channel of the set-point; by default none"), "")
     settling: float = entry(Value("time at the start that the fit leaves out", "time"), 0.0)
     settings: FitSettings | None = entry(
         Nested("how records are averaged", lambda: FitSettings, "settings", optional=True), None

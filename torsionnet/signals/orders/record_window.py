@@ -53,7 +53,7 @@ class RecordWindow:
 
     def reaches(self, time: float) -> bool:
         """Whether the record goes on to a time in s; blocks are read until it does."""
-        while self._end < time:
+        while self.last < time:
             self._values = self._values.copy()  # frees what was dropped before the next block is read
             block, continued = next(self._blocks, (None, False))
             if block is None:
@@ -62,7 +62,7 @@ class RecordWindow:
                 raise UsageError("the blocks do not follow one another: track each record by itself")
             fresh = _stack(block)
             tail = np.concatenate([self._tail, fresh], axis=1)
-            self._search(tail, self._end + (1 - self._tail.shape[1]) / self.rate)
+            self._search(tail, self.last + (1 - self._tail.shape[1]) / self.rate)
             self._values = np.concatenate([self._values, fresh], axis=1)
         return True
 
@@ -110,7 +110,8 @@ class RecordWindow:
         return self._start + np.arange(count) / self.rate, self._values[:, :count]
 
     @property
-    def _end(self) -> float:
+    def last(self) -> float:
+        """Time of the last sample held, s."""
         return float(self._start + (self._values.shape[1] - 1) / self.rate)
 
 

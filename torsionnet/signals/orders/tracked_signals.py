@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.core.errors import UsageError
 from torsionnet.response.frequency_response import ComplexArray
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.recording import FloatArray, Signal
@@ -72,11 +73,11 @@ def of_record(window: RecordWindow, orders: FloatArray) -> Tracked:
     def read(times: FloatArray) -> FloatArray:
         from scipy.interpolate import CubicSpline
 
-        at, values = window.between(float(times[0]), float(times[-1]))
+        at, values = _held(window, float(times[0]), float(times[-1]))
         return np.asarray(CubicSpline(at, values, axis=1)(times))
 
     def samples(begin: float, end: float) -> tuple[FloatArray, FloatArray]:
-        at, values = window.between(begin, end)
+        at, values = _held(window, begin, end)
         inside = (at >= begin) & (at <= end)
         edges = np.append(at, at[-1:] + 1 / window.rate)
         inside &= ~window.lost(edges).any(axis=0)
@@ -96,6 +97,15 @@ def of_record(window: RecordWindow, orders: FloatArray) -> Tracked:
         lost=window.lost,
         remarks=window.remarks,
     )
+
+
+def _held(window: RecordWindow, begin: float, end: float) -> tuple[FloatArray, FloatArray]:
+    """Times in s and values (n_signals, n) of the samples between two times, up to which the record has to go."""
+    found = window.between(begin, end)
+    if not window.reaches(end - 2 / window.rate):
+        text = f"the channels end at {window.last:.6g} s, but the pulses go on"
+        raise UsageError(f"{text}; leave out the pulses after that, as stop: of a campaign does")
+    return found
 
 
 def spline_response(share: FloatArray) -> FloatArray:
