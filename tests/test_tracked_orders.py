@@ -455,7 +455,7 @@ def test_pulses_that_go_on_after_the_last_block_are_refused_by_name(method):
     wave = 5 * np.cos(300 * np.arange(5_000) / 1000)
     blocks = [Recording((Signal("T", "torque", wave),), sampling_rate=1000.0, start=start) for start in (0.0, 5.0)]
     rotation = mean_rotation(PulseChannel("n", np.arange(400) * 2 * np.pi / 100))
-    with pytest.raises(UsageError, match="channels end at 9.999 s, but the pulses go on"):
+    with pytest.raises(UsageError, match=r"channels end at 9\.999 s, but the pulses go on"):
         track_orders(iter(blocks), rotation, ["T"], orders=[3], method=method)
 
 
