@@ -60,6 +60,7 @@ def test_a_record_is_left_out_from_its_level_on(folder):
 def test_pulses_are_counted_where_they_have_a_level(folder):
     result = run(folder, "checks: {pulses: {fail: 0.05 %}}\n")
     (found,) = (one for one in result.findings if one.check == "pulses")
+    assert "wheel: 7 pulses missing or too many, 0.0973 %; this is beyond" in found.remark
     assert (found.channel, found.count) == ("wheel", 7)
     assert found.share == pytest.approx(7 / (60 * TURNS), rel=0.01)
     assert result.fails

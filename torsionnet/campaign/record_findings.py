@@ -43,10 +43,10 @@ class RecordFinding:
     @property
     def remark(self) -> str:
         """Sentence on the finding for the remarks of a campaign."""
-        what = "pulses missing or too many" if self.check == "pulses" else "samples"
+        fault = f"{self.check.replace('_', '-')} in {self.count} samples"
+        what = f"{self.count} pulses missing or too many" if self.check == "pulses" else fault
         follows = {"left out": "; the record is left out", "fails": "; this is beyond what checks: allows"}
-        told = f"{self.check.replace('_', '-')} in {self.count} {what}, {100 * self.share:.3g} %"
-        return f"{self.record}: {self.channel}: {told}{follows.get(self.consequence, '')}"
+        return f"{self.record}: {self.channel}: {what}, {100 * self.share:.3g} %{follows.get(self.consequence, '')}"
 
 
 def record_findings(campaign: Campaign, name: str, folder: Path) -> tuple[RecordFinding, ...]:
