@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import processor_time
 import pytest
 
 CONFTEST = """
@@ -63,3 +64,10 @@ def test_otherwise_it_is_only_shown(run, limits):
     assert "processor time with all processes: " in text
     assert "most for one test: 0." in text
     assert "at most" not in text
+
+
+@pytest.mark.parametrize(("total", "above"), [(300.0, True), (400.0, True), (575.0, False)])
+def test_each_test_may_take_longer_on_a_slower_machine(pytestconfig, total, above):
+    found = processor_time.ProcessorTime(pytestconfig)
+    found.limit, found.total, found.of_test = 1000.0, total, {"a": (10.1, False), "b": (99.0, True)}
+    assert found.faults() == (["a took 10.1 s, a quick test at most 10 s"] if above else [])
