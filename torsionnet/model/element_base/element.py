@@ -7,7 +7,7 @@ makes it known to model files, the JSON Schema, the checks and the documentation
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import Field, dataclass, replace
 from functools import cache
@@ -25,9 +25,10 @@ from torsionnet.core.errors import Fault, ModelError, Path
 from torsionnet.core.expressions import Expression
 from torsionnet.core.type_register import TypeRegister
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE, CatalogueEntry, SizeName
-from torsionnet.model.element_base.laws import Constraint, Law, Part, Row, Values
+from torsionnet.model.element_base.laws import Constraint, Law, MotionLaw, Part, Row, Values, WholePart
 from torsionnet.model.element_base.multiple_values import MultipleValues
 from torsionnet.model.element_base.nodes import NodeName, NodePair, ReferenceNode
+from torsionnet.model.element_base.torque_curve import AT_REST, MotionState
 
 if TYPE_CHECKING:
     from torsionnet.model.catalogues.catalogue import CatalogueRow
@@ -168,6 +169,28 @@ class Element(Declared):
     def parts(self, value: Values) -> tuple[Part, ...]:
         """Laws, constraints and actions of the element, with coefficients in the algebra of ``value``."""
         raise NotImplementedError
+
+    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+        """Parts of the element with its laws of motion in full, where :meth:`parts` has their tangents.
+
+        Most elements have none: the two are the same.
+        """
+        return self.parts(value)
+
+    def tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
+        """Parts of the element for small motion about a state of each of its laws of motion, in their order.
+
+        Without states all rows rest without twist.
+        """
+        found: list[Part] = []
+        given = iter(states)
+        for part in self.whole_parts(value):
+            found += part.tangent(next(given, AT_REST)) if isinstance(part, MotionLaw) else (part,)
+        return tuple(found)
+
+    def at_states(self, states: Sequence[MotionState]) -> Self:
+        """Copy of the element with tangents about a state of each of its laws of motion in place of these."""
+        return self.with_laws(TangentParts(self, tuple(states)))
 
     def twist(self, value: Values) -> Row:
         """Row of node angles whose motion is the twist of the element."""
@@ -318,3 +341,14 @@ def viscous(damping: Any, stiffness: Any, value: Values) -> Any:
     if isinstance(damping, DampingMeasure):
         return damping.viscous(stiffness, value.parameters, value.algebra)
     return 0 if damping is None else value(damping)
+
+
+@dataclass(frozen=True)
+class TangentParts:
+    """Replacement of the method ``parts`` of an element: tangents of its laws of motion about given states."""
+
+    element: Element
+    states: tuple[MotionState, ...]
+
+    def __call__(self, value: Values) -> tuple[Part, ...]:
+        return self.element.tangent_parts(value, self.states)
