@@ -170,6 +170,11 @@ class Element(Declared):
         """Laws, constraints and actions of the element, with coefficients in the algebra of ``value``."""
         raise NotImplementedError
 
+    @property
+    def has_motion_laws(self) -> bool:
+        """Whether :meth:`whole_parts` has laws of motion, of which :meth:`parts` has the tangents."""
+        return type(self).whole_parts is not Element.whole_parts
+
     def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
         """Parts of the element with its laws of motion in full, where :meth:`parts` has their tangents.
 
@@ -197,11 +202,18 @@ class Element(Declared):
         return self.parts(value)[0].row
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """Rows of node speeds whose weighted sum is zero on average, by which the element transmits speeds."""
+        """Rows of node speeds whose weighted sum is zero on average, by which the element transmits speeds.
+
+        A law of motion over the twist transmits them even where it has no stiffness, as across a gap.
+        """
         parts = self.parts(value)
-        return tuple(
+        rows = [
             part.row for part in parts if isinstance(part, Constraint) or (isinstance(part, Law) and part.is_elastic)
-        )
+        ]
+        if self.has_motion_laws:
+            laws = [part for part in self.whole_parts(value) if isinstance(part, MotionLaw)]
+            rows += [law.row for law in laws if law.curve.over == "twist" and law.row not in rows]
+        return tuple(rows)
 
     @property
     def ports(self) -> dict[str, str]:
@@ -238,7 +250,11 @@ class Element(Declared):
 
     def at_own_speed(self, path: SpeedPath) -> Self:
         """Copy of the element with its values converted from the shaft at the end of ``path`` to its own shaft."""
-        return self.with_laws(path.parts_at_own_shaft(self))
+        found = self.with_laws(path.parts_at_own_shaft(self))
+        if self.has_motion_laws:
+            whole, tangents = path.laws_at_own_shaft(self)
+            found.__dict__.update(whole_parts=whole, tangent_parts=tangents)
+        return found
 
     def with_laws(self, parts: Callable[[Values], tuple[Part, ...]]) -> Self:
         """Copy of the element with other laws in place of those that follow from its entries."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 
 @dataclass(frozen=True)
@@ -19,13 +19,23 @@ class MotionState:
     sensed: tuple[float, ...] = ()
     piece: int | None = None
 
+    def scaled(self, ratio: Any) -> MotionState:
+        """State of a shaft that turns ``ratio`` times as fast, in the same piece."""
+        ratio = float(ratio) if self.twist or self.rate or any(self.sensed) else 1.0
+        return MotionState(ratio * self.twist, ratio * self.rate, tuple(ratio * one for one in self.sensed), self.piece)
+
 
 AT_REST = MotionState()
 """State of a row without twist, in which nothing moves."""
+END_SLACK = 1e-9
+"""Share of the range of a curve by which a state may lie beyond its end: far more than rounding, far less than data."""
 
 
 class TorqueCurve:
     """Base class of torques over the twist gamma and the rate gamma' of a row, with coefficients in one algebra."""
+
+    over: Literal["twist", "rate"]
+    """Motion of the row that the curve follows, and over which it may end."""
 
     def torque(self, twist: Any, rate: Any, *sensed: Any) -> Any:
         """Torque in N m against the motion, at a corner that of the piece above it."""
@@ -46,3 +56,64 @@ class TorqueCurve:
         """Whether the row stands still at a state, where the torque may take any value of a range."""
         del state
         return False
+
+    def range(self) -> tuple[Any, Any]:
+        """Twists in rad, of a curve over the rate rates in rad/s, between which the torque is given.
+
+        None where the curve has no end. Beyond an end the last piece goes on, so that solvers may step over it; what
+        they report is refused with :meth:`left`.
+        """
+        return None, None
+
+    def left(self, twist: float, rate: float = 0.0) -> str:
+        """Message that a twist in rad, of a curve over the rate a rate in rad/s, lies beyond an end; else empty.
+
+        A twist that misses the end by a rounding error is no fault.
+        """
+        at, unit = (twist, "rad") if self.over == "twist" else (rate, "rad/s")
+        lower, upper = self.range()
+        slack = END_SLACK * max(abs(float(end)) for end in (lower or 0, upper or 0))
+        if (lower is None or at >= float(lower) - slack) and (upper is None or at <= float(upper) + slack):
+            return ""
+        ends = [f"{word} {float(end):.6g} {unit}" for word, end in (("from", lower), ("to", upper)) if end is not None]
+        what = "twist" if self.over == "twist" else "slip speed"
+        return (
+            f"the torque is given {ends}, and the {what} is {float(at):.6g} {unit}; extend the table or the last stage"
+        )
+
+    def scaled(self, ratio: Any) -> TorqueCurve:
+        """Curve r T(r gamma, r gamma') of a shaft whose angles are 1/r times those for which this curve holds.
+
+        The energy is that of the curve at r gamma.
+        """
+        return ScaledCurve(self, ratio)
+
+
+@dataclass(frozen=True)
+class ScaledCurve(TorqueCurve):
+    """Torque r T(r gamma, r gamma') of a curve quoted at a shaft that turns r times as fast."""
+
+    curve: TorqueCurve
+    ratio: Any
+
+    @property
+    def over(self) -> Literal["twist", "rate"]:  # type: ignore[override]
+        """Motion of the row that the curve follows."""
+        return self.curve.over
+
+    def torque(self, twist: Any, rate: Any, *sensed: Any) -> Any:
+        moved = (self.ratio * one for one in (twist, rate, *sensed))
+        return self.ratio * self.curve.torque(*moved)
+
+    def energy(self, twist: Any) -> Any:
+        return self.curve.energy(self.ratio * twist)
+
+    def slopes(self, state: MotionState) -> tuple[Any, ...]:
+        return tuple(self.ratio**2 * slope for slope in self.curve.slopes(state.scaled(self.ratio)))
+
+    def holds(self, state: MotionState) -> bool:
+        return self.curve.holds(state.scaled(self.ratio))
+
+    def range(self) -> tuple[Any, Any]:
+        lower, upper = (None if end is None else end / self.ratio for end in self.curve.range())
+        return (upper, lower) if self.ratio < 0 else (lower, upper)
