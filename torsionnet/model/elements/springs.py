@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, ClassVar
 
 from torsionnet.core.damping import DampingMeasure
-from torsionnet.core.entries.alternatives import one_exactly
+from torsionnet.core.entries.alternatives import given_entries, one_at_most
 from torsionnet.core.entries.number_table import RowColumn
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry, not_none
@@ -90,10 +90,16 @@ class Spring(Element):
     )
 
     def contradictions(self) -> list[Fault]:
-        faults = one_exactly(self, *_WAYS) + section_faults(self)
+        faults = one_at_most(self, *_WAYS) if given_entries(self, *_WAYS) else [self._shapeless()]
+        faults += section_faults(self)
         if self.cubic is not None and self.stiffness is None:
             faults.append(Fault("cubic stands beside a stiffness, which may be 0", ("cubic",), on_key=True))
         return faults + _row_faults(self.torque_over_twist)
+
+    def _shapeless(self) -> Fault:
+        """Fault of a spring that gives none of the forms of its torque."""
+        fault = self.missing("stiffness", self.name)
+        return replace(fault, message=f"{fault.message}; or stages, or torque_over_twist")
 
     @property
     def diameters(self) -> tuple[Expression, Expression] | None:
