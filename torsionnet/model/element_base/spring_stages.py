@@ -53,7 +53,7 @@ class SpringStage(Declared):
 
     stiffness: float = entry(Value("stiffness of the stage", "stiffness", exclusive=True))
     to: Number | None = entry(StageEnd("torque or angle where the stage ends; none: the last stage"), None)
-    preload: float = entry(Value("torque under which the springs of the stage are installed", "torque"), 0.0)
+    preload: float | None = entry(Value("torque under which the springs of the stage are installed", "torque"), None)
 
 
 class SpringStages(Composite[tuple[SpringStage, ...]], Plural[tuple[SpringStage, ...]]):
@@ -91,7 +91,7 @@ class SpringStages(Composite[tuple[SpringStage, ...]], Plural[tuple[SpringStage,
                 ]
         begun = 0.0
         for place, (stage, end) in enumerate(zip(stages, stage_torques(stages), strict=True)):
-            begun += stage.preload
+            begun += stage.preload or 0.0
             if end is not None and end <= begun:
                 text = f"the stages end at rising torques; this one ends at {end:g} N*m, begun at {begun:g} N*m"
                 faults.append(Fault(text, (place, "to")))
@@ -133,7 +133,7 @@ def stage_ends(stages: Sequence[SpringStage]) -> list[StagePoint | None]:
             found.append(None)
             continue
         end, stiffness = exact(stage.to.value), exact(stage.stiffness)
-        torque += exact(stage.preload)
+        torque += exact(stage.preload or 0)
         if stage.to.unit_dimension == DIMENSIONS["torque"]:
             torque, twist = end, twist + (end - torque) / stiffness
         else:

@@ -107,11 +107,17 @@ class Friction(Element):
         if self.torque is None:
             return slip_curve(not_none(self.torque_over_slip), value.algebra.number, stick)
         torque = value(self.torque)
+        if stick is not None and stick < torque:
+            raise ArithmeticError("friction holds at least the torque with which it slips; stick is below it")
         return friction_curve(torque, torque if stick is None else stick)
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
         """Rows of mean speeds: those of friction that sticks, none to ground, which a shaft rubs on while it turns."""
         return () if GROUND in self.nodes else super().mean_speed_rows(value)
+
+    @property
+    def reads_off(self) -> bool:
+        return False  # where its rows are read follows from equilibrium, not from an entry
 
     @property
     def referral_fault(self) -> str | None:

@@ -134,6 +134,10 @@ class Spring(Element):
         return curve.slopes(AT_REST)[0]
 
     @property
+    def reads_off(self) -> bool:
+        return False  # where its curve is read follows from equilibrium, not from an entry
+
+    @property
     def referral_fault(self) -> str | None:
         return super().referral_fault if self.diameters is not None or self.stiffness is not None else None
 

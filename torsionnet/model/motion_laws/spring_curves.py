@@ -33,7 +33,7 @@ def stage_curve(stages: Sequence[SpringStage], number: Callable[[Fraction], Any]
     above: list[Slope | Hold] = []
     torque = twist = Fraction(0)
     for place, (stage, end) in enumerate(zip(stages, stage_ends(stages), strict=True)):
-        preload, stiffness = exact(stage.preload), exact(stage.stiffness)
+        preload, stiffness = exact(stage.preload or 0), exact(stage.stiffness)
         if preload:
             low = torque if place else -preload
             above.append(Hold(number(twist), number(low), number(torque + preload)))
