@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from torsionnet.response.critical_speeds import CriticalSpeeds
     from torsionnet.response.loop_margins import LoopMargins
     from torsionnet.response.margin_rules import MarginRule
+    from torsionnet.response.motion.motion_start import MotionStart
     from torsionnet.response.recording import Recording
     from torsionnet.solve.responses.grid import Adaptive
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
@@ -174,8 +175,17 @@ class Drivetrain(RunningMachinery, AttributeHints):
 
         return frequency_responses(self, output, input, frequencies, variants, excitation=excitation, method=method)
 
-    def simulate(self, outputs: Channels, inputs: Mapping[str, ArrayLike], sampling_rate: float) -> Recording:
-        """Motion and torques over time from rest, exact for input torques that are linear between samples.
+    def simulate(
+        self,
+        outputs: Channels,
+        inputs: Mapping[str, ArrayLike],
+        sampling_rate: float,
+        *,
+        start: str | MotionStart = "rest",
+    ) -> Recording:
+        """Motion and torques over time, exact for input torques that are linear between samples.
+
+        Laws of motion, as of clearances and friction, act in full: the result has their events and an energy balance.
 
         Parameters
         ----------
@@ -185,6 +195,8 @@ class Drivetrain(RunningMachinery, AttributeHints):
             Name of an input or node -> (n,) torques in N m. That on a node is called ``torque on NODE`` in the result.
         sampling_rate : float
             Hz.
+        start : str or MotionStart
+            ``"rest"``, or angles and speeds of nodes at the first sample.
 
         Returns
         -------
@@ -195,6 +207,8 @@ class Drivetrain(RunningMachinery, AttributeHints):
         ------
         UsageError
             Unknown names, unlike lengths, frequency-dependent laws, or a reading with the rate of an input in it.
+        SolveError
+            Contacts that close and open without an end, or a twist beyond the rows of its law.
 
         Examples
         --------
@@ -203,9 +217,9 @@ class Drivetrain(RunningMachinery, AttributeHints):
         >>> record.names, round(float(record["T_T"].values[-1]), 6)
         (('T_M', 'theta_1', 'T_T'), 10.0)
         """
-        from torsionnet.solve.running.simulate import simulate
+        from torsionnet.solve.motion.simulation import simulate
 
-        return simulate(self, outputs, inputs, sampling_rate)
+        return simulate(self, outputs, inputs, sampling_rate, start)
 
     def modes(
         self,

@@ -47,7 +47,7 @@ FLOORS = {  # bottom to top: the folders of a layer, "" its files that are in no
     "identification": ("residuals", ""),
     "study": ("space", "quantities", "reductions", "answers", "design", "", "run"),
     "symbolic": ("algebra", ""),
-    "solve": ("dynamic_stiffness", "modes", "responses", "sensitivity", "batch", "running", "design"),
+    "solve": ("dynamic_stiffness", "modes", "responses", "sensitivity", "batch", "running", "motion", "design"),
     "model": ("element_base", "motion_laws", "elements"),
 }
 HEIGHT = {name: -depth for depth, layer in enumerate(LAYERS) for name in layer.names}

@@ -1,0 +1,276 @@
+"""Motion over time of a drivetrain whose laws of motion have straight pieces, exact between events.
+
+In each contact state the motion is that of a linear system, which exponentials advance exactly for torques that run
+straight between samples. Where a law enters another piece, where a contact lifts off, where friction begins to stick
+or to slip, the motion is continued in the next contact state; such events are located to rounding.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.functionals import Functional
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.errors import MissingExtraError, SolveError, UsageError, did_you_mean
+from torsionnet.model.channels import Input
+from torsionnet.response.motion.energy_balance import EnergyBalance
+from torsionnet.response.motion.motion_event import MotionEvent
+from torsionnet.response.motion.motion_start import MotionStart
+from torsionnet.solve.motion import marching
+from torsionnet.solve.motion.contact_form import Drive, Layout
+from torsionnet.solve.motion.contact_states import Contact, ContactStates, FinerStepError, rates_of
+from torsionnet.solve.motion.march_tables import BLOCK, MOST_TURN, in_steps, push_offsets
+from torsionnet.solve.motion.motion_plant import MotionPlant
+from torsionnet.solve.motion.motion_record import MotionRecord, stored_energy
+from torsionnet.solve.motion.phases import LawPhases, law_phases
+
+LONGEST_TURN = 1.0
+"""Angle in rad that the fastest vibration may turn in a step: between two looks at the guards it then makes one turning
+point at most."""
+MOST_SUBSTEPS = 64
+"""Most points of the finer grid in a step, which bounds the memory of the tables: poles quicker than all vibrations, as
+of strong dampers, shorten the step beyond that."""
+MOST_STEPS = 100_000_000
+"""Most steps of a motion, some minutes of work."""
+STORM_WINDOW, MOST_EVENTS = 64, 2_000
+"""Steps of a window of time and most events in it. The fastest vibration makes ten turns in the window; a contact that
+it closes and opens needs 20 events, and ten laws with three pieces on each side 1200. More events only come
+from contacts that close and open within ever shorter times."""
+STEPS_WORTH_COMPILING = 100_000
+"""Number of steps from which the march is compiled where numba is installed, since loading the compiled loop takes as
+long as 50 000 steps in numpy; shorter motions change over once their first list is full of events."""
+LISTED = 8192
+"""Number of stretches and events of a motion listed before they are read."""
+
+
+@dataclass(frozen=True, eq=False)
+class MotionOverTime:
+    """Readings (n_out, n) in SI units at samples, events and energies of a motion."""
+
+    values: FloatArray
+    events: tuple[MotionEvent, ...]
+    energy: EnergyBalance
+
+
+def simulate_motion(
+    plant: MotionPlant,
+    readings: Sequence[Functional],
+    inputs: Sequence[Input],
+    torques: FloatArray,
+    sampling_rate: float,
+    *,
+    start: MotionStart | None = None,
+    refinement: int = 1,
+) -> MotionOverTime:
+    """Motion of a plant with laws of straight pieces under torques (n_in, n) in N m, straight between samples.
+
+    Parameters
+    ----------
+    plant : MotionPlant
+    readings : sequence of Functional
+        Of the drivetrain of the plant.
+    inputs : sequence of Input
+        Where the torques act.
+    torques : (n_in, n) array
+        N m.
+    sampling_rate : float
+        Hz.
+    start : MotionStart, optional
+        Default: rest.
+    refinement : int
+        The steps are so many times shorter than they need be, to see how much that changes.
+
+    Raises
+    ------
+    UsageError
+        Laws of other kinds, parts that stick in a loop, massless nodes whose motion nothing fixes.
+    SolveError
+        Too many events, or a row that leaves its curve.
+    """
+    laws = [law_phases(one.owner, one.law) for one in plant.laws]
+    columns = np.array([plant.assembly.rows_of(channel.row)[0] for channel in inputs]).T
+    drive = Drive(columns, tuple(-1 for _ in laws), 0, np.zeros((0, 0)), np.zeros((columns.shape[1], 0)))
+    n_c = sum(len(one.F) for one in plant.actions)
+    at = Layout(len(columns), n_c, 0, drive.n_u)
+    states = ContactStates(plant, laws, drive, at)
+    z0 = start_state(plant, at, start or MotionStart())
+    z0[at.u] = torques[:, 0]
+    rates = _first_rates(states, laws)
+    while True:
+        try:
+            return _run(states, readings, inputs, torques, 1 / sampling_rate, z0, rates, refinement)
+        except FinerStepError as finer:
+            rates = (max(rates[0], finer.rates[0]), max(rates[1], finer.rates[1]))
+
+
+def start_state(plant: MotionPlant, at: Layout, start: MotionStart) -> FloatArray:
+    """State z (N,) in SI units of given angles and speeds of nodes.
+
+    Raises
+    ------
+    UsageError
+        Unknown nodes, or nodes that rigid connections tie to others with another motion.
+    """
+    assembly = plant.assembly
+    for name in (*start.angles, *start.speeds):
+        if name not in assembly.node_index:
+            raise UsageError(f'no node is named "{name}"{did_you_mean(name, assembly.nodes)}')
+    z = np.zeros(at.size)
+    z[at.one] = 1.0
+    for place, given in ((at.q, start.angles), (at.v, start.speeds)):
+        if not given:
+            continue
+        # nodes not named follow those tied to them; free ones stand
+        named = [assembly.node_index[name] for name in given]
+        wanted = np.array([float(value) for value in given.values()])
+        rows = assembly.T[named]
+        found = np.linalg.lstsq(rows, wanted, rcond=None)[0]
+        if np.abs(rows @ found - wanted).max() > 1e-9 * np.abs(wanted).max(initial=1e-300):
+            names = ", ".join(given)
+            raise UsageError(f"{names} cannot start with these angles or speeds: rigid connections tie them")
+        z[place] = found
+    return z
+
+
+def _first_rates(states: ContactStates, laws: Sequence[LawPhases]) -> tuple[float, float]:
+    """Largest frequency and pole in rad/s with all laws at their stiffest and most damped pieces."""
+    contact: list[int] = []
+    for law in laws:
+        slopes = [number for number, phase in enumerate(law.phases) if phase.kind == "slope"]
+        contact.append(max(slopes, key=lambda number: (law.phases[number].stiffness, law.phases[number].damping)))
+    try:
+        return rates_of(states.form(tuple(contact)))
+    except UsageError:  # massless parts that only other contact states fix
+        return 0.0, 0.0
+
+
+def _run(
+    states: ContactStates, readings: Sequence[Functional], inputs: Sequence[Input], torques: FloatArray, step: float,
+    z0: FloatArray, rates: tuple[float, float], refinement: int,
+) -> MotionOverTime:  # fmt: skip
+    n = torques.shape[1]
+    turning, largest = rates
+    most = MOST_SUBSTEPS * MOST_TURN
+    k = refinement * max(1, math.ceil(step * turning / LONGEST_TURN), math.ceil(step * largest / most))
+    if k * n > MOST_STEPS:
+        text = f"the fastest motion, {largest:.3g} rad/s, needs {k * n:.2g} steps over {n * step:.3g} s"
+        raise UsageError(f"{text}; simulate a shorter time, or leave out what is so stiff")
+    h = step / k
+    n_sub = 4
+    while n_sub * MOST_TURN < largest * h and n_sub < MOST_SUBSTEPS:
+        n_sub *= 2
+    states.with_steps(h, n_sub)
+    run = _Motion(states, torques, k)
+    record = MotionRecord(states, readings, inputs, n, k, run.drive)
+    return run.whole(z0, record)
+
+
+class _Motion:
+    """Motion under way: contact state, grid point, part of the step, state p and the lists of the march."""
+
+    def __init__(self, states: ContactStates, torques: FloatArray, k: int) -> None:
+        self.states, self.k = states, k
+        n = torques.shape[1]
+        self.last = (n - 1) * k
+        places = np.minimum(np.arange(self.last + BLOCK + 2) / k, n - 1)
+        self.drive = np.ascontiguousarray(np.array([np.interp(places, np.arange(n), one) for one in torques]).T)
+        self.events: list[MotionEvent] = []
+
+    def whole(self, z0: FloatArray, record: MotionRecord) -> MotionOverTime:
+        """Motion from a state z0 in SI units to the last sample."""
+        states, at = self.states, self.states.at
+        numbers, times = np.zeros((LISTED, 3), dtype=np.int64), np.zeros((LISTED, 2))
+        starts, event_times = np.zeros((LISTED, at.n_p)), np.zeros(LISTED)
+        event_numbers = np.zeros((LISTED, 4), dtype=np.int64)
+        storm = np.array([STORM_WINDOW, 0, MOST_EVENTS, 0], dtype=np.int64)
+        offsets = push_offsets(at.n_p, at.n_u)
+        flat = self.drive.ravel()
+        units = in_steps(at, states.h)
+        z0 = z0 / units
+        z0[at.slope] = flat[at.n_u : 2 * at.n_u] - flat[: at.n_u]
+        contact = self._at_start(z0)
+        p = self._refreshed(contact, z0)[: at.n_p].copy()
+        energy = stored_energy(states, contact, self._z(p, 0, 0.0))
+        march = _compiled_march() if self.last >= STEPS_WORTH_COMPILING else marching.march
+        state = np.array([states.number(contact), 0, self.last, 0, 0], dtype=np.int64)
+        f = 0.0
+        while True:
+            reason, f, guard = march(
+                state, f, p, flat, at.n_u, states.n_sub, tuple(states.tables), states.following, offsets,
+                numbers, times, starts, event_numbers, event_times, storm,
+            )  # fmt: skip
+            if reason == marching.STORM:
+                self._refuse_storm(event_numbers[: state[4]], int(state[1]), f)
+            if reason == marching.ASK:
+                z = self._z(p, int(state[1]), f)
+                time = (int(state[1]) + f) * states.h
+                contact, always = states.after(states.contacts[state[0]], guard, z, time)
+                known = states.number(contact)
+                if always:
+                    states.following[state[0], guard] = known
+                event_numbers[state[4] - 1, 3] = known
+                state[0] = known
+                p[:] = self._refreshed(contact, z)[: at.n_p]
+            if reason != marching.ASK or state[3] > LISTED // 2 or state[4] > LISTED // 2:
+                record.add(numbers[: state[3]], times[: state[3]], starts[: state[3]])
+                self._tell(event_numbers[: state[4]], event_times)
+                state[3] = state[4] = 0
+                if reason != marching.DONE:
+                    march = _compiled_march()
+                if states.is_large:
+                    contact = states.contacts[state[0]]
+                    states.clear()
+                    state[0] = states.number(contact)
+            if reason == marching.DONE:
+                break
+        contact = states.contacts[state[0]]
+        record.add_last(contact, self.last, p)
+        stored = stored_energy(states, contact, self._z(p, self.last, 0.0)) - energy
+        works = dict(record.works)
+        supplied = works.pop("", 0.0)
+        return MotionOverTime(record.values, tuple(self.events), EnergyBalance(supplied, stored, works))
+
+    def _z(self, p: FloatArray, i: int, f: float) -> FloatArray:
+        return np.asarray(marching.with_torques(p, i, f, self.states.at.n_u, self.drive.ravel()))
+
+    def _refreshed(self, contact: Contact, z: FloatArray) -> FloatArray:
+        units = in_steps(self.states.at, self.states.h)
+        return np.asarray(self.states.form(contact).refresh @ (z * units) / units)
+
+    def _at_start(self, z: FloatArray) -> Contact:
+        states, at = self.states, self.states.at
+        rows = np.array([one.row for one in states.plant.laws]).reshape(-1, at.n_q)
+        units = in_steps(at, states.h)
+        scales = np.ones(len(rows))
+        return states.at_start(rows @ z[at.q], rows @ (z * units)[at.v], scales)
+
+    def _tell(self, numbers: NDArray[np.int64], times: FloatArray) -> None:
+        contacts, h = self.states.contacts, self.states.h
+        for (before, _, i, after), f in zip(numbers.tolist(), times.tolist(), strict=False):
+            owner, what = self.states.change(contacts[before], contacts[after])
+            if what:
+                self.events.append(MotionEvent((i + f) * h, owner, what))
+
+    def _refuse_storm(self, numbers: NDArray[np.int64], i: int, f: float) -> None:
+        states = self.states
+        owners = [states.laws[guard // 3].owner for guard in numbers[-MOST_EVENTS:, 1].tolist()]
+        most = max(dict.fromkeys(owners), key=owners.count)
+        rate = owners.count(most) / (STORM_WINDOW * states.h)
+        text = f"{most}: at {(i + f) * states.h:.6g} s its torque changes its piece more than {rate:.3g} times a second"
+        raise SolveError(
+            f"{text}, without an end to be seen; give the contact or the friction a stiffness or a damping"
+        )
+
+
+def _compiled_march() -> Callable[..., tuple[int, float, int]]:
+    """March in a compiled loop where numba is installed, else that in numpy."""
+    try:
+        from torsionnet.solve.motion.compiled_march import march
+    except MissingExtraError:
+        return marching.march
+    return march
