@@ -27,8 +27,8 @@ roundings of 2.2e-16."""
 MOST_NEWTON_STEPS = 60
 """Most steps of Newton's method with bisection: bisection alone reaches rounding in 53."""
 DONE, ASK, FULL, STORM = 0, 1, 2, 3
-"""Reasons for which a march stops, at its end, at an event whose next contact state is not known, at full lists, or in too
-many events within a window of time."""
+"""Reasons for which a march stops, at its end, at an event whose next contact state is not known, at full lists, or in
+too many events within a window of time."""
 
 
 def near_zero(values: Any, count: int) -> Any:

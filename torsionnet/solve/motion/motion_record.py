@@ -136,8 +136,8 @@ class MotionRecord:
     def add(self, numbers: NDArray[np.int64], times: FloatArray, starts: FloatArray) -> None:
         """Read stretches of motion at samples and count their works.
 
-        They are given by contact state, grid point and steps (n, 3), parts of a step at the beginning and passed (n, 2),
-        and states p at the beginning (n, n_p).
+        They are given by contact state, grid point and steps (n, 3), parts of a step at the beginning and passed
+        (n, 2), and states p at the beginning (n, n_p).
         """
         for number in np.unique(numbers[:, 0]).tolist():
             contact = self.states.contacts[number]
