@@ -175,6 +175,16 @@ class Element(Declared):
         """Whether :meth:`whole_parts` has laws of motion, of which :meth:`parts` has the tangents."""
         return type(self).whole_parts is not Element.whole_parts
 
+    def is_linearised(self, value: Values) -> bool:
+        """Whether :meth:`parts` hold about a working point: given states, entries that name one, or no laws of motion.
+
+        Else they are the tangents of a drivetrain that rests without load.
+        """
+        if not self.has_motion_laws or isinstance(self.__dict__.get("parts"), TangentParts):
+            return True
+        has_laws = any(isinstance(part, MotionLaw) for part in self.whole_parts(value))
+        return not has_laws or self.parts(value) != self.tangent_parts(value)
+
     def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
         """Parts of the element with its laws of motion in full, where :meth:`parts` has their tangents.
 
