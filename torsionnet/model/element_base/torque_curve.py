@@ -77,9 +77,8 @@ class TorqueCurve:
             return ""
         ends = [f"{word} {float(end):.6g} {unit}" for word, end in (("from", lower), ("to", upper)) if end is not None]
         what = "twist" if self.over == "twist" else "slip speed"
-        return (
-            f"the torque is given {ends}, and the {what} is {float(at):.6g} {unit}; extend the table or the last stage"
-        )
+        reached = f"and the {what} is {float(at):.6g} {unit}"
+        return f"the torque is given {' '.join(ends)}, {reached}; extend the table or the last stage"
 
     def scaled(self, ratio: Any) -> TorqueCurve:
         """Curve r T(r gamma, r gamma') of a shaft whose angles are 1/r times those for which this curve holds.
