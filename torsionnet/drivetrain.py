@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 from torsionnet.core.attribute_hints import AttributeHints
 from torsionnet.running_machinery import RunningMachinery
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from torsionnet.core.errors import Fault
     from torsionnet.model.channels import Sensor
+    from torsionnet.model.motion_balance.balanced_state import BalancedState
     from torsionnet.response import FrequencyResponse, FrequencyResponses, Modes
     from torsionnet.response.critical_speeds import CriticalSpeeds
     from torsionnet.response.loop_margins import LoopMargins
@@ -259,6 +260,76 @@ class Drivetrain(RunningMachinery, AttributeHints):
 
         found = modes(self, measured_input=measured_input, excitation=excitation, lowest=lowest, up_to=up_to)
         return replace(found, notes=(*found.notes, *operating_speed_notes(self.external_torques)))
+
+    def at(
+        self,
+        *,
+        torque: Mapping[str, float | str] | None = None,
+        speed: Mapping[str, float | str] | float | str | None = None,
+    ) -> Self:
+        """Copy of the drivetrain at an operating point, about which its laws of motion are linear.
+
+        Each law has its slope at the mean twist or slip under these torques and speeds: springs in stages that of the
+        stage reached, a clearance its stiffness in contact and nothing in the gap, friction that sticks is rigid. All
+        results of the copy are linear about this point, and their notes say so.
+
+        Where laws over the speed have several balances with the torques, the copy is at the stable one nearest to the
+        speeds given; :meth:`operating_points` lists them.
+
+        Parameters
+        ----------
+        torque : mapping, optional
+            Node, or two nodes as ``"pulley-block"`` -> mean external torque in N m or with its unit. They replace the
+            load and the torques of the model; on a drivetrain that turns freely they are in balance, or a load with a
+            law over speed takes what is left.
+        speed : mapping, float or str, optional
+            Node -> mean speed in rad/s or with its unit; one speed alone is that of the node of ``speeds:``.
+
+        Raises
+        ------
+        UsageError
+            Neither torques nor speeds.
+        ModelError
+            Unknown nodes, torques that are not in balance, a torque beyond the last stage or the breakdown torque,
+            several stable points and no speed to choose by. Balances are sought when a result needs them.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> rig = tn.Drivetrain("rig", [tn.Inertia("rotor", node="a", inertia=0.5),
+        ...     tn.Spring("disc", nodes=("a", "ground"), stages=[
+        ...         {"stiffness": "450 N*m/rad", "to": "0.1 rad"}, {"stiffness": "1800 N*m/rad"}])])
+        >>> frequencies = [one.modes().undamped_natural_frequencies[0] for one in (rig, rig.at(torque={"a": "90 N*m"}))]
+        >>> [round(2 * 3.141592653589793 * float(one), 6) for one in frequencies]
+        [30.0, 60.0]
+        """
+        from torsionnet.model.motion_balance.asked_point import asked_point
+
+        return self.at_point(asked_point(self.definition, torque, speed))
+
+    def operating_points(
+        self,
+        *,
+        torque: Mapping[str, float | str] | None = None,
+        speed: Mapping[str, float | str] | float | str | None = None,
+    ) -> tuple[BalancedState, ...]:
+        """States of all laws of motion that are in balance at an operating point, each with its stability.
+
+        The order is that of rising slip; where speeds are given, that of the distance from these. Without laws of
+        motion there are none. The arguments are those of :meth:`at`; without any the operating point is the model's.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> rig = tn.Drivetrain("rig", [tn.Inertia("rotor", node="a", inertia=0.5),
+        ...     tn.Clearance("claw", nodes=("a", "ground"), gap="0.2 rad", stiffness="100 N*m/rad")])
+        >>> (point,) = rig.operating_points(torque={"a": "20 N*m"})
+        >>> round(point.states["claw"][0].twist, 9), point.torques["claw"]
+        (0.3, (20.0,))
+        """
+        asked = self if torque is None and speed is None else self.at(torque=torque, speed=speed)
+        tangents = asked.definition.tangents
+        return () if tangents is None else tangents.states
 
     def loop_margins(self, controller: str | None = None) -> LoopMargins:
         """Stability margins of the loop opened at a controller, and its frequency response for Nyquist's plot.

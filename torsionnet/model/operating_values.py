@@ -113,14 +113,29 @@ def with_operating_values(definition: Definition, values: Mapping[str, float]) -
 
 
 def at_operating_point(definition: Definition) -> Definition:
-    """Definition of a model with the parameter values at its own operating point; unchanged without one."""
+    """Definition of a model with the parameter values, and tangents of laws of motion, at its own operating point."""
     if not definition.following:
-        return definition
+        return with_tangents(definition)
+    definition = replace(definition, tangents=None)
     points = OperatingPoints(ExternalTorques(definition, resolve(definition.parameters)[0]))
     try:
-        return with_operating_values(definition, points.at(points.external.operating_speed))
+        return with_tangents(with_operating_values(definition, points.at(points.external.operating_speed)))
     except UsageError:
+        return with_tangents(definition)
+
+
+def with_tangents(definition: Definition, speed: float | None = None) -> Definition:
+    """Definition of a model whose laws of motion are linear about the operating point, worked out when first used.
+
+    ``speed`` in rad/s is that of the reference node of a load, by default that of the operating point. Without laws of
+    motion the definition is unchanged.
+    """
+    if not any(one.enabled and one.has_motion_laws for one in definition.elements.values()):
         return definition
+    from torsionnet.model.motion_balance.operating_balance import OperatingBalance  # few models have laws of motion
+
+    plain = definition if definition.tangents is None else replace(definition, tangents=None)
+    return replace(plain, tangents=OperatingBalance(plain, speed))
 
 
 def operating_speed_notes(external: ExternalTorques) -> tuple[str, ...]:

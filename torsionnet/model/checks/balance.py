@@ -8,10 +8,7 @@ from dataclasses import replace
 from torsionnet.core.errors import Fault
 from torsionnet.model.checks.motions import free_motions
 from torsionnet.model.kinematics import Kinematics
-from torsionnet.model.load.external_torques import ExternalTorques
-
-UNBALANCED_SHARE = 0.05
-"""Share of the largest torque that may remain unbalanced, for rounding of data sheets and drag in bearings."""
+from torsionnet.model.load.external_torques import UNBALANCED_SHARE, ExternalTorques
 
 
 def unbalanced_torques(external: ExternalTorques, kinematics: Kinematics) -> list[Fault]:

@@ -83,6 +83,11 @@ class Element(Declared):
     may_feed: ClassVar[bool] = False
     """Whether the element may feed energy into a vibration, by an action or by negative damping."""
 
+    is_at_own_speed: ClassVar[bool] = False
+    """Whether the laws of motion of the element were converted from another shaft, and not replaced otherwise."""
+    working_point: ClassVar[tuple[str, ...]] = ()
+    """Names of entries that name the working point of the element's laws of motion, about which it is then linear."""
+
     name: str
     description: str = entry(Text("free text for tables and reports"), "", kw_only=True)
     enabled: bool = entry(
@@ -185,6 +190,11 @@ class Element(Declared):
         has_laws = any(isinstance(part, MotionLaw) for part in self.whole_parts(value))
         return not has_laws or self.parts(value) != self.tangent_parts(value)
 
+    @property
+    def has_own_working_point(self) -> bool:
+        """Whether entries of the element name the working point about which :meth:`parts` is linear."""
+        return any(getattr(self, name) is not None for name in self.working_point)
+
     def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
         """Parts of the element with its laws of motion in full, where :meth:`parts` has their tangents.
 
@@ -263,13 +273,13 @@ class Element(Declared):
         found = self.with_laws(path.parts_at_own_shaft(self))
         if self.has_motion_laws:
             whole, tangents = path.laws_at_own_shaft(self)
-            found.__dict__.update(whole_parts=whole, tangent_parts=tangents)
+            found.__dict__.update(whole_parts=whole, tangent_parts=tangents, is_at_own_speed=True)
         return found
 
     def with_laws(self, parts: Callable[[Values], tuple[Part, ...]]) -> Self:
         """Copy of the element with other laws in place of those that follow from its entries."""
         found = copy(self)
-        found.__dict__.update(parts=parts)
+        found.__dict__.update(parts=parts, is_at_own_speed=False)
         return found
 
     @property

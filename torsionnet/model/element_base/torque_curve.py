@@ -57,6 +57,21 @@ class TorqueCurve:
         del state
         return False
 
+    def states_at(self, torque: Any) -> tuple[MotionState, ...] | None:
+        """States in which the curve gives a torque in N m, by rising twist or rate; None where it cannot invert itself.
+
+        None lets solvers bracket the states between the :meth:`corners`.
+        """
+        del torque
+        return None
+
+    def corners(self) -> tuple[Any, ...]:
+        """Twists in rad, of a curve over the rate rates in rad/s, between which the torque rises or falls throughout.
+
+        They are corners, steps and extremes, by rising twist or rate.
+        """
+        return ()
+
     def range(self) -> tuple[Any, Any]:
         """Twists in rad, of a curve over the rate rates in rad/s, between which the torque is given.
 
@@ -112,6 +127,17 @@ class ScaledCurve(TorqueCurve):
 
     def holds(self, state: MotionState) -> bool:
         return self.curve.holds(state.scaled(self.ratio))
+
+    def states_at(self, torque: Any) -> tuple[MotionState, ...] | None:
+        found = self.curve.states_at(torque / self.ratio)
+        if found is None:
+            return None
+        own = tuple(state.scaled(1 / self.ratio) for state in found)
+        return own[::-1] if self.ratio < 0 else own
+
+    def corners(self) -> tuple[Any, ...]:
+        found = tuple(place / self.ratio for place in self.curve.corners())
+        return found[::-1] if self.ratio < 0 else found
 
     def range(self) -> tuple[Any, Any]:
         lower, upper = (None if end is None else end / self.ratio for end in self.curve.range())

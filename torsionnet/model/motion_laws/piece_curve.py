@@ -154,6 +154,10 @@ class PieceCurve(TorqueCurve):
         upper = last.upper if isinstance(last, Slope) else last.at
         return lower, upper
 
+    def corners(self) -> tuple[Any, ...]:
+        ends = (one.at if isinstance(one, Hold) else one.upper for one in self.pieces)
+        return tuple(dict.fromkeys(end for end in ends if end is not None))
+
     def states_at(self, torque: Any) -> tuple[MotionState, ...]:
         """States in which the curve gives a torque in N m, by rising twist or rate, each with its piece.
 

@@ -20,11 +20,10 @@ from torsionnet.assembly.functionals import Functional, functional
 from torsionnet.assembly.law_stiffness import LawStiffness, law_stiffness
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input, Sensor
-from torsionnet.model.checks.balance import UNBALANCED_SHARE
 from torsionnet.model.checks.motions import free_motions
 from torsionnet.model.checks.structure import rigid_motions
 from torsionnet.model.elements import Constraint, Element, Part, Values
-from torsionnet.model.load.external_torques import stated_torques
+from torsionnet.model.load.external_torques import UNBALANCED_SHARE, stated_torques
 from torsionnet.model.speeds import mean_speeds
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.mean_response import MeanResponse

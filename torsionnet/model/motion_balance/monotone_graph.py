@@ -1,0 +1,76 @@
+"""Torque over twist of one law as numbers that a search can follow, with steps made steep ramps."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass
+
+from torsionnet.model.element_base.torque_curve import MotionState
+from torsionnet.model.elements import MotionLaw
+from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope
+
+RAMP = 1e5
+"""Stiffness of the ramp in place of a step, over the largest stiffness of the curve: the ramp is then narrow against
+all twists, and still far from the digits of a float."""
+
+
+@dataclass(frozen=True)
+class MonotoneGraph:
+    """Torque in N m over the twist in rad of a law of straight pieces, or of one with a smooth curve.
+
+    ``places`` are corners, ``torques`` the torques there, ``slopes`` those below, between and above the corners; they
+    are empty for a smooth curve.
+    """
+
+    law: MotionLaw
+    places: tuple[float, ...] = ()
+    torques: tuple[float, ...] = ()
+    slopes: tuple[float, ...] = ()
+
+    def at(self, twist: float) -> tuple[float, float]:
+        """Torque in N m and slope in N m/rad at a twist in rad."""
+        if not self.slopes:
+            stiffness = self.law.scale * self.law.curve.slopes(MotionState(twist))[0]
+            return float(self.law.torque(twist, 0.0)), float(stiffness)
+        if not self.places:
+            return self.torques[0] + self.slopes[0] * twist, self.slopes[0]
+        place = bisect_right(self.places, twist)
+        slope, corner = self.slopes[place], max(place - 1, 0)
+        return self.torques[corner] + slope * (twist - self.places[corner]), slope
+
+    def number_at(self, twist: float) -> int | None:
+        """Number of the piece of the curve in force at a twist in rad, None for a smooth curve."""
+        return bisect_right(self.places, twist) if self.slopes else None
+
+    @property
+    def stiffest(self) -> float:
+        """Largest stiffness in N m/rad of the pieces, that of a smooth curve at rest."""
+        return max(self.slopes) if self.slopes else abs(self.at(0.0)[1])
+
+
+def monotone_graph(law: MotionLaw) -> MonotoneGraph:
+    """Graph of a law of motion over the twist at rest."""
+    curve, scale = law.curve, float(law.scale)
+    if not isinstance(curve, PieceCurve):
+        return MonotoneGraph(law)
+    stiffest = max((float(one.stiffness) for one in curve.pieces if isinstance(one, Slope)), default=0.0) or 1.0
+    places: list[float] = []
+    slopes: list[float] = []
+    torques: list[float] = []
+    halves = [
+        (float(one.high) - float(one.low)) / (2 * RAMP * stiffest) if isinstance(one, Hold) else 0.0
+        for one in curve.pieces
+    ]
+    for number, piece in enumerate(curve.pieces):
+        slopes.append(scale * float(piece.stiffness) if isinstance(piece, Slope) else scale * RAMP * stiffest)
+        if number + 1 == len(curve.pieces):
+            break
+        after = curve.pieces[number + 1]
+        line = piece if isinstance(piece, Slope) else after
+        assert isinstance(line, Slope)  # two steps do not follow each other
+        corner = float(piece.at) if isinstance(piece, Hold) else float(piece.upper)
+        places.append(corner + halves[number] - halves[number + 1])
+        torques.append(scale * float(line.at(places[-1], 0.0)))
+    if not places:
+        torques = [scale * float(one.torque) for one in curve.pieces if isinstance(one, Slope)]
+    return MonotoneGraph(law, tuple(places), tuple(torques), tuple(slopes))

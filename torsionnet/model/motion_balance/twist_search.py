@@ -1,0 +1,248 @@
+"""Twists at which springs and laws of motion are in balance with the mean torques, by a semismooth Newton's method.
+
+The torque of every law rises with its twist, so that the balance is the minimum of the energy
+E(q) = q^T K q/2 + sum_l E_l(b_l^T q) - f^T q. A step counts if the energy or the residual falls; else the step goes to
+the minimum of the energy along its direction. The pieces found are then solved as the linear system they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.core.errors import SolveError
+from torsionnet.model.element_base.torque_curve import MotionState
+from torsionnet.model.elements import Law, MotionLaw
+from torsionnet.model.kinematics import exact_row
+from torsionnet.model.motion_balance.law_network import LawNetwork
+from torsionnet.model.motion_balance.monotone_graph import MonotoneGraph, monotone_graph
+from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve
+
+FloatArray = NDArray[np.float64]
+
+MOST_STEPS = 200
+"""Largest number of steps of the search; random plants with loops took at most 40."""
+LOAD_STEPS = 20
+"""Number of steps in which the load is raised where the search from rest to the whole load fails."""
+SMALL_RESIDUAL = 1e-10
+"""Size of the residual torques over the torques that act at which the search ends; it ends for laws of straight pieces
+at a few units of the last digit of the ramps, a millionth of their stiffness."""
+LEAST_SLOPE = 1e-9
+"""Stiffness that gives level pieces a direction, over the largest one of the law."""
+DENSE_COORDINATES = 400
+"""Number of coordinates from which sparse matrices are quicker."""
+
+
+@dataclass(frozen=True, eq=False)
+class TwistBalance:
+    """Twists in rad, torques in N m and states of all laws over the twist of a drivetrain, in their order."""
+
+    twists: FloatArray
+    torques: FloatArray
+    states: tuple[MotionState, ...]
+
+
+def twist_balance(network: LawNetwork, external: Mapping[str, float]) -> TwistBalance:
+    """Balance of all laws over the twist under torques in N m on nodes, with free motions held.
+
+    Raises
+    ------
+    SolveError
+        No balance was found.
+    """
+    search = _Search.of(network, external)
+    start = np.zeros(len(network.coordinates))
+    found = search.balance(start, 1.0)
+    for step in range(1, LOAD_STEPS + 1) if found is None else ():
+        reached = search.balance(start, step / LOAD_STEPS)
+        if reached is None:
+            names = ", ".join(dict.fromkeys(one.owner for one in network.over_twist))
+            raise SolveError(f"no balance of the mean torques was found at the laws of motion of {names}")
+        start = found = reached
+    assert found is not None
+    return search.polished(found)
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """Linear stiffness, rows and graphs of laws, and torques over the coordinates that springs resist."""
+
+    stiffness: Any
+    rows: Any
+    torques: FloatArray
+    graphs: tuple[MonotoneGraph, ...]
+    floors: FloatArray
+
+    @classmethod
+    def of(cls, network: LawNetwork, external: Mapping[str, float]) -> _Search:
+        place = {name: number for number, name in enumerate(network.coordinates)}
+        torques = np.zeros(len(place))
+        for node, torque in external.items():
+            for name, share in network.reduction.in_floats({node: 1}).items():
+                if name in place:
+                    torques[place[name]] += share * torque
+        springs = [law for _, law in network.elastic]
+        rows = _matrix([network.reduction.in_floats(exact_row(law.row)) for law in springs], place)
+        sizes = np.array([_stiffness_at_rest(law) for law in springs])
+        laws = [one.law for one in network.over_twist]
+        own = _matrix([network.reduction.in_floats(exact_row(law.row)) for law in laws], place)
+        graphs = tuple(map(monotone_graph, laws))
+        floors = np.array([LEAST_SLOPE * (graph.stiffest or 1.0) for graph in graphs])
+        return cls(_gram(rows, sizes), own, torques, graphs, floors)
+
+    def _laws(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Torques in N m and slopes in N m/rad of all laws."""
+        pairs = [graph.at(twist) for graph, twist in zip(self.graphs, (self.rows @ q).tolist(), strict=True)]
+        return np.array([one for one, _ in pairs]), np.array([slope for _, slope in pairs])
+
+    def _left(self, q: FloatArray, load: float) -> tuple[FloatArray, FloatArray, float]:
+        """Residual torques on the coordinates, slopes of the laws, and the size of the torques that act."""
+        own, slopes = self._laws(q)
+        inner, outer = self.stiffness @ q, load * self.torques
+        shares = self.rows.T @ own
+        size = float(max(np.abs(part).max(initial=0.0) for part in (outer, inner, shares)))
+        return outer - inner - shares, slopes, size
+
+    def balance(self, q: FloatArray, load: float) -> FloatArray | None:
+        """Coordinates in balance with a share of the load, from others, or None where the search fails."""
+        residual, slopes, size = self._left(q, load)
+        for _ in range(MOST_STEPS):
+            if np.abs(residual).max(initial=0.0) <= SMALL_RESIDUAL * size:
+                return q
+            step = _solved(self.stiffness + _gram(self.rows, np.maximum(slopes, self.floors)), residual)
+            if not np.isfinite(step).all():
+                return None
+            after = self._left(q + step, load)
+            falls = step @ after[0] >= 0 or np.linalg.norm(after[0]) < np.linalg.norm(residual) / 2
+            if not falls:
+                step = step * _zero(partial(self._fall, q, step, load))
+                after = self._left(q + step, load)
+            q = q + step
+            residual, slopes, size = after
+        return None
+
+    def _fall(self, q: FloatArray, step: FloatArray, load: float, share: float) -> float:
+        """Fall of the energy per share of a step, after a share of it."""
+        return float(step @ self._left(q + share * step, load)[0])
+
+    def polished(self, q: FloatArray) -> TwistBalance:
+        """Balance in the pieces that a search has found, solved as a linear system where all pieces are straight."""
+        twists = self.rows @ q
+        numbers = [graph.number_at(twist) for graph, twist in zip(self.graphs, twists.tolist(), strict=True)]
+        exact = self._in_pieces(numbers) if all(number is not None for number in numbers) else None
+        if exact is not None:
+            twists, torques = exact
+        else:
+            torques = self._laws(q)[0]
+        states = tuple(MotionState(twist, piece=number) for twist, number in zip(twists.tolist(), numbers, strict=True))
+        return TwistBalance(twists, torques, states)
+
+    def _in_pieces(self, numbers: Sequence[int | None]) -> tuple[FloatArray, FloatArray] | None:
+        """Twists and torques of the laws in given pieces, or None where these do not hold the solution."""
+        pieces = [
+            (graph.law, graph.law.curve.pieces[number or 0])
+            for graph, number in zip(self.graphs, numbers, strict=True)
+            if isinstance(graph.law.curve, PieceCurve)
+        ]
+        n = len(self.torques)
+        if n > DENSE_COORDINATES:
+            return None
+        rows, held = _dense(self.rows), [place for place, (_, one) in enumerate(pieces) if isinstance(one, Hold)]
+        scales = np.array([float(law.scale) for law, _ in pieces])
+        slopes = scales * [0.0 if isinstance(one, Hold) else float(one.stiffness) for _, one in pieces]
+        begun = scales * [0.0 if isinstance(one, Hold) else float(one.torque) for _, one in pieces]
+        matrix = np.zeros((n + len(held), n + len(held)))
+        matrix[:n, :n] = _dense(self.stiffness) + rows.T @ (slopes[:, None] * rows)
+        matrix[:n, n:], matrix[n:, :n] = rows[held].T, rows[held]
+        places = [float(one.at) for _, one in pieces if isinstance(one, Hold)]
+        right = np.concatenate([self.torques - rows.T @ begun, places])
+        found = np.linalg.lstsq(matrix, right, rcond=1e-14)[0]
+        if np.abs(matrix @ found - right).max(initial=0.0) > SMALL_RESIDUAL * np.abs(right).max(initial=0.0):
+            return None
+        twists = rows @ found[:n]
+        torques = begun + slopes * twists
+        torques[held] = found[n:]
+        twists[held] = places
+        fits = all(map(_is_within, pieces, twists.tolist(), torques.tolist()))
+        return (twists, torques) if fits else None
+
+
+def _is_within(placed: tuple[MotionLaw, Any], twist: float, torque: float) -> bool:
+    """Whether a twist in rad, of a step the torque in N m, lies within a piece, but for rounding."""
+    law, piece = placed
+    if isinstance(piece, Hold):
+        low, high = float(law.scale) * float(piece.low), float(law.scale) * float(piece.high)
+        slack = 1e-9 * max(abs(low), abs(high))
+        return low - slack <= torque <= high + slack
+    lower, upper = (None if end is None else float(end) for end in (piece.lower, piece.upper))
+    slack = 1e-9 * max(abs(end) for end in (lower or 0.0, upper or 0.0))
+    return (lower is None or twist >= lower - slack) and (upper is None or twist <= upper + slack)
+
+
+def _stiffness_at_rest(law: Law) -> float:
+    own = float(law.stiffness)
+    return own + (float(law.table.kappa(np.zeros(1))[0].real) if law.table is not None else 0.0)
+
+
+def _matrix(rows: Sequence[Mapping[str, float]], place: Mapping[str, int]) -> Any:
+    """Rows over the coordinates, dense for few of these."""
+    entries = [
+        (number, place[name], share) for number, row in enumerate(rows) for name, share in row.items() if name in place
+    ]
+    shape = (len(rows), len(place))
+    if len(place) <= DENSE_COORDINATES:
+        dense = np.zeros(shape)
+        for number, column, share in entries:
+            dense[number, column] = share
+        return dense
+    from scipy import sparse
+
+    triples: Any = zip(*entries, strict=True) if entries else ((), (), ())
+    numbers, columns, shares = triples
+    placed: Any = (shares, (numbers, columns))
+    return sparse.csr_array(placed, shape=shape, dtype=float)
+
+
+def _gram(rows: Any, sizes: FloatArray) -> Any:
+    """Matrix sum_l size_l b_l b_l^T over the coordinates."""
+    if isinstance(rows, np.ndarray):
+        return rows.T @ (sizes[:, None] * rows)
+    from scipy import sparse
+
+    return sparse.csc_array(rows.T @ (sparse.diags_array(sizes) @ rows))
+
+
+def _solved(matrix: Any, right: FloatArray) -> FloatArray:
+    if isinstance(matrix, np.ndarray):
+        try:
+            return np.asarray(np.linalg.solve(matrix, right))
+        except np.linalg.LinAlgError:
+            return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0])
+    from scipy.sparse.linalg import splu
+
+    return np.asarray(splu(matrix.tocsc()).solve(right))
+
+
+def _dense(matrix: Any) -> FloatArray:
+    return np.asarray(matrix if isinstance(matrix, np.ndarray) else matrix.toarray())
+
+
+def _zero(slope: Callable[[float], float]) -> float:
+    """Share of a step from 0 to 1 at which the energy along it stops falling, where ``slope`` changes its sign."""
+    low, high = 0.0, 1.0
+    at_low, at_high = slope(low), slope(high)
+    for count in range(200):
+        share = (low + high) / 2 if count % 3 == 2 else low + (high - low) * at_low / (at_low - at_high)
+        value = slope(share)
+        if value > 0:
+            low, at_low = share, value
+        elif value < 0:
+            high, at_high = share, value
+        if value == 0 or high - low <= 1e-15 * high:
+            return share
+    return (low + high) / 2
