@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from torsionnet.model.parts.part import Part
     from torsionnet.model.parts.use import Use
     from torsionnet.model.report import ReportPlan
+    from torsionnet.model.scenarios.scenario import Scenario
 
 LOAD = "load"
 """Prefix of the load's entries in a configuration, as in ``load.power``; no excitation can have this name."""
@@ -93,6 +94,7 @@ class Definition(Declared):
     load: Load | None = entry(sections.LOAD, None)
     excitations: Mapping[str, OrderExcitation] = entry(sections.EXCITATIONS, None)
     limits: Mapping[str, Limit] = entry(sections.LIMITS, None)
+    scenarios: Mapping[str, Scenario] = entry(sections.SCENARIOS, None)
     bench: Plan | None = entry(sections.BENCH, None)
     report: ReportPlan | None = entry(sections.REPORT, None)
     authored: Authored | None = field(default=None, compare=False, repr=False)

@@ -53,6 +53,7 @@ class Model:
         ports: Iterable[str] = (),
         parts: Mapping[str, Any] | None = None,
         use: Mapping[str, Any] | None = None,
+        scenarios: Mapping[str, Any] | None = None,
     ) -> None:
         table, faults = collect_elements(elements) if elements or not use else ({}, [])
         definition, found = define(
@@ -68,6 +69,7 @@ class Model:
                 "load": load,
                 "excitations": excitations,
                 "limits": limits,
+                "scenarios": scenarios,
                 "source": source,
                 "description": description,
                 "ports": ports if isinstance(ports, str) else tuple(ports),
