@@ -25,7 +25,10 @@ class Defined(Protocol):
 
 
 def scenario_subject(definition: Definition, values: Mapping[str, Any]) -> ScenarioSubject:
-    """Nodes, elements and channels that scenarios of a model may name, with values of its parameters and mean speeds as far as they are known."""
+    """Nodes, elements and channels that scenarios of a model may name, with values of its parameters.
+
+    Mean speeds come with them as far as they are known.
+    """
     try:
         speeds = mean_speeds(definition, values)
     except (TorsionnetError, ArithmeticError, KeyError):  # other checks say what is wrong
