@@ -208,9 +208,18 @@ def check_structure(definition: Definition, values: Mapping[str, Any]) -> list[F
     if faults:
         return faults
     faults = [fault for check in CHECKS for fault in check(definition, kinematics)]
-    faults += unreachable_shafts(definition, values)
+    faults += unreachable_shafts(definition, values) + _open_gaps(definition, values)
     sound = all(fault.severity != "error" for fault in faults)
     return faults + _unfit_operation(definition, values, kinematics, sound=sound)
+
+
+def _open_gaps(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
+    """Notes on laws of motion that nothing presses together, in a model without an operating point."""
+    if definition.load or definition.operating_point or not any(one.has_motion_laws for one in definition.active):
+        return []
+    from torsionnet.model.checks.free_laws import free_laws
+
+    return free_laws(definition, values)
 
 
 def _unfit_references(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
