@@ -427,5 +427,46 @@ def test_survives_the_way_through_a_file(kind, tmp_path):
     rig = tn.Drivetrain("rig", [element, *(tn.Inertia(f"j_{node}", node=node, inertia=1) for node in nodes)])
     rig.to_yaml(tmp_path / "rig.yaml")
     again = tn.load(tmp_path / "rig.yaml")
-    assert again.elements["e"] == element
-    assert law_of(again.elements["e"]) == law_of(element)
+    assert again.definition.elements["e"] == element
+    assert law_of(again.definition.elements["e"]) == law_of(element)
+
+
+def findings(*lines, more=""):
+    text = "torsionnet: 1\nelements:\n" + "".join(f"  {line}\n" for line in lines) + more
+    return [(fault.severity, fault.message) for fault in read_text(text, "model.yaml")[1]]
+
+
+class TestChecks:
+    MASSES = ("i: {type: inertia, node: a, inertia: 1}", "j: {type: inertia, node: b, inertia: 2}")
+
+    def test_a_gap_is_a_free_motion(self):
+        mesh = "mesh: {type: clearance, nodes: [a, b], gap: 1 deg, stiffness: 5}"
+        (free, gap) = findings(*self.MASSES, mesh)
+        assert free == ("note", "the drivetrain can turn freely: 2 rigid-body modes")
+        assert gap[0] == "note"
+        assert gap[1].startswith("mesh stands open in linear results")
+        loaded = findings(*self.MASSES, mesh, more="operating_point: {torque: {a: 9, b: -9}}\n")
+        assert not any("stands open" in text for _, text in loaded)
+
+    def test_a_torque_on_what_friction_holds_is_no_mistake(self):
+        """It moves where the friction slips; one on what a lock holds never does."""
+        rub = "rub: {type: friction, nodes: [b, ground], torque: 5}"
+        spring = "k: {type: spring, nodes: [a, b], stiffness: 9}"
+        given = "inputs: {T: {torque: b}}\n"
+        (found,) = findings(*self.MASSES, spring, rub, more=given)
+        assert found[0] == "note"
+        assert found[1].startswith('input T does nothing: "b" is locked, in linear results at an operating point where')
+        locked = findings(*self.MASSES, spring, rub, "lock: {type: lock, node: b}", more=given)
+        assert ("error", 'input T does nothing: "b" is locked') in locked
+
+    def test_friction_may_stand_between_shafts_of_other_speeds(self):
+        """Stuck, it locks the gears with which it closes a loop; slipping, it does not."""
+        gears = ("g: {type: gear, nodes: [a, b], ratio: 3}", "rub: {type: friction, nodes: [a, b], torque: 5}")
+        assert not [text for severity, text in findings(*self.MASSES, *gears) if severity == "error"]
+        rigid = (gears[0], "c: {type: rigid_coupling, nodes: [a, b]}")
+        assert [text for severity, text in findings(*self.MASSES, *rigid) if severity == "error"]
+
+    def test_a_plain_model_is_read_no_operating_value(self):
+        """Springs and friction have no entry at which their rows would be read."""
+        assert not SPRINGS["stages"].reads_off
+        assert not FRICTIONS["over slip"].reads_off

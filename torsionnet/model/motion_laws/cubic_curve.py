@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -37,6 +38,13 @@ class CubicCurve(TorqueCurve):
         if state.twist == 0:
             return self.stiffness, 0
         return self.stiffness + 3 * self.cubic * state.twist**2, 0
+
+    def corners(self) -> tuple[Any, ...]:
+        k, third = float(self.stiffness), float(self.cubic)
+        if k * third >= 0:
+            return ()
+        extreme = math.sqrt(-k / (3 * third))
+        return -extreme, extreme
 
     def scaled(self, ratio: Any) -> CubicCurve:
         return CubicCurve(self.stiffness * ratio**2, self.cubic * ratio**4)
