@@ -185,10 +185,11 @@ class Element(Declared):
 
         Else they are the tangents of a drivetrain that rests without load.
         """
-        if not self.has_motion_laws or isinstance(self.__dict__.get("parts"), TangentParts):
+        if not self.has_motion_laws or self.has_own_working_point:
             return True
-        has_laws = any(isinstance(part, MotionLaw) for part in self.whole_parts(value))
-        return not has_laws or self.parts(value) != self.tangent_parts(value)
+        if isinstance(self.__dict__.get("parts"), TangentParts):
+            return True
+        return not any(isinstance(part, MotionLaw) for part in self.whole_parts(value))
 
     @property
     def has_own_working_point(self) -> bool:

@@ -80,11 +80,12 @@ class TorqueCurve:
         """
         return None, None
 
-    def left(self, twist: float, rate: float = 0.0) -> str:
+    def left(self, twist: float, rate: float = 0.0, *sensed: float) -> str:
         """Message that a twist in rad, of a curve over the rate a rate in rad/s, lies beyond an end; else empty.
 
-        A twist that misses the end by a rounding error is no fault.
+        A twist that misses the end by a rounding error is no fault. Curves over the rates of sensed rows need these.
         """
+        del sensed
         at, unit = (twist, "rad") if self.over == "twist" else (rate, "rad/s")
         lower, upper = self.range()
         slack = END_SLACK * max(abs(float(end)) for end in (lower or 0, upper or 0))

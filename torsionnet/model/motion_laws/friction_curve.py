@@ -30,9 +30,30 @@ def slip_curve(rows: Rows, number: Callable[[Fraction], Any], stick: Any = None)
     >>> slip_curve(rows, FLOAT.number).torque(0, -4)
     -18.0
     """
-    above: list[Slope] = []
-    for (start, low), (end, high) in pairwise((row[0].value, row[1].value) for row in rows):
-        slope = Fraction(high - low) / (end - start)
-        above.append(Slope(number(low - slope * start), 0, number(slope), number(start), number(end)))
+    above = _slopes(rows, number)
     held = above[0].torque if stick is None else stick
     return symmetric_curve("rate", (Hold(0, -held, held), *above))
+
+
+def clutch_curve(rows: Rows, number: Callable[[Fraction], Any]) -> PieceCurve:
+    """Curve of the faces of a clutch by rows [slip speed, torque or friction coefficient], up to the last row.
+
+    Rows from slip zero on hold both ways and stick up to the first of them; rows through negative slips hold as they
+    are, without a step.
+
+    >>> from torsionnet.core.expressions import FLOAT, Number
+    >>> rows = tuple((Number(slip), Number(torque)) for slip, torque in ((0, 20), (10, 15)))
+    >>> clutch_curve(rows, FLOAT.number).torque(0, -4), clutch_curve(rows, FLOAT.number).pieces[1]
+    (-18.0, Hold(at=0, low=-20.0, high=20.0))
+    """
+    slopes = _slopes(rows, number)
+    return symmetric_curve("rate", slopes) if rows[0][0].value == 0 else PieceCurve("rate", slopes)
+
+
+def _slopes(rows: Rows, number: Callable[[Fraction], Any]) -> tuple[Slope, ...]:
+    """Straight pieces over the slip between rows [slip speed, torque]."""
+    found = []
+    for (start, low), (end, high) in pairwise((row[0].value, row[1].value) for row in rows):
+        slope = Fraction(high - low) / (end - start)
+        found.append(Slope(number(low - slope * start), 0, number(slope), number(start), number(end)))
+    return tuple(found)
