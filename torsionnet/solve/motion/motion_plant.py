@@ -75,10 +75,13 @@ class MotionPlant:
 
 
 def has_laws_of_motion(drivetrain: AssembledModel) -> bool:
-    """Whether an element of a drivetrain that is switched on has a law of motion in full."""
+    """Whether an element of a drivetrain that is switched on has a law of motion in full.
+
+    Elements that are linear about a working point of their own, as a clutch with a slip speed, ask for none.
+    """
     value: Values | None = None
     for element in drivetrain.definition.active:
-        if type(element).whole_parts is not Element.whole_parts:
+        if element.has_motion_laws and not element.has_own_working_point:
             value = value or Values(drivetrain.exact_values)
             if any(isinstance(part, MotionLaw) for part in element.whole_parts(value)):
                 return True
