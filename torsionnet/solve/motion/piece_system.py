@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +24,7 @@ from torsionnet.solve.motion import marching
 from torsionnet.solve.motion.contact_form import Drive, Layout
 from torsionnet.solve.motion.contact_states import Contact, ContactStates, FinerStepError, rates_of
 from torsionnet.solve.motion.march_tables import BLOCK, MOST_TURN, in_steps, push_offsets
+from torsionnet.solve.motion.motion_over_time import MotionOverTime
 from torsionnet.solve.motion.motion_plant import MotionPlant
 from torsionnet.solve.motion.motion_record import MotionRecord, stored_energy
 from torsionnet.solve.motion.phases import LawPhases, law_phases
@@ -46,15 +46,6 @@ STEPS_WORTH_COMPILING = 100_000
 long as 50 000 steps in numpy; shorter motions change over once their first list is full of events."""
 LISTED = 8192
 """Number of stretches and events of a motion listed before they are read."""
-
-
-@dataclass(frozen=True, eq=False)
-class MotionOverTime:
-    """Readings (n_out, n) in SI units at samples, events and energies of a motion."""
-
-    values: FloatArray
-    events: tuple[MotionEvent, ...]
-    energy: EnergyBalance
 
 
 def simulate_motion(
@@ -154,35 +145,59 @@ def _run(
     z0: FloatArray, rates: tuple[float, float], refinement: int,
 ) -> MotionOverTime:  # fmt: skip
     n = torques.shape[1]
+    k, n_sub = steps_of(rates, step, n, refinement)
+    states.with_steps(step / k, n_sub)
+    run = PieceMotion(states, _grid(torques, k), k, (n - 1) * k)
+    record = MotionRecord(states, readings, inputs, n, k, run.drive)
+    return run.whole(z0, record)
+
+
+def steps_of(rates: tuple[float, float], step: float, n: int, refinement: int = 1) -> tuple[int, int]:
+    """Number of steps in a sampling interval of ``step`` seconds, and points of the finer grid in a step.
+
+    ``rates`` are the fastest vibration and the largest pole in rad/s, ``n`` is the number of samples.
+
+    Raises
+    ------
+    UsageError
+        The motion needs too many steps.
+    """
     turning, largest = rates
     most = MOST_SUBSTEPS * MOST_TURN
     k = refinement * max(1, math.ceil(step * turning / LONGEST_TURN), math.ceil(step * largest / most))
     if k * n > MOST_STEPS:
         text = f"the fastest motion, {largest:.3g} rad/s, needs {k * n:.2g} steps over {n * step:.3g} s"
         raise UsageError(f"{text}; simulate a shorter time, or leave out what is so stiff")
-    h = step / k
     n_sub = 4
-    while n_sub * MOST_TURN < largest * h and n_sub < MOST_SUBSTEPS:
+    while n_sub * MOST_TURN < largest * step / k and n_sub < MOST_SUBSTEPS:
         n_sub *= 2
-    states.with_steps(h, n_sub)
-    run = _Motion(states, torques, k)
-    record = MotionRecord(states, readings, inputs, n, k, run.drive)
-    return run.whole(z0, record)
+    return k, n_sub
 
 
-class _Motion:
-    """Motion under way: contact state, grid point, part of the step, state p and the lists of the march."""
+def _grid(torques: FloatArray, k: int) -> FloatArray:
+    """Torques (n_points, n_u) at grid points, k to a sample, and as far beyond the end as a block reaches."""
+    n = torques.shape[1]
+    places = np.minimum(np.arange((n - 1) * k + BLOCK + 2) / k, n - 1)
+    return np.ascontiguousarray(np.array([np.interp(places, np.arange(n), one) for one in torques]).T)
 
-    def __init__(self, states: ContactStates, torques: FloatArray, k: int) -> None:
-        self.states, self.k = states, k
-        n = torques.shape[1]
-        self.last = (n - 1) * k
-        places = np.minimum(np.arange(self.last + BLOCK + 2) / k, n - 1)
-        self.drive = np.ascontiguousarray(np.array([np.interp(places, np.arange(n), one) for one in torques]).T)
+
+class PieceMotion:
+    """Motion under way: contact state, grid point, part of the step, state p and the lists of the march.
+
+    ``drive`` (last + BLOCK + 2, n_u) are torques and scales at the grid points, k of them to a sample, from the time
+    ``begins`` in s on. ``end`` is the state z in SI units at the end, and ``contact`` the contact state there.
+    """
+
+    end: FloatArray
+    contact: Contact
+
+    def __init__(self, states: ContactStates, drive: FloatArray, k: int, last: int, begins: float = 0.0) -> None:
+        self.states, self.k, self.last, self.begins = states, k, last, begins
+        self.drive = drive
         self.events: list[MotionEvent] = []
 
-    def whole(self, z0: FloatArray, record: MotionRecord) -> MotionOverTime:
-        """Motion from a state z0 in SI units to the last sample."""
+    def whole(self, z0: FloatArray, record: MotionRecord, contact: Contact | None = None) -> MotionOverTime:
+        """Motion from a state z0 in SI units to the last sample; ``contact`` goes on from the end of another."""
         states, at = self.states, self.states.at
         numbers, times = np.zeros((LISTED, 3), dtype=np.int64), np.zeros((LISTED, 2))
         starts, event_times = np.zeros((LISTED, at.n_p)), np.zeros(LISTED)
@@ -193,7 +208,7 @@ class _Motion:
         units = in_steps(at, states.h)
         z0 = z0 / units
         z0[at.slope] = flat[at.n_u : 2 * at.n_u] - flat[: at.n_u]
-        contact = self._at_start(z0)
+        contact = contact or self._at_start(z0)
         p = self._refreshed(contact, z0)[: at.n_p].copy()
         energy = stored_energy(states, contact, self._z(p, 0, 0.0))
         march = _compiled_march() if self.last >= STEPS_WORTH_COMPILING else marching.march
@@ -208,7 +223,7 @@ class _Motion:
                 self._refuse_storm(event_numbers[: state[4]], int(state[1]), f)
             if reason == marching.ASK:
                 z = self._z(p, int(state[1]), f)
-                time = (int(state[1]) + f) * states.h
+                time = self.begins + (int(state[1]) + f) * states.h
                 contact, always = states.after(states.contacts[state[0]], guard, z, time)
                 known = states.number(contact)
                 if always:
@@ -230,6 +245,7 @@ class _Motion:
                 break
         contact = states.contacts[state[0]]
         record.add_last(contact, self.last, p)
+        self.end, self.contact = self._z(p, self.last, 0.0) * units, contact
         stored = stored_energy(states, contact, self._z(p, self.last, 0.0)) - energy
         works = dict(record.works)
         supplied = works.pop("", 0.0)
@@ -246,7 +262,7 @@ class _Motion:
         states, at = self.states, self.states.at
         rows = np.array([one.row for one in states.plant.laws]).reshape(-1, at.n_q)
         units = in_steps(at, states.h)
-        scales = np.ones(len(rows))
+        scales = np.array([1.0 if place < 0 else self.drive[0, place] for place in states.drive.scale_of])
         return states.at_start(rows @ z[at.q], rows @ (z * units)[at.v], scales)
 
     def _tell(self, numbers: NDArray[np.int64], times: FloatArray) -> None:
@@ -254,14 +270,15 @@ class _Motion:
         for (before, _, i, after), f in zip(numbers.tolist(), times.tolist(), strict=False):
             owner, what = self.states.change(contacts[before], contacts[after])
             if what:
-                self.events.append(MotionEvent((i + f) * h, owner, what))
+                self.events.append(MotionEvent(self.begins + (i + f) * h, owner, what))
 
     def _refuse_storm(self, numbers: NDArray[np.int64], i: int, f: float) -> None:
         states = self.states
         owners = [states.laws[guard // 3].owner for guard in numbers[-MOST_EVENTS:, 1].tolist()]
         most = max(dict.fromkeys(owners), key=owners.count)
         rate = owners.count(most) / (STORM_WINDOW * states.h)
-        text = f"{most}: at {(i + f) * states.h:.6g} s its torque changes its piece more than {rate:.3g} times a second"
+        time = self.begins + (i + f) * states.h
+        text = f"{most}: at {time:.6g} s its torque changes its piece more than {rate:.3g} times a second"
         raise SolveError(
             f"{text}, without an end to be seen; give the contact or the friction a stiffness or a damping"
         )
