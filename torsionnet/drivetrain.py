@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from torsionnet.core.errors import Fault
     from torsionnet.model.channels import Sensor
     from torsionnet.model.motion_balance.balanced_state import BalancedState
+    from torsionnet.model.scenarios.scenario import Scenario
     from torsionnet.response import FrequencyResponse, FrequencyResponses, Modes
     from torsionnet.response.critical_speeds import CriticalSpeeds
     from torsionnet.response.loop_margins import LoopMargins
@@ -54,6 +55,8 @@ class Drivetrain(RunningMachinery, AttributeHints):
         ``{"speed": {node: value}, "torque": {node: value}}``.
     speeds, load, excitations : mapping, optional
         At which speeds running machinery is examined, who absorbs its power and who drives, and what excites it.
+    scenarios : mapping, optional
+        Name -> what happens over time: torques on nodes, a short circuit (:meth:`simulate`).
     source, description : str, optional
         Where the numbers come from, and what the model is.
     ports : iterable of str, optional
@@ -178,11 +181,12 @@ class Drivetrain(RunningMachinery, AttributeHints):
 
     def simulate(
         self,
-        outputs: Channels,
-        inputs: Mapping[str, ArrayLike],
-        sampling_rate: float,
+        outputs: Channels | None = None,
+        inputs: Mapping[str, ArrayLike] | None = None,
+        sampling_rate: float | None = None,
         *,
-        start: str | MotionStart = "rest",
+        start: str | MotionStart | None = None,
+        scenario: str | Scenario | None = None,
     ) -> Recording:
         """Motion and torques over time, exact for input torques that are linear between samples.
 
@@ -191,13 +195,16 @@ class Drivetrain(RunningMachinery, AttributeHints):
         Parameters
         ----------
         outputs : str, Sensor or sequence of these
-            As for :meth:`frequency_response`.
+            As for :meth:`frequency_response`; in a scenario the model's sensors unless others are named.
         inputs : mapping
             Name of an input or node -> (n,) torques in N m. That on a node is called ``torque on NODE`` in the result.
         sampling_rate : float
-            Hz.
-        start : str or MotionStart
-            ``"rest"``, or angles and speeds of nodes at the first sample.
+            Hz; in a scenario instead of what that says.
+        start : str or MotionStart, optional
+            ``"rest"``, ``"operating_point"``, or angles and speeds of nodes at the first sample. Default: rest, or what
+            the scenario says.
+        scenario : str or Scenario, optional
+            Instead of inputs: a scenario of the model, or an object such as ``TorqueScenario(...)``, whose torques act.
 
         Returns
         -------
@@ -217,10 +224,23 @@ class Drivetrain(RunningMachinery, AttributeHints):
         >>> record = tn.load("dmf_rig").simulate(["theta_1", "T_T"], {"T_M": [0.0] + 4000 * [10.0]}, 1e3)
         >>> record.names, round(float(record["T_T"].values[-1]), 6)
         (('T_M', 'theta_1', 'T_T'), 10.0)
+        >>> fault = tn.load("turbine_generator_ssr").simulate("T_LPB_G", scenario="three_phases", sampling_rate=2e4)
+        >>> fault.events[0].what, round(float(abs(fault["T_LPB_G"].values).max()) / 1e6, 2)
+        ('short circuit of 3 phases', 7.95)
         """
+        from torsionnet.core.errors import UsageError
+
+        if scenario is not None:
+            from torsionnet.solve.motion.scenario_run import run_scenario
+
+            if inputs is not None:
+                raise UsageError("a scenario brings its own torques; leave out inputs, or the scenario")
+            return run_scenario(self, scenario, outputs, start=start, sampling_rate=sampling_rate)
         from torsionnet.solve.motion.simulation import simulate
 
-        return simulate(self, outputs, inputs, sampling_rate, start)
+        if outputs is None or inputs is None or sampling_rate is None:
+            raise UsageError("a simulation needs outputs, inputs and a sampling rate, or a scenario")
+        return simulate(self, outputs, inputs, sampling_rate, start or "rest")
 
     def modes(
         self,

@@ -81,7 +81,7 @@ class Scenario(Declared):
 
     duration: float | None = entry(Value("time that is simulated", "time", exclusive=True), None)
     rate: float | None = entry(
-        Value("samples a second; default: 40 in the shortest period of vibration", "frequency", exclusive=True), None
+        Value("samples a second; default: 100 in the shortest period of vibration", "frequency", exclusive=True), None
     )
     start: str | None = entry(OneOf("state in which it begins", STARTS), None)
 
