@@ -570,6 +570,13 @@ def symbol_pictures(folder: Path) -> None:
         symbol_picture.write(folder, kind, [sample(cls, full=False), sample(cls, full=True)])
 
 
+def law_pictures(folder: Path) -> None:
+    """Write the picture of the page on laws of motion."""
+    import law_picture
+
+    law_picture.write(folder)
+
+
 def tutorial_pictures(folder: Path) -> None:
     """Write the pictures of the tutorials, by the commands that their pages show."""
     import tutorial_steps
@@ -608,6 +615,7 @@ def write_all(folder: Path = GENERATED) -> None:
         sys.path.insert(0, str(DOCS))
     sign_pictures(folder)
     symbol_pictures(folder)
+    law_pictures(folder)
     tutorial_pictures(folder)
     write_reference()
 
