@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 S = TypeVar("S", bound="type[Scenario]")
 REST, OPERATING_POINT = "rest", "operating_point"
+RATE = Value("samples a second; default: 100 in the shortest period of vibration", "frequency", exclusive=True)
 STARTS = (REST, OPERATING_POINT)
 """States in which a scenario may begin."""
 
@@ -80,9 +81,7 @@ class Scenario(Declared):
     article: ClassVar[str] = "a scenario"
 
     duration: float | None = entry(Value("time that is simulated", "time", exclusive=True), None)
-    rate: float | None = entry(
-        Value("samples a second; default: 100 in the shortest period of vibration", "frequency", exclusive=True), None
-    )
+    rate: float | None = entry(RATE, None)
     start: str | None = entry(OneOf("state in which it begins", STARTS), None)
 
     @classmethod
