@@ -40,15 +40,22 @@ def near_zero(values: Any, count: int) -> Any:
     return found
 
 
+def numbers_of(coefficients: Any) -> Any:
+    """Coefficients of a polynomial as they are."""
+    return coefficients
+
+
 COMPILED = (
     near_zero,
-    marching.fill_taylor,
+    numbers_of,
     marching.polynomial_at,
     marching.slope_at,
     marching.curvature_at,
     marching.root_between,
     marching.turning_point,
     marching.first_root,
+    marching.passed_points,
+    marching.moved,
     marching.passed,
     marching.located,
     marching.jumped,

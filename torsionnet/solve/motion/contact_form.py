@@ -121,6 +121,8 @@ class ContactForm:
     ----------
     A, refresh : (N, N) arrays
         z' = A z for a refreshed z.
+    motion : three (n_q, N) arrays
+        q in rad, q' in rad/s and q'' in rad/s^2 of the coordinates.
     twists, rates, torques : (n_laws, N) arrays
         gamma in rad, gamma' in rad/s and T in N m of each law of motion.
     act : (n_actions, N) array
@@ -131,6 +133,7 @@ class ContactForm:
 
     A: FloatArray
     refresh: FloatArray
+    motion: tuple[FloatArray, FloatArray, FloatArray]
     twists: FloatArray
     rates: FloatArray
     torques: FloatArray
@@ -344,10 +347,33 @@ def _over_z(plant: MotionPlant, parts: _Parts) -> ContactForm:
     R[u, at.u], R[slope, at.slope] = np.eye(at.n_u), np.eye(at.n_u)
     whole, refresh, outside = E @ A @ R, E @ R, np.zeros((at.n_u, at.size))
     outside[:, at.u], outside[:, at.w] = np.eye(at.n_u), drive.S
-    position, speed, acceleration = refresh[at.q], refresh[at.v], whole[at.v]
-    act = _action_torques(plant, at, position, speed, acceleration)
-    found = ContactForm(whole, refresh, rows @ position, rows @ speed, np.zeros((len(rows), at.size)), act, outside)
-    return replace(found, torques=_law_torques(plant, parts, at, found, (position, speed, acceleration)))
+    motion = refresh[at.q], refresh[at.v], whole[at.v]
+    act = _action_torques(plant, at, *motion)
+    found = ContactForm(
+        whole, refresh, motion, rows @ motion[0], rows @ motion[1], np.zeros((len(rows), at.size)), act, outside
+    )
+    return replace(found, torques=_law_torques(plant, parts, at, found, motion))
+
+
+def relative_form(plant: MotionPlant, at: Layout, form: ContactForm) -> ContactForm:
+    """Form over coordinates relative to the rotation of the whole, which grows without bounds and moves nothing."""
+    S, back = np.eye(at.size), np.eye(at.size)
+    for pivot, column in plant.turning:
+        for place in (at.q, at.v):
+            S[place, place.start + pivot] = column
+            back[place, place.start + pivot] = np.where(np.arange(at.n_q) == pivot, 1.0, -column)
+    turned = [at.q.start + pivot for pivot, _ in plant.turning]
+    A, refresh = back @ form.A @ S, back @ form.refresh @ S
+    twists, rates, torques, act = (rows @ S for rows in (form.twists, form.rates, form.torques, form.act))
+    position, speed, acceleration = (rows @ S for rows in form.motion)
+    refresh[:, turned] = np.eye(at.size)[:, turned]
+    for rows in (A, speed, acceleration, rates, torques, act):
+        rows[:, turned] = 0.0
+    for place, pivot in zip(turned, (pivot for pivot, _ in plant.turning), strict=True):
+        position[:, place] = S[at.q, at.q.start + pivot]
+    bound = np.abs(twists[:, turned]) <= NEGLIGIBLE_ENTRY * np.abs(form.twists).max(axis=1, initial=1.0, keepdims=True)
+    twists[:, turned] = np.where(bound, 0.0, twists[:, turned])
+    return ContactForm(A, refresh, (position, speed, acceleration), twists, rates, torques, act, form.inputs)
 
 
 def _velocities(plant: MotionPlant, parts: _Parts, plain: FloatArray) -> FloatArray:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import SolveError
-from torsionnet.solve.motion.contact_form import ContactForm, Drive, Layout, contact_form
+from torsionnet.solve.motion.contact_form import ContactForm, Drive, Layout, contact_form, relative_form
 from torsionnet.solve.motion.march_tables import (
     GUARDS_PER_LAW,
     LOWER,
@@ -54,9 +54,15 @@ def rates_of(form: ContactForm) -> tuple[float, float]:
 
 
 class ContactStates:
-    """Contact states of a plant by number, in the order of their first visit, with stacked tables for the march."""
+    """Contact states of a plant by number, in the order of their first visit, with stacked tables for the march.
 
-    def __init__(self, plant: MotionPlant, laws: Sequence[LawPhases], drive: Drive, at: Layout) -> None:
+    ``relative`` counts coordinates from those that turn with the whole, see :func:`.relative_form`.
+    """
+
+    def __init__(
+        self, plant: MotionPlant, laws: Sequence[LawPhases], drive: Drive, at: Layout, *, relative: bool = False
+    ) -> None:
+        self.relative = relative
         self.plant, self.laws, self.drive, self.at = plant, tuple(laws), drive, at
         self._forms: dict[Contact, ContactForm] = {}
         self.h, self.n_sub = 1.0, 4
@@ -85,7 +91,8 @@ class ContactStates:
         if contact not in self._forms:
             if len(self._forms) * self.at.size**2 * 16 > MOST_BYTES:
                 self._forms.clear()
-            self._forms[contact] = contact_form(self.plant, self.laws, contact, self.drive)
+            form = contact_form(self.plant, self.laws, contact, self.drive)
+            self._forms[contact] = relative_form(self.plant, self.at, form) if self.relative else form
         return self._forms[contact]
 
     def number(self, contact: Contact) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from scipy import linalg
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.solve.motion.contact_form import ContactForm, Layout
+from torsionnet.solve.motion.marching import DEGREE
 from torsionnet.solve.motion.phases import LawPhases
 
 BLOCK = 16
@@ -35,14 +36,15 @@ class MarchTable:
     powers: FloatArray
     pushes: FloatArray
     finer: FloatArray
+    courses: FloatArray
+    sizes: FloatArray
     halves: FloatArray
-    generator: FloatArray
+    taylor: FloatArray
     refresh: FloatArray
 
     @property
     def arrays(self) -> tuple[FloatArray, ...]:
-        return (self.guards, self.ahead, self.pushed, self.powers, self.pushes, self.finer, self.halves,
-                self.generator, self.refresh)  # fmt: skip
+        return tuple(getattr(self, one.name) for one in fields(self))
 
 
 def in_steps(at: Layout, h: float) -> FloatArray:
@@ -138,6 +140,10 @@ def march_table(form: ContactForm, guards: FloatArray, at: Layout, h: float, n_s
     while len(parts) < round(math.log2(n_sub)):
         parts.insert(0, parts[0] @ parts[0])
     whole = parts[0] @ parts[0]
+    terms = [np.eye(at.size)]
+    for k in range(1, DEGREE + 1):
+        terms.append(terms[-1] @ A / k)
+    taylor = np.array(terms)
     finer = [rows]
     for _ in range(n_sub):
         finer.append(finer[-1] @ finest)
@@ -165,8 +171,10 @@ def march_table(form: ContactForm, guards: FloatArray, at: Layout, h: float, n_s
         np.array(powers),
         np.concatenate([push.ravel() for push in pushes]),
         np.concatenate(finer),
+        np.einsum("gn,knm->gkm", rows, taylor).reshape(-1, at.size),
+        np.abs(rows) @ (np.eye(at.size) + np.abs(A) + np.abs(A) @ np.abs(A) / 2),
         np.array(parts),
-        np.ascontiguousarray(A),
+        taylor.reshape(-1, at.size),
         np.ascontiguousarray(refresh),
     )
 

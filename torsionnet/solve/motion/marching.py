@@ -26,6 +26,8 @@ ROUNDING = 2e-15
 roundings of 2.2e-16."""
 MOST_NEWTON_STEPS = 60
 """Most steps of Newton's method with bisection: bisection alone reaches rounding in 53."""
+LAST_STEP = 5e-17
+"""Part of a step of the grid by which Newton's method may still move when it ends: a rounding of the finer grid."""
 DONE, ASK, FULL, STORM = 0, 1, 2, 3
 """Reasons for which a march stops, at its end, at an event whose next contact state is not known, at full lists, or in
 too many events within a window of time."""
@@ -40,12 +42,9 @@ def near_zero(values: Any, count: int) -> Any:
     return (lowest < NEAR * np.maximum(bend[1:], bend[:-1]))[:count].any(axis=1)
 
 
-def fill_taylor(A: Any, z: Any, rows: Any) -> None:
-    """Write the coefficients A^k z / k! of the motion from z into ``rows`` (DEGREE + 1, N)."""
-    rows[0] = z
-    for k in range(1, DEGREE + 1):
-        rows[k] = np.dot(A, rows[k - 1])
-        rows[k] /= k
+def numbers_of(coefficients: Any) -> Any:
+    """Coefficients of a polynomial as a list, which loops in Python read quicker than an array."""
+    return coefficients.tolist()
 
 
 def polynomial_at(coefficients: Any, at: float) -> float:
@@ -83,10 +82,10 @@ def root_between(coefficients: Any, above: float, below: float) -> float:
             below = at
         slope = slope_at(coefficients, at)
         following = at - value / slope if slope != 0 else below
+        if abs(following - at) <= LAST_STEP:
+            break
         if not above < following < below:
             following = 0.5 * (above + below)
-        if following == at or below - above <= 1e-16:
-            break
         at = following
     return at
 
@@ -103,10 +102,10 @@ def turning_point(coefficients: Any, first: float, last: float) -> float:
             first = at
         bend = curvature_at(coefficients, at)
         following = at - slope / bend if bend != 0 else last
+        if abs(following - at) <= LAST_STEP:
+            break
         if not first < following < last:
             following = 0.5 * (first + last)
-        if following == at or last - first <= 1e-16:
-            break
         at = following
     return at
 
@@ -133,34 +132,45 @@ def first_root(coefficients: Any, length: float, rounding: float) -> float:
     return root_between(coefficients, above, below)
 
 
-def passed(z: Any, part: float, n_sub: int, halves: Any, A: Any, rows: Any) -> Any:
+def passed_points(z: Any, place: int, n_sub: int, halves: Any) -> Any:
+    """State z at a point of the finer grid of a step, of which there are ``n_sub``."""
+    if place == n_sub:
+        return np.dot(halves[0], np.dot(halves[0], z))
+    size = n_sub // 2
+    for level in range(halves.shape[0]):
+        if place >= size:
+            z = np.dot(halves[level], z)
+            place -= size
+        size //= 2
+    return z
+
+
+def moved(z: Any, rest: float, taylor: Any) -> Any:
+    """State z after less than the distance of two points of the finer grid."""
+    powers = np.empty(DEGREE + 1)
+    powers[0] = 1.0
+    for k in range(1, DEGREE + 1):
+        powers[k] = powers[k - 1] * rest
+    return np.dot(powers, np.dot(taylor, z).reshape(DEGREE + 1, z.shape[0]))
+
+
+def passed(z: Any, part: float, n_sub: int, halves: Any, taylor: Any) -> Any:
     """State z after a part of a step, from 0 to 1."""
     place = min(int(part * n_sub), n_sub)
     rest = part - place / n_sub
-    if place == n_sub:
-        z = np.dot(halves[0], np.dot(halves[0], z))
-    else:
-        size = n_sub // 2
-        for level in range(halves.shape[0]):
-            if place >= size:
-                z = np.dot(halves[level], z)
-                place -= size
-            size //= 2
-    if rest <= 0:
-        return z
-    fill_taylor(A, z, rows)
-    found = rows[DEGREE].copy()
-    for k in range(DEGREE - 1, -1, -1):
-        found *= rest
-        found += rows[k]
-    return found
+    z = passed_points(z, place, n_sub, halves)
+    return moved(z, rest, taylor) if rest > 0 else z
 
 
 def located(
-    z: Any, length: float, n_sub: int, guards: Any, finer: Any, halves: Any, A: Any, rows: Any
-) -> tuple[float, int]:
-    """Time of the first event within a part of a step, and the number of its guard; (-1, -1) without one."""
-    n_g = guards.shape[0]
+    z: Any, length: float, n_sub: int, finer: Any, courses: Any, sizes: Any, halves: Any, taylor: Any
+) -> tuple[float, int, Any]:
+    """Time of the first event within a part of a step, the number of its guard, and z there; (-1, -1, z) without one.
+
+    ``finer`` gives the guards at the points of the finer grid, ``courses`` their Taylor coefficients, ``sizes`` the
+    sizes of their terms.
+    """
+    n_g = sizes.shape[0]
     values = np.dot(finer, z).reshape(n_sub + 1, n_g)
     close = near_zero(values, n_sub)
     for place in range(n_sub):
@@ -169,23 +179,21 @@ def located(
             break
         if not close[place]:
             continue
-        here = passed(z, start, n_sub, halves, A, rows)
-        fill_taylor(A, here, rows)
+        here = passed_points(z, place, n_sub, halves)
         size = min(1.0 / n_sub, length - start)
-        polynomials = np.dot(guards, rows.T.copy())
-        sizes = np.abs(here)
-        terms = np.dot(np.abs(guards), sizes + np.dot(np.abs(A), sizes))
+        polynomials = np.dot(courses, here).reshape(n_g, DEGREE + 1)
+        terms = np.dot(sizes, np.abs(here))
         found, which = -1.0, -1
         for guard in range(n_g):
             swing = abs(polynomials[guard, 1]) * size + abs(polynomials[guard, 2]) * size * size
             if min(values[place, guard], values[place + 1, guard]) > 2 * swing + ROUNDING * terms[guard]:
                 continue
-            root = first_root(polynomials[guard], size, ROUNDING * terms[guard])
+            root = first_root(numbers_of(polynomials[guard]), size, ROUNDING * terms[guard])
             if root >= 0 and (which < 0 or root < found):
                 found, which = root, guard
         if which >= 0:
-            return start + found, which
-    return -1.0, -1
+            return start + found, which, moved(here, found, taylor)
+    return -1.0, -1, z
 
 
 def jumped(p: Any, i: int, steps: int, n_u: int, drive: Any, offsets: Any, powers: Any, pushes: Any) -> Any:
@@ -229,10 +237,9 @@ def march(
 
     Returns the reason for which the march stops, the part of the step there, and the number of the guard.
     """
-    guards, ahead, pushed, powers, pushes, finer, halves, generators, refreshes = tables
+    guards, ahead, pushed, powers, pushes, finer, courses, sizes, halves, taylors, refreshes = tables
     n_g = guards.shape[1]
     most = ahead.shape[1] // n_g
-    rows = np.empty((DEGREE + 1, generators.shape[1]))
     c, i, last = state[0], state[1], state[2]
     n_pieces, n_events, reason, which = state[3], state[4], DONE, -1
     while i < last:
@@ -243,9 +250,10 @@ def march(
         part, start = 0.0, f
         if f > 0:
             z = with_torques(p, i, f, n_u, drive)
-            part, which = located(z, 1 - f, n_sub, guards[c], finer[c], halves[c], generators[c], rows)
+            part, which, z = located(z, 1 - f, n_sub, finer[c], courses[c], sizes[c], halves[c], taylors[c])
             if which < 0:
                 part = 1 - f
+                z = passed(z, part, n_sub, halves[c], taylors[c])
         else:
             count = min(most, last - i)
             z = with_torques(p, i, 0.0, n_u, drive)
@@ -259,7 +267,7 @@ def march(
                 if close[step]:
                     there = jumped(p, i, step, n_u, drive, offsets, powers[c], pushes[c])
                     z = with_torques(there, i + step, 0.0, n_u, drive)
-                    part, which = located(z, 1.0, n_sub, guards[c], finer[c], halves[c], generators[c], rows)
+                    part, which, z = located(z, 1.0, n_sub, finer[c], courses[c], sizes[c], halves[c], taylors[c])
                     if which >= 0:
                         steps = step
                         break
@@ -278,7 +286,6 @@ def march(
             piece_times[n_pieces, 0], piece_times[n_pieces, 1] = start, part
             piece_states[n_pieces] = p
             n_pieces += 1
-            z = passed(z, part, n_sub, halves[c], generators[c], rows)
         if which < 0 or start + part >= 1.0:
             i += 1
             f = 0.0

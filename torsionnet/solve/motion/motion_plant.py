@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
 from torsionnet.model.elements import Element, Law, MotionLaw, Part, Values
 from torsionnet.solve.dynamic_stiffness.action_states import LawStates, law_states
+from torsionnet.solve.dynamic_stiffness.nullspace import null_space
 
 
 @dataclass(frozen=True)
@@ -72,6 +74,29 @@ class MotionPlant:
     def assembly(self) -> Assembly:
         """Assembly of the plant, in which placed laws stand for the laws of motion."""
         return self.drivetrain.assembly
+
+    @cached_property
+    def turning(self) -> tuple[tuple[int, FloatArray], ...]:
+        """Motions of the coordinates that twist nothing, each with a coordinate that it turns by 1 and no other does.
+
+        Their angles grow without bounds. Rounding of what they move, which is nothing, must not grow with them.
+        """
+        system = self.assembly.system
+        laws = zip(system.sparse_rows, system.stiffness, self.assembly.laws, strict=True)
+        elastic = [row for row, stiffness, law in laws if stiffness and not _is_over_rate(law)]
+        sensed = [dict(enumerate(one.sensed.tolist())) for one in self.actions if one.action.acts_at_rest]
+        rows = [*elastic, *({place: value for place, value in row.items() if value} for row in sensed)]
+        found = []
+        for column in null_space(rows, system.n_coordinates).columns:
+            pivot, size = next(iter(column.items()))
+            whole = np.zeros(system.n_coordinates)
+            whole[list(column)] = np.array(list(column.values())) / size
+            found.append((pivot, whole))
+        return tuple(found)
+
+
+def _is_over_rate(law: Law) -> bool:
+    return isinstance(law, PlacedLaw) and law.motion is not None and law.motion.curve.over == "rate"
 
 
 def has_laws_of_motion(drivetrain: AssembledModel) -> bool:

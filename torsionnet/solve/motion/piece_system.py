@@ -17,7 +17,7 @@ from torsionnet.assembly.functionals import Functional
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import MissingExtraError, SolveError, UsageError, did_you_mean
 from torsionnet.model.channels import Input
-from torsionnet.response.motion.energy_balance import EnergyBalance
+from torsionnet.response.motion.energy_balance import DeferredBalance, EnergyBalance
 from torsionnet.response.motion.motion_event import MotionEvent
 from torsionnet.response.motion.motion_start import MotionStart
 from torsionnet.solve.motion import marching
@@ -26,7 +26,8 @@ from torsionnet.solve.motion.contact_states import Contact, ContactStates, Finer
 from torsionnet.solve.motion.march_tables import BLOCK, MOST_TURN, in_steps, push_offsets
 from torsionnet.solve.motion.motion_over_time import MotionOverTime
 from torsionnet.solve.motion.motion_plant import MotionPlant
-from torsionnet.solve.motion.motion_record import MotionRecord, stored_energy
+from torsionnet.solve.motion.motion_record import MotionRecord, Stretches
+from torsionnet.solve.motion.motion_works import Works, stored_energy
 from torsionnet.solve.motion.phases import LawPhases, law_phases
 
 LONGEST_TURN = 1.0
@@ -44,6 +45,8 @@ from contacts that close and open within ever shorter times."""
 STEPS_WORTH_COMPILING = 100_000
 """Number of steps from which the march is compiled where numba is installed, since loading the compiled loop takes as
 long as 50 000 steps in numpy; shorter motions change over once their first list is full of events."""
+MOST_BYTES_KEPT = 50_000_000
+"""Most memory in bytes of stretches of motion whose works wait until somebody asks for them."""
 LISTED = 8192
 """Number of stretches and events of a motion listed before they are read."""
 
@@ -88,7 +91,7 @@ def simulate_motion(
     drive = Drive(columns, tuple(-1 for _ in laws), 0, np.zeros((0, 0)), np.zeros((columns.shape[1], 0)))
     n_c = sum(len(one.F) for one in plant.actions)
     at = Layout(len(columns), n_c, 0, drive.n_u)
-    states = ContactStates(plant, laws, drive, at)
+    states = ContactStates(plant, laws, drive, at, relative=True)
     z0 = start_state(plant, at, start or MotionStart())
     z0[at.u] = torques[:, 0]
     rates = _first_rates(states, laws)
@@ -126,6 +129,16 @@ def start_state(plant: MotionPlant, at: Layout, start: MotionStart) -> FloatArra
             raise UsageError(f"{names} cannot start with these angles or speeds: rigid connections tie them")
         z[place] = found
     return z
+
+
+def _relative(plant: MotionPlant, at: Layout, z: FloatArray) -> FloatArray:
+    """State z with coordinates counted from those that turn with the whole, from one with all angles."""
+    found = z.copy()
+    for pivot, column in plant.turning:
+        for place in (at.q, at.v):
+            others = np.where(np.arange(at.n_q) == pivot, 0.0, column)
+            found[place] -= others * z[place][pivot]
+    return found
 
 
 def _first_rates(states: ContactStates, laws: Sequence[LawPhases]) -> tuple[float, float]:
@@ -195,6 +208,8 @@ class PieceMotion:
         self.states, self.k, self.last, self.begins = states, k, last, begins
         self.drive = drive
         self.events: list[MotionEvent] = []
+        self.kept: list[Stretches] = []
+        self.works = Works(states, self.drive)
 
     def whole(self, z0: FloatArray, record: MotionRecord, contact: Contact | None = None) -> MotionOverTime:
         """Motion from a state z0 in SI units to the last sample; ``contact`` goes on from the end of another."""
@@ -206,9 +221,9 @@ class PieceMotion:
         offsets = push_offsets(at.n_p, at.n_u)
         flat = self.drive.ravel()
         units = in_steps(at, states.h)
-        z0 = z0 / units
-        z0[at.slope] = flat[at.n_u : 2 * at.n_u] - flat[: at.n_u]
         contact = contact or self._at_start(z0)
+        z0 = _relative(states.plant, at, z0) / units
+        z0[at.slope] = flat[at.n_u : 2 * at.n_u] - flat[: at.n_u]
         p = self._refreshed(contact, z0)[: at.n_p].copy()
         energy = stored_energy(states, contact, self._z(p, 0, 0.0))
         march = _compiled_march() if self.last >= STEPS_WORTH_COMPILING else marching.march
@@ -232,7 +247,7 @@ class PieceMotion:
                 state[0] = known
                 p[:] = self._refreshed(contact, z)[: at.n_p]
             if reason != marching.ASK or state[3] > LISTED // 2 or state[4] > LISTED // 2:
-                record.add(numbers[: state[3]], times[: state[3]], starts[: state[3]])
+                self._note(record, numbers[: state[3]], times[: state[3]], starts[: state[3]])
                 self._tell(event_numbers[: state[4]], event_times)
                 state[3] = state[4] = 0
                 if reason != marching.DONE:
@@ -243,13 +258,37 @@ class PieceMotion:
                     state[0] = states.number(contact)
             if reason == marching.DONE:
                 break
-        contact = states.contacts[state[0]]
-        record.add_last(contact, self.last, p)
-        self.end, self.contact = self._z(p, self.last, 0.0) * units, contact
-        stored = stored_energy(states, contact, self._z(p, self.last, 0.0)) - energy
-        works = dict(record.works)
-        supplied = works.pop("", 0.0)
-        return MotionOverTime(record.values, tuple(self.events), EnergyBalance(supplied, stored, works))
+        contact, z = states.contacts[state[0]], self._z(p, self.last, 0.0)
+        record.add_last(contact, z)
+        self.end, self.contact = self._in_angles(contact, z), contact
+        stored = stored_energy(states, contact, z) - energy
+        return MotionOverTime(record.values, tuple(self.events), DeferredBalance(lambda: self._balance(stored)))
+
+    def _note(self, record: MotionRecord, numbers: NDArray[np.int64], times: FloatArray, starts: FloatArray) -> None:
+        """Read stretches at the samples, and keep them for the works, or work these out at once if there are many."""
+        stretches = Stretches(self.states.contacts, numbers.copy(), times.copy(), starts.copy())
+        record.add(stretches)
+        self.kept.append(stretches)
+        if sum(one.nbytes for one in self.kept) > MOST_BYTES_KEPT:
+            self._work_out()
+
+    def _work_out(self) -> None:
+        for one in self.kept:
+            self.works.add(one)
+        self.kept.clear()
+
+    def _balance(self, stored: float) -> EnergyBalance:
+        self._work_out()
+        works = dict(self.works.found)
+        return EnergyBalance(works.pop("", 0.0), stored, works)
+
+    def _in_angles(self, contact: Contact, z: FloatArray) -> FloatArray:
+        """State z in SI units with the angles and speeds of all coordinates."""
+        at = self.states.at
+        found = z * in_steps(at, self.states.h)
+        position, speed, _ = self.states.form(contact).motion
+        found[at.q], found[at.v] = position @ found, speed @ found
+        return found
 
     def _z(self, p: FloatArray, i: int, f: float) -> FloatArray:
         return np.asarray(marching.with_torques(p, i, f, self.states.at.n_u, self.drive.ravel()))
@@ -261,9 +300,13 @@ class PieceMotion:
     def _at_start(self, z: FloatArray) -> Contact:
         states, at = self.states, self.states.at
         rows = np.array([one.row for one in states.plant.laws]).reshape(-1, at.n_q)
+<<<<<<< HEAD
         units = in_steps(at, states.h)
         scales = np.array([1.0 if place < 0 else self.drive[0, place] for place in states.drive.scale_of])
         return states.at_start(rows @ z[at.q], rows @ (z * units)[at.v], scales)
+=======
+        return states.at_start(rows @ z[at.q], rows @ z[at.v], np.ones(len(rows)))
+>>>>>>> c1a6b589 (Rotation of the whole no longer disturbs a motion; works wait until asked for; tests)
 
     def _tell(self, numbers: NDArray[np.int64], times: FloatArray) -> None:
         contacts, h = self.states.contacts, self.states.h

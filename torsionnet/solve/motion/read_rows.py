@@ -44,9 +44,8 @@ def _term(plant: MotionPlant, term: Term, form: ContactForm, at: Layout) -> Floa
                 return np.asarray(torque)
         owner = plant.assembly.owners[term.law or 0]
         raise UsageError(f"{owner}: rigid connections hold its twist still, so that its torque is not determined")
-    motion = (form.refresh[at.q], form.refresh[at.v], form.A[at.v])
     factors = [float(value) for value in powers_of_s(plant.assembly, term)]
     return np.asarray(
-        sum(factor * (term.row @ part) for factor, part in zip(factors, motion, strict=True) if factor)
+        sum(factor * (term.row @ part) for factor, part in zip(factors, form.motion, strict=True) if factor)
         + np.zeros(at.size)
     )
