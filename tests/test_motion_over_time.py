@@ -20,6 +20,10 @@ from torsionnet.response.motion.motion_start import MotionStart
 class Curved(tn.Spring):
     """Spring whose torque follows a curve that a test has made."""
 
+    @property
+    def has_motion_laws(self) -> bool:
+        return True
+
     def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
         del value
         return (MotionLaw(difference(*self.nodes), CURVES[self.name]),)

@@ -18,10 +18,12 @@ from torsionnet.solve.motion.motion_record import MOST_KEPT, Stretches
 
 WORK_TOLERANCE = 1e-10
 """Share by which quadrature may miss the work of the fastest vibration within a step; slower ones it misses by less."""
-FEWEST_NODES, MOST_NODES, NODES_IN_PART = 3, 10, 4
-"""Fewest and most Gauss points in a step: three integrate what is left of the energy of a loose contact, of the fifth
-degree in time under a straight torque, exactly. And Gauss points in a part of a step, in which nothing turns by more than 0.25 rad: four
-points miss 5.6e-10 (2 0.25)^8 = 2e-12 of what a vibration loses."""
+FEWEST_NODES, MOST_NODES = 3, 10
+"""Fewest and most Gauss points in a step, of which three integrate exactly what is left of the energy of a loose
+contact, of the fifth degree in time under a straight torque."""
+NODES_IN_PART = 4
+"""Number of Gauss points in a part of a step, in which nothing turns by more than 0.25 rad: four points miss
+5.6e-10 (2 0.25)^8 = 2e-12 of what a vibration loses."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,8 +45,8 @@ class WorkRows:
         return np.concatenate([squares, products], axis=-2)
 
 
-def work_rows(states: ContactStates, contact: Contact, form: ContactForm) -> WorkRows:
-    """Powers of dampers, of laws of motion, of controllers and of torques from outside in a contact state.
+def work_rows(states: ContactStates, contact: Contact, form: ContactForm, h: float) -> WorkRows:
+    """Powers of dampers, of laws of motion, of controllers and of torques from outside, over z in steps of h seconds.
 
     A law over the twist stores what its torque at rest would take up; the rest is lost.
     """
@@ -71,7 +73,7 @@ def work_rows(states: ContactStates, contact: Contact, form: ContactForm) -> Wor
         products.append((torque, action.row @ speed, 1.0, ""))
     rows = [row for row, _, _ in squares] + [one for one, _, _, _ in products] + [row for _, row, _, _ in products]
     return WorkRows(
-        np.array(rows) * in_steps(at, states.h),
+        np.array(rows) * in_steps(at, h),
         len(squares),
         np.array([factor for _, factor, _ in squares] + [factor for _, _, factor, _ in products]),
         tuple([owner for _, _, owner in squares] + [owner for _, _, _, owner in products]),
@@ -143,7 +145,7 @@ class Works:
         at = self.states.at
         form, units = self.states.form(contact), in_steps(at, self.h)
         A = self.h * form.A * units / units[:, None]
-        work = work_rows(self.states, contact, form)
+        work = work_rows(self.states, contact, form, self.h)
         nodes = node_count(rates_of(form)[0] * self.h)
         inside = np.vstack([work.rows @ linalg.expm(place * A) for place in gauss_points(nodes)[0]])
         taylor = [work.rows]

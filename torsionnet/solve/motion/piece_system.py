@@ -300,13 +300,8 @@ class PieceMotion:
     def _at_start(self, z: FloatArray) -> Contact:
         states, at = self.states, self.states.at
         rows = np.array([one.row for one in states.plant.laws]).reshape(-1, at.n_q)
-<<<<<<< HEAD
-        units = in_steps(at, states.h)
         scales = np.array([1.0 if place < 0 else self.drive[0, place] for place in states.drive.scale_of])
-        return states.at_start(rows @ z[at.q], rows @ (z * units)[at.v], scales)
-=======
-        return states.at_start(rows @ z[at.q], rows @ z[at.v], np.ones(len(rows)))
->>>>>>> c1a6b589 (Rotation of the whole no longer disturbs a motion; works wait until asked for; tests)
+        return states.at_start(rows @ z[at.q], rows @ z[at.v], scales)
 
     def _tell(self, numbers: NDArray[np.int64], times: FloatArray) -> None:
         contacts, h = self.states.contacts, self.states.h
