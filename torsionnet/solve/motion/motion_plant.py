@@ -105,7 +105,7 @@ def has_laws_of_motion(drivetrain: AssembledModel) -> bool:
     Elements that are linear about a working point of their own, as a clutch with a slip speed, ask for none.
     """
     value: Values | None = None
-    for element in drivetrain.definition.active:
+    for element in drivetrain.definition.switched_on:
         if element.has_motion_laws and not element.has_own_working_point:
             value = value or Values(drivetrain.exact_values)
             if any(isinstance(part, MotionLaw) for part in element.whole_parts(value)):
@@ -122,11 +122,11 @@ def motion_plant(drivetrain: AssembledModel) -> MotionPlant:
         A delay, or a law that depends on frequency, beside laws of motion.
     """
     elements: dict[str, Element] = dict(drivetrain.definition.elements)
-    for element in drivetrain.definition.active:
+    for element in drivetrain.definition.switched_on:
         placed: Any = copy(element.with_laws(PlacedParts(element)))
-        placed.__dict__["referred_to"] = None  # active elements have been converted
+        placed.__dict__["referred_to"] = None  # these elements have been converted
         elements[element.name] = placed
-    plain = drivetrain.with_definition(replace(drivetrain.definition, elements=elements))
+    plain = drivetrain.with_definition(replace(drivetrain.definition, elements=elements, tangents=None))
     assembly = plain.assembly
     _refuse(assembly)
     laws = tuple(
