@@ -50,10 +50,13 @@ def scenario_motion(
     >>> import torsionnet as tn
     >>> fault = tn.load("turbine_generator_ssr").simulate("T_LPB_G", scenario="two_phases", sampling_rate=2e3)
     >>> [axes.get_ylabel() for axes in scenario_motion(fault).axes]
-    ['torque on generator [MN·m]', 'T_LPB_G [MN·m]']
+    ['torque on generator\\n[MN·m]', 'T_LPB_G\\n[MN·m]']
     """
     figure = time_histories(recording, names, conventions=conventions, title=title)
     panels = figure.axes
+    for panel in panels:  # on two lines, as names of torques on nodes are as long as a panel is high
+        name, _, unit = panel.get_ylabel().rpartition(" [")
+        panel.set_ylabel(f"{name}\n[{unit}")
     for event in recording.events[:MOST_LINES]:
         for panel in panels:
             panel.axvline(event.time, color=style.MUTED, linewidth=0.6, linestyle=(0, (3, 2)), zorder=0.5)
@@ -64,7 +67,7 @@ def scenario_motion(
 
 
 def _label(figure: Figure, event: MotionEvent) -> None:
-    """Name an event above the first panel, beside its line on the side where there is more room."""
+    """Name an event above the first panel, towards the side where there is more room."""
     panel = figure.axes[0]
     low, high = panel.get_xlim()
     on_right = event.time < (low + high) / 2
@@ -72,11 +75,10 @@ def _label(figure: Figure, event: MotionEvent) -> None:
         f"{event.element}: {event.what}",
         (event.time, 1.0),
         xycoords=("data", "axes fraction"),
-        xytext=(3 if on_right else -3, -2),
+        xytext=(0, 2),
         textcoords="offset points",
         ha="left" if on_right else "right",
-        va="top",
+        va="bottom",
         fontsize=style.SMALL,
         color=style.INK,
-        bbox={"facecolor": style.PAPER, "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
     )
