@@ -14,6 +14,7 @@ from torsionnet.core.errors import SolveError
 from torsionnet.solve.motion.contact_form import ContactForm, Drive, Layout, contact_form, relative_form
 from torsionnet.solve.motion.march_tables import (
     GUARDS_PER_LAW,
+    HOLD_TOLERANCE,
     LOWER,
     MOST_BYTES,
     MOST_TURN,
@@ -34,7 +35,7 @@ LONGEST_BOUNCE = 0.05
 damper shorten for ever, so that some flight has to be the last; in this one the twist strays by less than
 a (0.05 h)^2/8 = 3e-4 a h^2 and the relative motion of all masses behind it loses what it has of energy."""
 TOLERANCE = 1e-12
-"""Share of the torque of a hold by which its limit may seem to be passed by rounding."""
+"""Share of the sizes of its terms by which a twist beyond a step may seem to lie before it by rounding."""
 SLACK = 1.25
 """Share by which the motion of a contact state visited later may be quicker than the step was made for."""
 
@@ -198,7 +199,7 @@ class ContactStates:
             return beyond
         held = _changed(contact, number, law.of_piece(hold.place))
         torque = self.values(z, held)[2][number]
-        rounding = TOLERANCE * max(abs(low), abs(high))
+        rounding = HOLD_TOLERANCE * max(abs(low), abs(high))
         if torque > high + rounding or torque < low - rounding:
             return _changed(contact, number, law.of_piece(hold.place + (1 if torque > high else -1)))
         return held if law.over_rate or self._returns(beyond, number, hold.lower, step, z) else beyond

@@ -22,6 +22,9 @@ GUARDS_PER_LAW = 3
 LOWER, UPPER, PUSH = 0, 1, 2
 MOST_TURN = 0.25
 """Angle in rad that the fastest motion may turn between two points of the finer grid, see ``DEGREE``."""
+HOLD_TOLERANCE = 1e-12
+"""Share of the torque of a hold by which rounding may carry it over its limit. A row lets go at twice as much, so that
+what has just come to stand at the limit, as friction behind a spring does, stays."""
 MOST_BYTES = 300_000_000
 """Most memory in bytes of all tables, beyond which those of contact states left behind are made again."""
 
@@ -72,8 +75,9 @@ def guard_rows(form: ContactForm, laws: Sequence[LawPhases], contact: Sequence[i
         own = found[GUARDS_PER_LAW * number : GUARDS_PER_LAW * (number + 1)]
         if phase.kind == "hold":
             scale = one if scales[number] < 0 else form.inputs[scales[number]]
-            own[LOWER] = form.torques[number] - phase.low * scale
-            own[UPPER] = phase.high * scale - form.torques[number]
+            slack = 2 * HOLD_TOLERANCE * max(abs(phase.low), abs(phase.high))
+            own[LOWER] = form.torques[number] - (phase.low - slack) * scale
+            own[UPPER] = (phase.high + slack) * scale - form.torques[number]
             continue
         motion = form.rates[number] if law.over_rate else form.twists[number]
         if math.isfinite(phase.lower):
