@@ -82,7 +82,19 @@ class Drivetrain(RunningMachinery, AttributeHints):
 
     def check(self) -> tuple[Fault, ...]:
         """Warnings and notes about the model, unstable modes included (errors have already been refused)."""
-        return (*super().check(), *self._unstable_modes)
+        return (*super().check(), *(self._operating_faults or self._unstable_modes))
+
+    @cached_property
+    def _operating_faults(self) -> tuple[Fault, ...]:
+        """Faults of an operating point at which laws of motion are not in balance, as a torque beyond a last stage."""
+        from torsionnet.core.errors import ModelError
+
+        tangents = self.definition.tangents
+        try:
+            _ = None if tangents is None else tangents.state
+        except ModelError as error:
+            return error.faults
+        return ()
 
     @cached_property
     def _unstable_modes(self) -> tuple[Fault, ...]:

@@ -57,6 +57,9 @@ class Tangents(Protocol):
     def is_loaded(self) -> bool:
         """Whether torques or speeds are given."""
 
+    def depends_on(self, names: frozenset[str]) -> bool:
+        """Whether the state may change with some parameters."""
+
 
 class Authored(Protocol):
     """Interface of a model as written, with parts, from which a flat definition was made."""
@@ -145,6 +148,11 @@ class Definition(Declared):
     def following(self) -> dict[str, Parameter]:
         """Parameters that follow the operating point, by name."""
         return {name: parameter for name, parameter in self.parameters.items() if parameter.by is not None}
+
+    @property
+    def follows_speed(self) -> bool:
+        """Whether parameters, or tangents of laws of motion under a load, differ from speed to speed."""
+        return bool(self.following) or (self.load is not None and self.tangents is not None)
 
     def with_overlay(self, overlay: Overlay) -> Definition:
         """Definition of the model with the changes of an alternative."""

@@ -16,6 +16,7 @@ from torsionnet.model.elements import Constraint, Law, Values
 from torsionnet.model.elimination import reduce_rows
 from torsionnet.model.kinematics import UNIT, exact_row, owned_parts
 from torsionnet.model.load.external_torques import ExternalTorques
+from torsionnet.model.motion_balance.operating_notes import law_notes
 from torsionnet.model.parameters import VIBRATORY_TORQUE, Parameter, resolve
 from torsionnet.model.readings import port_of
 
@@ -139,16 +140,16 @@ def with_tangents(definition: Definition, speed: float | None = None) -> Definit
 
 
 def operating_speed_notes(external: ExternalTorques) -> tuple[str, ...]:
-    """Note on the speed at which the natural frequencies of the model hold.
+    """Notes on the speed and the operating point of laws of motion at which the natural frequencies of the model hold.
 
-    Empty if no parameter follows the operating point.
+    Empty if no parameter follows the operating point, and there are no laws of motion.
     """
-    following = external.definition.following
+    following, notes = external.definition.following, law_notes(external.definition)
     if not following:
-        return ()
+        return notes
     where = f"{external.reference} at {external.operating_speed * RPM:.6g} rpm"
     names = ", ".join(following)
-    return (f"natural frequencies and damping ratios hold with {where}: {names} follow the operating point",)
+    return (f"natural frequencies and damping ratios hold with {where}: {names} follow the operating point", *notes)
 
 
 def torque_per_node(definition: Definition, values: Mapping[str, Any], name: str) -> dict[str, float]:

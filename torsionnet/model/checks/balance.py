@@ -15,9 +15,12 @@ def unbalanced_torques(external: ExternalTorques, kinematics: Kinematics) -> lis
     """Warnings about mean torques out of balance on a part that turns freely, as a load with the sign of a drive.
 
     Springs hand mean torques on and dampers stand for vibration, so neither takes any. A single torque is half of what
-    acts there, and says nothing. Those of a load are in balance as a whole: what is left on one part is an error.
+    acts there, and says nothing. Those of a load are in balance as a whole: what is left on one part is an error. Laws
+    of motion take torques too, so that their operating point tells what is left.
     """
     definition = external.definition
+    if any(element.has_motion_laws for element in definition.switched_on):
+        return []
     acting = external.at_operating_point
     given = {node: torque for node, torque in acting.items() if torque and node in kinematics.nodes}
     if len(given) < 2:

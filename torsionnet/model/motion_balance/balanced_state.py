@@ -22,6 +22,8 @@ class BalancedState:
         Mean torque in N m of each law of motion against its motion, by element.
     external : mapping
         Mean external torque in N m by node.
+    acting : mapping
+        The same with the torques of laws that slip, which act on their nodes as torques from outside do.
     is_stable : bool
         Whether speeds return after a small disturbance.
     notes : tuple of str
@@ -31,5 +33,14 @@ class BalancedState:
     states: Mapping[str, tuple[MotionState, ...]]
     torques: Mapping[str, tuple[float, ...]]
     external: Mapping[str, float] = field(default_factory=dict)
+    acting: Mapping[str, float] = field(default_factory=dict)
     is_stable: bool = True
     notes: tuple[str, ...] = ()
+
+    @property
+    def tangent_key(self) -> tuple[object, ...]:
+        """Pieces in force, and states of smooth curves, by element: equal where all tangents are equal."""
+        return tuple(
+            (name, tuple(state if state.piece is None else state.piece for state in states))
+            for name, states in self.states.items()
+        )

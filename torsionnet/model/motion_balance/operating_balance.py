@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -108,6 +109,21 @@ class OperatingBalance:
         """Whether a torque or a speed is given."""
         return any(self.external.values()) or any(self.given_speeds.values())
 
+    def depends_on(self, names: frozenset[str]) -> bool:
+        """Whether the state may change with some parameters, apart from those of torques and speeds from outside.
+
+        It does not where equilibrium alone gives the torques of laws that do not depend on these parameters.
+        """
+        if self._rests:
+            return False
+        from torsionnet.model.motion_balance.determinate_torques import virtual_opening
+
+        network = self.network
+        following = [one for one in self.definition.switched_on if self._follows(one)]
+        if any(expression.names & names for one in following for _, _, expression, _ in one.expressions()):
+            return True
+        return bool(network.over_rate) or any(virtual_opening(network, law) is None for law in network.over_twist)
+
     @cached_property
     def _external(self) -> ExternalTorques:
         return ExternalTorques(self.definition, resolve(self.definition.parameters)[0])
@@ -145,10 +161,11 @@ class OperatingBalance:
         from torsionnet.model.motion_balance.twist_search import twist_balance
 
         network = self.network
-        acting = {node: exact(torque) for node, torque in external.items()}
+        acting, slipping = ({node: exact(torque) for node, torque in external.items()} for _ in range(2))
         for one, speed in motion.laws.items():
             for node, share in one.law.row.items() if speed.counts and speed.torque else ():
-                acting[node] = acting.get(node, 0) - exact(share) * exact(speed.torque)
+                for table in (acting,) if one.law.curve.holds(speed.state) else (acting, slipping):
+                    table[node] = table.get(node, Fraction(0)) - exact(share) * exact(speed.torque)
         found: dict[PlacedMotionLaw, tuple[MotionState, float]] = {
             one: (speed.state, speed.torque) for one, speed in motion.laws.items()
         }
@@ -172,7 +189,8 @@ class OperatingBalance:
             for node, torque in motion.left_over.items()
             if abs(torque) > 1e-9 * size and abs(torque) > 0
         )
-        return BalancedState(motion.speeds, states, torques, dict(external), motion.is_stable, notes)
+        outer = {node: float(torque) for node, torque in slipping.items()}
+        return BalancedState(motion.speeds, states, torques, dict(external), outer, motion.is_stable, notes)
 
     def _state_at(self, one: PlacedMotionLaw, torque: Any) -> MotionState:
         """State of a law over the twist at a torque in N m; of several the one nearest to rest that holds."""
