@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from torsionnet.core.expressions import FLOAT
 from torsionnet.model.definition import Definition, all_nodes
+from torsionnet.model.element_base.laws import WholePart
 from torsionnet.model.elements import Constraint, Element, Law, MotionLaw, Row, Values
 from torsionnet.model.elimination import Reduction, reduce_rows
 from torsionnet.model.kinematics import exact_row
@@ -15,11 +17,15 @@ from torsionnet.model.kinematics import exact_row
 
 @dataclass(frozen=True, eq=False)
 class PlacedMotionLaw:
-    """Law of motion of an element, with its number among those of the element."""
+    """Law of motion of an element, with its number among the parts of the element.
+
+    ``law`` has exact coefficients, ``rounded`` is the same law in floats, for searches.
+    """
 
     owner: str
     number: int
     law: MotionLaw
+    rounded: MotionLaw
 
     @property
     def is_over_twist(self) -> bool:
@@ -90,6 +96,7 @@ class LawNetwork:
 def law_network(definition: Definition, values: Mapping[str, Any]) -> LawNetwork:
     """Network of the laws of a drivetrain, from the exact values of its parameters."""
     value = Values(values)
+    floats = Values({name: float(one) for name, one in values.items()}, FLOAT)
     held: list[Row] = [
         channel.row
         for channel in definition.inputs.values()
@@ -98,11 +105,14 @@ def law_network(definition: Definition, values: Mapping[str, Any]) -> LawNetwork
     linear: list[tuple[str, Law]] = []
     motion: list[PlacedMotionLaw] = []
     for element in definition.switched_on:
-        number = 0
-        for part in element.parts(value) if keeps_own_point(element, definition) else element.whole_parts(value):
+        parts: Sequence[WholePart] = element.parts(value)
+        rounded: Iterator[MotionLaw] = iter(())
+        if element.has_motion_laws and not keeps_own_point(element, definition):
+            parts = element.whole_parts(value)
+            rounded = (part for part in element.whole_parts(floats) if isinstance(part, MotionLaw))
+        for number, part in enumerate(parts):
             if isinstance(part, MotionLaw):
-                motion.append(PlacedMotionLaw(element.name, number, part))
-                number += 1
+                motion.append(PlacedMotionLaw(element.name, number, part, next(rounded)))
             elif isinstance(part, Constraint):
                 held.append(part.row)
             elif isinstance(part, Law):

@@ -30,8 +30,9 @@ MOST_STEPS = 200
 LOAD_STEPS = 20
 """Number of steps in which the load is raised where the search from rest to the whole load fails."""
 SMALL_RESIDUAL = 1e-10
-"""Size of the residual torques over the torques that act at which the search ends; it ends for laws of straight pieces
-at a few units of the last digit of the ramps, a millionth of their stiffness."""
+"""Size of the residual torques over the torques that act at which the search ends."""
+ROUNDED = 4e-16
+"""Rounding of twists, over the largest angle, which the stiffest law turns into a residual torque."""
 LEAST_SLOPE = 1e-9
 """Stiffness that gives level pieces a direction, over the largest one of the law."""
 DENSE_COORDINATES = 400
@@ -91,7 +92,7 @@ class _Search:
         sizes = np.array([_stiffness_at_rest(law) for law in springs])
         laws = [one.law for one in network.over_twist]
         own = _matrix([network.reduction.in_floats(exact_row(law.row)) for law in laws], place)
-        graphs = tuple(map(monotone_graph, laws))
+        graphs = tuple(monotone_graph(one.rounded) for one in network.over_twist)
         floors = np.array([LEAST_SLOPE * (graph.stiffest or 1.0) for graph in graphs])
         return cls(_gram(rows, sizes), own, torques, graphs, floors)
 
@@ -101,18 +102,19 @@ class _Search:
         return np.array([one for one, _ in pairs]), np.array([slope for _, slope in pairs])
 
     def _left(self, q: FloatArray, load: float) -> tuple[FloatArray, FloatArray, float]:
-        """Residual torques on the coordinates, slopes of the laws, and the size of the torques that act."""
+        """Residual torques on the coordinates, slopes of the laws, and the residual that counts as none."""
         own, slopes = self._laws(q)
         inner, outer = self.stiffness @ q, load * self.torques
         shares = self.rows.T @ own
         size = float(max(np.abs(part).max(initial=0.0) for part in (outer, inner, shares)))
-        return outer - inner - shares, slopes, size
+        rounded = ROUNDED * float(slopes.max(initial=0.0)) * float(np.abs(q).max(initial=0.0))
+        return outer - inner - shares, slopes, SMALL_RESIDUAL * size + rounded
 
     def balance(self, q: FloatArray, load: float) -> FloatArray | None:
         """Coordinates in balance with a share of the load, from others, or None where the search fails."""
-        residual, slopes, size = self._left(q, load)
+        residual, slopes, none = self._left(q, load)
         for _ in range(MOST_STEPS):
-            if np.abs(residual).max(initial=0.0) <= SMALL_RESIDUAL * size:
+            if np.abs(residual).max(initial=0.0) <= none:
                 return q
             step = _solved(self.stiffness + _gram(self.rows, np.maximum(slopes, self.floors)), residual)
             if not np.isfinite(step).all():
@@ -123,7 +125,7 @@ class _Search:
                 step = step * _zero(partial(self._fall, q, step, load))
                 after = self._left(q + step, load)
             q = q + step
-            residual, slopes, size = after
+            residual, slopes, none = after
         return None
 
     def _fall(self, q: FloatArray, step: FloatArray, load: float, share: float) -> float:
