@@ -9,10 +9,6 @@ from torsionnet.model.element_base.torque_curve import MotionState
 from torsionnet.model.elements import MotionLaw
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope
 
-RAMP = 1e5
-"""Stiffness of the ramp in place of a step, over the largest stiffness of the curve: the ramp is then narrow against
-all twists, and still far from the digits of a float."""
-
 
 @dataclass(frozen=True)
 class MonotoneGraph:
@@ -48,8 +44,8 @@ class MonotoneGraph:
         return max(self.slopes) if self.slopes else abs(self.at(0.0)[1])
 
 
-def monotone_graph(law: MotionLaw) -> MonotoneGraph:
-    """Graph of a law of motion over the twist at rest."""
+def monotone_graph(law: MotionLaw, ramp: float) -> MonotoneGraph:
+    """Graph of a law of motion over the twist at rest, with ramps of ``ramp`` times its largest stiffness."""
     curve, scale = law.curve, float(law.scale)
     if not isinstance(curve, PieceCurve):
         return MonotoneGraph(law)
@@ -58,11 +54,11 @@ def monotone_graph(law: MotionLaw) -> MonotoneGraph:
     slopes: list[float] = []
     torques: list[float] = []
     halves = [
-        (float(one.high) - float(one.low)) / (2 * RAMP * stiffest) if isinstance(one, Hold) else 0.0
+        (float(one.high) - float(one.low)) / (2 * ramp * stiffest) if isinstance(one, Hold) else 0.0
         for one in curve.pieces
     ]
     for number, piece in enumerate(curve.pieces):
-        slopes.append(scale * float(piece.stiffness) if isinstance(piece, Slope) else scale * RAMP * stiffest)
+        slopes.append(scale * float(piece.stiffness) if isinstance(piece, Slope) else scale * ramp * stiffest)
         if number + 1 == len(curve.pieces):
             break
         after = curve.pieces[number + 1]

@@ -137,7 +137,7 @@ class OperatingBalance:
         """Whether all laws of motion are without load, and rest without twist then."""
         if self.is_loaded:
             return False
-        return not any(_pushes_at_rest(one) if one.is_over_twist else not _sticks(one) for one in self.network.motion)
+        return not any(map(_pushes_at_rest, self.network.motion))
 
     def _states(self) -> Iterator[BalancedState]:
         network = self.network
@@ -229,13 +229,13 @@ class OperatingBalance:
 
 
 def _pushes_at_rest(one: PlacedMotionLaw) -> bool:
-    """Whether a law over the twist has a torque at rest without twist, as a table that is not symmetric may have."""
-    return not one.law.curve.holds(AT_REST) and bool(one.law.torque(0, 0) != 0)
-
-
-def _sticks(one: PlacedMotionLaw) -> bool:
-    """Whether a law over the rate is friction, which holds its row still without load."""
-    return one.law.curve.holds(AT_REST)
+    """Whether a law has a torque at rest without twist, as a motor has, or a table that is not symmetric."""
+    if one.law.curve.holds(AT_REST):
+        return False
+    try:
+        return bool(one.law.torque(0, 0, *([0] * len(one.law.sensed))) != 0)
+    except ArithmeticError:  # as that of a constant power
+        return True
 
 
 def _at_rest(law: MotionLaw) -> MotionState:

@@ -186,6 +186,10 @@ class _Motions:
         self, left: Sequence[PlacedMotionLaw], rows: FloatArray, needed: FloatArray
     ) -> Iterator[dict[PlacedMotionLaw, LawSpeed]]:
         """States of the laws whose rates are sought, in all combinations that are in balance."""
+        for one in left:
+            if one.law.sensed:
+                text = "its torque follows the speeds of its nodes; give these as speed={node: value, ...}"
+                raise ModelError([Fault(text, ("elements", one.owner))], self.title)
         shared = _null_space(rows.T)
         alone = [number for number in range(len(left)) if np.abs(shared[number]).max(initial=0.0) < ZERO_SHARE]
         others = [number for number in range(len(left)) if number not in alone]

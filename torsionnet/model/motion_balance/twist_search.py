@@ -2,7 +2,8 @@
 
 The torque of every law rises with its twist, so that the balance is the minimum of the energy
 E(q) = q^T K q/2 + sum_l E_l(b_l^T q) - f^T q. A step counts if the energy or the residual falls; else the step goes to
-the minimum of the energy along its direction. The pieces found are then solved as the linear system they are.
+the minimum of the energy along its direction. The pieces found are then solved as the linear system they are, which
+proves them: of a convex energy there is one minimum.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from torsionnet.model.elements import Law, MotionLaw
 from torsionnet.model.kinematics import exact_row
 from torsionnet.model.motion_balance.law_network import LawNetwork
 from torsionnet.model.motion_balance.monotone_graph import MonotoneGraph, monotone_graph
-from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve
+from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope
 
 FloatArray = NDArray[np.float64]
 
@@ -29,6 +30,12 @@ MOST_STEPS = 200
 """Largest number of steps of the search; random plants with loops took at most 40."""
 LOAD_STEPS = 20
 """Number of steps in which the load is raised where the search from rest to the whole load fails."""
+RAMPS = (3.0, 1e2, 1e3, 1e4, 1e5)
+"""Stiffnesses of the ramps in place of steps, over the largest stiffness of the curve, one after the other."""
+SETTLED = 1e-12
+"""Change of the twists, over the largest, at which Newton's method on smooth curves ends."""
+SLACK = 1e-9
+"""Share of a bound of a piece by which rounding may carry a solution beyond it."""
 SMALL_RESIDUAL = 1e-10
 """Size of the residual torques over the torques that act at which the search ends."""
 ROUNDED = 4e-16
@@ -51,22 +58,27 @@ class TwistBalance:
 def twist_balance(network: LawNetwork, external: Mapping[str, float]) -> TwistBalance:
     """Balance of all laws over the twist under torques in N m on nodes, with free motions held.
 
+    Steps of the curves are ramps at first, which are made steeper until the pieces found hold the solution.
+
     Raises
     ------
     SolveError
         No balance was found.
     """
-    search = _Search.of(network, external)
-    start = np.zeros(len(network.coordinates))
-    found = search.balance(start, 1.0)
-    for step in range(1, LOAD_STEPS + 1) if found is None else ():
-        reached = search.balance(start, step / LOAD_STEPS)
+    q = np.zeros(len(network.coordinates))
+    for ramp in RAMPS:
+        search = _Search.of(network, external, ramp)
+        reached = search.balance(q, 1.0)
         if reached is None:
-            names = ", ".join(dict.fromkeys(one.owner for one in network.over_twist))
-            raise SolveError(f"no balance of the mean torques was found at the laws of motion of {names}")
-        start = found = reached
-    assert found is not None
-    return search.polished(found)
+            reached = search.raised(np.zeros(len(q)))
+        if reached is None:
+            break
+        q = reached
+        exact = search.in_pieces(q)
+        if exact is not None:
+            return exact
+    names = ", ".join(dict.fromkeys(one.owner for one in network.over_twist))
+    raise SolveError(f"no balance of the mean torques was found at the laws of motion of {names}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +92,7 @@ class _Search:
     floors: FloatArray
 
     @classmethod
-    def of(cls, network: LawNetwork, external: Mapping[str, float]) -> _Search:
+    def of(cls, network: LawNetwork, external: Mapping[str, float], ramp: float) -> _Search:
         place = {name: number for number, name in enumerate(network.coordinates)}
         torques = np.zeros(len(place))
         for node, torque in external.items():
@@ -92,7 +104,7 @@ class _Search:
         sizes = np.array([_stiffness_at_rest(law) for law in springs])
         laws = [one.law for one in network.over_twist]
         own = _matrix([network.reduction.in_floats(exact_row(law.row)) for law in laws], place)
-        graphs = tuple(monotone_graph(one.rounded) for one in network.over_twist)
+        graphs = tuple(monotone_graph(one.rounded, ramp) for one in network.over_twist)
         floors = np.array([LEAST_SLOPE * (graph.stiffest or 1.0) for graph in graphs])
         return cls(_gram(rows, sizes), own, torques, graphs, floors)
 
@@ -132,58 +144,106 @@ class _Search:
         """Fall of the energy per share of a step, after a share of it."""
         return float(step @ self._left(q + share * step, load)[0])
 
-    def polished(self, q: FloatArray) -> TwistBalance:
-        """Balance in the pieces that a search has found, solved as a linear system where all pieces are straight."""
-        twists = self.rows @ q
+    def raised(self, q: FloatArray) -> FloatArray | None:
+        """Coordinates in balance, from rest with the load raised in steps, or None where that fails too."""
+        for step in range(1, LOAD_STEPS + 1):
+            reached = self.balance(q, step / LOAD_STEPS)
+            if reached is None:
+                return None
+            q = reached
+        return q
+
+    def in_pieces(self, q: FloatArray) -> TwistBalance | None:
+        """Balance in the pieces in force at some coordinates, or None where these do not hold the solution.
+
+        Straight pieces make a linear system, in which steps are constraints; smooth curves are followed by Newton's
+        method.
+        """
+        n, rows, twists = len(self.torques), self.rows, self.rows @ q
         numbers = [graph.number_at(twist) for graph, twist in zip(self.graphs, twists.tolist(), strict=True)]
-        exact = self._in_pieces(numbers) if all(number is not None for number in numbers) else None
-        if exact is not None:
-            twists, torques = exact
-        else:
-            torques = self._laws(q)[0]
-        states = tuple(MotionState(twist, piece=number) for twist, number in zip(twists.tolist(), numbers, strict=True))
-        return TwistBalance(twists, torques, states)
-
-    def _in_pieces(self, numbers: Sequence[int | None]) -> tuple[FloatArray, FloatArray] | None:
-        """Twists and torques of the laws in given pieces, or None where these do not hold the solution."""
         pieces = [
-            (graph.law, graph.law.curve.pieces[number or 0])
+            None if number is None or not isinstance(graph.law.curve, PieceCurve) else graph.law.curve.pieces[number]
             for graph, number in zip(self.graphs, numbers, strict=True)
-            if isinstance(graph.law.curve, PieceCurve)
         ]
-        n = len(self.torques)
-        if n > DENSE_COORDINATES:
+        held = [place for place, one in enumerate(pieces) if isinstance(one, Hold)]
+        places = [float(one.at) for one in pieces if isinstance(one, Hold)]
+        torques = np.zeros(len(pieces))
+        for _ in range(MOST_STEPS):
+            lines = [_line(*one) for one in zip(self.graphs, pieces, twists.tolist(), strict=True)]
+            begun, slopes = (np.array([line[part] for line in lines]) for part in (0, 1))
+            matrix = _bordered(self.stiffness + _gram(rows, slopes), rows[held])
+            right = np.concatenate([self.torques - rows.T @ begun, places])
+            found = _least(matrix, right)
+            size = (abs(matrix) @ np.abs(found) + np.abs(right)).max(initial=0.0)
+            if not np.abs(matrix @ found - right).max(initial=0.0) <= SMALL_RESIDUAL * size:
+                return None
+            before, twists = twists, rows @ found[:n]
+            torques = begun + slopes * twists
+            torques[held] = found[n:]
+            twists[held] = places
+            if all(one is not None for one in pieces) or (
+                np.abs(twists - before).max(initial=0.0) <= SETTLED * np.abs(twists).max(initial=0.0)
+            ):
+                break
+        laws = [graph.law for graph in self.graphs]
+        if not all(map(_is_within, laws, pieces, twists.tolist(), torques.tolist())):
             return None
-        rows, held = _dense(self.rows), [place for place, (_, one) in enumerate(pieces) if isinstance(one, Hold)]
-        scales = np.array([float(law.scale) for law, _ in pieces])
-        slopes = scales * [0.0 if isinstance(one, Hold) else float(one.stiffness) for _, one in pieces]
-        begun = scales * [0.0 if isinstance(one, Hold) else float(one.torque) for _, one in pieces]
-        matrix = np.zeros((n + len(held), n + len(held)))
-        matrix[:n, :n] = _dense(self.stiffness) + rows.T @ (slopes[:, None] * rows)
-        matrix[:n, n:], matrix[n:, :n] = rows[held].T, rows[held]
-        places = [float(one.at) for _, one in pieces if isinstance(one, Hold)]
-        right = np.concatenate([self.torques - rows.T @ begun, places])
-        found = np.linalg.lstsq(matrix, right, rcond=1e-14)[0]
-        if np.abs(matrix @ found - right).max(initial=0.0) > SMALL_RESIDUAL * np.abs(right).max(initial=0.0):
-            return None
-        twists = rows @ found[:n]
-        torques = begun + slopes * twists
-        torques[held] = found[n:]
-        twists[held] = places
-        fits = all(map(_is_within, pieces, twists.tolist(), torques.tolist()))
-        return (twists, torques) if fits else None
+        states = [MotionState(twist, piece=number) for twist, number in zip(twists.tolist(), numbers, strict=True)]
+        return TwistBalance(twists, torques, tuple(states))
 
 
-def _is_within(placed: tuple[MotionLaw, Any], twist: float, torque: float) -> bool:
+def _line(graph: MonotoneGraph, piece: Slope | Hold | None, twist: float) -> tuple[float, float]:
+    """Torque in N m at twist zero and slope in N m/rad of the line in place of a law; of a step there is none."""
+    if isinstance(piece, Hold):
+        return 0.0, 0.0
+    if piece is not None:
+        return float(graph.law.scale * piece.torque), float(graph.law.scale * piece.stiffness)
+    torque, slope = graph.at(twist)
+    return torque - slope * twist, slope
+
+
+def _bordered(stiffness: Any, rows: Any) -> Any:
+    """Matrix [[K, B^T], [B, 0]] of coordinates under constraints on the rows B."""
+    if isinstance(stiffness, np.ndarray):
+        m = len(rows)
+        return np.block([[stiffness, rows.T], [rows, np.zeros((m, m))]]) if m else stiffness
+    from scipy import sparse
+
+    return sparse.block_array([[stiffness, rows.T], [rows, None]]).tocsc() if rows.shape[0] else stiffness
+
+
+def _least(matrix: Any, right: FloatArray) -> FloatArray:
+    """Solution of a system of equations, of a dense one the shortest where level pieces leave it open."""
+    if not isinstance(matrix, np.ndarray):
+        from scipy.sparse.linalg import splu
+
+        try:
+            return np.asarray(splu(matrix).solve(right))
+        except RuntimeError:  # singular
+            return np.full(len(right), np.nan)
+    try:
+        found = np.linalg.solve(matrix, right)
+    except np.linalg.LinAlgError:
+        found = np.full(len(right), np.nan)
+    if np.abs(matrix @ found - right).max(initial=0.0) <= SMALL_RESIDUAL * np.abs(right).max(initial=0.0):
+        return np.asarray(found)
+    return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-14)[0])
+
+
+def _is_within(law: MotionLaw, piece: Slope | Hold | None, twist: float, torque: float) -> bool:
     """Whether a twist in rad, of a step the torque in N m, lies within a piece, but for rounding."""
-    law, piece = placed
+    if piece is None:
+        return True
     if isinstance(piece, Hold):
         low, high = float(law.scale) * float(piece.low), float(law.scale) * float(piece.high)
-        slack = 1e-9 * max(abs(low), abs(high))
+        slack = SLACK * max(abs(low), abs(high))
         return low - slack <= torque <= high + slack
     lower, upper = (None if end is None else float(end) for end in (piece.lower, piece.upper))
-    slack = 1e-9 * max(abs(end) for end in (lower or 0.0, upper or 0.0))
-    return (lower is None or twist >= lower - slack) and (upper is None or twist <= upper + slack)
+    slack = SLACK * max(abs(end) for end in (lower or 0.0, upper or 0.0))
+    outermost = isinstance(law.curve, PieceCurve) and law.curve.pieces[0] is piece
+    last = isinstance(law.curve, PieceCurve) and law.curve.pieces[-1] is piece
+    above = lower is None or outermost or twist >= lower - slack
+    return above and (upper is None or last or twist <= upper + slack)
 
 
 def _stiffness_at_rest(law: Law) -> float:
@@ -228,10 +288,6 @@ def _solved(matrix: Any, right: FloatArray) -> FloatArray:
     from scipy.sparse.linalg import splu
 
     return np.asarray(splu(matrix.tocsc()).solve(right))
-
-
-def _dense(matrix: Any) -> FloatArray:
-    return np.asarray(matrix if isinstance(matrix, np.ndarray) else matrix.toarray())
 
 
 def _zero(slope: Callable[[float], float]) -> float:
