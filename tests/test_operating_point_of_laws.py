@@ -67,7 +67,7 @@ def dense(plant, torque):
     nodes = list(plant.nodes)
     value = Values(plant.exact_values)
     laws, linear = [], np.zeros((len(nodes), len(nodes)))
-    for element in plant.elements.values():
+    for element in plant.definition.switched_on:
         for part in element.whole_parts(value):
             row = np.array([float(part.row.get(node, 0)) for node in nodes])
             if isinstance(part, MotionLaw):
