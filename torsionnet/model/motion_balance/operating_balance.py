@@ -207,7 +207,7 @@ class OperatingBalance:
         faults = [
             Fault(message, ("elements", one.owner))
             for one, (state, _) in found.items()
-            if (message := one.law.curve.left(state.twist, state.rate))
+            if (message := one.law.curve.left(state.twist, state.rate, *state.sensed))
         ]
         if faults:
             raise ModelError(faults, self.definition.name)

@@ -72,6 +72,8 @@ class KlossCurve(TorqueCurve):
         over = float(self.breakdown_torque) / -wanted
         if abs(over) < 1:
             return ()
+        if abs(over) == 1:
+            return (MotionState(rate=speed * (1 - over * breakdown)),)
         larger = breakdown * (over + math.copysign(math.sqrt(over**2 - 1), over))
-        slips = sorted({larger, breakdown**2 / larger}, reverse=True)
+        slips = sorted((larger, breakdown**2 / larger), reverse=True)
         return tuple(MotionState(rate=speed * (1 - slip)) for slip in slips)
