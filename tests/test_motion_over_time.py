@@ -220,6 +220,33 @@ def test_bounces_on_a_preload_end_in_standing_still():
     assert len(record.events) < 500
 
 
+def test_twist_passes_a_preload_against_the_torque_as_its_speed_takes_it():
+    """A ramp brings the torque to that of the preload while the twist still swings through it."""
+    stages = [{"stiffness": 400, "to": "0.1 rad"}, {"stiffness": 1500, "preload": "20 N*m"}]
+    spring = tn.Spring("dmf", nodes=("a", "ground"), stages=stages)
+    ramp = 0.1 * np.arange(1001)
+    plant = rotor(0.1, spring, tn.Damper("drag", nodes=("a", "ground"), damping=1))
+    record = plant.simulate(["a", "torque(dmf)"], {"a": ramp}, 1e3)
+
+    def rates(t, y):
+        step = 400 * y[0] if y[0] < 0.1 else 60 + 1500 * (y[0] - 0.1)
+        return [y[1], (100 * t - step - y[1]) / 0.1]
+
+    def corner(_, y):
+        return y[0] - 0.1
+
+    corner.terminal = True
+    t, state = 0.0, np.zeros(2)
+    for _ in range(200):
+        end = solve_ivp(rates, (t, 0.7), state, "DOP853", rtol=1e-12, atol=1e-14, events=corner)
+        t, state = end.t[-1], end.y[:, -1]
+        if t >= 0.7:
+            break
+        state[0] = 0.1 + math.copysign(1e-15, state[1])
+    assert len(record.events) > 20
+    assert record["a"].values[700] == pytest.approx(state[0], abs=1e-9)
+
+
 def test_two_parts_that_stick_side_by_side_are_asked_for_a_stiffness():
     plant = rotor(J, *(tn.Friction(name, nodes=("a", "ground"), torque=1) for name in ("first", "second")))
     with pytest.raises(UsageError, match=r"first and second stick in a loop.*give one of them a stiffness"):

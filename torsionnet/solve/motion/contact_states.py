@@ -195,14 +195,14 @@ class ContactStates:
         beyond = _changed(contact, number, law.of_piece(hold.place + step))
         scale = self._scale(number, z)
         low, high = scale * hold.low, scale * hold.high
-        if high <= low:
+        if high <= low or not (law.over_rate or self._returns(beyond, number, hold.lower, step, z)):
             return beyond
         held = _changed(contact, number, law.of_piece(hold.place))
         torque = self.values(z, held)[2][number]
         rounding = HOLD_TOLERANCE * max(abs(low), abs(high))
         if torque > high + rounding or torque < low - rounding:
             return _changed(contact, number, law.of_piece(hold.place + (1 if torque > high else -1)))
-        return held if law.over_rate or self._returns(beyond, number, hold.lower, step, z) else beyond
+        return held
 
     def _returns(self, beyond: Contact, number: int, twist: float, step: int, z: FloatArray) -> bool:
         """Whether a row that has passed a step over the twist is back at once, or never gets beyond without inertia."""

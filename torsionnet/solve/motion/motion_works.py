@@ -100,7 +100,7 @@ def gauss_points(count: int) -> tuple[FloatArray, FloatArray]:
 
 
 def node_count(turn: float) -> int:
-    """Number of Gauss points in a step in which the fastest vibration turns by an angle in rad."""
+    """Number of Gauss points in a step in which the fastest vibration turns, or decays, by an angle in rad."""
     for count in range(FEWEST_NODES, MOST_NODES):
         size = math.factorial(count) ** 4 / ((2 * count + 1) * math.factorial(2 * count) ** 3)
         if size * (2 * turn) ** (2 * count) < WORK_TOLERANCE:
@@ -146,7 +146,7 @@ class Works:
         form, units = self.states.form(contact), in_steps(at, self.h)
         A = self.h * form.A * units / units[:, None]
         work = work_rows(self.states, contact, form, self.h)
-        nodes = node_count(rates_of(form)[0] * self.h)
+        nodes = node_count(max(rates_of(form)) * self.h)
         inside = np.vstack([work.rows @ linalg.expm(place * A) for place in gauss_points(nodes)[0]])
         taylor = [work.rows]
         for k in range(1, DEGREE + 1):
