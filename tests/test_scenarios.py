@@ -206,6 +206,18 @@ class TestTorques:
         assert record.events[0].time == pytest.approx(sqrt(2 * 0.1 / 10), rel=1e-9)
         assert record["torque(gap)"].values.max() == pytest.approx(5 + sqrt(25 + 2 * 5 * 0.1 * 1e4), rel=1e-3)
 
+    def test_entries_give_a_scenario_and_motions_alone_are_read(self):
+        entries = {
+            "type": "torques",
+            "duration": 0.1,
+            "rate": 1e3,
+            "start": "operating_point",
+            "torque": {"a": 20, "b": -20},
+        }
+        record = self.rig().simulate(["n", "a"], scenario=entries)
+        assert np.abs(record["n"].values).max() < 1e-12
+        assert "mean torques at the start" in record.notes[0]
+
 
 class TestHistories:
     def test_sum_of_pieces_is_the_sum_of_values(self):
@@ -285,6 +297,10 @@ def test_faults_have_their_place(line, marked, words, tmp_path):
 def test_unknown_scenario_and_other_inputs_are_refused():
     with pytest.raises(tn.UsageError, match="there are three_phases"):
         SSR.simulate(scenario="none")
+    with pytest.raises(tn.UsageError, match='no parameter is named "T_9"; did you mean "T_0"'):
+        SSR.simulate(scenario=fault(phases=3, rated_torque="T_9"))
+    with pytest.raises(tn.ModelError, match="needs duration"):
+        SSR.simulate(scenario={"type": "torques", "torque": {"hp": 3}})
     with pytest.raises(tn.UsageError, match="brings its own torques"):
         SSR.simulate("T_G_X", {"T_G": [0, 1]}, scenario="two_phases")
     with pytest.raises(tn.UsageError, match="needs outputs"):

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from torsionnet.core.attribute_hints import AttributeHints
 from torsionnet.running_machinery import RunningMachinery
@@ -198,7 +198,7 @@ class Drivetrain(RunningMachinery, AttributeHints):
         sampling_rate: float | None = None,
         *,
         start: str | MotionStart | None = None,
-        scenario: str | Scenario | None = None,
+        scenario: str | Scenario | Mapping[str, Any] | None = None,
     ) -> Recording:
         """Motion and torques over time, exact for input torques that are linear between samples.
 
@@ -215,8 +215,9 @@ class Drivetrain(RunningMachinery, AttributeHints):
         start : str or MotionStart, optional
             ``"rest"``, ``"operating_point"``, or angles and speeds of nodes at the first sample. Default: rest, or what
             the scenario says.
-        scenario : str or Scenario, optional
-            Instead of inputs: a scenario of the model, or an object such as ``TorqueScenario(...)``, whose torques act.
+        scenario : str, Scenario or mapping, optional
+            Instead of inputs: a scenario of the model, or another one, ``{"type": "torques", "duration": ...}``, whose
+            torques act.
 
         Returns
         -------

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from torsionnet.core.errors import TorsionnetError, UsageError, did_you_mean
+from torsionnet.core.errors import ModelError, TorsionnetError, UsageError, did_you_mean, unknown_name
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import Values
 from torsionnet.model.scenarios.scenario import DrivingCourse, Scenario, ScenarioSubject
+from torsionnet.model.section_entries import SCENARIOS
 from torsionnet.model.speeds import mean_speeds
 
 
@@ -39,13 +40,15 @@ def scenario_subject(definition: Definition, values: Mapping[str, Any]) -> Scena
     )  # fmt: skip
 
 
-def scenario_of(model: Defined, scenario: str | Scenario) -> Scenario:
-    """Scenario of a model by its name, or one that is given.
+def scenario_of(model: Defined, scenario: str | Scenario | Mapping[str, Any]) -> Scenario:
+    """Scenario of a model by its name, or one that is given as an object or by its entries.
 
     Raises
     ------
     UsageError
         The model has no such scenario, or the one given names what it does not have.
+    ModelError
+        Entries that are wrong.
     """
     definition = model.definition
     if isinstance(scenario, str):
@@ -54,12 +57,19 @@ def scenario_of(model: Defined, scenario: str | Scenario) -> Scenario:
             rest = f"there are {', '.join(known)}" if known else "the model has no entry scenarios:"
             raise UsageError(f'no scenario is named "{scenario}"{did_you_mean(scenario, known)}; {rest}')
         return known[scenario]
-    if not isinstance(scenario, Scenario):
-        raise UsageError(f"a scenario is named, or given as an object, got {scenario!r}")
-    faults = scenario.name_faults(scenario_subject(definition, model.exact_values))
+    if not isinstance(scenario, Scenario | Mapping):
+        raise UsageError(f"a scenario is named, or given as an object or by its entries, got {scenario!r}")
+    found, wrong = SCENARIOS.of.read(scenario)
+    if found is None or wrong:
+        raise ModelError(wrong, "the scenario")
+    names = {name for _, _, expression, _ in found.expressions() for name in expression.names}
+    unknown = [
+        unknown_name("parameter", name, model.exact_values, ()) for name in sorted(names - {*model.exact_values})
+    ]
+    faults = unknown or found.name_faults(scenario_subject(definition, model.exact_values))
     if faults:
         raise UsageError("; ".join(fault.message for fault in faults))
-    return scenario
+    return found
 
 
 def driving_course(model: Defined, scenario: Scenario) -> DrivingCourse:

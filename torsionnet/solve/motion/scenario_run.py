@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.functionals import functional
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.core.expressions import Number
@@ -60,7 +62,7 @@ class DrivenPlaces:
 
 def run_scenario(
     drivetrain: AssembledModel,
-    scenario: str | Scenario,
+    scenario: str | Scenario | Mapping[str, Any],
     outputs: str | Sensor | Sequence[str | Sensor] | None = None,
     *,
     start: str | MotionStart | None = None,
@@ -71,8 +73,8 @@ def run_scenario(
     Parameters
     ----------
     drivetrain : AssembledModel
-    scenario : str or Scenario
-        One of the model, by name, or an object.
+    scenario : str, Scenario or mapping
+        One of the model, by name, or an object, or entries as a model file has them.
     outputs : str, Sensor or sequence of these, optional
         Default: the sensors of the model.
     start : str or MotionStart, optional
@@ -204,14 +206,26 @@ def _mean_readings(drivetrain: AssembledModel, driven: DrivenPlaces, request: Tr
         for number, one in enumerate(request.outputs)
         if one.sensor is not None and reason_undetermined(loaded, one) is None
     ]
+    chosen = [one for number in wanted if (one := request.outputs[number].sensor) is not None]
+    asked = chosen or _probe(loaded)
     try:
-        sensors = [one.sensor for one in request.outputs if one.sensor is not None]
-        chosen = [request.outputs[number].sensor for number in wanted]
-        means = mean_response(loaded, [one for one in chosen if one is not None] or sensors[:1])
+        means = mean_response(loaded, asked).values[0] if asked else found
     except UsageError:
         return None
-    found[wanted] = means.values[0][: len(wanted)]
+    found[wanted] = means[: len(wanted)]
     return found
+
+
+def _probe(drivetrain: AssembledModel) -> list[Sensor]:
+    """Torque sensor on an element whose mean torque is determined, to see whether torques are in balance; or none."""
+    for name in drivetrain.elements:
+        sensor = Sensor("torque", name)
+        try:
+            if reason_undetermined(drivetrain, functional(drivetrain, sensor)) is None:
+                return [sensor]
+        except UsageError:
+            continue
+    return []
 
 
 def _sampled(
