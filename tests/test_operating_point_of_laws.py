@@ -114,16 +114,19 @@ def check_balance(seed):
     np.testing.assert_allclose(rows @ angles, twists, atol=1e-9)
 
 
+BEARING = tn.Damper("bearing", nodes=("b", "ground"), damping=0.2)
+
+
 def staged(**more):
     """Two rotors with a spring in stages between them."""
     rotors = [tn.Inertia("J1", node="a", inertia=0.5), tn.Inertia("J2", node="b", inertia=0.8)]
-    return tn.Drivetrain("staged", [*rotors, tn.Spring("disc", nodes=("a", "b"), stages=STAGES, damping=0.2)], **more)
+    return tn.Drivetrain("staged", [*rotors, tn.Spring("disc", nodes=("a", "b"), stages=STAGES), BEARING], **more)
 
 
 def linear(stiffness):
     """The same two rotors with a linear spring."""
     rotors = [tn.Inertia("J1", node="a", inertia=0.5), tn.Inertia("J2", node="b", inertia=0.8)]
-    return tn.Drivetrain("linear", [*rotors, tn.Spring("disc", nodes=("a", "b"), stiffness=stiffness, damping=0.2)])
+    return tn.Drivetrain("linear", [*rotors, tn.Spring("disc", nodes=("a", "b"), stiffness=stiffness), BEARING])
 
 
 def response(plant, **more):
@@ -183,7 +186,7 @@ def motor(**more):
         "motor", node="a", synchronous_speed=100, breakdown_torque=400, breakdown_slip=0.1, inertia=0.4, **more
     )
     return tn.Drivetrain(
-        "drive", [machine, tn.Inertia("fan", node="b", inertia=2), tn.Spring("s", nodes="ab", stiffness=1e4)]
+        "drive", [machine, tn.Inertia("fan", node="b", inertia=2), tn.Spring("s", nodes=("a", "b"), stiffness=1e4)]
     )
 
 

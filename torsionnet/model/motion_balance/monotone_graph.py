@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from torsionnet.model.element_base.torque_curve import MotionState
@@ -54,8 +56,12 @@ def monotone_graph(law: MotionLaw, ramp: float) -> MonotoneGraph:
     slopes: list[float] = []
     torques: list[float] = []
     halves = [
-        (float(one.high) - float(one.low)) / (2 * ramp * stiffest) if isinstance(one, Hold) else 0.0
-        for one in curve.pieces
+        min(
+            (float(one.high) - float(one.low)) / (2 * ramp * stiffest), _quarter(curve.pieces[max(0, number - 1) :][:3])
+        )
+        if isinstance(one, Hold)
+        else 0.0
+        for number, one in enumerate(curve.pieces)
     ]
     for number, piece in enumerate(curve.pieces):
         slopes.append(scale * float(piece.stiffness) if isinstance(piece, Slope) else scale * ramp * stiffest)
@@ -67,6 +73,16 @@ def monotone_graph(law: MotionLaw, ramp: float) -> MonotoneGraph:
         corner = float(piece.at) if isinstance(piece, Hold) else float(piece.upper)
         places.append(corner + halves[number] - halves[number + 1])
         torques.append(scale * float(line.at(places[-1], 0.0)))
+    for number, piece in enumerate(curve.pieces):  # a ramp joins the lines beside it
+        if isinstance(piece, Hold) and 0 < number < len(places):
+            rise, width = (found[number] - found[number - 1] for found in (torques, places))
+            slopes[number] = rise / width
     if not places:
         torques = [scale * float(one.torque) for one in curve.pieces if isinstance(one, Slope)]
     return MonotoneGraph(law, tuple(places), tuple(torques), tuple(slopes))
+
+
+def _quarter(around: Sequence[Slope | Hold]) -> float:
+    """Quarter of the shortest of some pieces in rad, more than which no ramp takes from them."""
+    ends = [(one.lower, one.upper) for one in around if isinstance(one, Slope)]
+    return min((float(upper - lower) / 4 for lower, upper in ends if None not in (lower, upper)), default=math.inf)

@@ -38,8 +38,9 @@ SLACK = 1e-9
 """Share of a bound of a piece by which rounding may carry a solution beyond it."""
 SMALL_RESIDUAL = 1e-10
 """Size of the residual torques over the torques that act at which the search ends."""
-ROUNDED = 4e-16
-"""Rounding of twists, over the largest angle, which the stiffest law turns into a residual torque."""
+ROUNDED = 4e-15
+"""Rounding of twists over the largest angle, which the stiffest law turns into a residual torque, and of torques over
+the largest at a corner, of which the lines are made: some units of the last digit."""
 LEAST_SLOPE = 1e-9
 """Stiffness that gives level pieces a direction, over the largest one of the law."""
 DENSE_COORDINATES = 400
@@ -91,6 +92,11 @@ class _Search:
     graphs: tuple[MonotoneGraph, ...]
     floors: FloatArray
 
+    @property
+    def largest(self) -> float:
+        """Largest torque in N m at a corner of a law."""
+        return max((abs(torque) for graph in self.graphs for torque in graph.torques), default=0.0)
+
     @classmethod
     def of(cls, network: LawNetwork, external: Mapping[str, float], ramp: float) -> _Search:
         place = {name: number for number, name in enumerate(network.coordinates)}
@@ -119,7 +125,7 @@ class _Search:
         inner, outer = self.stiffness @ q, load * self.torques
         shares = self.rows.T @ own
         size = float(max(np.abs(part).max(initial=0.0) for part in (outer, inner, shares)))
-        rounded = ROUNDED * float(slopes.max(initial=0.0)) * float(np.abs(q).max(initial=0.0))
+        rounded = ROUNDED * (float(slopes.max(initial=0.0)) * float(np.abs(q).max(initial=0.0)) + self.largest)
         return outer - inner - shares, slopes, SMALL_RESIDUAL * size + rounded
 
     def balance(self, q: FloatArray, load: float) -> FloatArray | None:
