@@ -305,8 +305,11 @@ class PieceMotion:
 
     def _tell(self, numbers: NDArray[np.int64], times: FloatArray) -> None:
         contacts, h = self.states.contacts, self.states.h
+        known: dict[tuple[int, int], tuple[str, str]] = {}
         for (before, _, i, after), f in zip(numbers.tolist(), times.tolist(), strict=False):
-            owner, what = self.states.change(contacts[before], contacts[after])
+            if (before, after) not in known:
+                known[before, after] = self.states.change(contacts[before], contacts[after])
+            owner, what = known[before, after]
             if what:
                 self.events.append(MotionEvent(self.begins + (i + f) * h, owner, what))
 
