@@ -94,7 +94,7 @@ def simulate_motion(
     states = ContactStates(plant, laws, drive, at, relative=True)
     z0 = start_state(plant, at, start or MotionStart())
     z0[at.u] = torques[:, 0]
-    rates = _first_rates(states, laws)
+    rates = first_rates(states, laws)
     while True:
         try:
             return _run(states, readings, inputs, torques, 1 / sampling_rate, z0, rates, refinement)
@@ -141,7 +141,7 @@ def _relative(plant: MotionPlant, at: Layout, z: FloatArray) -> FloatArray:
     return found
 
 
-def _first_rates(states: ContactStates, laws: Sequence[LawPhases]) -> tuple[float, float]:
+def first_rates(states: ContactStates, laws: Sequence[LawPhases]) -> tuple[float, float]:
     """Largest frequency and pole in rad/s with all laws at their stiffest and most damped pieces."""
     contact: list[int] = []
     for law in laws:
