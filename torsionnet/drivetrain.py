@@ -199,6 +199,8 @@ class Drivetrain(RunningMachinery, AttributeHints):
         *,
         start: str | MotionStart | None = None,
         scenario: str | Scenario | Mapping[str, Any] | None = None,
+        duration: float | None = None,
+        check: bool = False,
     ) -> Recording:
         """Motion and torques over time, exact for input torques that are linear between samples.
 
@@ -209,15 +211,20 @@ class Drivetrain(RunningMachinery, AttributeHints):
         outputs : str, Sensor or sequence of these
             As for :meth:`frequency_response`; in a scenario the model's sensors unless others are named.
         inputs : mapping
-            Name of an input or node -> (n,) torques in N m. That on a node is called ``torque on NODE`` in the result.
+            Name of an input or node -> (n,) torques in N m, or a ``TimeHistory`` of straight lines and waves, which is
+            exact. That on a node is called ``torque on NODE`` in the result.
         sampling_rate : float
             Hz; in a scenario instead of what that says.
         start : str or MotionStart, optional
-            ``"rest"``, ``"operating_point"``, or angles and speeds of nodes at the first sample. Default: rest, or what
-            the scenario says.
+            ``"rest"``, ``"operating_point"``, in balance with the torques at the first sample and mean torques on other
+            nodes, or angles and speeds of nodes at the first sample. Default: rest, or what the scenario says.
         scenario : str, Scenario or mapping, optional
             Instead of inputs: a scenario of the model, or another one, ``{"type": "torques", "duration": ...}``, whose
             torques act.
+        duration : float, optional
+            Time in s that is simulated where all inputs are histories.
+        check : bool
+            Repeat the motion in steps half as long, and note until when both agree: contacts make motions chaotic.
 
         Returns
         -------
@@ -248,12 +255,12 @@ class Drivetrain(RunningMachinery, AttributeHints):
 
             if inputs is not None:
                 raise UsageError("a scenario brings its own torques; leave out inputs, or the scenario")
-            return run_scenario(self, scenario, outputs, start=start, sampling_rate=sampling_rate)
+            return run_scenario(self, scenario, outputs, start=start, sampling_rate=sampling_rate, check=check)
         from torsionnet.solve.motion.simulation import simulate
 
         if outputs is None or inputs is None or sampling_rate is None:
             raise UsageError("a simulation needs outputs, inputs and a sampling rate, or a scenario")
-        return simulate(self, outputs, inputs, sampling_rate, start or "rest")
+        return simulate(self, outputs, inputs, sampling_rate, start or "rest", duration=duration, check=check)
 
     def modes(
         self,

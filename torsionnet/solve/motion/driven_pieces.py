@@ -17,7 +17,7 @@ from torsionnet.assembly.functionals import Functional
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.model.channels import Input
 from torsionnet.model.scenarios.time_history import SAMPLE_SLACK
-from torsionnet.response.motion.energy_balance import EnergyBalance
+from torsionnet.response.motion.energy_balance import DeferredBalance, EnergyBalance
 from torsionnet.solve.motion.contact_form import Drive, Layout
 from torsionnet.solve.motion.contact_states import Contact, ContactStates, FinerStepError
 from torsionnet.solve.motion.driving import Driving, Stretch
@@ -107,7 +107,7 @@ def simulate_pieces(
     z = np.zeros(at.size)
     own = slice(0, 2 * at.n_q + at.n_c)
     z[own], z[at.one] = z0[own], 1.0
-    states = ContactStates(plant, split.phases, drive, at)
+    states = ContactStates(plant, split.phases, drive, at, relative=True)
     rates = first_rates(states, split.phases)
     march = _DrivenMarch(states, readings, inputs, driving, stretches, made)
     while True:
@@ -140,6 +140,8 @@ class _DrivenMarch:
                 steps = max(1, math.ceil(run.interval * driving.rate * k - SAMPLE_SLACK))
                 h = run.interval / steps
                 if h != length:
+                    for one in parts:
+                        one.energy.left_over  # noqa: B018  works are those of the steps before
                     self.states.with_steps(h, n_sub)
                     length = h
                 drive = self._grid(stretch, run, steps)
@@ -156,7 +158,8 @@ class _DrivenMarch:
                     if abs((run.start + run.interval) * driving.rate - number) < SAMPLE_SLACK:
                         found.values[:, number] = parts[-1].values[:, -1]
         events = tuple(event for part in parts for event in part.events)
-        return MotionOverTime(found.values, events, added_up([part.energy for part in parts]))
+        balances = [part.energy for part in parts]
+        return MotionOverTime(found.values, events, DeferredBalance(lambda: added_up(balances)))
 
     def _runs(self, stretch: Stretch) -> Iterator[_Run]:
         """Runs of a stretch: to the first sample in it, from there to the last one, and on to its end."""

@@ -131,7 +131,7 @@ def start_state(plant: MotionPlant, at: Layout, start: MotionStart) -> FloatArra
     return z
 
 
-def _relative(plant: MotionPlant, at: Layout, z: FloatArray) -> FloatArray:
+def relative_state(plant: MotionPlant, at: Layout, z: FloatArray) -> FloatArray:
     """State z with coordinates counted from those that turn with the whole, from one with all angles."""
     found = z.copy()
     for pivot, column in plant.turning:
@@ -222,7 +222,7 @@ class PieceMotion:
         flat = self.drive.ravel()
         units = in_steps(at, states.h)
         contact = contact or self._at_start(z0)
-        z0 = _relative(states.plant, at, z0) / units
+        z0 = relative_state(states.plant, at, z0) / units
         z0[at.slope] = flat[at.n_u : 2 * at.n_u] - flat[: at.n_u]
         p = self._refreshed(contact, z0)[: at.n_p].copy()
         energy = stored_energy(states, contact, self._z(p, 0, 0.0))

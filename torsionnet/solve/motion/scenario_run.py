@@ -26,7 +26,7 @@ from torsionnet.solve.dynamic_stiffness.state_space import active_channels
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.solve.modes.modes import natural_modes
 from torsionnet.solve.motion.motion_plant import has_laws_of_motion
-from torsionnet.solve.motion.simulation import simulate
+from torsionnet.solve.motion.simulation import NOTHING_TO_CHECK, simulate
 from torsionnet.solve.running.exact_courses import exact_response
 from torsionnet.solve.running.mean_response import mean_response, reason_undetermined
 from torsionnet.solve.running.simulate import driven_request, motion_signals, response_over_time
@@ -67,6 +67,7 @@ def run_scenario(
     *,
     start: str | MotionStart | None = None,
     sampling_rate: float | None = None,
+    check: bool = False,
 ) -> Recording:
     """Recording of torques and motions of a drivetrain under a scenario, in SI units over time.
 
@@ -81,6 +82,8 @@ def run_scenario(
         ``"rest"``, ``"operating_point"`` or angles and speeds of nodes, in place of what the scenario says.
     sampling_rate : float, optional
         Hz, in place of what the scenario says.
+    check : bool
+        Repeat the motion in steps half as long, and note until when both agree.
 
     Raises
     ------
@@ -96,8 +99,11 @@ def run_scenario(
         text = f"{one.length:g} s at {rate:g} Hz are more than {MOST_SAMPLES} samples"
         raise UsageError(f"{text}; give a lower rate or a shorter duration")
     given = isinstance(driven.start, MotionStart)
-    solve = _sampled if given or has_laws_of_motion(drivetrain) else _linear
-    record = solve(drivetrain, driven, asked, rate, count)
+    if given or driven.course.scales or has_laws_of_motion(drivetrain):
+        record = _from_event_to_event(drivetrain, driven, asked, rate, count, check=check)
+    else:
+        record = _linear(drivetrain, driven, asked, rate, count)
+        record = record.with_notes(NOTHING_TO_CHECK) if check else record
     events = sorted((*record.events, *driven.course.events), key=lambda event: event.time)
     return replace(record, events=tuple(events))
 
@@ -123,7 +129,8 @@ def driven_places(
     for place, history in course.added.items():
         known = next((one for one in histories if _nodes(drivetrain, one) == _nodes(drivetrain, place)), None)
         histories[known or place] = histories[known] + history if known else history
-    if begins == OPERATING_POINT and not any(history.first for history in histories.values()):
+    unloaded = not any(history.first for history in histories.values())
+    if begins == OPERATING_POINT and unloaded and not has_laws_of_motion(drivetrain):
         begins = REST
     return DrivenPlaces(histories, course, begins)
 
@@ -228,19 +235,17 @@ def _probe(drivetrain: AssembledModel) -> list[Sensor]:
     return []
 
 
-def _sampled(
+def _from_event_to_event(
     drivetrain: AssembledModel,
     driven: DrivenPlaces,
     outputs: str | Sensor | Sequence[str | Sensor],
     rate: float,
     count: int,
+    *,
+    check: bool = False,
 ) -> Recording:
-    """Recording of a drivetrain with laws of motion, or from a given state.
-
-    Its torques run straight between samples.
-    """
-    if driven.course.scales:
-        names = ", ".join(f"{what} of {element}" for element, what in driven.course.scales)
-        raise UsageError(f"{names} over time cannot be simulated yet")
-    inputs = {place: history.samples(rate, count) for place, history in driven.histories.items()}
-    return simulate(drivetrain, outputs, inputs, rate, driven.start)
+    """Recording of a drivetrain with laws of motion, or from a given state."""
+    return simulate(
+        drivetrain, outputs, driven.histories, rate, driven.start, duration=(count - 1) / rate,
+        scales=driven.course.scales, check=check,
+    )  # fmt: skip

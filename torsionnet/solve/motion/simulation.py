@@ -32,6 +32,8 @@ from torsionnet.solve.running.simulate import driven_request, motion_signals, sa
 from torsionnet.solve.running.simulate import simulate as simulate_linear
 
 REST, OPERATING_POINT = "rest", "operating_point"
+NOTHING_TO_CHECK = "linear: exact at all samples, whatever the step"
+"""Note on a simulation of a linear drivetrain that is to be checked with a shorter step."""
 EVEN = 1e-9
 """Share of the torque over the inertia by which a start counts as accelerating."""
 
@@ -60,7 +62,7 @@ def simulate(
     sampled = not scales and not any(isinstance(one, TimeHistory) for one in inputs.values())
     if sampled and start == REST and not has_laws_of_motion(drivetrain):
         record = simulate_linear(drivetrain, outputs, inputs, sampling_rate)  # type: ignore[arg-type]
-        return record.with_notes("linear: exact at all samples, nothing to check") if check else record
+        return record.with_notes(NOTHING_TO_CHECK) if check else record
     if not is_rate(sampling_rate):
         raise UsageError(f"the sampling rate must be a positive number of Hz, got {sampling_rate}")
     whole = _with_mean_torques(drivetrain, inputs) if start == OPERATING_POINT else dict(inputs)

@@ -62,18 +62,17 @@ def smooth_form(form: ContactForm, at: Layout, laws: Sequence[SmoothLaw], places
     take[:, : at.n_p] = basis.T @ own
     over_y, over_u, over_s = form.refresh[:, : at.n_p] @ basis, form.refresh[:, at.u], form.refresh[:, at.slope]
     rates = take @ form.A
-    motions = tuple(np.vstack([one.row @ form.refresh[at.q], one.row @ form.refresh[at.v],
-                               one.sensed @ form.refresh[at.v]]) for one in laws)  # fmt: skip
+    angles, speeds, _ = form.motion
+    motions = tuple(np.vstack([one.row @ angles, one.row @ speeds, one.sensed @ speeds]) for one in laws)
     for one, rows in zip(laws, motions, strict=True):
         used = rows[1:] if one.over_rate else rows[:1]
         at_once = np.hstack([used @ over_u[:, list(places)], used @ over_s[:, list(places)]])
-        if np.abs(at_once).max(initial=0.0) > FEEDBACK * _size(form, at, used):
+        if np.abs(at_once).max(initial=0.0) > FEEDBACK * _size(form, at):
             text = "its torque acts where nothing has inertia, so that its motion follows from a curve alone"
             raise UsageError(f"{one.owner}: {text}; give the node an inertia")
     return SmoothForm(form, rates @ over_y, rates @ over_u, rates @ over_s, over_y, over_u, over_s, take, motions)
 
 
-def _size(form: ContactForm, at: Layout, rows: FloatArray) -> float:
-    """Size of what torques of 1 N m do to rows, as the largest acceleration or twist over all coordinates."""
-    del rows
-    return max(1e-300, float(np.abs(form.A[at.v, at.u]).max(initial=0.0)))
+def _size(form: ContactForm, at: Layout) -> float:
+    """Largest acceleration that a torque of 1 N m gives to a coordinate."""
+    return max(1e-300, float(np.abs(form.motion[2][:, at.u]).max(initial=0.0)))

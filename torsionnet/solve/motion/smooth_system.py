@@ -26,6 +26,7 @@ from torsionnet.solve.motion.guard_roots import first_event, nodes
 from torsionnet.solve.motion.march_tables import guard_rows, in_steps
 from torsionnet.solve.motion.motion_over_time import MotionOverTime
 from torsionnet.solve.motion.motion_plant import LawRow, PlacedLaw
+from torsionnet.solve.motion.piece_system import relative_state
 from torsionnet.solve.motion.read_rows import reading_rows
 from torsionnet.solve.motion.smooth_form import SmoothForm, smooth_form
 from torsionnet.solve.motion.smooth_laws import SmoothLaw, SplitPlant
@@ -114,7 +115,7 @@ class _SmoothMotion:
         n_u = first_scale + n_scales
         drive = Drive(np.hstack([columns, own]), scale_of, n_scales, np.zeros((0, 0)), np.zeros((n_u, 0)))
         self.at = Layout(n_q, sum(len(one.F) for one in plant.actions), 0, n_u)
-        self.states = ContactStates(plant, split.phases, drive, self.at)
+        self.states = ContactStates(plant, split.phases, drive, self.at, relative=True)
         self.outside = np.array([*range(self.n_in), *range(first_scale, n_u)], dtype=int)
         self.places = list(range(self.n_in, first_scale))
         tighter = float(refinement) ** 5
@@ -136,8 +137,8 @@ class _SmoothMotion:
         z[own], z[at.one] = z0[own], 1.0
         z[at.u][self.outside] = driving.first
         now = self._known(contact or self._at_start(z))
-        y = now.form.take @ z
-        begun = self._energy(self._whole(now, 0.0, y, None))
+        y = now.form.take @ relative_state(self.split.plant, at, z)
+        begun = self._energy(now, self._whole(now, 0.0, y, None))
         for stretch in driving.stretches():
             now, y = self._through(stretch, now, y)
         end = driving.duration
@@ -146,7 +147,7 @@ class _SmoothMotion:
         if self.sample < driving.n:
             self.values[:, self.sample :] = (now.reads @ z)[:, None]
         supplied = self.works.pop("", 0.0)
-        balance = EnergyBalance(supplied, self._energy(z) - begun, self.works)
+        balance = EnergyBalance(supplied, self._energy(now, z) - begun, self.works)
         return MotionOverTime(self.values, tuple(self.events), balance)
 
     def _at_start(self, z: FloatArray) -> Contact:
@@ -191,7 +192,7 @@ class _SmoothMotion:
         """Powers as products of rows over z with factors, and their owners; that outside is ""."""
         plant, at, bare = self.split.plant, self.at, form.form
         found: list[tuple[FloatArray, FloatArray, float, str]] = []
-        system, speed, one = plant.assembly.system, bare.refresh[at.v], np.eye(at.size)[at.one]
+        system, speed, one = plant.assembly.system, bare.motion[1], np.eye(at.size)[at.one]
         for number, law in enumerate(plant.assembly.laws):
             if system.damping[number] and not isinstance(law, PlacedLaw):
                 rate = system.rows[number] @ speed
@@ -217,15 +218,16 @@ class _SmoothMotion:
                 np.array([one for _, one, _, _ in found]).reshape(shape),
                 np.array([factor for _, _, factor, _ in found]), tuple(owner for _, _, _, owner in found))  # fmt: skip
 
-    def _energy(self, z: FloatArray) -> float:
+    def _energy(self, now: _Contact, z: FloatArray) -> float:
         """Kinetic energy and energy stored in springs in J."""
-        plant, at = self.split.plant, self.at
+        plant = self.split.plant
         system = plant.assembly.system
-        twists, rates = system.rows @ z[at.q], system.rows @ z[at.v]
+        q, v = (rows @ z for rows in now.form.form.motion[:2])
+        twists, rates = system.rows @ q, system.rows @ v
         linear = np.array([not isinstance(law, PlacedLaw) for law in plant.assembly.laws], dtype=bool)
         found = 0.5 * float(system.inertia @ rates**2 + system.stiffness[linear] @ twists[linear] ** 2)
         rows = [(one.law, one.row) for one in plant.laws] + [(o.law, o.row) for o in self.split.smooth if o.held < 0]
-        return found + sum(float(law.energy(float(row @ z[at.q]))) for law, row in rows)
+        return found + sum(float(law.energy(float(row @ q))) for law, row in rows)
 
     def _active(self, one: SmoothLaw, contact: Contact) -> bool:
         return one.held < 0 or self.states.laws[one.held].phases[contact[one.held]].kind == "slope"
@@ -256,12 +258,12 @@ class _SmoothMotion:
         motions = self._torques(now, y, u, slopes)
         z = now.form.whole(y, u, slopes)
         if now.needs_slopes:
-            bent = now.form.form.A @ z
+            bent = now.form.form.motion[2] @ z
             for place, one, motion in zip(self.places, self.split.smooth, motions, strict=True):
                 if self._active(one, now.contact):
                     rows = np.vstack([one.row, one.sensed])
                     scale = 1.0 if one.scale < 0 else float(u[self.n_in + self.n_s + one.scale])
-                    slopes[place] = one.slope(float(motion[0]), motion[1:], rows @ bent[self.at.v], scale)
+                    slopes[place] = one.slope(float(motion[0]), motion[1:], rows @ bent, scale)
                     if one.scale >= 0:
                         changed = float(slopes[self.n_in + self.n_s + one.scale])
                         slopes[place] += one.torque(float(motion[0]), motion[1:], changed)
