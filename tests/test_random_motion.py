@@ -6,7 +6,7 @@ import pytest
 from tests.motion_reference import reference_motion
 from tests.random_motion_plants import moving_plant
 from torsionnet.model.channels import Sensor
-from torsionnet.response.motion.motion_start import MotionStart
+from torsionnet.response import MotionStart
 
 ROUNDING = 1e-12
 """Share of the speeds by which the start is changed, to see how much a motion amplifies errors of this size."""
