@@ -266,7 +266,7 @@ scenarios:
         ("{type: torques, duration: 2 s, torque: {a: {5 ms: 3 kg}}}", "3 kg", "not a value of torque"),
         (
             "{type: torques, duration: 2 s, torque: {a: {amplitude: 2 N*m}}}",
-            "{amplitude",
+            "a: {amplitude",
             "a sinusoid needs its frequency",
         ),
         ("{type: torques, torque: {a: 2 N*m}}", "s:", "needs duration"),
