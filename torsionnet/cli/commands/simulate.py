@@ -43,6 +43,9 @@ class SimulateCommand(ModelCommand):
         type=EntryOption("RATE", "model.scenarios.scenario:RATE"),
         help='Samples a second instead of those of the scenario, as "20 kHz".',
     )
+    check: bool = option(
+        "--check", help="Repeat the motion in steps half as long, and say until when both agree: contacts are chaotic."
+    )
     output_file: str | None = file_option("Write the record; the ending tells the format, as .npz, .csv or .mat.")
     angle: str = ANGLE
 
@@ -74,7 +77,8 @@ class SimulateCommand(ModelCommand):
         )
 
     def _run(self, case: ConfiguredCase) -> Recording:
-        return case.drivetrain.simulate(self.outputs or None, sampling_rate=self.rate, scenario=self.scenario)
+        outputs = self.outputs or None
+        return case.drivetrain.simulate(outputs, sampling_rate=self.rate, scenario=self.scenario, check=self.check)
 
     def _title(self, record: Recording) -> str:
         return f"{record.title}: {self.scenario}"
