@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from test_controller import Plant
 
 import torsionnet as tn
 from torsionnet.core.errors import SolveError, UsageError
@@ -294,3 +295,32 @@ def test_rotation_of_the_whole_leaves_the_twists_as_exact_as_without():
     still, spinning = (run["torque(mesh)"].values for run in runs)
     assert np.abs(still).max() > 20
     assert spinning == pytest.approx(still, abs=1e-8)
+
+
+@pytest.mark.parametrize("name", ["dmf_rig", "direct_drive_wind_turbine"])
+def test_linear_plants_move_from_a_given_state_as_they_do_from_rest(name):
+    """Two ways to one motion: filters for each mode, and steps with all that an event would need."""
+    plant = tn.load(name)
+    torque = {next(iter(plant.inputs)): np.cumsum(np.random.default_rng(1).normal(size=200))}
+    outputs = list(plant.sensors)
+    by_modes, by_steps = (plant.simulate(outputs, torque, 2e3, start=start) for start in ("rest", MotionStart()))
+    for one in outputs:
+        size = np.abs(by_modes[one].values).max()
+        assert by_steps[one].values == pytest.approx(by_modes[one].values, abs=1e-11 * size)
+    assert abs(by_steps.energy.left_over) < 1e-12 * abs(by_steps.energy.supplied)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_controllers_act_beside_laws_of_motion(seed):
+    """A clearance that never closes changes nothing."""
+    rig = Plant(seed, delay=False, forms=("polynomials", "roots")).rig
+    wide = tn.Clearance("wide", nodes=("n0", "ground"), gap=1e3, stiffness=1)
+    torque = {"n1": np.cumsum(np.random.default_rng(seed).normal(size=200))}
+    outputs = ["n0", *(f"torque({name})" for name, one in rig.elements.items() if isinstance(one, tn.Controller))]
+    without = rig.simulate(outputs, torque, 500.0)
+    beside = tn.Drivetrain("rig", [*rig.elements.values(), wide], parameters=rig.parameters).simulate(
+        outputs, torque, 500.0
+    )
+    for one in outputs:
+        size = np.abs(without[one].values).max()
+        assert beside[one].values == pytest.approx(without[one].values, abs=1e-11 * size)

@@ -84,7 +84,8 @@ class MotionPlant:
         system = self.assembly.system
         laws = zip(system.sparse_rows, system.stiffness, self.assembly.laws, strict=True)
         elastic = [row for row, stiffness, law in laws if stiffness and not _is_over_rate(law)]
-        sensed = [dict(enumerate(one.sensed.tolist())) for one in self.actions if one.action.acts_at_rest]
+        felt = [one for one in self.actions if one.at_once[0] or one.G[:, 0].any()]  # with their states at rest
+        sensed = [dict(enumerate(one.sensed.tolist())) for one in felt]
         rows = [*elastic, *({place: value for place, value in row.items() if value} for row in sensed)]
         found = []
         for column in null_space(rows, system.n_coordinates).columns:
