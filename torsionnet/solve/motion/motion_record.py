@@ -14,7 +14,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.model.channels import Input
 from torsionnet.solve.motion.contact_states import Contact, ContactStates
 from torsionnet.solve.motion.march_tables import BLOCK, in_steps, rows_along
-from torsionnet.solve.motion.read_rows import reading_rows
+from torsionnet.solve.motion.read_rows import reading_plan, reading_rows
 
 COLUMNS = 256
 """Number of stretches worked on at once, enough for products of matrices at full speed."""
@@ -84,6 +84,7 @@ class MotionRecord:
     ) -> None:  # fmt: skip
         self.states, self.readings, self.inputs = states, readings, inputs
         self.refinement, self.drive = refinement, drive
+        self.plan = reading_plan(states.plant, readings, inputs)
         self.values = np.zeros((len(readings), n))
         self._rows: dict[Contact, tuple[FloatArray, tuple[FloatArray, FloatArray]]] = {}
 
@@ -114,7 +115,7 @@ class MotionRecord:
                 self._rows.clear()
             states, at = self.states, self.states.at
             form, units = states.form(contact), in_steps(at, states.h)
-            rows = reading_rows(states.plant, self.readings, self.inputs, form, at) * units
+            rows = reading_rows(states.plant, self.readings, self.inputs, form, at, self.plan) * units
             whole = np.asarray(linalg.expm(states.h * form.A * units / units[:, None]))
             self._rows[contact] = rows, rows_along(rows, whole, at, BLOCK)
         return self._rows[contact]

@@ -137,7 +137,7 @@ def _float_laws(drivetrain: AssembledModel, plant: MotionPlant) -> Mapping[int, 
     value = Values(drivetrain.exact_values, FLOAT)
     own: dict[str, list[Any]] = {
         element.name: [part for part in element.whole_parts(value) if isinstance(part, MotionLaw)]
-        for element in drivetrain.definition.active
+        for element in drivetrain.definition.switched_on
     }
     found: dict[int, MotionLaw] = {}
     for number, (owner, law) in enumerate(zip(plant.assembly.owners, plant.assembly.laws, strict=True)):
