@@ -28,7 +28,7 @@ def nodes() -> tuple[FloatArray, FloatArray, FloatArray]:
     x = -np.cos(np.pi * np.arange(NODES) / (NODES - 1))
     matrix = np.linalg.inv(chebyshev.chebvander(x, NODES - 1))
     integrals = np.array([2 / (1 - k**2) if k % 2 == 0 else 0.0 for k in range(NODES)])
-    return (x + 1) / 2, integrals @ matrix / 2, matrix
+    return (x + 1) / 2, np.asarray(integrals @ matrix / 2), np.asarray(matrix)
 
 
 def first_event(values: FloatArray, sizes: FloatArray, guard_at: Callable[[int, float], float]) -> tuple[float, int]:

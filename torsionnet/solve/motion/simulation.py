@@ -17,11 +17,11 @@ from torsionnet.model.scenarios.time_history import SAMPLE_SLACK, TimeHistory, c
 from torsionnet.response.motion.motion_start import MotionStart
 from torsionnet.response.recording import Recording, is_rate
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
-from torsionnet.solve.motion.agreement import agreement_note
 from torsionnet.solve.motion.contact_form import Layout
 from torsionnet.solve.motion.contact_states import Contact
 from torsionnet.solve.motion.driven_pieces import simulate_pieces
 from torsionnet.solve.motion.driving import Driving
+from torsionnet.solve.motion.finer_run import agreement_note
 from torsionnet.solve.motion.motion_over_time import MotionOverTime
 from torsionnet.solve.motion.motion_plant import has_laws_of_motion, motion_plant
 from torsionnet.solve.motion.piece_system import start_state
@@ -114,7 +114,7 @@ def _driving(
         raise UsageError(f"the torques have {text} samples; give lists of one length, that of the duration")
     (n,) = lengths
     entries = [arrays.get(name, one) for name, one in inputs.items()]
-    driving = Driving((*entries, *scales.values()), rate, n)  # type: ignore[arg-type]
+    driving = Driving((*entries, *scales.values()), rate, n)
     torques = np.array([one.samples(rate, n) if isinstance(one, TimeHistory) else one for one in entries])
     if not np.isfinite(torques).all():
         raise UsageError("the torques of a simulation are finite numbers in N m")

@@ -64,8 +64,9 @@ class SmoothLaw:
         """Rate of change in N m/s of the torque under a constant scale, with the rates of change of ``rates``."""
         rate, *sensed = rates.tolist()
         over_twist, *others = self.law.curve.slopes(MotionState(twist, rate, tuple(sensed)))
-        own = float(over_twist) * rate
-        return scale * (own + sum(float(one) * bend for one, bend in zip(others, bends.tolist(), strict=False)))
+        own = float(over_twist) * float(rate)
+        rest = sum(float(one) * float(bend) for one, bend in zip(others, bends, strict=False))
+        return scale * (own + rest)
 
     def left(self, twist: float, rates: FloatArray) -> str:
         """Message that the motion lies beyond an end of the curve; else empty."""
@@ -111,9 +112,7 @@ def split_plant(drivetrain: AssembledModel, plant: MotionPlant, scales: tuple[Sc
         key = (one.owner, law.scaled_by)
         scale = scales.index(key) if key in scales else -1
         straight = isinstance(law.curve, PieceCurve)
-        grows = straight and any(
-            isinstance(part, Slope) and (part.stiffness or part.damping) for part in law.curve.pieces
-        )
+        grows = isinstance(law.curve, PieceCurve) and _grows(law.curve)
         if scale >= 0 and law.curve.over == "twist":
             raise UsageError(f"{one.owner}: a torque over the twist cannot be scaled over time")
         if straight and not (scale >= 0 and grows):

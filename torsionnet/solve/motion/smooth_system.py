@@ -404,7 +404,7 @@ class _SmoothMotion:
                 raise SolveError(f"{one.owner}: between {start:.6g} s and {end:.6g} s {message}")
 
     def _most_bent(self, now: _Contact, y: FloatArray, stretch: Stretch, time: float) -> str:
-        """What to do, with the name of the law whose motion is quickest."""
+        """Advice with the name of the smooth law whose motion is quickest."""
         z = self._whole(now, time, y, stretch)
         sizes = [(float(np.abs(rows @ z).max()), one.owner) for one, rows in
                  zip(self.split.smooth, now.form.motions, strict=True)]  # fmt: skip
