@@ -18,7 +18,7 @@ from torsionnet.solve.motion.motion_plant import MotionPlant, PlacedLaw
 
 @dataclass(frozen=True, eq=False)
 class ReadingPlan:
-    """What readings are made of in every contact state, in floats.
+    """Parts of readings that are the same in every contact state, in floats.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class ReadingPlan:
 
 
 def reading_plan(plant: MotionPlant, readings: Sequence[Functional], inputs: Sequence[Input]) -> ReadingPlan:
-    """Parts of readings that are the same in every contact state.
+    """Plan of readings, which all contact states share.
 
     Raises
     ------
