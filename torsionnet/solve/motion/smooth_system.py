@@ -342,7 +342,7 @@ class _SmoothMotion:
                 self._read(now, dense, end, stretch)
                 self.step = max(end - start, 1e-12 * end)
                 continue
-            at = start + place * (end - start)
+            at = float(start + place * (end - start))
             if at > start:
                 self._count(now, self._states_at(now, dense, start + places * (at - start), stretch),
                             weights * (at - start))  # fmt: skip
