@@ -699,8 +699,9 @@ FITTED = (
 
 def alike(shown, output):
     """The same words, and numbers within a per mille."""
-    pairs = list(zip(shown.split(), output.split(), strict=True))
-    for one, other in pairs:
+    if len(shown.split()) != len(output.split()):
+        return False
+    for one, other in zip(shown.split(), output.split(), strict=True):
         try:
             numbers = float(one), float(other)
         except ValueError:

@@ -251,12 +251,12 @@ def test_faults_in_a_rig_are_all_told(folder):
 
 
 def test_large_records_are_read_in_blocks(record, monkeypatch):
-    from torsionnet.cli import records
+    from torsionnet.io import large_records
 
     arguments = ("estimate", record, "--input", "M", "--output", "phi", "--decimate", 2, "--json")
     whole = json.loads(run(*arguments).stdout)
-    monkeypatch.setattr(records, "LARGE_FILE", 1000)
-    monkeypatch.setattr(records, "BLOCK_SECONDS", 7.0)
+    monkeypatch.setattr(large_records, "LARGE_FILE", 1000)
+    monkeypatch.setattr(large_records, "BLOCK_SECONDS", 7.0)
     result = run(*arguments)
     assert "read in blocks of 7 s" in result.stderr
     blocks = json.loads(result.stdout)

@@ -9,6 +9,7 @@ import torsionnet as tn
 from torsionnet import plot
 from torsionnet.cli.commands.estimate import peak_table
 from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.order_comparison import MeasuredOrder
 from torsionnet.signals import Recording, Signal, spectrogram
 from torsionnet.signals.advice import peak_warnings
@@ -160,3 +161,25 @@ def test_large_torques_are_drawn_in_kilonewtonmetres():
     assert bar == f"{float(f'{largest:.1g}') / 1e3:g} kN·m"
     small = Recording((Signal("T_s", "torque", np.array([0, -9.9e3])),), RATE)
     assert plot.time_histories(small).axes[0].get_ylabel() == "T_s [N·m]"
+
+
+@pytest.mark.parametrize(("rpm", "low", "high"), [([929.9999, 930.0001], 920.7, 939.3), ([870, 990], 870, 990)])
+def test_a_steady_speed_stands_in_the_middle_of_plain_numbers(rpm, low, high):
+    values = np.ones((1, 2))
+    orders = TrackedOrders(
+        "T", "torque", np.array([0.5]), np.arange(2.0), np.multiply(rpm, np.pi / 30), values, values / 100
+    )
+    figure = plot.tracked_orders(orders)
+    axes = figure.axes[-1]
+    assert axes.get_xlim() == pytest.approx((low, high), abs=0.01)
+    figure.canvas.draw()
+    assert not axes.xaxis.get_offset_text().get_text()
+    assert axes.lines[0].get_marker() == ("o" if high - low < 30 else "None")
+
+
+@pytest.mark.parametrize(("lowest", "unit"), [(90.0, "rpm"), (-1.0, "rad/s")])
+def test_the_speed_of_a_shaft_that_turns_on_is_drawn_in_rpm(lowest, unit):
+    record = Recording((Signal("n", "velocity", np.linspace(lowest, 100, 50)),), RATE)
+    axes = plot.time_histories(record).axes[0]
+    assert axes.get_ylabel() == f"n [{unit}]"
+    assert axes.lines[0].get_ydata()[-1] == pytest.approx(100 * 30 / np.pi if unit == "rpm" else 100)

@@ -8,13 +8,16 @@ from order_fits import HARMONICS, K_COUPLING, SPEEDS, dense_orders, engine_model
 
 import torsionnet as tn
 from torsionnet.core.errors import ModelError, UsageError
-from torsionnet.identification import Measurement, identify, load_fit, rank_causes
+from torsionnet.identification import Measurement, Unknown, identify, load_fit, rank_causes
 from torsionnet.identification.fit_file import load_fit_plan
+from torsionnet.identification.fit_problem import make_problem
 from torsionnet.identification.orders.parametric_orders import parametric_orders
+from torsionnet.identification.unknown_parameter import read_unknowns
 from torsionnet.io import read_frequency_response
 from torsionnet.io.tracked_order_tables import read_tracked_orders, write_tracked_orders
 from torsionnet.plot import fit as draw_fit
 from torsionnet.response.order_comparison import MeasuredOrder
+from torsionnet.solve.sensitivity import ParametricResponse
 
 SIGMA = 2.0
 ENGINE = "engine.misfire_share.4"
@@ -46,6 +49,32 @@ def test_derivatives_of_orders_are_differences_of_dense_matrices():
     assert np.abs(slopes[:, 1] - by_share).max() < 1e-8 * np.abs(by_share).max()
 
 
+def test_several_measurements_of_one_engine_are_calculated_together(monkeypatch):
+    outputs, speeds = ("T_cpl", "T_crank", "T_cpl"), (SPEEDS, SPEEDS[2:7], SPEEDS + 1.0)
+    tests = [
+        Measurement(tracked(dense_orders(output, speeds=at), SIGMA, 0, output, speeds=at), name=f"{number}")
+        for number, (output, at) in enumerate(zip(outputs, speeds, strict=True))
+    ]
+    problem = make_problem(engine_model(), tests, read_unknowns(["k_cpl", ENGINE]), "complex")
+    calls, at = [], ParametricResponse.at
+    monkeypatch.setattr(ParametricResponse, "at", lambda self, values: calls.append(1) or at(self, values))
+    values = np.array([5.5e3, 0.3])
+    problem.residuals(values)
+    assert len(calls) == 1
+    for block, output, rpm in zip(problem.blocks, outputs, speeds, strict=True):
+        exact = dense_orders(output, {4: 0.3}, k_cpl=5.5e3, speeds=rpm).ravel()
+        assert np.abs(block.predicted(values)[0] - exact).max() < 1e-9 * np.abs(exact).max()
+
+
+def test_measurements_with_values_of_their_own_are_calculated_apart():
+    tests = [
+        Measurement(tracked(dense_orders(k_cpl=k), SIGMA, 0), name=name) for name, k in (("a", 5.5e3), ("b", 6.5e3))
+    ]
+    fit = identify(engine_model(), tests, {"k_cpl": Unknown(per_configuration=True)})
+    for name, true in (("k_cpl[a]", 5.5e3), ("k_cpl[b]", 6.5e3)):
+        assert abs(fit.values[name] - true) < 4 * fit.standard_errors[name] < 0.1 * true
+
+
 def test_stiffness_and_misfire_of_cylinder_4_are_found_within_their_intervals(tmp_path):
     test = measurement(dense_orders(misfire={4: 0.3}, k_cpl=5.6e3))
     fit = identify(engine_model(), test, ["k_cpl", ENGINE])
@@ -60,6 +89,14 @@ def test_stiffness_and_misfire_of_cylinder_4_are_found_within_their_intervals(tm
     changed.to_yaml(tmp_path / "fitted.yaml")
     again = tn.load(tmp_path / "fitted.yaml").definition.excitations["engine"].misfire_share["4"]
     assert again == pytest.approx(fit.values[ENGINE], rel=1e-12)
+
+
+@pytest.mark.parametrize("gain", [1.0, 1.5])
+def test_a_noisy_channel_beside_a_precise_one_is_no_contradiction_but_a_false_one_is(gain):
+    sharp = Measurement(tracked(dense_orders(), SIGMA / 10, 0), name="sharp")
+    rough = Measurement(tracked(gain * dense_orders(), SIGMA, 1), name="rough")
+    odd = [one for one in identify(engine_model(), [sharp, rough], ["k_cpl"]).verdicts if "the others" in one]
+    assert [one.startswith("rough does not fit the others") for one in odd] == ([] if gain == 1 else [True])
 
 
 def test_gas_torque_of_an_order_is_found_as_a_complex_factor():

@@ -7,9 +7,13 @@ import numpy as np
 import pytest
 from scipy.signal import lsim
 from test_cli import run
+from test_document import blocks, of, rows
 
 import torsionnet as tn
 from torsionnet.io.tracked_order_tables import read_tracked_orders, write_tracked_orders
+from torsionnet.report import make_report
+from torsionnet.report.document_tree import TableBlock
+from torsionnet.report.writers.markdown import markdown_text
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.solve.running.swept_orders import swept_orders
 
@@ -23,6 +27,7 @@ elements:
 sensors: {T: {torque: shaft}}
 speeds: {of: m, range: 250..960 rpm, step: 5 rpm}
 excitations: {motor: {type: harmonic, node: m, orders: {6: {amplitude: 20 N*m, phase: 30 deg}}}}
+report: {measure: [T]}
 """
 FIRST, RATE, LONG = 300 * RPM, 100 * RPM, 6.0  # 10 Hz/s of order 6, through 50.3 Hz with a damping ratio of 0.02
 
@@ -52,7 +57,7 @@ def averaged(time, angle, signal, at, cycles):
 
 
 @pytest.fixture(scope="module")
-def test_of_plant():
+def run_up_of_plant():
     time, angle, signal = run_up()
     at = np.arange(1.0, 5.2, 0.1)
     values = averaged(time, angle, signal, at, 2)
@@ -67,16 +72,16 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "plant.yaml").write_text(PLANT)
 
 
-def test_orders_of_a_run_up_at_ten_hertz_a_second(test_of_plant):
-    (found,) = swept_orders(tn.load("plant.yaml"), ["T"], test_of_plant)
-    peak = np.abs(test_of_plant.values).max()
-    assert np.abs(found.values - test_of_plant.values).max() < 0.005 * peak
+def test_orders_of_a_run_up_at_ten_hertz_a_second(run_up_of_plant):
+    (found,) = swept_orders(tn.load("plant.yaml"), ["T"], run_up_of_plant)
+    peak = np.abs(run_up_of_plant.values).max()
+    assert np.abs(found.values - run_up_of_plant.values).max() < 0.005 * peak
     steady = 20 / 0.5 * 4e4 / (2 * 0.02 * 4e4 * 2.5)
     assert peak < 0.8 * steady  # the run-up does not reach the steady peak
 
 
-def test_the_command_compares_with_the_swept_response(test_of_plant):
-    write_tracked_orders([test_of_plant], "tracked.csv")
+def test_the_command_compares_with_the_swept_response(run_up_of_plant):
+    write_tracked_orders([run_up_of_plant], "tracked.csv")
     options = ["orders", "plant.yaml", "--output", "T", "--measured", "tracked.csv"]
     (found,) = json.loads(run(*options, "--json").stdout)
     (row,) = found["outputs"][0]["measured"]
@@ -86,10 +91,55 @@ def test_the_command_compares_with_the_swept_response(test_of_plant):
     assert "the model's steady peak loses" in text
 
 
-def test_a_slow_run_is_compared_with_the_steady_response(test_of_plant):
+def report_on(tests, language="en"):
+    """Sections on the measurement as plain text, and the rows of the table of peaks."""
+    report = make_report(
+        tn.load("plant.yaml"), sections=["measurement_plan"], measured=tests, date=None, language=language
+    )
+    found = [one for one in of(TableBlock, blocks(report, "measurement_plan")) if "speed" not in str(one.caption)]
+    return markdown_text(report, "."), rows(found[-1])
+
+
+def test_a_report_compares_with_the_swept_response(run_up_of_plant):
+    write_tracked_orders([run_up_of_plant], "tracked.csv")
+    text, (peak,) = report_on(["T=tracked.csv"])
+    assert peak[-1] == "agrees"
+    assert float(peak[1]) == pytest.approx(np.abs(run_up_of_plant.values).max(), rel=2e-3)
+    for words in (
+        "order 6 compared with the response along the measured speed over time",
+        "at 10 Hz/s: the model’s steady peak loses",
+        "A fast run-up does not reach the peaks of steady speed.",
+    ):
+        assert words in text.replace("'", "’")
+    german, _ = report_on(["T=tracked.csv"], "de")
+    for words in (
+        "Ordnung 6 verglichen mit der Antwort",
+        "die stationäre Spitze des Modells",
+        "Ein schneller Hochlauf",
+    ):
+        assert words in german
+
+
+def test_a_report_tells_fast_and_slow_tests_of_one_place_apart(run_up_of_plant):
+    """Of two files of one order each is compared with its own response: the slow one, of the steady peak, agrees."""
+    rpm = np.arange(300.0, 900.0, 7.0)
+    s = 6j * rpm * RPM
+    kappa = 4e4 + 5 * s
+    steady = kappa * 20 * np.exp(1j * np.radians(30)) / 0.5 / (s**2 + kappa * 2.5)
     slow = TrackedOrders(
-        "T", "torque", test_of_plant.orders, test_of_plant.times * 1000, test_of_plant.speeds, test_of_plant.values,
-        test_of_plant.half_widths, None, "a pulse",
+        "T", "torque", np.array([6.0]), np.arange(len(rpm)) * 60.0, rpm * RPM, steady[None],
+        np.full((1, len(rpm)), 1.0), None, "a pulse",
+    )  # fmt: skip
+    write_tracked_orders([run_up_of_plant], "fast.csv")
+    write_tracked_orders([slow], "slow.csv")
+    _, peaks = report_on(["T=fast.csv", "T=slow.csv"])
+    assert [row[-1] for row in peaks] == ["agrees", "agrees"]
+
+
+def test_a_slow_run_is_compared_with_the_steady_response(run_up_of_plant):
+    slow = TrackedOrders(
+        "T", "torque", run_up_of_plant.orders, run_up_of_plant.times * 1000, run_up_of_plant.speeds, run_up_of_plant.values,
+        run_up_of_plant.half_widths, None, "a pulse",
     )  # fmt: skip
     write_tracked_orders([slow], "tracked.csv")
     (found,) = json.loads(run("orders", "plant.yaml", "--output", "T", "--measured", "tracked.csv", "--json").stdout)

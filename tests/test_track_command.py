@@ -175,8 +175,19 @@ def test_faults_of_a_file_have_their_place(tmp_path):
     assert '"five" is no number' in text
     assert f"o.csv:{len(lines)}:" in text
     file.write_text("time [s],speed [rpm],order\n0,1,2\n")
-    with pytest.raises(UsageError, match="no columns NAME real and NAME imag"):
+    with pytest.raises(ModelError, match=r"o\.csv:1:1: error: there are no columns NAME real"):
         read_tracked_orders(file)
+    heading = "time [s],speed [rpm],order,T real [kgm],T imag [N*m]"
+    for body, place in {
+        f"{heading}\n0,1,2,3,4\n": 'o.csv:1:28: error: "kgm" is no unit of torque',
+        f"{heading.replace('kgm', 'N*m').replace('imag', 'img')}\n0,1,2,3,4\n": "o.csv:1:28: error: there are no columns",
+        f"{heading.replace('kgm', 'N*m')}\n0,nan,2,3,4\n": 'o.csv:2:3: error: speed .rpm.: "nan" is no number',
+        f"{heading.replace('kgm', 'N*m')}\n0,1,2,3,4\n0,1,2,3,4\n": "o.csv:3:1: error: order 2 at 0 s stands in line 2",
+        f"{heading.replace('kgm', 'N*m')}\n0,1,2,3,4\n0,1,3,3,4\n1,1,2,3,4\n": "o.csv:4:1: error: 1 of 4 rows",
+    }.items():
+        file.write_text(body)
+        with pytest.raises(ModelError, match=place):
+            read_tracked_orders(file)
     file.write_text("a,b\n1,2\n")
     with pytest.raises(UsageError, match="torsionnet track -o writes such a file"):
         read_tracked_orders(file)
@@ -209,3 +220,13 @@ def test_slices_and_stress():
 def test_entries():
     assert ORDERS.coerce("0.5:2:0.5, 6") == (0.5, 1.0, 1.5, 2.0, 6.0)
     assert (BANDWIDTH.coerce("2%").share, BANDWIDTH.coerce("0.5 Hz").bandwidth) == (0.02, 0.5)
+
+
+def test_a_misspelt_reference_names_the_likely_wheel(record, tmp_path):
+    wheels = tmp_path / "wheels.yaml"
+    wheels.write_text("fly: {teeth: 60, missing_teeth: 2}\ngen: {teeth: 60}\n")
+    result = CliRunner().invoke(
+        app, ["track", str(record), "--wheels", str(wheels), "--reference", "flyy", "--orders", "3"]
+    )
+    assert result.exit_code == 2
+    assert 'named flyy; did you mean "fly"?; wheels: fly, gen; channels: T, n' in " ".join(result.output.split())

@@ -153,9 +153,33 @@ def test_crossing_orders_of_two_shafts_within_two_percent():
     first, second = track_orders(
         record, one, ["T"], orders=[2], method=VoldKalman(1.0), reference=TOP, further=[(other, [1])]
     )
+    assert any("orders cross: 2 of a and 1 of b at 5 s" in note for note in first.notes)
     begin = other.angles[0]
     assert np.abs(first.along(2) / (3 * np.exp(0.5j)) - 1).max() < 0.02
     assert np.abs(second.along(1) / (2 * np.exp(1j * (begin - 1))) - 1).max() < 0.02
+
+
+def test_orders_that_cross_within_a_resonance_lose_more_than_11_percent_and_it_is_said():
+    """Damping ratio 0.03 at 20 Hz, 5 Hz/s, a second order that stands at 20 Hz: no bandwidth does better (issue 32)."""
+    rate, natural, zeta = 1000.0, 20.0, 0.03
+    time = np.arange(10_000) / rate
+    hertz = 5 + 5 * time
+    phi, other = 2 * np.pi * (5 * time + 2.5 * time**2), 2 * np.pi * natural * time
+    envelope = 2 * zeta / (1 - (hertz / natural) ** 2 + 2j * zeta * hertz / natural)
+    values = (envelope * np.exp(1j * phi)).real + np.cos(other)
+    signals = (Signal("a", "angle", phi / 3), Signal("b", "angle", other / 2), Signal("T", "torque", values))
+    record = Recording(signals, sampling_rate=rate)
+    one, two = mean_rotation(record, "a"), mean_rotation(record, "b")
+    for bandwidth, held in ((0.7, True), (1.0, True), (1.5, True), (4.0, False)):
+        method, further = VoldKalman(bandwidth), [(two, [2])]
+        found, _ = track_orders(record, one, ["T"], orders=[3], method=method, reference=TOP, further=further)
+        inside = (found.times > 1) & (found.times < 9)
+        true = np.interp(found.times, time, envelope.real) + 1j * np.interp(found.times, time, envelope.imag)
+        error, width = (found.values[0] - true)[inside], found.half_widths[0, inside]
+        assert np.abs(error).max() > 0.11
+        assert ((np.abs(error.real) < width) & (np.abs(error.imag) < width)).all() == held
+        assert any("orders cross: 3 of a and 2 of b at 3 s; " in note for note in found.notes)
+        assert any("above a bandwidth of 2.2 Hz" in note for note in found.notes)
 
 
 @pytest.mark.parametrize(("bandwidth", "noise"), [(0.7, 0.0), (1.0, 0.0), (2.0, 0.1)])
@@ -227,6 +251,37 @@ def test_a_geared_wheel_is_tracked_in_its_own_angle():
     assert np.abs(twist.values).max() < 1e-9
 
 
+@pytest.mark.parametrize("method", [CycleAverage(), VoldKalman(2.0)], ids=["average", "filter"])
+def test_a_wheel_that_turns_against_the_sense_of_the_model_in_a_run_up(method):
+    """It reads minus the angle of the model, and a twist is that between the shafts, not the sum of both rotations."""
+    start, rise = 300 * np.pi / 30, np.pi
+    dense = np.linspace(0, 20, 200_001)
+
+    def phi(at):
+        return start * at + rise * at**2 / 2
+
+    def passing(amplitude, phase, turns):
+        """Times at which teeth pass where the wheel turns by turns phi + amplitude cos(1.5 phi + phase)."""
+        course = turns * phi(dense) + amplitude * np.cos(1.5 * phi(dense) + phase)
+        wanted = 2 * np.pi / 60 * np.arange(1, int(course[-1] * 60 / 2 / np.pi))
+        at = np.interp(wanted, course, dense)
+        for _ in range(5):
+            turning = 1.5 * phi(at) + phase
+            rate = (start + rise * at) * (turns - 1.5 * amplitude * np.sin(turning))
+            at = at - (turns * phi(at) + amplitude * np.cos(turning) - wanted) / rate
+        return at
+
+    fast = wheel(passing(0.01, 0.0, 1.0))
+    slow = wheel(passing(-0.01, 0.7, 0.5), name="slow", ratio=2, reversed=True)
+    zero = PhaseReference(-2 * np.pi / 60, "angle 0")  # tooth 0 is that of the first pulse, a pitch later
+    pair = (Twist("wheel", "slow"), fast, slow)
+    kinds = track_orders(None, fast, wheels=[slow], twists=[pair], orders=[1, 1.5], reference=zero, method=method)
+    for found, true in zip(kinds, (0.01 * np.exp(0.7j), 0.01 + 0.02 * np.exp(0.7j)), strict=True):
+        assert np.abs(found.along(1.5) - true).max() < 3e-5
+        assert np.abs(found.along(1)).max() < 3e-5
+        assert np.isfinite(found.half_widths).all()
+
+
 def marks(angles: np.ndarray, values: np.ndarray, omega: float) -> np.ndarray:
     times = angles / omega
     for _ in range(60):
@@ -279,6 +334,25 @@ def test_a_reference_that_is_missing_or_unclear_is_refused():
     with pytest.raises(UsageError, match="are both on one clock"):
         phase_reference(mean, seen, index=late)
     assert phase_reference(mean, seen).words == ""
+
+
+@pytest.mark.parametrize(("spoiled", "remark"), [
+    (lambda times: np.delete(times, 30), "1 pulse missing and counted: 1 after pulse 29 at 3.722"),
+    (lambda times: np.sort([*times, times[30] + 0.02]), "1 pulse too many left out: pulse 31 at 3."),
+])  # fmt: skip
+def test_mean_rotation_of_a_once_per_turn_record_counts_missing_and_double_pulses(spoiled, remark):
+    """Speed 5 + 1.5 t turns a second: turn n is done at (sqrt(25 + 3 n) - 5)/1.5."""
+    times = (np.sqrt(25 + 3 * np.arange(80)) - 5) / 1.5
+    mean = mean_rotation(PulseChannel("key", spoiled(times)))
+    assert mean.speed(mean.ends) / (2 * np.pi) == pytest.approx(5 + 1.5 * mean.ends, rel=1e-9)
+    assert any(note.startswith(f"key: {remark}") for note in mean.notes)
+
+
+def test_an_angle_that_begins_again_each_turn_is_refused():
+    time = np.arange(5000) / 1000
+    record = Recording((Signal("a", "angle", 60 * time % (2 * np.pi)),), 1000)
+    with pytest.raises(UsageError, match=r"a jumps back by 35[0-9.]+ deg at 0.104 s, as an angle that begins again"):
+        mean_rotation(record, "a")
 
 
 def test_orders_that_cannot_be_told_are_refused():
@@ -340,6 +414,22 @@ def test_vold_kalman_is_least_squares_with_a_coefficient_for_each_sample():
     assert np.abs(found.values[0] - same)[inside].max() < 0.01
 
 
+@pytest.mark.parametrize("poles", [1, 2, 3])
+def test_bandwidth_of_the_filter_lies_between_its_3_db_points(poles):
+    """An envelope that turns by f Hz passes with 1/(1 + (sqrt 2 - 1)(2f/bandwidth)^(2 poles)): 0.7071 at the edge."""
+    time = np.arange(24_000) / 600
+    signals = [Signal("a", "angle", 60 * time)]
+    beside = (0.0, 0.5, 1.0, -1.0)
+    signals += [Signal(f"{f:g}", "torque", np.cos((180 + 2 * np.pi * f) * time)) for f in beside]
+    record = Recording(tuple(signals), 600)
+    mean = mean_rotation(record, "a")
+    names = [f"{f:g}" for f in beside]
+    found = track_orders(record, mean, names, orders=[3], method=VoldKalman(2.0, poles=poles))
+    for f, one in zip(beside, found, strict=True):
+        inside = np.abs(one.along(3)[len(one.times) // 4 : -len(one.times) // 4])
+        assert inside.mean() == pytest.approx(1 / (1 + (np.sqrt(2) - 1) * f ** (2 * poles)), rel=0.01)
+
+
 def test_order_map_has_phases():
     _, phi, speed = run_up(600, 900, 20, 1000)
     record = Recording((Signal("T", "torque", 3 * np.cos(2 * phi + 0.6)),), sampling_rate=1000.0)
@@ -347,6 +437,26 @@ def test_order_map_has_phases():
     at = int(np.flatnonzero(seen.orders == 2)[0])
     assert seen.values[at] == pytest.approx(np.full(len(seen.times), 3 * np.exp(0.6j)), abs=5e-3)
     assert np.abs(seen.values) == pytest.approx(seen.amplitude)
+
+
+@pytest.mark.parametrize("method", [CycleAverage(), VoldKalman(1.0)])
+def test_pulses_that_go_on_after_the_record_give_orders_up_to_its_end(method):
+    time = np.arange(10_000) / 1000
+    wave = 5 * np.cos(300 * time)
+    rotation = mean_rotation(PulseChannel("n", np.arange(400) * 2 * np.pi / 100))
+    record = Recording((Signal("T", "torque", wave),), sampling_rate=1000.0)
+    (found,) = track_orders(record, rotation, ["T"], orders=[3], method=method)
+    assert 8.5 < found.times[-1] < 10
+    assert np.abs(found.along(3)) == pytest.approx(np.full(len(found.times), 5.0), abs=0.01)
+
+
+@pytest.mark.parametrize("method", [CycleAverage(), VoldKalman(1.0)])
+def test_pulses_that_go_on_after_the_last_block_are_refused_by_name(method):
+    wave = 5 * np.cos(300 * np.arange(5_000) / 1000)
+    blocks = [Recording((Signal("T", "torque", wave),), sampling_rate=1000.0, start=start) for start in (0.0, 5.0)]
+    rotation = mean_rotation(PulseChannel("n", np.arange(400) * 2 * np.pi / 100))
+    with pytest.raises(UsageError, match=r"channels end at 9\.999 s, but the pulses go on"):
+        track_orders(iter(blocks), rotation, ["T"], orders=[3], method=method)
 
 
 @pytest.mark.slow
@@ -381,6 +491,45 @@ else:
     for what in ("average", "filter"):
         done = subprocess.run([sys.executable, "-c", program, path, what], check=True, capture_output=True, text=True)
         assert float(done.stdout) < 350
+
+
+@pytest.mark.slow
+def test_a_wheel_of_an_hour_and_blocks_of_eight_channels_fit_into_400_megabytes():
+    """Pulses of an hour at 1500 rpm, 60 teeth, and the last minute of 8 channels at 10 kHz in two blocks (issue 32)."""
+    program = """
+from pathlib import Path
+import numpy as np
+from torsionnet.response.recording import Recording, Signal
+from torsionnet.signals import PulseChannel, mean_rotation
+from torsionnet.signals.orders.orders_of_test import orders_of_test
+from torsionnet.signals.rotation.rotations_of_wheels import rotations_of_wheels
+from torsionnet.signals.rotation.wheel_channel import WheelChannel
+speed, rate, hour = 50 * np.pi, 10e3, 3600
+
+def pulses():
+    angles = np.arange(1500 * hour) * (2 * np.pi / 60)
+    times = angles / speed
+    angles *= 3
+    times -= 1e-3 / speed * np.cos(angles, out=angles)
+    return np.round(times, 7, out=times)
+
+def blocks():
+    for start in (hour - 60.0, hour - 30.0):
+        wave = np.cos(3 * speed * (start + np.arange(int(30 * rate)) / rate))
+        yield Recording(tuple(Signal(f"T{n}", "torque", (n + 1) * wave) for n in range(8)), rate, start=start)
+
+record = Recording((), rate, pulses=(PulseChannel("fly", pulses(), 1e-7),))
+wheels = rotations_of_wheels(record, {"fly": WheelChannel(teeth=60)})
+names = [f"T{n}" for n in range(8)]
+found = orders_of_test(blocks(), wheels, mean_rotation(wheels["fly"]), orders=[1.5, 3], channels=names)
+assert found[7].times[-1] > hour - 1
+assert np.abs(np.abs(found[7].along(3)) - 8).max() < 1e-4
+late = np.linspace(hour - 2, hour - 1, 1000)
+assert np.ptp(wheels["fly"].angle(late) - speed * late - 1e-3 * np.cos(3 * speed * late)) < 2e-5
+print(int(Path("/proc/self/status").read_text().partition("VmHWM:")[2].split()[0]) / 1024)
+"""
+    done = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True)
+    assert float(done.stdout) < 400
 
 
 def test_values_of_a_filter_share_data_within_a_time_by_its_response():

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from turned_wheels import crossing_angles, position_amplitude, steady, tracked
+from turned_wheels import crossing_angles, position_amplitude, run_up, steady, tracked
 
 import torsionnet as tn
 from torsionnet.identification.wheel_orders import calculated_wheel_orders
@@ -165,3 +165,14 @@ class TestEngineOrders:
             assert error[1] == pytest.approx(0.048, abs=0.002)
             assert error[1::2] == pytest.approx(own, abs=0.003)
             assert (error[::2] < 0.002 + 0.005 * np.abs(true[::2]) / DEGREE).all()
+
+
+@pytest.mark.parametrize(
+    ("teeth", "indexed", "doubted"), [(TEETH, False, False), (24, False, True), (TEETH, True, False)]
+)
+def test_a_wrong_number_of_teeth_shows_in_the_scatter(teeth, indexed, doubted):
+    times = run_up(crossing_angles([1.5], [0.002], wheel_errors(), 150), 600 * RPM, 6.0)
+    index = PulseChannel("index", times[::TEETH] - 1e-4) if indexed else None
+    test = WheelTest(PulseChannel("A", times), None, index)
+    found = calibrate_wheel([test], Wheel(teeth=teeth), constant_orders=[], widest=np.inf)
+    assert any(f"another number than {teeth} teeth" in text for text in found.notes) == doubted

@@ -26,6 +26,8 @@ INDEX = "_index"
 """End of the name of the channel that holds a wheel's pulse per turn."""
 MEAN_ANGLE, MEAN_SPEED = "mean_angle", "mean_speed"
 """Names of the true mean angle and mean speed of the reference shaft in a record of the truth."""
+ANGLE = "_angle"
+"""End of the name of the signal that holds the true angle of a wheel's node: the name alone is that of its pulses."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +100,10 @@ def true_record(motion: TurningMotion, plan: Plan, wheels: Mapping[str, TurningW
         Signal(MEAN_ANGLE, "angle", motion.mean.angle(times), (f"of {motion.reference}",)),
         Signal(MEAN_SPEED, "velocity", motion.mean.speed(times), (f"of {motion.reference}",)),
     ]
-    signals += [Signal(name, motion.quantity(name), motion.read(name, times)) for name in motion.channels]
+    signals += [
+        Signal(f"{name}{ANGLE}" if name in wheels else name, motion.quantity(name), motion.read(name, times))
+        for name in motion.channels
+    ]
     pulses = tuple(PulseChannel(name, one.passages(motion)[0]) for name, one in wheels.items())
     notes = (f"truth without errors of measurement; angle 0 of {motion.reference} is where phases are counted from",
              *motion.notes)  # fmt: skip

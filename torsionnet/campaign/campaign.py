@@ -41,9 +41,23 @@ class Campaign(NotebookResult):
         return self.plan.name or self.file.stem
 
     @property
+    def of_orders(self) -> tuple[str, ...]:
+        """Names of the records whose orders are tracked."""
+        return tuple(name for name in self.plan.records if self._shows(name, "orders"))
+
+    @property
+    def of_responses(self) -> tuple[str, ...]:
+        """Names of the records from which frequency responses are estimated."""
+        return tuple(name for name in self.plan.records if self._shows(name, "responses"))
+
+    def _shows(self, name: str, what: str) -> bool:
+        asked = self.plan.orders if what == "orders" else self.plan.responses
+        return asked is not None and self.plan.records[name].shows in (None, what)
+
+    @property
     def reference(self) -> str:
-        """Name of the wheel whose revolutions orders count."""
-        return self.plan.reference or next(iter(self.plan.wheels))
+        """Name of the wheel whose revolutions orders count; empty in a campaign without wheels."""
+        return self.plan.reference or next(iter(self.plan.wheels), "")
 
     @property
     def sensors(self) -> Mapping[str, str]:
@@ -51,6 +65,15 @@ class Campaign(NotebookResult):
         named = {name: one.sensor for name, one in tracked_entries(self.plan).items()}
         given = {name: sensor or (name if name in self.model.sensors else "") for name, sensor in named.items()}
         return {name: sensor for name, sensor in given.items() if sensor}
+
+    @property
+    def model_outputs(self) -> Mapping[str, str]:
+        """Sensor or node of the model that each output of the responses shows, by its channel."""
+        channels, asked = self.plan.channels or {}, self.plan.responses
+        return {
+            name: (channels[name].sensor if name in channels else "") or name
+            for name in (asked.outputs if asked else ())
+        }
 
     def model_of(self, record: CampaignRecord) -> Drivetrain:
         """Drivetrain in the configuration of a record."""

@@ -7,6 +7,8 @@ from typing import Annotated
 
 from torsionnet.campaign.campaign_result import CampaignResult, CampaignVerdict, RecordRow
 from torsionnet.campaign.condition_spread import ConditionSpread
+from torsionnet.campaign.record_findings import RecordFinding
+from torsionnet.campaign.response_rows import ResponseRow, ResponseSpread
 from torsionnet.core.result_rows import Out
 from torsionnet.identification.fit_record import FitRecord, fit_record
 from torsionnet.identification.ranking import RankedCause
@@ -23,10 +25,16 @@ class CampaignJson:
     fit: Annotated[FitRecord | None, Out(optional=True)]
     ranking: Annotated[tuple[RankedCause, ...] | None, Out(optional=True)]
     notes: tuple[str, ...]
+    responses: tuple[ResponseRow, ...] = ()
+    response_repeatability: tuple[ResponseSpread, ...] = ()
+    checks: tuple[RecordFinding, ...] = ()
 
 
 def campaign_json(result: CampaignResult) -> CampaignJson:
-    """Result of a campaign as plain data for JSON; the tracked orders are in the files that it names."""
+    """Result of a campaign as plain data for JSON; the orders and responses are in the files that it names."""
     fit = None if result.fit is None else fit_record(result.fit, {}, {}, result.ranking)
     alone = result.ranking.causes if result.ranking is not None and result.fit is None else None
-    return CampaignJson(result.campaign.title, result.rows, result.verdicts, result.spreads, fit, alone, result.remarks)
+    return CampaignJson(
+        result.campaign.title, result.rows, result.verdicts, result.spreads, fit, alone, result.remarks,
+        result.response_rows, result.response_spreads, result.findings,
+    )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Result of a campaign: complex orders of its records beside the calculated ones, repeatability, fit."""
+"""Result of a campaign: orders and responses of its records beside the calculated ones, repeatability, fit."""
 
 from __future__ import annotations
 
@@ -9,6 +9,9 @@ from typing import Annotated
 
 from torsionnet.campaign.campaign import Campaign
 from torsionnet.campaign.condition_spread import ConditionSpread
+from torsionnet.campaign.estimating_responses import CampaignResponse
+from torsionnet.campaign.record_findings import RecordFinding
+from torsionnet.campaign.response_rows import ResponseRow, ResponseSpread, response_lines, response_rows
 from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.identification import Fit, Ranking
@@ -54,7 +57,7 @@ class RecordRow:
 
 @dataclass(frozen=True, eq=False)
 class CampaignRecordResult:
-    """Tracked orders of one record, and the calculated orders of the sensors that its channels show.
+    """Tracked orders and frequency responses of one record, and those that the model has for its channels.
 
     Attributes
     ----------
@@ -64,17 +67,20 @@ class CampaignRecordResult:
     orders : tuple of TrackedOrders
     calculated : OrderResponse, optional
         None where no channel shows a sensor of the model.
+    response : CampaignResponse, optional
+        Measured and calculated frequency responses, of a record that shows them.
     """
 
     name: str
     files: tuple[Path, ...]
     orders: tuple[TrackedOrders, ...]
     calculated: OrderResponse | None
+    response: CampaignResponse | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CampaignResult(NotebookResult):
-    """Result of a campaign: orders of its records beside the calculated ones, repeatability and fit.
+    """Result of a campaign: orders and responses of its records beside the calculated ones, repeatability and fit.
 
     Attributes
     ----------
@@ -86,6 +92,10 @@ class CampaignResult(NotebookResult):
     ranking : Ranking, optional
     remarks : tuple of str
         Repairs of pulses, and what the comparison leaves out.
+    response_spreads : tuple of ResponseSpread
+        Repeatability of the frequency responses.
+    findings : tuple of RecordFinding
+        Faults that the checks of the records found.
     """
 
     campaign: Campaign
@@ -94,6 +104,13 @@ class CampaignResult(NotebookResult):
     fit: Fit | None = None
     ranking: Ranking | None = None
     remarks: tuple[str, ...] = ()
+    response_spreads: tuple[ResponseSpread, ...] = ()
+    findings: tuple[RecordFinding, ...] = ()
+
+    @property
+    def fails(self) -> bool:
+        """Whether a fault of a record is beyond the level at which the campaign fails."""
+        return any(one.consequence == "fails" for one in self.findings)
 
     def tests(self, record: str) -> dict[str, tuple[MeasuredOrder, ...]]:
         """Measured orders of a record by the output of its calculated orders."""
@@ -130,18 +147,51 @@ class CampaignResult(NotebookResult):
         """Rows of the table: for each record its condition, speeds and the number of orders that agree."""
         found, verdicts = [], self.verdicts
         for name, one in self.records.items():
-            entry, first = self.campaign.plan.records[name], one.orders[0]
+            entry, files = self.campaign.plan.records[name], tuple(map(str, one.files))
+            if not one.orders:
+                unknown = float("nan")
+                found.append(
+                    RecordRow(name, entry.configuration, entry.condition, unknown, unknown, 0, 0, 0, "", files)
+                )
+                continue
+            first = one.orders[0]
             own = [each for each in verdicts if each.record == name]
             found.append(RecordRow(
                 name, entry.configuration, entry.condition, float(first.rpm.min()), float(first.rpm.max()),
                 len(first.times), len(own), sum(each.verdict in GOOD for each in own), first.reference,
-                tuple(map(str, one.files)),
+                files,
             ))  # fmt: skip
         return tuple(found)
 
     def table(self) -> Table:
         """Table of the records: condition, speeds, orders, how many of them agree with the calculation."""
         return result_table(self.campaign.title, self.rows, RecordRow, notes=self.remarks)
+
+    @property
+    def responses(self) -> Mapping[str, CampaignResponse]:
+        """Measured and calculated frequency responses of the records that show them, by record."""
+        return {name: one.response for name, one in self.records.items() if one.response is not None}
+
+    @property
+    def response_rows(self) -> tuple[ResponseRow, ...]:
+        """Rows of the table of responses: how far test and model are apart, for each record and output."""
+        return tuple(response_rows(self.responses))
+
+    def response_table(self) -> Table:
+        """Table of the frequency responses of each record and output beside those of the model."""
+        title = f"{self.campaign.title}: frequency responses of test and model"
+        return result_table(
+            title, self.response_rows, ResponseRow, notes=() if self.campaign.of_orders else self.remarks
+        )
+
+    def response_lines(self, conventions: Conventions = SI) -> Table:
+        """Table of test, model and coherence at each frequency in Hz, for each record and output."""
+        return response_lines(self.responses, conventions)
+
+    def response_repeatability(self) -> Table:
+        """Table of the spread of responses between records of one condition, beside what their coherence states."""
+        title = f"{self.campaign.title}: repeatability of frequency responses"
+        return result_table(title, self.response_spreads, ResponseSpread)
 
     def verdict_table(self) -> Table:
         """Table of the verdicts on every order of every record."""

@@ -9,20 +9,25 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.campaign.campaign import Campaign
+from torsionnet.campaign.checking_responses import response_faults
 from torsionnet.core.entries.format_version import version_faults
 from torsionnet.core.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.identification.orders.parametric_orders import parameters_of_drivetrain
 from torsionnet.io.wheel_pattern_files import read_wheel_pattern
 from torsionnet.loading import load
 from torsionnet.model.campaign.campaign_file import CampaignFile
-from torsionnet.model.channels import named_sensor
+from torsionnet.model.channels import Sensor, named_sensor
+from torsionnet.model.definition import all_nodes
 from torsionnet.model.files.decoding import decode
 from torsionnet.model.files.fault_positions import located_faults, presentable_faults
 from torsionnet.model.files.library import library_campaigns
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.model.files.reader import is_file
+from torsionnet.model.report.report_checks import check_report
 from torsionnet.response.measured.wheel_pattern import WheelPattern
 from torsionnet.signals.rotation.pattern_checks import check_pattern
+from torsionnet.solve.sensitivity.unknowns import unknowns
 
 MOST_NAMED = 6
 """Most configurations of a model that a message names."""
@@ -57,7 +62,9 @@ def load_campaign(path: str | os.PathLike[str]) -> Campaign:
             *_doubled(plan),
             *_sensors(plan, model),
             *_records(plan, model, folder),
-            *_fitted(plan),
+            *response_faults(plan, model),
+            *(check_report(plan.report, model.definition) if plan.report else ()),
+            *_fitted(plan, model),
         ]
         patterns, found = _patterns(plan, folder)
         faults += found
@@ -99,7 +106,7 @@ def _model(name: Any, folder: Path) -> tuple[Drivetrain | None, list[Fault]]:
 
 def _references(plan: CampaignFile) -> Iterator[Fault]:
     wheels = list(plan.wheels)
-    known = f"wheels: {', '.join(wheels)}"
+    known = f"wheels: {', '.join(wheels) or 'none'}"
     if plan.reference and plan.reference not in wheels:
         text = f'no wheel is named "{plan.reference}"{did_you_mean(plan.reference, wheels)}'
         yield Fault(f"{text}; {known}", ("reference",))
@@ -126,10 +133,23 @@ def _sensors(plan: CampaignFile, model: Drivetrain) -> Iterator[Fault]:
     sections = (("wheels", plan.wheels), ("channels", plan.channels or {}), ("twists", plan.twists or {}))
     for section, entries in sections:
         for name, one in entries.items():
-            if one.sensor and named_sensor(one.sensor, model.definition.sensors) is None:
+            sensor = named_sensor(one.sensor, model.definition.sensors) if one.sensor else None
+            if sensor is not None:
+                yield from (Fault(text, (section, name, "sensor")) for text in _unreadable(sensor, model))
+            elif one.sensor:
                 hint = did_you_mean(one.sensor, model.sensors)
                 text = f'no sensor is named "{one.sensor}"{hint}; sensors: {", ".join(model.sensors) or "none"}'
                 yield Fault(f"{text}; or write it out, as angle(node)", (section, name, "sensor"))
+
+
+def _unreadable(sensor: Sensor, model: Drivetrain) -> Iterator[str]:
+    """Yield a message if a sensor is on a node or an element that the model does not have."""
+    elements = model.definition.elements
+    known = list(elements) if sensor.is_on_element else list(all_nodes(elements.values()))
+    for name in (sensor.of,) if sensor.is_on_element else sensor.nodes:
+        if name not in known:
+            what = "element" if sensor.is_on_element else "node"
+            yield f'{sensor}: no {what} is named "{name}"{did_you_mean(name, known)}'
 
 
 def _records(plan: CampaignFile, model: Drivetrain, folder: Path) -> Iterator[Fault]:
@@ -138,6 +158,8 @@ def _records(plan: CampaignFile, model: Drivetrain, folder: Path) -> Iterator[Fa
             beside = [one.name for one in folder.iterdir()] if folder.is_dir() else []
             hint = did_you_mean(Path(record.file).name, beside)
             yield Fault(f'there is no file "{record.file}"{hint}', ("records", name, "file"))
+        if record.shows and not getattr(plan, record.shows):
+            yield Fault(f"the campaign has no section {record.shows}", ("records", name, "shows"))
         if not record.configuration and model.configurations:
             known = ", ".join(model.configurations[:MOST_NAMED])
             more = "" if len(model.configurations) <= MOST_NAMED else ", ..."
@@ -150,9 +172,16 @@ def _records(plan: CampaignFile, model: Drivetrain, folder: Path) -> Iterator[Fa
                 yield Fault(str(error), ("records", name, "configuration"))
 
 
-def _fitted(plan: CampaignFile) -> Iterator[Fault]:
-    if plan.fit is not None and not plan.fit.parameters and not plan.fit.rank:
+def _fitted(plan: CampaignFile, model: Drivetrain) -> Iterator[Fault]:
+    if plan.fit is None:
+        return
+    if not plan.fit.parameters and not plan.fit.rank:
         yield Fault("a fit needs parameters, or rank: true", ("fit",), on_key=True)
+    for name in plan.fit.parameters or ():
+        try:
+            unknowns(model, parameters_of_drivetrain(model, [name]))
+        except UsageError as error:
+            yield Fault(str(error), ("fit", "parameters", name))
 
 
 def _patterns(plan: CampaignFile, folder: Path) -> tuple[dict[str, WheelPattern], list[Fault]]:

@@ -2,35 +2,30 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import os
-import re
-import shutil
-import tempfile
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from torsionnet.campaign.campaign import Campaign
+from torsionnet.campaign.campaign_remarks import campaign_remarks
 from torsionnet.campaign.campaign_result import CampaignRecordResult, CampaignResult
 from torsionnet.campaign.condition_spread import ConditionSpread, condition_spread
+from torsionnet.campaign.estimating_responses import campaign_response, response_measurements
+from torsionnet.campaign.kept_files import file_name, kept_path, record_key, write_kept
+from torsionnet.campaign.record_findings import RecordFinding, record_findings
+from torsionnet.campaign.response_rows import ResponseSpread, response_spread
 from torsionnet.campaign.tracking_records import record_orders
-from torsionnet.core.errors import UsageError
-from torsionnet.core.version import __version__
+from torsionnet.core.errors import Fault, ModelError
 from torsionnet.identification import Fit, Measurement, Ranking, Unknown, identify, rank_causes
 from torsionnet.io.tracked_order_tables import read_tracked_orders, write_tracked_orders
 from torsionnet.model.campaign.campaign_file import tracked_entries
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.order_response import OrderResponse
 
-HASHED_BYTES = 2**20
-"""Bytes of a record that are hashed together, which limits the memory."""
-KEY_LENGTH = 16
-"""Digits of a key, enough to tell all versions of a record apart."""
-
+TRACKED = ("wheels", "reference", "phase", "channels", "twists", "orders")
+"""Sections of a campaign's file from which the orders of a record follow."""
 Advance = Callable[[str, int, int], None]
 """Function that is told what is being done, how many records are done, and of how many."""
 
@@ -38,10 +33,10 @@ Advance = Callable[[str, int, int], None]
 def run_campaign(
     campaign: Campaign, folder: str | os.PathLike[str] | None = None, *, progress: Advance | None = None
 ) -> CampaignResult:
-    """Result of a campaign: orders of its records beside the calculated ones, repeatability, fit.
+    """Result of a campaign: orders and responses of its records beside the calculated ones, repeatability, fit.
 
-    Tracked orders are written into a folder as soon as a record is done; a later run reads them where record, wheels,
-    channels and orders are the same.
+    Tracked orders and estimated responses are written into a folder as soon as a record is done; a later run reads
+    them where the record and the entries that matter to it are the same.
 
     Parameters
     ----------
@@ -58,67 +53,56 @@ def run_campaign(
     """
     place = Path(folder) if folder is not None else campaign.folder / f"{campaign.file.stem}.orders"
     show = progress or (lambda *_: None)
-    records, count = {}, len(campaign.plan.records)
+    records, findings, count = {}, list[RecordFinding](), len(campaign.plan.records)
     for done, name in enumerate(campaign.plan.records):
         show(f"record {name}", done, count)
-        files = _tracked(campaign, name, place)
-        orders = tuple(files.values())
-        records[name] = CampaignRecordResult(name, tuple(files), orders, _calculated(campaign, name, orders))
+        checked = record_findings(campaign, name, place)
+        findings += checked
+        if not any(one.consequence == "left out" for one in checked):
+            records[name] = _result(campaign, name, place)
+    if not records:
+        texts = [one.remark for one in findings]
+        raise ModelError([Fault(text, ("checks",)) for text in texts], campaign.file.name)
     show("comparison", count, count)
-    remarks = tuple(dict.fromkeys(
-        f"{name}: {one.name}: {note}" for name, found in records.items() for one in found.orders for note in one.notes
-    ))  # fmt: skip
-    spreads = _spreads(campaign, {name: found.orders for name, found in records.items()})
+    remarks = tuple(campaign_remarks({name: found.orders for name, found in records.items() if found.orders}))
+    remarks += tuple(one.remark for one in findings)
     fit, ranking = _fitted(campaign, records)
-    return CampaignResult(campaign, records, spreads, fit, ranking, remarks)
+    return CampaignResult(
+        campaign,
+        records,
+        _spreads(campaign, records),
+        fit,
+        ranking,
+        remarks,
+        _response_spreads(campaign, records),
+        tuple(findings),
+    )  # fmt: skip
+
+
+def _result(campaign: Campaign, name: str, folder: Path) -> CampaignRecordResult:
+    """Orders and responses of a record, as far as it shows them, beside those of the model."""
+    files = _tracked(campaign, name, folder) if name in campaign.of_orders else {}
+    response = campaign_response(campaign, name, folder) if name in campaign.of_responses else None
+    orders = tuple(files.values())
+    return CampaignRecordResult(
+        name, (*files, *([response.file] if response else [])), orders, _calculated(campaign, name, orders), response
+    )
 
 
 def _tracked(campaign: Campaign, name: str, folder: Path) -> dict[Path, TrackedOrders]:
     """Tracked orders of a record by their files; from the files where record and entries are the same."""
-    kept = folder / f"{_file_name(name)}-{_key(campaign, name)}"
+    kept = kept_path(folder, file_name(name), record_key(campaign, name, TRACKED))
     if not kept.is_dir():
         found = record_orders(campaign, name)
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            _write(found, kept)
-        except OSError as error:
-            raise UsageError(f"{folder} cannot be a folder of tracked orders: {error.strerror}") from None
-        for old in folder.glob(f"{_file_name(name)}-{'[0-9a-f]' * KEY_LENGTH}"):
-            if old != kept:
-                shutil.rmtree(old, ignore_errors=True)
+        write_kept(kept, lambda filling: _write(found, filling))
     orders = {file: read_tracked_orders(file)[0] for file in kept.glob("*.csv")}
     order = list(tracked_entries(campaign.plan))
     return dict(sorted(orders.items(), key=lambda pair: order.index(pair[1].name)))
 
 
 def _write(found: tuple[TrackedOrders, ...], folder: Path) -> None:
-    """Write the orders of each channel into a folder of its own name only when all are there."""
-    with tempfile.TemporaryDirectory(dir=folder.parent, prefix=".writing-") as begun:
-        filling = Path(begun) / folder.name
-        filling.mkdir()
-        for number, one in enumerate(found):
-            write_tracked_orders([one], filling / f"{number + 1}-{_file_name(one.name)}.csv")
-        filling.rename(folder)
-
-
-def _file_name(name: str) -> str:
-    """Name of a record or channel without characters that a name of a file cannot have."""
-    return re.sub(r"[^\w.+-]", "_", name)
-
-
-def _key(campaign: Campaign, name: str) -> str:
-    """Key of what the orders of a record follow from: the bytes of its file, entries, pitch patterns, version."""
-    plan = replace(campaign.plan, fit=None).written_entries()
-    one = campaign.plan.records[name]
-    asked = {key: plan.get(key) for key in ("wheels", "reference", "phase", "channels", "twists", "orders")}
-    asked |= {"start": one.start, "stop": one.stop, "version": __version__, "title": campaign.title}
-    digest = hashlib.sha256(json.dumps(asked, sort_keys=True, default=str).encode())
-    for pattern in campaign.patterns.values():
-        digest.update(pattern.positions.tobytes())
-    with campaign.file_of(one).open("rb") as stream:
-        while block := stream.read(HASHED_BYTES):
-            digest.update(block)
-    return digest.hexdigest()[:KEY_LENGTH]
+    for number, one in enumerate(found):
+        write_tracked_orders([one], folder / f"{number + 1}-{file_name(one.name)}.csv")
 
 
 def _calculated(campaign: Campaign, name: str, orders: tuple[TrackedOrders, ...]) -> OrderResponse | None:
@@ -133,20 +117,37 @@ def _calculated(campaign: Campaign, name: str, orders: tuple[TrackedOrders, ...]
     return run if inside else model.order_response(outputs, speeds=measured)
 
 
-def _spreads(campaign: Campaign, orders: dict[str, tuple[TrackedOrders, ...]]) -> tuple[ConditionSpread, ...]:
-    groups: dict[tuple[str, str], list[str]] = {}
-    for name, record in campaign.plan.records.items():
-        groups.setdefault((record.configuration, record.condition), []).append(name)
+def _spreads(campaign: Campaign, records: Mapping[str, CampaignRecordResult]) -> tuple[ConditionSpread, ...]:
     found: list[ConditionSpread] = []
-    for (configuration, condition), names in groups.items():
-        if len(names) > 1:
-            words = ", ".join(text for text in (configuration, condition) if text)
-            for channels in zip(*(orders[name] for name in names), strict=True):
-                found += condition_spread(words, channels)
+    for words, names in _repeated(campaign, records, campaign.of_orders):
+        for channels in zip(*(records[name].orders for name in names), strict=True):
+            found += condition_spread(words, channels)
     return tuple(found)
 
 
-def _fitted(campaign: Campaign, records: dict[str, CampaignRecordResult]) -> tuple[Fit | None, Ranking | None]:
+def _response_spreads(campaign: Campaign, records: Mapping[str, CampaignRecordResult]) -> tuple[ResponseSpread, ...]:
+    found: list[ResponseSpread] = []
+    for words, names in _repeated(campaign, records, campaign.of_responses):
+        responses = [one.measured for name in names if (one := records[name].response) is not None]
+        found += response_spread(words, responses)
+    return tuple(found)
+
+
+def _repeated(
+    campaign: Campaign, records: Mapping[str, CampaignRecordResult], shown: Sequence[str]
+) -> Iterator[tuple[str, list[str]]]:
+    """Configuration and condition in words, and the records that repeat them."""
+    groups: dict[tuple[str, str], list[str]] = {}
+    for name in shown:
+        if name in records:
+            record = campaign.plan.records[name]
+            groups.setdefault((record.configuration, record.condition), []).append(name)
+    for words, names in groups.items():
+        if len(names) > 1:
+            yield ", ".join(filter(None, words)), names
+
+
+def _fitted(campaign: Campaign, records: Mapping[str, CampaignRecordResult]) -> tuple[Fit | None, Ranking | None]:
     plan, sensors = campaign.plan.fit, campaign.sensors
     if plan is None:
         return None, None
@@ -157,6 +158,8 @@ def _fitted(campaign: Campaign, records: dict[str, CampaignRecordResult]) -> tup
         )
         for name, found in records.items() for one in found.orders if one.name in sensors
     ]  # fmt: skip
+    for name, found in records.items():
+        measurements += response_measurements(campaign, name) if found.response else ()
     if not plan.parameters:
         return None, rank_causes(campaign.model, measurements)
     unknowns = {

@@ -2,26 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from pathlib import Path
 
-import numpy as np
-
+from torsionnet.campaign.calibrated_signals import between_times, with_gain
 from torsionnet.campaign.campaign import Campaign
+from torsionnet.core.entries.spec import not_none
 from torsionnet.core.errors import Fault, ModelError, UsageError
-from torsionnet.io.recording_files import read_recording
-from torsionnet.model.campaign.campaign_file import METHODS, CampaignOrders, CampaignRecord, tracked_entries
+from torsionnet.io.large_records import record_or_blocks
+from torsionnet.io.turning_records import read_turning_record
+from torsionnet.model.campaign.campaign_file import (
+    METHODS,
+    CampaignChannel,
+    CampaignOrders,
+    CampaignRecord,
+    tracked_entries,
+)
 from torsionnet.response.measured.tracked_orders import TrackedOrders
-from torsionnet.response.recording import FloatArray, Recording
+from torsionnet.response.recording import Recording
 from torsionnet.signals.orders.cycle_average import CycleAverage
-from torsionnet.signals.orders.mean_rotation import MeanRotation, mean_rotation
-from torsionnet.signals.orders.phase_reference import PhaseReference, phase_reference
-from torsionnet.signals.orders.track_orders import track_orders
+from torsionnet.signals.orders.mean_rotation import mean_rotation
+from torsionnet.signals.orders.orders_of_test import PhaseMark, orders_of_test
 from torsionnet.signals.orders.tracked_signals import Twist
 from torsionnet.signals.orders.vold_kalman import VoldKalman
+from torsionnet.signals.record_blocks import Recordings
 from torsionnet.signals.rotation.pulse_reading import PulseReading
+from torsionnet.signals.rotation.rotations_of_wheels import rotations_of_wheels
 from torsionnet.signals.rotation.wheel_channel import counted_reading, wheel_pulses
-from torsionnet.signals.rotation.wheel_rotation import WheelRotation, wheel_rotation
+from torsionnet.signals.rotation.wheel_rotation import WheelRotation
 
 
 def record_orders(campaign: Campaign, name: str) -> tuple[TrackedOrders, ...]:
@@ -34,22 +43,24 @@ def record_orders(campaign: Campaign, name: str) -> tuple[TrackedOrders, ...]:
     """
     plan, one = campaign.plan, campaign.plan.records[name]
     try:
-        record = _between(_recording(campaign, one), one.start, one.stop)
-        wheels = {wheel: _rotation(campaign, record, wheel) for wheel in plan.wheels}
-        mean = mean_rotation(wheels[campaign.reference], cycle=plan.orders.cycle)
-        reference = _phase(campaign, record, wheels[campaign.reference], mean)
-        signals = _calibrated(record, campaign) if plan.channels else None
+        wheels, mark = _pulses(campaign, one)
+        mean = mean_rotation(wheels[campaign.reference], cycle=not_none(plan.orders).cycle)
         found: dict[str, TrackedOrders] = {}
-        for asked, names in _by_orders(campaign).items():
-            channels = [one for one in names if one in (plan.channels or {})]
-            turning = [one for one in names if one in wheels]
-            twists = {one: plan.twists[one] for one in names if plan.twists and one in plan.twists}
-            tracked = track_orders(
-                signals if channels else None, mean, channels, [wheels[one] for one in turning],
-                [(Twist(one.first, one.second, one.stiffness or 0.0), wheels[one.first], wheels[one.second])
-                 for one in twists.values()],
-                orders=asked, method=_method(plan.orders), reference=reference,
-            )  # fmt: skip
+        for (asked, delay), names in _by_orders_and_delay(campaign).items():
+            channels = {key: plan.channels[key] for key in names if plan.channels and key in plan.channels}
+            turning = [key for key in names if key in wheels]
+            twists = {key: plan.twists[key] for key in names if plan.twists and key in plan.twists}
+            tracked = orders_of_test(
+                _signals(campaign.file_of(one), channels, delay, one) if channels else None,
+                wheels,
+                mean,
+                orders=asked,
+                channels=list(channels),
+                wheels=turning,
+                twists=[Twist(each.first, each.second, each.stiffness or 0.0) for each in twists.values()],
+                mark=mark,
+                method=_method(not_none(plan.orders)),
+            )
             found |= zip([*channels, *turning, *twists], tracked, strict=True)
     except UsageError as error:
         raise ModelError([Fault(f"record {name}: {error}", ("records", name))], campaign.file.name) from None
@@ -61,95 +72,78 @@ def record_orders(campaign: Campaign, name: str) -> tuple[TrackedOrders, ...]:
     )
 
 
-def _by_orders(campaign: Campaign) -> dict[tuple[float, ...], list[str]]:
-    """Names of wheels, channels and twists by the orders that are tracked of them."""
-    found: dict[tuple[float, ...], list[str]] = {}
+def record_rotations(campaign: Campaign, name: str) -> dict[str, WheelRotation]:
+    """Rotations of the wheels of a record of a campaign, by name."""
+    return _pulses(campaign, campaign.plan.records[name])[0]
+
+
+def _by_orders_and_delay(campaign: Campaign) -> dict[tuple[tuple[float, ...], float], list[str]]:
+    """Names of wheels, channels and twists by the orders that are tracked of them and by how late they come, in s."""
+    found: dict[tuple[tuple[float, ...], float], list[str]] = {}
     for name, one in tracked_entries(campaign.plan).items():
-        found.setdefault(one.orders or campaign.plan.orders.tracked, []).append(name)
+        delay = one.delay if isinstance(one, CampaignChannel) else 0.0
+        found.setdefault((one.orders or not_none(campaign.plan.orders).tracked, delay), []).append(name)
     return found
 
 
-def _recording(campaign: Campaign, one: CampaignRecord) -> Recording:
-    """Recording of the channels of a campaign, and of its pulses, in SI."""
-    plan = campaign.plan
-    readings: dict[str, PulseReading] = {
-        name: counted_reading(wheel) for name, wheel in plan.wheels.items() if not wheel.is_of_a_signal
-    }
-    sampled = [name for name, wheel in plan.wheels.items() if wheel.is_of_a_signal]
-    sampled += [wheel.second for wheel in plan.wheels.values() if wheel.second]
-    indices = {wheel.index for wheel in plan.wheels.values()}
-    if plan.phase is not None:
-        indices |= {plan.phase.index, plan.phase.cam}
-    readings |= {name: PulseReading() for name in sorted(indices - {""}) if name not in readings}
-    channels = plan.channels or {}
-    return read_recording(
-        campaign.file_of(one),
-        names=list(dict.fromkeys([*readings, *sampled, *channels])),
+def _pulses(campaign: Campaign, one: CampaignRecord) -> tuple[dict[str, WheelRotation], PhaseMark]:
+    """Rotations of the wheels of a record by name, and the mark of the phases."""
+    plan, phase = campaign.plan, campaign.plan.phase
+    names = {"index": phase.index, "cam": phase.cam} if phase is not None else {}
+    marks = {name: _reading(campaign, name) for name in names.values() if name}
+    record = between_times(read_turning_record(campaign.file_of(one), plan.wheels, marks), one)
+    rotations = rotations_of_wheels(record, plan.wheels, campaign.patterns, marks=marks)
+    if phase is None:
+        return rotations, PhaseMark()
+    pulses = {key: wheel_pulses(record, name, marks[name]) for key, name in names.items() if name}
+    place = "" if phase.tdc is None else f"top dead centre of cylinder {phase.cylinder}"
+    of_wheel = not phase.cam or plan.wheels[campaign.reference].missing_teeth > 0
+    return rotations, PhaseMark(pulses.get("index"), pulses.get("cam"), phase.tdc or 0.0, place, of_wheel)
+
+
+def _reading(campaign: Campaign, name: str) -> PulseReading:
+    """Reading of the pulses of a mark: of the wheel that it is or whose index it is, else of the reference wheel."""
+    wheels = campaign.plan.wheels
+    if name in wheels:
+        return wheels[name]
+    of_index = {wheel.index: wheel for wheel in wheels.values()}
+    return counted_reading(of_index.get(name, wheels[campaign.reference]))
+
+
+def _signals(path: Path, channels: Mapping[str, CampaignChannel], delay: float, one: CampaignRecord) -> Recordings:
+    """Channels of a record that come late by the same time in s, calibrated, in SI; a large file in blocks."""
+    record = record_or_blocks(
+        path,
+        names=list(channels),
         quantities={name: channel.quantity for name, channel in channels.items() if channel.quantity},
         units={name: channel.unit for name, channel in channels.items() if channel.unit},
-        pulse_readings=readings,
     )
+    if isinstance(record, Recording):
+        return between_times(_calibrated(record, channels, delay), one)
+    return _blocks_between(record, channels, delay, one)
 
 
-def _between(record: Recording, start: float | None, stop: float | None) -> Recording:
-    """Recording between two times in s."""
-    if start is None and stop is None:
-        return record
-    first, last = -np.inf if start is None else start, np.inf if stop is None else stop
-
-    def kept(times: FloatArray) -> FloatArray:
-        return np.asarray((times >= first) & (times <= last))
-
-    inside = kept(record.time)
-    times = record.time[inside]
-    return replace(
-        record,
-        signals=tuple(replace(one, values=one.values[inside]) for one in record),
-        start=float(times[0]) if len(times) else record.start,
-        times=None if record.times is None else times,
-        pulses=tuple(replace(one, times=one.times[kept(one.times)]) for one in record.pulses),
-    ).with_notes(f"cut to {first:g} to {last:g} s")
+def _blocks_between(
+    blocks: Iterable[Recording], channels: Mapping[str, CampaignChannel], delay: float, one: CampaignRecord
+) -> Iterator[Recording]:
+    for block in blocks:
+        kept = between_times(_calibrated(block, channels, delay), one)
+        if len(kept):
+            yield kept
 
 
-def _calibrated(record: Recording, campaign: Campaign) -> Recording:
-    """Recording with gains applied, and delays of channels removed by samples between the recorded ones."""
-    from scipy.interpolate import CubicSpline
-
+def _calibrated(record: Recording, channels: Mapping[str, CampaignChannel], delay: float) -> Recording:
+    """Recording with gains applied, and shifted to earlier times by a delay in s."""
     signals = []
-    for name, channel in (campaign.plan.channels or {}).items():
-        signal = record[name]
-        values, notes = channel.gain * signal.values, list(signal.notes)
-        if channel.gain != 1:
-            notes.append(f"multiplied by {channel.gain:g}")
-        if channel.delay:
-            # Beyond the last sample nothing is known: its value goes on for the time of the delay.
-            early = CubicSpline(record.time, values)(np.minimum(record.time + channel.delay, record.time[-1]))
-            values = np.asarray(early, dtype=np.float64)
-            notes.append(f"shifted {1e3 * channel.delay:g} ms to earlier times")
-        signals.append(replace(signal, values=values, notes=tuple(notes)))
-    return replace(record, signals=tuple(signals))
-
-
-def _rotation(campaign: Campaign, record: Recording, name: str) -> WheelRotation:
-    wheel = campaign.plan.wheels[name]
-    index = record.pulses_of(wheel.index) if wheel.index else None
-    return wheel_rotation(wheel_pulses(record, name, wheel), wheel, campaign.patterns.get(name), index=index)
+    for name, channel in channels.items():
+        signal = with_gain(record[name], channel)
+        note = f"shifted {1e3 * delay:g} ms to earlier times"
+        signals.append(replace(signal, notes=(*signal.notes, *([note] if delay else []))))
+    times = None if record.times is None else record.times - delay
+    return replace(record, signals=tuple(signals), start=record.start - delay, times=times)
 
 
 def _method(orders: CampaignOrders) -> CycleAverage | VoldKalman:
     if orders.method == METHODS[1]:
         return orders.bandwidth or VoldKalman()
     return CycleAverage(cycles=orders.cycles or CycleAverage().cycles, step=orders.step or 0.0)
-
-
-def _phase(campaign: Campaign, record: Recording, wheel: WheelRotation, mean: MeanRotation) -> PhaseReference:
-    phase = campaign.plan.phase
-    if phase is None:
-        return phase_reference(mean, wheel)
-    marks: Mapping[str, str] = {"index": phase.index, "cam": phase.cam}
-    pulses = {key: record.pulses_of(name) for key, name in marks.items() if name}
-    return phase_reference(
-        mean, wheel, index=pulses.get("index"), cam=pulses.get("cam"), offset=phase.tdc or 0.0,
-        place="" if phase.tdc is None else f"top dead centre of cylinder {phase.cylinder}",
-        wheel_has_mark=not phase.cam or campaign.plan.wheels[campaign.reference].missing_teeth > 0,
-    )  # fmt: skip

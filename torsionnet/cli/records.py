@@ -4,22 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from pathlib import Path
 
 from torsionnet.cli.record_options import RecordReading
 from torsionnet.cli.terminal import message, print_faults
 from torsionnet.core.errors import Fault, ModelError
-from torsionnet.io.recording_files import iter_blocks, read_recording
+from torsionnet.io import large_records
+from torsionnet.io.recording_files import read_recording
 from torsionnet.response.recording import Recording
 from torsionnet.signals.record_blocks import Recordings
 from torsionnet.signals.recording_checks import check_recording
 from torsionnet.signals.resampling import resampled
-
-LARGE_FILE = 300_000_000
-"""Bytes of a file of signals above which it is read in blocks, so that it does not fill the memory; a larger value
-takes more memory, a smaller one blocks needlessly."""
-BLOCK_SECONDS = 60.0
-"""Duration in s of a block of a large file, as longer ones take more memory and shorter ones more reads."""
 
 
 def load_record(
@@ -35,7 +29,7 @@ def load_record(
         The record is faulty; all faults are listed.
     """
     wanted = None if names is None else list(dict.fromkeys(names))
-    if Path(path).is_file() and Path(path).stat().st_size > LARGE_FILE and "pulses" not in reading.arguments:
+    if large_records.is_large_record(path) and "pulses" not in reading.arguments:
         return _checked_blocks(path, reading, wanted, window, advance)
     record = read_recording(path, names=wanted, resample=reading.resample, **reading.arguments)
     record = checked_record(record, reading, path, window)
@@ -57,8 +51,8 @@ def _checked_blocks(
     path: str, reading: RecordReading, names: Sequence[str] | None, window: float, advance: Callable[[float], None]
 ) -> Iterator[Recording]:
     """Checked blocks of a large file of signals, one after the other; a short last block is not reported as a fault."""
-    message("note", f"{path} is large: read in blocks of {BLOCK_SECONDS:g} s")
-    for block in iter_blocks(path, BLOCK_SECONDS, names=names, **reading.arguments):
+    message("note", f"{path} is large: read in blocks of {large_records.BLOCK_SECONDS:g} s")
+    for block in large_records.blocks_of_record(path, names=names, **reading.arguments):
         even = _even(block, reading, path)
         _refuse([fault for fault in check_recording(even, window) if fault.path != ("channels",)], path)
         yield even

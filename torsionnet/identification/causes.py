@@ -20,8 +20,9 @@ from torsionnet.model.excitations.excitation_numbers import numbers_by_name
 AnySpring: TypeAlias = Spring | HystereticSpring
 Change: TypeAlias = Callable[[AssembledModel], AssembledModel]
 FREED_DIMENSIONS = ("inertia", "stiffness", "damping")
-"""Dimensions of element fields that are tried as causes of a misfit, besides gear ratios (inertia, stiffness,
-damping)."""
+"""Dimensions of element fields that are tried as causes of a misfit (inertia, stiffness, damping)."""
+FREED_FIELDS = ("ratio", "natural_frequency")
+"""Names of element fields that are tried whatever their dimension: ratios of gears, frequencies of tuned dampers."""
 REPLACED_FIELDS = {"hysteretic": "damping", "viscous": "loss_factor", "ratio": "teeth"}
 """Field of an element that each kind of cause replaces, the other kind of damping or the teeth behind a ratio."""
 
@@ -82,7 +83,7 @@ def _values(rig: AssembledModel) -> Iterator[Cause]:
     definition, seen = rig.definition, set()
     for element in definition.active:
         for field, (spec, value) in element.scalars().items():
-            known = getattr(spec, "dimension", "") in FREED_DIMENSIONS or field == "ratio"
+            known = getattr(spec, "dimension", "") in FREED_DIMENSIONS or field in FREED_FIELDS
             if not known or not isinstance(value, Expression):
                 continue
             for name in _leaves(value, definition.parameters) or [f"{element.name}.{field}"]:
@@ -185,8 +186,10 @@ def with_causes(problem: FitProblem, causes: Sequence[Cause], values: FloatArray
         return rig
 
     known = dict(zip(problem.names, values.tolist(), strict=True))
+    rigs = {id(block.response.drivetrain): block.response.drivetrain for block in problem.blocks}
+    rigs = {key: changed(rig) for key, rig in rigs.items()}
     blocks = [
-        block.with_model(changed(block.response.drivetrain), replace(block.measurement, **flags), tuple(unknowns))
+        block.with_model(rigs[id(block.response.drivetrain)], replace(block.measurement, **flags), tuple(unknowns))
         for block in problem.blocks
     ]
     found = lay_out_problem(problem.blocks[0].response.drivetrain, blocks, unknowns, known)

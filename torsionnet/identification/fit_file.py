@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,7 @@ from torsionnet.identification.orders.order_lines import OrderData, shows_phases
 from torsionnet.identification.orders.parametric_orders import numbers_of_excitations
 from torsionnet.identification.residuals.instrument import set_points
 from torsionnet.identification.residuals.measurement import Measurement
-from torsionnet.identification.residuals.measurement_blocks import default_settings
+from torsionnet.identification.residuals.welch_choice import record_settings, welch_settings
 from torsionnet.identification.unknown_parameter import Unknown
 from torsionnet.io.recording_files import channel_names, read_recording
 from torsionnet.loading import load
@@ -27,8 +27,7 @@ from torsionnet.model.files.reader import is_file
 from torsionnet.model.fit import FitFile, FitMeasurement, FitParameter, FitSettings
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.recording import Recording
-from torsionnet.signals.decimation import factor_for
-from torsionnet.signals.welch import PAPER, Welch
+from torsionnet.signals.welch import Welch
 
 SAME_ENTRIES = (
     "output", "input", "model_output", "model_input", "excitation", "band", "excluded", "delay", "gain", "reference",
@@ -118,10 +117,8 @@ class _Reader:
         settings: FitSettings | None = self.entries.get("settings")
         if settings is None:
             return None
-        given = {name: value for name, _ in settings.specs() if (value := getattr(settings, name)) is not None}
-        preset = given.pop("preset", "")
         try:
-            return replace(PAPER if preset else Welch(), **given)
+            return welch_settings(settings)
         except UsageError as error:
             self.faults.append(Fault(str(error), ("settings",)))
             return None
@@ -172,11 +169,8 @@ class _Reader:
 
     def _chosen(self, settings: Welch | None, record: Recording, band: tuple[float, float] | None) -> Welch:
         """Welch settings of one record, by default decimated as far as the band of the measurement allows."""
-        if settings is None:
-            return default_settings(record, band)
-        if self.entries["settings"].decimation is not None:
-            return settings
-        return replace(settings, decimation=factor_for(record.sampling_rate, band[1] if band else 0.0))
+        asked = self.entries.get("settings")
+        return record_settings(record, band, settings, asked.decimation if asked else None)
 
     def _configuration(self, model: Drivetrain, name: str, given: str, path: tuple[str, ...]) -> str:
         try:

@@ -17,6 +17,7 @@ from torsionnet.identification.orders.order_block import OrderBlock
 from torsionnet.identification.orders.order_lines import parts_by_phase
 from torsionnet.identification.orders.parametric_orders import numbers_of_excitations
 from torsionnet.identification.orders.reference_angles import reference_angles
+from torsionnet.identification.orders.shared_orders import with_shared_orders
 from torsionnet.identification.parameter_quantity import parameter_quantity
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
@@ -219,7 +220,9 @@ def make_problem(
         twice = sorted({label for label in labels if labels.count(label) > 1})
         raise UsageError(f"several measurements are called {', '.join(twice)}; give them names")
     parts = [part for one in measurements for part in parts_by_phase(one)]
-    blocks = [make_block(model, one, tuple(unknowns), form) for one in parts]
+    named = {one.configuration for one in parts}
+    rigs = {name: model.configured(name) if name else model for name in named}
+    blocks = [make_block(rigs[one.configuration], one, tuple(unknowns), form) for one in parts]
     if idle := [name for name in unknowns if all(name not in block.response.names for block in blocks)]:
         does = "does" if len(idle) == 1 else "do"
         raise UsageError(f"{', '.join(idle)} {does} not act on responses; add a measurement of orders, or leave it out")
@@ -249,6 +252,8 @@ def lay_out_problem(
     entries: dict[str, tuple[float, tuple[float, float]]] = {}
     priors: dict[str, tuple[float, float]] = {}
     entries_of_blocks: list[list[str]] = []
+    if not any(unknown.per_configuration for unknown in unknowns.values()):
+        blocks = with_shared_orders(blocks)
     for block in blocks:
         mine = []
         for number, name in enumerate(block.response.names):

@@ -9,6 +9,7 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.entries.scalars import QuantityKind
 from torsionnet.core.expressions import Name
 from torsionnet.core.units import expected_unit
+from torsionnet.identification.orders.parametric_orders import numbers_of_excitations
 from torsionnet.model.parameters import dimensions
 
 
@@ -32,12 +33,15 @@ class ParameterQuantity:
 
 
 def parameter_quantity(model: AssembledModel, name: str) -> ParameterQuantity:
-    """Unit, dimension and physical bounds of a parameter of a model, or of ``element.field``.
+    """Unit, dimension and bounds of a parameter of a model, of ``element.field`` or of a number of an excitation.
 
     >>> import torsionnet as tn
     >>> parameter_quantity(tn.load("dmf_rig"), "k_2")
     ParameterQuantity(unit='N*m/rad', dimension='stiffness', bounds=(0.0, inf))
     """
+    number = numbers_of_excitations(model, [name]).get(name)
+    if number is not None:
+        return ParameterQuantity(number.unit, number.dimension, number.bounds)
     element, _, field = name.rpartition(".")
     if name not in model.definition.parameters and element in model.definition.elements:
         spec, _ = model.definition.elements[element].scalars().get(field, (None, None))

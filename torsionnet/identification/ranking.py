@@ -117,9 +117,9 @@ def rank_causes(
 ) -> Ranking:
     """Ranking of the causes of a misfit, each value freed alone, by the misfit that is left.
 
-    Tried are a gain and a delay of the outputs' channels, every inertia, stiffness, damping and ratio of the model, and
-    the other kind of damping of its springs; for measured orders also the angle of their reference, a misfire of each
-    cylinder, and amplitudes and phases of propellers and other given torques.
+    Tried are a gain and a delay of the outputs' channels, every inertia, stiffness, damping and ratio of the model, the
+    frequencies of tuned dampers, and the other kind of damping of its springs; for measured orders also the angle of
+    their reference, a misfire of each cylinder, and amplitudes and phases of propellers and other given torques.
 
     Parameters
     ----------

@@ -10,6 +10,7 @@ import numpy as np
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.noise_bias import noise_bias_sentence
+from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.response_block import ResponseBlock
 from torsionnet.signals.advice import LEAST_BINS, half_power_bandwidth, significant_peaks
 
@@ -93,18 +94,27 @@ def _bounds(problem: FitProblem, values: FloatArray, ended: Collection[str]) -> 
 
 
 def _odd(problem: FitProblem, values: FloatArray) -> Iterator[str]:
-    """Sentence for each measurement of a fit that the model fits much worse than the others."""
+    """Sentence for each measurement of a fit that the model fits much worse than the others.
+
+    Not where the stated noise explains it: a precise channel beside a noisy one is no contradiction.
+    """
     misfits = relative_misfits(problem, values)
     if len(misfits) < 2:
         return
     for number, misfit in enumerate(misfits):
         others = np.delete(misfits, number)
-        if misfit > OUTLYING_MISFIT_RATIO * np.median(others):
-            label = problem.blocks[number].measurement.label
+        block, place = problem.blocks[number], problem.unknown_indices[number]
+        if misfit > OUTLYING_MISFIT_RATIO * np.median(others) and not _within_noise(block, values[place]):
+            label = block.measurement.label
             yield (
                 f"{label} does not fit the others: its response is off by {100 * misfit:.2g} % (RMS), theirs by "
                 f"{100 * float(np.median(others)):.2g} %; free a parameter per configuration, or fit it alone"
             )
+
+
+def _within_noise(block: MeasurementBlock, values: FloatArray) -> bool:
+    """Whether the noise stated for a measurement explains its misfit."""
+    return block.noise_is_stated and bool(np.mean(block.residuals(values)[0] ** 2) <= OUTLYING_MISFIT_RATIO**2)
 
 
 def relative_misfits(problem: FitProblem, values: FloatArray) -> FloatArray:

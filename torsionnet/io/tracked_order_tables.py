@@ -24,6 +24,7 @@ PARTS = ("real", "imag", "half_width", "half_range")
 """Columns of each channel: complex peak amplitude, half width of its interval, half range of the signal."""
 _COLUMN = re.compile(r"(?P<name>.*) (?P<part>real|imag|half_width|half_range) \[(?P<unit>[^\]]*)\]")
 _TITLE, _REFERENCE, _NOTE, _UNDECIDED, _RELATED = "title", "reference", "note", "sign undecided", "related within [s]"
+_KNOWN = "torque, angle, velocity, acceleration or stress"
 MOST_FAULTS = 20
 """Most faulty cells of a file that a message lists."""
 
@@ -98,22 +99,21 @@ def read_tracked_orders(path: str | os.PathLike[str]) -> tuple[TrackedOrders, ..
     Raises
     ------
     UsageError
-        No such file, or it has not the columns of tracked orders.
+        No such file, or its columns are not those of tracked orders.
     ModelError
-        Cells without a number, or an order that some time lacks; all faults with their place.
+        Columns that are missing, a unit that is not known, cells without a number, rows that are missing or twice; with
+        their place.
     """
     file = Path(path)
     heads, notes, rows = _read(file)
-    heading, *body = rows or [(0, [])]
-    channels = _channels(file.name, heading[1])
+    heading, *body = rows or [(1, [])]
+    channels = _channels(file, *heading)
     numbers = _numbers(file, heading[1], body)
     times, begins = np.unique(numbers[:, 0], return_index=True)
     orders = np.unique(numbers[:, 2])
-    if len(numbers) != len(times) * len(orders):
-        raise UsageError(
-            f"{file.name}: {len(times)} times and {len(orders)} orders need {len(times) * len(orders)} rows, and there "
-            f"are {len(numbers)}: a row for each time and order"
-        )
+    faults = _misplaced(file, numbers, [line for line, _ in body], len(times) * len(orders))
+    if faults:
+        raise ModelError(faults, str(file))
     sorted_rows = numbers[np.lexsort((numbers[:, 2], numbers[:, 0]))].reshape(len(times), len(orders), -1)
     undecided = tuple(float(text) for text in heads.get(_UNDECIDED, "").split(",") if text.strip())
     related = tuple(float(text) for text in heads.get(_RELATED, "").split(",") if text.strip())
@@ -160,13 +160,29 @@ def _read(file: Path) -> tuple[dict[str, str], list[str], list[tuple[int, list[s
     return heads, notes, rows
 
 
-def _channels(file: str, heading: list[str]) -> dict[str, tuple[str, dict[str, tuple[int, float]]]]:
+def _misplaced(file: Path, numbers: FloatArray, lines: Sequence[int], wanted: int) -> list[Fault]:
+    """Fault for each row whose time and order another row has, or one for rows that are missing."""
+    seen: dict[tuple[float, float], int] = {}
+    faults = []
+    for line, (time, order) in zip(lines, numbers[:, [0, 2]].tolist(), strict=True):
+        first = seen.setdefault((time, order), line)
+        if first != line:
+            text = f"order {order:g} at {time:g} s stands in line {first}, too: leave one of the rows out"
+            faults.append(Fault(text, position=Position(file.name, line, 1, 2)))
+    if not faults and len(numbers) != wanted:
+        text = f"{wanted - len(numbers)} of {wanted} rows are missing: each time needs a row for each order"
+        faults.append(Fault(text, position=Position(file.name, lines[-1], 1, 2)))
+    return faults[:MOST_FAULTS]
+
+
+def _channels(file: Path, line: int, heading: list[str]) -> dict[str, tuple[str, dict[str, tuple[int, float]]]]:
     """Quantity of each channel, and the place of each of its columns with the factor to SI."""
     found: dict[str, tuple[str, dict[str, tuple[int, float]]]] = {}
+    faults: list[Fault] = []
     units = {unit: quantity for quantity, unit in QUANTITY_UNITS.items()}
     if tuple(heading[: len(LEADING_COLUMNS)]) != LEADING_COLUMNS:
         raise UsageError(
-            f"{file} is no file of tracked orders: its columns begin with {', '.join(LEADING_COLUMNS)}; "
+            f"{file.name} is no file of tracked orders: its columns begin with {', '.join(LEADING_COLUMNS)}; "
             "torsionnet track -o writes such a file"
         )
     for place, text in enumerate(heading):
@@ -181,11 +197,21 @@ def _channels(file: str, heading: list[str]) -> dict[str, tuple[str, dict[str, t
                 except UnitError:
                     continue
         found.setdefault(match["name"], (quantity or "", {}))[1][match["part"]] = (place, factor)
-    lacking = [name for name, (_, parts) in found.items() if not {"real", "imag"} <= parts.keys()]
-    if lacking or not found:
-        names = lacking or ["NAME"]
-        raise UsageError(f"{file} has no columns {names[0]} real and {names[0]} imag, with a unit in brackets")
+        if match["unit"] and not quantity:
+            faults.append(_heading_fault(file, line, heading, place, f'"{match["unit"]}" is no unit of {_KNOWN}'))
+    for name, (_, parts) in (found or {"NAME": ("", {})}).items():
+        if not {"real", "imag"} <= parts.keys():
+            text = f"there are no columns {name} real and {name} imag, with a unit in brackets"
+            first = min((place for place, _ in parts.values()), default=0)
+            faults.append(_heading_fault(file, line, heading, first, text))
+    if faults:
+        raise ModelError(faults[:MOST_FAULTS], str(file))
     return found
+
+
+def _heading_fault(file: Path, line: int, heading: Sequence[str], place: int, text: str) -> Fault:
+    column = len(",".join(heading[:place])) + (place > 0) + 1
+    return Fault(text, position=Position(file.name, line, column, column + len(heading[place])))
 
 
 def _numbers(file: Path, heading: list[str], body: list[tuple[int, list[str]]]) -> FloatArray:
@@ -198,13 +224,15 @@ def _numbers(file: Path, heading: list[str], body: list[tuple[int, list[str]]]) 
             cell = cells[place].strip() if place < len(cells) else ""
             try:
                 row.append(float("nan") if not cell and may_lack[place] else float(cell))
+                if place < len(LEADING_COLUMNS) and not np.isfinite(row[-1]):
+                    raise ValueError(cell)
             except ValueError:
                 column = len(",".join(cells[:place])) + (place > 0) + 1
                 said = f'"{cell}" is no number' if cell else "there is no number"
                 faults.append(
                     Fault(f"{text}: {said}", position=Position(file.name, line, column, column + max(len(cell), 1)))
                 )
-                row.append(float("nan"))
+                row = [*row[:place], float("nan")]
         found.append(row)
     if faults:
         raise ModelError(faults[:MOST_FAULTS], str(file))

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.units import RPM
+from torsionnet.plot.drawing.speed_axis import curve_mark, fit_speeds
 from torsionnet.response import Conventions
 
 if TYPE_CHECKING:
@@ -36,8 +37,9 @@ def order_column(panels: list[Axes], one: Compared, conventions: Conventions, co
         size.errorbar(
             rpm, np.abs(measured) * scale, yerr=spread, label=f"test, order {order:g}", elinewidth=0.8, **points
         )
-        size.plot(rpm, np.abs(fitted) * scale, color=colour, linewidth=1.3)
-        phase.plot(rpm, _degrees(fitted), color=colour, linewidth=1.3)
+        curve: dict[str, Any] = {"color": colour, "linewidth": 1.3, **curve_mark(rpm)}
+        size.plot(rpm, np.abs(fitted) * scale, **curve)
+        phase.plot(rpm, _degrees(fitted), **curve)
         if one.has_phase:
             phase.plot(rpm, _degrees(measured), color=colour, marker="o", markersize=2.5, linestyle="none")
             rest = (measured - fitted) / one.deviation[mine]
@@ -49,6 +51,7 @@ def order_column(panels: list[Axes], one: Compared, conventions: Conventions, co
     size.set_title(one.name, fontsize=style.FONT)
     size.set_ylim(bottom=0)
     left.set_xlabel("speed [rpm]")
+    fit_speeds(left, one.speeds * RPM)
     for panel in panels:
         style.style_axes(panel)
 

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.errors import UsageError
+from torsionnet.core.units import RPM
 from torsionnet.plot.drawing.torque_units import axis_unit
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
@@ -27,7 +28,8 @@ def time_histories(
 ) -> Figure:
     """Figure of the signals of a recording over time in s, a panel for each, one below the other.
 
-    Of long records the smallest and largest value of every section are drawn, so that no peak is lost.
+    Of long records the smallest and largest value of every section are drawn, so that no peak is lost. The speed of a
+    shaft that never turns back is drawn in rpm.
 
     Parameters
     ----------
@@ -59,6 +61,8 @@ def time_histories(
         style.style_axes(panel)
         largest = float(np.nanmax(np.abs(signal.values), initial=0.0))
         scale, unit = axis_unit(signal.unit, largest, conventions) if signal.unit else (1.0, "unit unknown")
+        if signal.unit == "rad/s" and np.nanmin(signal.values) * np.nanmax(signal.values) > 0:
+            scale, unit = RPM, "rpm"
         time, values = thin_out(chosen.time, signal.values * scale)
         panel.plot(time, values, color=style.PALETTE[number % len(style.PALETTE)], linewidth=0.7)
         panel.set_ylabel(f"{signal.name} [{unit}]")

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
+from torsionnet.core.number_text import typeset_unit
 from torsionnet.modal.operational.ambient_modes import AmbientPoles
 from torsionnet.modal.operational.decay_modes import DecayFit
 from torsionnet.modal.operational.operational_modes import OperationalModes
@@ -40,7 +41,7 @@ def operational_modes(found: OperationalModes, *, title: str | None = None) -> F
     figure = style.new_figure(style.WIDTH, 3.8)
     axes = figure.subplots()
     style.style_axes(axes)
-    unit = f" [{found.unit}]" if found.unit else ""
+    unit = f" [{typeset_unit(found.unit)}]" if found.unit else ""
     if isinstance(found.evidence, SweptFit):
         _swept(axes, found.evidence, found)
         axes.set_ylabel(f"{found.channel}, amplitude{unit}")

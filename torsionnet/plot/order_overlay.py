@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.core.units import RPM
+from torsionnet.plot.drawing.speed_axis import curve_mark, fit_speeds
 from torsionnet.plot.drawing.torque_units import axis_unit, speed_label
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
@@ -91,6 +92,9 @@ def order_overlay(
         panel.set_ylim(0, HEADROOM * largest * scale or None)
         panel.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     panels[-1].set_xlabel(speed_label(response.reference))
+    everything = [one for found in pairs.values() for one in found]
+    drawn = [speeds for one in everything for speeds in (one.pair.curve_speeds, one.measured.speeds)]
+    fit_speeds(panels[-1], np.concatenate(drawn) * RPM)
     style.set_title(figure, response.title if title is None else title)
     return figure
 
@@ -113,7 +117,12 @@ def _amplitudes(panel: Axes, pairs: Sequence[ComparedOrder], scale: float) -> No
         drawn = style.line_style(number)
         rpm, label = one.measured.speeds * RPM, f"order {one.measured.order:g}"
         model = "model, at most" if one.pair.bound else "model, swept" if one.pair.swept else "model"
-        panel.plot(one.pair.curve_speeds * RPM, np.abs(one.pair.curve) * scale, label=f"{label}, {model}", **drawn)
+        panel.plot(
+            one.pair.curve_speeds * RPM,
+            np.abs(one.pair.curve) * scale,
+            label=f"{label}, {model}",
+            **drawn | curve_mark(one.pair.curve_speeds),
+        )
         size = one.measured.amplitude * scale
         panel.plot(rpm, size, color=drawn["color"], label=f"{label}, test", **_dots(number))
         if one.pair.half_widths is not None:
@@ -130,7 +139,7 @@ def _phases(panel: Axes, pairs: Sequence[ComparedOrder]) -> None:
             continue
         drawn = style.line_style(number)
         curve = unwrapped_phase(pair.curve)
-        panel.plot(pair.curve_speeds * RPM, curve, **drawn)
+        panel.plot(pair.curve_speeds * RPM, curve, **drawn | curve_mark(pair.curve_speeds))
         beside = np.interp(pair.speeds, pair.curve_speeds, curve)
         apart = np.degrees(np.angle(pair.measured * np.exp(-1j * np.radians(beside))))
         panel.plot(pair.speeds * RPM, beside + apart, color=drawn["color"], **_dots(number))

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 import torsionnet.plot.drawing.style as style
+from torsionnet.plot.drawing.speed_axis import curve_mark, fit_speeds, is_steady
 from torsionnet.plot.drawing.torque_units import axis_label, axis_unit
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
@@ -67,11 +68,12 @@ def tracked_orders(
     for panel in panels:
         style.style_axes(panel)
     if tracked.half_range is not None:
-        top.plot(rpm, tracked.half_range[rising] * scale, color=style.INK, linewidth=2.0, label="half range")
+        marks = curve_mark(rpm)
+        top.plot(rpm, tracked.half_range[rising] * scale, color=style.INK, linewidth=2.0, label="half range", **marks)
     for number, order in enumerate(orders):
         drawn = style.line_style(number)
-        if len(rpm) == 1:
-            drawn |= {"marker": "o"}
+        if is_steady(rpm):
+            drawn |= {"marker": "o", "markersize": 4}
         values = tracked.along(order)[rising]
         widths = np.nan_to_num(tracked.half_widths[_place(tracked, order), rising])
         size = np.abs(values) * scale
@@ -89,8 +91,8 @@ def tracked_orders(
         panels[1].set_ylim(-180, 180)
         panels[1].yaxis.set_major_locator(MultipleLocator(90))
     panels[-1].set_xlabel("speed of the reference shaft [rpm]")
-    if len(rpm) > 1 and rpm[-1] > rpm[0]:
-        panels[-1].set_xlim(rpm[0], rpm[-1])
+    panels[-1].set_xlim(rpm[0], rpm[-1] if rpm[-1] > rpm[0] else None)
+    fit_speeds(panels[-1], rpm)
     named = f"{tracked.title}: {tracked.name}" if tracked.title else f"{tracked.name}, measured orders"
     style.set_title(figure, named if title is None else title)
     return figure

@@ -1,8 +1,8 @@
-"""Report on a campaign of tests: the model, the orders measured beside those calculated, the fit."""
+"""Report on a campaign of tests: the model, the orders and responses measured beside those calculated, the fit."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -12,6 +12,7 @@ from torsionnet.model.channels import named_sensor
 from torsionnet.model.report.report_plan import ReportPlan
 from torsionnet.report.measured_orders import MeasuredFile
 from torsionnet.report.report import make_report
+from torsionnet.report.report_request import Measured
 
 if TYPE_CHECKING:
     from torsionnet.campaign.campaign import Campaign
@@ -25,7 +26,7 @@ def campaign_report(
     sections: Iterable[str] = (),
     progress: Callable[[str, int, int], None] = lambda *_: None,
 ) -> Report:
-    """Report on the model of a campaign in the configurations of its records, with their orders and the fit.
+    """Report on the model of a campaign in the configurations of its records, with their orders, responses and the fit.
 
     Parameters
     ----------
@@ -41,17 +42,20 @@ def campaign_report(
         No channel of the campaign shows a sensor of the model.
     """
     campaign = result.campaign
-    places = _places(campaign)
-    if not places:
+    places = _places(campaign) if campaign.of_orders else {}
+    if not places and not campaign.of_responses:
         raise UsageError("no channel of the campaign shows a sensor of the model: name one by sensor: for the report")
     model = campaign.model
-    plan = replace(model.definition.report or ReportPlan(), measure=tuple(dict.fromkeys(places.values())))
+    own = campaign.plan.report or ReportPlan()
+    plan = _plan(campaign, own)
+    if places:
+        plan = replace(plan, measure=tuple(dict.fromkeys([*places.values(), *own.measure])))
     model = Drivetrain.from_definition(replace(model.definition, report=plan))
     names = {name: _configuration(campaign, one.configuration) for name, one in campaign.plan.records.items()}
     measured = [
         MeasuredFile(file, names[name], places[orders.name])
         for name, found in result.records.items()
-        for file, orders in zip(found.files, found.orders, strict=True)
+        for file, orders in zip(found.files, found.orders, strict=False)  # the file of its responses comes last
         if orders.name in places
     ]
     return make_report(
@@ -59,10 +63,33 @@ def campaign_report(
         configurations=dict.fromkeys(filter(None, names.values())),
         sections=sections,
         measured=measured,
+        tests=list(_tests(result, names)),
         fits=[] if result.fit is None else [result.fit],
-        title=campaign.title,
+        title=own.title or campaign.title,
+        template=campaign.folder / own.template if own.template else None,
         progress=progress,
     )
+
+
+def _plan(campaign: Campaign, own: ReportPlan) -> ReportPlan:
+    """Plan of the report: that of the model, but for the entries that the campaign has of its own."""
+    defaults = ReportPlan.defaults()
+    given = {key: value for key in defaults if (value := getattr(own, key)) != defaults[key]}
+    return replace(campaign.model.definition.report or ReportPlan(), **given)
+
+
+def _tests(result: CampaignResult, configurations: Mapping[str, str]) -> Iterator[Measured]:
+    """Yield the measured response of each record and output, under the names of output and input in the model."""
+    campaign, asked = result.campaign, result.campaign.plan.responses
+    for name, found in result.responses.items():
+        for measured, _ in found.pairs():
+            (output,), (into,) = measured.outputs, measured.inputs
+            renamed = replace(
+                measured,
+                outputs=(replace(output, name=campaign.model_outputs[output.name]),),
+                inputs=(replace(into, name=(asked.model_input if asked else "") or into.name),),
+            )
+            yield Measured(renamed, configurations[name], asked.excitation if asked else None)
 
 
 def _places(campaign: Campaign) -> Mapping[str, str]:

@@ -32,6 +32,25 @@ class MeasuredFile:
     place: str = ""
 
 
+@dataclass(frozen=True, eq=False)
+class PlaceTest:
+    """Measured orders of one file at a place of the plan, with those of the model along the speed of a fast run-up.
+
+    Attributes
+    ----------
+    orders : tuple of MeasuredOrder
+        SI.
+    swept : tuple of MeasuredOrder
+        Empty where the steady response is compared.
+    remarks : tuple of str
+        Peaks that the run-up did not reach.
+    """
+
+    orders: tuple[MeasuredOrder, ...]
+    swept: tuple[MeasuredOrder, ...] = ()
+    remarks: tuple[str, ...] = ()
+
+
 def measured_files(raw: Any, model: Drivetrain) -> tuple[MeasuredFile, ...]:
     """Files with measured orders from paths, texts ``CONFIGURATION=FILE`` or a mapping of paths by configuration.
 

@@ -10,6 +10,7 @@ from torsionnet.core.number_text import NumberText, aligned_numbers
 from torsionnet.core.units import RPM
 from torsionnet.report.document_tree import Cell, Heading, TableBlock
 from torsionnet.report.engineering_units import engineering_unit
+from torsionnet.report.measured_orders import PlaceTest
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, unit
 from torsionnet.response.conventions import Conventions
@@ -18,7 +19,6 @@ from torsionnet.response.measured.common_turn import common_turn
 from torsionnet.response.measured.order_agreement import OrderAgreement
 from torsionnet.response.order_comparison import (
     ComparedOrder,
-    MeasuredOrder,
     compared_orders,
     meaning_notes,
     not_compared,
@@ -35,15 +35,17 @@ RANGE_NOTE = (
 
 
 def measured_order_tables(
-    run: OrderResponse, output: str, measured: Sequence[MeasuredOrder], conventions: Conventions, words: str
+    run: OrderResponse, output: str, tests: Sequence[PlaceTest], conventions: Conventions, words: str
 ) -> list[TableBlock]:
     """Tables of the peaks of measured and calculated orders, with a verdict, and of their differences over speed.
 
-    ``words`` say the place and the condition.
+    Orders of a run-up too fast for steady peaks are compared with those along its speed over time. ``words`` say the
+    place and the condition.
     """
-    pairs = compared_orders(run, output, measured)
-    notes = [*meaning_notes(run, pairs), *filter(None, [common_turn([one.pair for one in pairs])])]
-    notes += not_compared(measured, pairs)
+    pairs = [pair for one in tests for pair in compared_orders(run, output, one.orders, one.swept)]
+    notes = [*meaning_notes(run, pairs), *dict.fromkeys(remark for one in tests for remark in one.remarks)]
+    notes += filter(None, [common_turn([one.pair for one in pairs])])
+    notes += not_compared([order for one in tests for order in one.orders], pairs)
     return [
         _peaks(pairs, run.outputs[run.output(output)].unit, conventions, f"Measured and calculated peaks: {words}"),
         _differences(pairs, f"Measured beside calculated orders over speed: {words}", list(map(as_words, notes))),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 from torsionnet.core.errors import UsageError
@@ -103,7 +102,7 @@ def files_by_case(subject: ReportData) -> tuple[tuple[Case, tuple[MeasuredFile, 
 
 
 def within_calculated(
-    file: MeasuredFile, runs: Mapping[MeasuringPlace, OrderResponse], name: str, orders: tuple[MeasuredOrder, ...]
+    file: MeasuredFile, run: OrderResponse, name: str, orders: tuple[MeasuredOrder, ...]
 ) -> tuple[MeasuredOrder, ...]:
     """Measured orders of a place, if any was measured at orders and speeds that are calculated.
 
@@ -112,7 +111,6 @@ def within_calculated(
     UsageError
         None was; the message names the file.
     """
-    run = next(run for run in runs.values() if run.outputs[0].name == name)
     try:
         order_comparison(run, name, orders)
     except UsageError as error:

@@ -18,10 +18,20 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """Measured response and the configuration it was measured in; an empty name is the one of the report."""
+    """Measured response and the configuration it was measured in; an empty name is the one of the report.
+
+    Attributes
+    ----------
+    response : FrequencyResponse
+        Its output and input have their names of the model.
+    configuration : str
+    excitation : str, optional
+        What drives the model, if it has several inputs.
+    """
 
     response: FrequencyResponse
     configuration: str = ""
+    excitation: str | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,13 +15,10 @@ from torsionnet.signals.comparison import difference, frac
 
 def agreement(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> Table:
     """Table of highest peaks, differences (dB, degrees) and FRAC of test and model, at lines of good coherence."""
-    limit = test.usable_up_to if test.usable_up_to is not None else float(test.frequencies[-1])
-    good = test.frequencies <= limit
-    if test.coherence is not None:
-        good &= test.coherence[:, 0, 0] >= LEAST_COHERENCE
+    limit, good = usable_limit(test), comparable_lines(test)
     if not good.any():
         return Table(model.title, (Column("nothing can be compared"),), (), ("no frequency at which the test is good",))
-    picked = [_picked(response, good) for response in (test, model)]
+    picked = [at_good_lines(response, good) for response in (test, model)]
     differences = difference(*picked)
     f, decibels, degrees = picked[0].frequencies, differences.decibels[:, 0, 0], differences.degrees[:, 0, 0]
     unit, scale = test.unit(conventions=conventions), test.scale(conventions)
@@ -44,7 +41,21 @@ def agreement(test: FrequencyResponse, model: FrequencyResponse, conventions: Co
     return Table(f"{model.title}: {test.outputs[0].name}/{test.inputs[0].name}", columns, tuple(rows), notes)
 
 
-def _picked(response: FrequencyResponse, good: NDArray[np.bool_]) -> FrequencyResponse:
+def usable_limit(test: FrequencyResponse) -> float:
+    """Highest frequency in Hz up to which a test can be used; its last one where nothing is said."""
+    return test.usable_up_to if test.usable_up_to is not None else float(test.frequencies[-1])
+
+
+def comparable_lines(test: FrequencyResponse) -> NDArray[np.bool_]:
+    """Mask, shape (n_f,), of the usable frequencies at which the first response of a test has good coherence."""
+    good = test.frequencies <= usable_limit(test)
+    if test.coherence is not None:
+        good &= test.coherence[:, 0, 0] >= LEAST_COHERENCE
+    return np.asarray(good)
+
+
+def at_good_lines(response: FrequencyResponse, good: NDArray[np.bool_]) -> FrequencyResponse:
+    """Frequency response at the frequencies that a mask (n_f,) marks, without coherence and conditioning."""
     return replace(
         response,
         frequencies=response.frequencies[good],

@@ -45,6 +45,9 @@ CONVERGED_STEPS, LEAST_REDUCTION = 1e-10, 0.97
 reduce it, as otherwise it would never converge."""
 VALUES_PER_CHUNK = 2**13
 """Number of values that are interpolated together, as their windows of 81 samples then stay in the cache."""
+SPLINE_POINTS, SPLINE_MARGIN = 2**17, 64
+"""Number of pulses through which a spline is laid together, whose equations take 23 MB, and of those shared with the
+next: the influence of an end falls by 0.54 a pulse."""
 POLYNOMIAL_DEGREE = 15
 """Degree of the polynomials of the kernel between two samples, whose error pi^16/(2^31 16!) is that of rounding."""
 
@@ -78,29 +81,46 @@ class Rotation:
             f"{len(numbers)} pulses from {times[0]:.6g} to {times[-1]:.6g} s",
             "most would be missing ones: cut the record at its gaps",
         )
-        standing = np.arange(numbers[-1] + 1, dtype=float)
-        if offsets is not None:
-            standing[numbers] += offsets
-        stamps = times if len(times) == len(standing) else _spline(standing[numbers], times)(standing)
-        stamps[numbers] = times
+        count = int(numbers[-1]) + 1
+        stamps, beyond = times, offsets
+        if len(times) < count:
+            stamps = _filled(times, numbers, offsets)
+            if offsets is not None:
+                beyond = np.zeros(count)
+                beyond[numbers] = offsets
         every = max(2, round(steps_per_revolution / POINTS_PER_TURN))
-        points = numbers[
-            np.unique(np.r_[np.searchsorted(numbers, np.arange(0, len(standing), every)), len(numbers) - 1])
-        ]
-        self.mean_rotation = _spline(stamps[points], standing[points])
+        points = np.unique(np.r_[np.searchsorted(numbers, np.arange(0, count, every)), len(numbers) - 1])
+        standing = numbers[points] + (0.0 if offsets is None else offsets[points])
+        self.mean_rotation = _spline(times[points], standing)
         places = self.mean_rotation(stamps)
-        self.deviation: FloatArray = _values_at_whole_numbers(places, standing - places, stamps, gaps_of(numbers))
+        self._wide = _values_at_whole_numbers(places, beyond, stamps, gaps_of(numbers))
 
     def at(self, times: FloatArray) -> FloatArray:
         """Rotation in encoder steps since the first pulse at times in s between first and last pulse, shape (n,)."""
         places = np.asarray(self.mean_rotation(times), dtype=float)
-        return places + _between(self.deviation, places)
+        return places + _between(self._wide, places)
 
     def rate(self, times: FloatArray) -> FloatArray:
         """Speed in encoder steps a second at times in s between first and last pulse, shape (n,)."""
         places = np.asarray(self.mean_rotation(times), dtype=float)
         along = np.asarray(self.mean_rotation(times, 1), dtype=float)
-        return along * (1 + _between(self.deviation, places, slope=True))
+        return along * (1 + _between(self._wide, places, slope=True))
+
+
+def _filled(times: FloatArray, numbers: NDArray[np.intp], offsets: FloatArray | None) -> FloatArray:
+    """Times in s at all whole numbers, (numbers[-1] + 1,), those of missing pulses by splines through the others."""
+    stamps = np.empty(int(numbers[-1]) + 1)
+    stamps[numbers] = times
+    for begin in range(0, len(times) - 1, SPLINE_POINTS):
+        end = min(begin + SPLINE_POINTS, len(times) - 1)
+        missing = np.setdiff1d(np.arange(numbers[begin], numbers[end]), numbers[begin:end], assume_unique=True)
+        if len(missing):
+            part = slice(max(begin - SPLINE_MARGIN, 0), end + SPLINE_MARGIN)
+            standing = numbers[part].astype(np.float64)
+            if offsets is not None:
+                standing += offsets[part]
+            stamps[missing] = _spline(standing, times[part])(missing)
+    return stamps
 
 
 def _spline(x: FloatArray, y: FloatArray):  # type: ignore[no-untyped-def]  # noqa: ANN202
@@ -111,22 +131,30 @@ def _spline(x: FloatArray, y: FloatArray):  # type: ignore[no-untyped-def]  # no
 
 
 def _values_at_whole_numbers(
-    places: FloatArray, values: FloatArray, times: FloatArray, gaps: Sequence[Gaps]
+    places: FloatArray, beyond: FloatArray | None, times: FloatArray, gaps: Sequence[Gaps]
 ) -> FloatArray:
-    """Values (n,) of a motion at whole encoder steps, by iteration from its values at positions next to them.
+    """Values of a motion at whole encoder steps, by iteration from its values at places next to them.
 
-    In gaps they follow from the values around.
+    At a place it is what the pulse's number, and what its tooth stands beyond it, differ from the place. In gaps the
+    values follow from those around. On either side they go on reflected, shape (n + 2 KERNEL_HALF_LENGTH,).
     """
-    found, before = values.copy(), np.inf
+    wide, left, before = np.empty(len(places) + 2 * KERNEL_HALF_LENGTH), np.empty(len(places)), np.inf
+    found = wide[KERNEL_HALF_LENGTH:-KERNEL_HALF_LENGTH]
+    for part in _chunks(len(places)):
+        found[part] = _read_at(places, beyond, part)
     while True:
-        left = values - _between(found, places)
+        _reflect(wide)
+        for part in _chunks(len(places)):
+            left[part] = _read_at(places, beyond, part) - _between(wide, places[part])
         for gap in gaps:
-            left[gap.within] = gap.filled(found + left) - found[gap.within]
+            gap.fill(found, left)
         found += left
-        worst = int(np.abs(left).argmax())
+        lowest, highest = int(left.argmin()), int(left.argmax())
+        worst = lowest if -left[lowest] > left[highest] else highest
         size = float(np.abs(left[worst]))
         if size < CONVERGED_STEPS:
-            return found
+            _reflect(wide)
+            return wide
         if size > LEAST_REDUCTION * before:
             raise SolveError(
                 f"the speed changes too fast around {times[worst]:.6g} s to interpolate the angle between pulses; "
@@ -135,12 +163,26 @@ def _values_at_whole_numbers(
         before = size
 
 
-def _between(values: FloatArray, places: FloatArray, *, slope: bool = False) -> FloatArray:
-    """Sampled motion interpolated at fractional sample numbers, (n,), in its unit; beyond its ends it is reflected.
+def _read_at(places: FloatArray, beyond: FloatArray | None, part: slice) -> FloatArray:
+    standing = np.arange(part.start, min(part.stop, len(places)), dtype=float)
+    return (standing if beyond is None else standing + beyond[part]) - places[part]
+
+
+def _reflect(wide: FloatArray) -> None:
+    """Continue values beyond their ends by KERNEL_HALF_LENGTH points on either side, reflected there."""
+    inside = wide[KERNEL_HALF_LENGTH:-KERNEL_HALF_LENGTH]
+    if len(inside) <= KERNEL_HALF_LENGTH:
+        wide[:] = np.pad(inside, KERNEL_HALF_LENGTH, mode="reflect", reflect_type="odd")
+        return
+    wide[:KERNEL_HALF_LENGTH] = 2 * inside[0] - inside[KERNEL_HALF_LENGTH:0:-1]
+    wide[-KERNEL_HALF_LENGTH:] = 2 * inside[-1] - inside[-2 : -KERNEL_HALF_LENGTH - 2 : -1]
+
+
+def _between(wide: FloatArray, places: FloatArray, *, slope: bool = False) -> FloatArray:
+    """Motion interpolated at fractional sample numbers, (n,), in its unit, from samples that go on beyond their ends.
 
     With ``slope`` its derivative to the sample number.
     """
-    wide = np.pad(values, KERNEL_HALF_LENGTH, mode="reflect", reflect_type="odd")
     around = np.lib.stride_tricks.sliding_window_view(wide, 2 * KERNEL_HALF_LENGTH + 1)
     result = np.empty(len(places))
     for part in _chunks(len(places)):

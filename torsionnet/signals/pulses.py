@@ -20,6 +20,8 @@ SIDE_INTERVALS, UNCLEAR_COUNT = 3, 0.2
 count from a whole number."""
 FEWEST_GAPS, REGULAR_SHARE = 4, 0.8
 """Fewest gaps by which a wheel with missing teeth is recognised, and the least share of gaps at equal distances."""
+INTERVALS_TOGETHER = 2**17
+"""Number of intervals that are compared together, which limits the memory."""
 MOST_LISTED_PULSES = 3
 """Number of pulses that a remark on repairs lists at most, so that it stays short."""
 
@@ -112,9 +114,10 @@ def missing_pulses(times: ArrayLike) -> MissingPulses:
         return MissingPulses(np.empty(0, np.intp), np.empty(0, np.intp))
     if not np.all(intervals > 0):
         raise UsageError("the times of pulses must be finite and increase")
-    missing = np.rint(intervals / running_median(intervals, MEDIAN_INTERVALS)).astype(np.intp) - 1
-    after = np.flatnonzero(missing > 0)
-    return MissingPulses(after, missing[after])
+    intervals /= running_median(intervals, MEDIAN_INTERVALS)
+    steps = np.rint(intervals, out=intervals)
+    after = np.flatnonzero(steps > 1)
+    return MissingPulses(after, steps[after].astype(np.intp) - 1)
 
 
 def repaired_pulses(times: ArrayLike, steps_per_revolution: float = 0.0) -> Pulses:
@@ -146,12 +149,13 @@ def repaired_pulses(times: ArrayLike, steps_per_revolution: float = 0.0) -> Puls
     """
     stamps = check_pulses(times)
     kept = indices_without_double(stamps)
-    clean = stamps[kept]
+    clean = stamps if len(kept) == len(stamps) else stamps[kept]
     missing = missing_pulses(clean)
-    steps = np.ones(len(clean) - 1, dtype=np.intp)
-    steps[missing.after] += missing.counts
-    _check(clean, steps, kept)
-    numbers = np.concatenate([[0], np.cumsum(steps)])
+    numbers = np.ones(len(clean), dtype=np.intp)
+    numbers[0] = 0
+    numbers[missing.after + 1] += missing.counts
+    _check(clean, numbers[1:], kept)
+    np.cumsum(numbers, out=numbers)
     left_out = np.ones(len(stamps), dtype=bool)
     left_out[kept] = False
     spurious = np.flatnonzero(left_out)
@@ -162,7 +166,7 @@ def repaired_pulses(times: ArrayLike, steps_per_revolution: float = 0.0) -> Puls
 def check_pulses(times: ArrayLike) -> FloatArray:
     """Times of pulses in s as an array (n,), refused unless there are two or more and they increase."""
     stamps = np.asarray(times, dtype=float)
-    if len(stamps) < 2 or not np.all(np.diff(stamps) > 0):
+    if len(stamps) < 2 or not np.all(stamps[1:] > stamps[:-1]):
         raise UsageError("an angle needs at least two pulses, at finite times that increase")
     return stamps
 
@@ -170,26 +174,31 @@ def check_pulses(times: ArrayLike) -> FloatArray:
 @np.errstate(over="ignore", invalid="ignore")  # intervals near 0
 def _check(times: FloatArray, steps: NDArray[np.intp], places: NDArray[np.intp]) -> None:
     """Raise an error for intervals that neither lost nor double pulses nor a change of speed explain."""
-    intervals = np.diff(times)
-    each = intervals / steps
+    each = np.diff(times)
+    each /= steps
     if len(each) <= MEDIAN_INTERVALS:
         return
     gaps = np.flatnonzero(steps > 1)
     sides = np.array([_level_beside(each, gaps, -1), _level_beside(each, gaps, 1)])
-    of_sides = intervals[gaps] / np.where(np.isnan(sides), sides[::-1], sides)
+    intervals = times[gaps + 1] - times[gaps]
+    of_sides = intervals / np.where(np.isnan(sides), sides[::-1], sides)
     unclear = (np.ptp(of_sides, axis=0) > 1) | (np.abs(of_sides.mean(axis=0) - steps[gaps]) > UNCLEAR_COUNT)
-    for gap, counts in zip(gaps[unclear], of_sides.T[unclear], strict=True):
-        where = f"the gap of {intervals[gap]:.4g} s after pulse {places[gap]} at {times[gap]:.6g} s"
+    for gap, interval, counts in zip(gaps[unclear], intervals[unclear], of_sides.T[unclear], strict=True):
+        where = f"the gap of {interval:.4g} s after pulse {places[gap]} at {times[gap]:.6g} s"
         raise UsageError(
             f"{where} is {counts.min():.2f} to {counts.max():.2f} times as long as those around it: how many "
             "pulses are missing cannot be told; cut the record there"
         )
-    change = np.maximum(each[1:] / each[:-1], each[:-1] / each[1:])
-    at = int(change.argmax())
-    if change[at] > MOST_INTERVAL_RATIO:
+    largest, at = 0.0, 0
+    for begin in range(0, len(each) - 1, INTERVALS_TOGETHER):
+        some = each[begin : begin + INTERVALS_TOGETHER + 1]
+        change = np.maximum(some[1:] / some[:-1], some[:-1] / some[1:])
+        if change.max() > largest:
+            largest, at = float(change.max()), begin + int(change.argmax())
+    if largest > MOST_INTERVAL_RATIO:
         raise UsageError(
             f"the intervals on either side of pulse {places[at + 1]} at {times[at + 1]:.6g} s differ by a factor of "
-            f"{change[at]:.2f}: neither a lost pulse nor one too many explains that; cut the record there"
+            f"{largest:.2f}: neither a lost pulse nor one too many explains that; cut the record there"
         )
 
 

@@ -25,10 +25,10 @@ def blocks_in_order(recordings: Recordings) -> Iterator[tuple[Recording, bool]]:
         values are not finite.
     """
     end: float | None = None
-    first: Recording | None = None
+    kinds: tuple[tuple[str, ...], float] | None = None  # not the first block, which would stay in memory
     for block in [recordings] if isinstance(recordings, Recording) else recordings:
-        first = first or block
-        _check_alike(block, first)
+        kinds = kinds or (block.names, block.sampling_rate)
+        _check_alike(block, *kinds)
         check_processable(block)
         half_a_sample = 0.5 / block.sampling_rate
         yield block, end is not None and abs(block.start - end) < half_a_sample
@@ -50,11 +50,12 @@ def check_processable(block: Recording) -> None:
             raise UsageError(f"{signal.name} has {missing} values that are not finite; repair or leave them out first")
 
 
-def _check_alike(block: Recording, first: Recording) -> None:
-    if block.names != first.names:
+def _check_alike(block: Recording, names: tuple[str, ...], rate: float) -> None:
+    if block.names != names:
         raise UsageError(
-            f"blocks of one test must have the same signals: {', '.join(first.names)}; then {', '.join(block.names)}"
+            f"blocks of one test must have the same signals: {', '.join(names)}; then {', '.join(block.names)}"
         )
-    if block.sampling_rate != first.sampling_rate:
-        rates = f"{first.sampling_rate:g} Hz, then {block.sampling_rate:g} Hz"
-        raise UsageError(f"blocks of one test must have the same sampling rate: {rates}")
+    if block.sampling_rate != rate:
+        raise UsageError(
+            f"blocks of one test must have the same sampling rate: {rate:g} Hz, then {block.sampling_rate:g} Hz"
+        )

@@ -61,7 +61,7 @@ def frozen_stretches(values: FloatArray, sampling_rate: float, step: float = 0.0
         ):
             continue
         sides = values[firsts[before.start] : first + 1], values[last + 1 : int(firsts[after][-1]) + 1]
-        if _moves(sides, step) and (is_rough(sides) or _jumps(sides, values[last + 1] - level)):
+        if _moves(sides, step) and (is_rough(sides) or jumps_away(sides, values[last + 1] - level)):
             found.append((first, last))
     return found
 
@@ -78,6 +78,7 @@ def is_rough(sides: tuple[FloatArray, FloatArray]) -> bool:
     return turns > least * count and (turns > ROUGHNESS_RATIO * changes or thirds > ROUGHNESS_RATIO * turns)
 
 
-def _jumps(sides: tuple[FloatArray, FloatArray], jump: float) -> bool:
+def jumps_away(sides: tuple[FloatArray, FloatArray], jump: float) -> bool:
+    """Whether a jump is far larger than the changes from sample to sample on both sides of a stretch."""
     most = max((float(np.abs(np.diff(side)).max()) for side in sides if len(side) > 1), default=0.0)
     return abs(jump) > JUMP_RATIO * most

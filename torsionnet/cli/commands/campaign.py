@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from torsionnet.cli.command import TABLE, Answer, Command, click_command
+from torsionnet.cli.command import TABLE, Answer, Command, click_command, separated_by_lines
 from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.options import ANGLE, OutputFolder, file_option
 from torsionnet.cli.terminal import message
@@ -23,11 +23,12 @@ ENDINGS = (".html", ".pdf", ".docx", ".tex", ".md", ".htm")
 
 
 class CampaignCommand(Command):
-    """Work out a rotating test with all its records: complex orders beside the calculation, repeatability, fit, report.
+    """Work out a test with all its records: orders or responses beside the calculation, repeatability, fit, report.
 
     CAMPAIGN is a YAML file, or one of the library: model, wheels, channels with calibrations, records with
-    configuration and condition, the orders wanted, and perhaps a fit. Tracked orders are kept in CAMPAIGN.orders, a
-    file for each channel; a record is tracked again only where it or its entries have changed.
+    configuration and condition, the orders or frequency responses wanted, and perhaps a fit. Tracked orders are kept in
+    CAMPAIGN.orders, a file for each channel, and responses in a file for each record; a record is worked out again only
+    where it or its entries have changed.
 
     \b
     torsionnet bench marine_run_up -o run_up.npz
@@ -35,7 +36,7 @@ class CampaignCommand(Command):
     """
 
     forms = TABLE
-    picture = "measured orders over the calculated ones, for each record"
+    picture = "measured orders or responses over the calculated ones, for each record"
 
     file: str = argument("CAMPAIGN")
     report: str | None = file_option("Write the report: .html, .pdf, .docx, .tex or .md.", ENDINGS)
@@ -53,9 +54,10 @@ class CampaignCommand(Command):
         return Answer(
             screen=lambda: _screen(result, conventions),
             data=lambda: campaign_json(result),
-            csv=lambda: [("", result.verdict_table())],
+            csv=lambda: _csv(result, conventions),
             files=[(self.report, lambda file: self._write_report(result, file))],
             figures=lambda plot: _figures(plot, result, conventions),
+            exit_code=1 if result.fails else 0,
         )
 
     def _result(self) -> CampaignResult:
@@ -68,6 +70,9 @@ class CampaignCommand(Command):
             result = run_campaign(
                 campaign, self.folder, progress=lambda words, done, total: show("records", done, total, words)
             )
+        for one in result.findings:
+            if one.consequence:
+                message("error" if one.consequence == "fails" else "warning", one.remark)
         for verdict in () if result.fit is None else result.fit.verdicts:
             message("warning", verdict)
         return result
@@ -88,13 +93,19 @@ class CampaignCommand(Command):
             write(report, Path(file))
 
 
+def _csv(result: CampaignResult, conventions: Conventions) -> list[tuple[str, Table]]:
+    """Verdicts on orders, and the lines of the frequency responses, each where the campaign has them."""
+    found = [("orders", result.verdict_table())] if result.campaign.of_orders else []
+    return found + ([("responses", result.response_lines(conventions))] if result.campaign.of_responses else [])
+
+
 def _screen(result: CampaignResult, conventions: Conventions) -> Iterator[Table | str]:
-    yield result.table()
-    for table in result.comparisons(conventions):
-        yield ""
-        yield table
+    firsts = [result.table()] if result.campaign.of_orders else []
+    firsts += [*result.comparisons(conventions), *([result.response_table()] if result.campaign.of_responses else [])]
+    yield from separated_by_lines(firsts)
     tables: Iterable[Table | None] = (
         result.repeatability() if result.spreads else None,
+        result.response_repeatability() if result.response_spreads else None,
         None if result.fit is None else result.fit.table(),
         None if result.ranking is None else result.ranking.table(),
     )
@@ -110,6 +121,12 @@ def _figures(plot: ModuleType, result: CampaignResult, conventions: Conventions)
         if found.calculated is not None and tests:
             title = f"{result.campaign.title}: {name}"
             yield name, plot.order_overlay(found.calculated, tests, conventions=conventions, title=title)
+    for name, one in result.responses.items():
+        for test, model in one.pairs():
+            yield (
+                f"{name}_{test.outputs[0].name}",
+                plot.comparison(test, model, conventions=conventions, title=f"{result.campaign.title}: {name}"),
+            )
     if result.fit is not None:
         yield "fit", plot.fit(result.fit, conventions=conventions)
 

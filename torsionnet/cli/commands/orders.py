@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from torsionnet.response.order_comparison import MeasuredOrder
     from torsionnet.response.order_response import OrderResponse
     from torsionnet.response.table import Table
+    from torsionnet.solve.running.swept_comparison import SweptComparison
 
     Tests: TypeAlias = dict[str, tuple[MeasuredOrder, ...]]
 
@@ -82,24 +83,23 @@ class OrdersCommand(ModelCommand):
         cases = self.cases()
         found = self.each("orders", cases, self._run)
         tests = self._tests(cases[0], found[0]) if self.measured else {}
-        swept, remarks = self._swept(cases[0], found[0]) if self.measured else ({}, ())
+        fast = self._swept(cases[0], found[0])
         return Answer(
-            screen=lambda: (
-                self._compared(found[0], tests, swept, remarks, conventions) if tests else _shown(found, conventions)
-            ),
+            screen=lambda: self._compared(found[0], tests, fast, conventions) if tests else _shown(found, conventions),
             data=lambda: [
-                orders_record(run, case.configuration, tests, swept) for case, run in zip(cases, found, strict=True)
+                orders_record(run, case.configuration, tests, fast.orders)
+                for case, run in zip(cases, found, strict=True)
             ],
             csv=lambda: [("", self.combined_table(cases, [run.long_table() for run in found]))],
             figures=lambda plot: [
                 (case.configuration + ending, figure)
                 for case, run in zip(cases, found, strict=True)
-                for ending, figure in self._pictures(plot, run, tests, swept, conventions)
+                for ending, figure in self._pictures(plot, run, tests, fast.orders, conventions)
             ],
         )
 
     def _pictures(
-        self, plot: ModuleType, run: OrderResponse, tests: Tests, swept: Tests, conventions: Any
+        self, plot: ModuleType, run: OrderResponse, tests: Tests, swept: Mapping[str, Any], conventions: Any
     ) -> Iterator[tuple[str, Figure]]:
         """Endings of file names, and figures of the vibration over speed.
 
@@ -125,40 +125,28 @@ class OrdersCommand(ModelCommand):
 
         return {channel.name: read_orders(str(self.measured), channel, case.configuration) for channel in run.outputs}
 
-    def _swept(self, case: ConfiguredCase, run: OrderResponse) -> tuple[Tests, tuple[str, ...]]:
-        """Orders of the model along the speed over time of a run-up too fast for steady peaks, and remarks on it.
-
-        None where the file has no times, no peak loses anything, or alternatives leave the model without one phase.
-        """
+    def _swept(self, case: ConfiguredCase, run: OrderResponse) -> SweptComparison:
+        """Orders of the model along the speed over time of a run-up too fast for steady peaks, and remarks on it."""
         from torsionnet.io.order_tables import tracked_channel
         from torsionnet.io.tracked_order_tables import is_tracked_table
-        from torsionnet.response.measured.calculated_order import largest_amplitudes
-        from torsionnet.response.measured.sweep_loss import sweep_remarks
-        from torsionnet.solve.running.swept_orders import swept_orders
+        from torsionnet.solve.running.swept_comparison import SweptComparison, swept_comparison
 
-        if not is_tracked_table(str(self.measured)):
-            return {}, ()
-        tracked = tracked_channel(str(self.measured), run.outputs[0])
-        remarks = sweep_remarks(tracked.times, tracked.speeds, tracked.orders.tolist(), case.drivetrain.modes())
-        if not remarks or largest_amplitudes(run, range(len(run.lines)), 0) is not None:
-            return {}, remarks
+        if not self.measured or not is_tracked_table(self.measured):
+            return SweptComparison()
+        tracked = tracked_channel(self.measured, run.outputs[0])
         outputs = referred_outputs(self.outputs, self.referred_to)
-        try:
-            found = swept_orders(case.drivetrain, outputs, tracked, self.excitations or None)
-        except UsageError as error:
-            return {}, (*remarks, f"compared with steady peaks: {error}")
-        return {channel.name: one.measured() for channel, one in zip(run.outputs, found, strict=True)}, remarks
+        return swept_comparison(case.drivetrain, run, outputs, tracked, self.excitations or None)
 
     def _compared(
-        self, run: OrderResponse, tests: Tests, swept: Tests, remarks: tuple[str, ...], conventions: Any
+        self, run: OrderResponse, tests: Tests, fast: SweptComparison, conventions: Any
     ) -> Iterator[Table | str]:
         """Yield tables of measured and calculated orders, and remarks on a run-up too fast for the steady response."""
         from torsionnet.response.order_comparison import order_comparison
 
         for number, (name, measured) in enumerate(tests.items()):
             yield from [""] if number else []
-            yield order_comparison(run, name, measured, conventions, swept.get(name, ()))
-        yield from remarks
+            yield order_comparison(run, name, measured, conventions, fast.orders.get(name, ()))
+        yield from fast.remarks
 
     def _run(self, case: ConfiguredCase) -> OrderResponse:
         return case.drivetrain.order_response(

@@ -13,7 +13,7 @@ from torsionnet.cli.command import TABLE, Answer, Command, click_command
 from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.options import ANGLE, EntryOption, PairOption, file_option
 from torsionnet.cli.pulse_options import NamedWheel, PulseOptions, TeethOption
-from torsionnet.core.errors import UsageError
+from torsionnet.core.errors import UsageError, did_you_mean
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -216,11 +216,16 @@ class TrackCommand(Command):
         advance: Callable[[float], None],
     ) -> MeanRotation:
         from torsionnet.cli.records import load_record
+        from torsionnet.io.recording_files import channel_names
         from torsionnet.signals.orders.mean_rotation import mean_rotation
 
         pulses = rotations.get(name) or once.get(name)
         if pulses is not None:
             return mean_rotation(pulses, cycle=self.cycle)
+        if rotations and name not in (there := channel_names(self.record)):
+            hint = did_you_mean(name, [*rotations, *there])
+            wheels, channels = ", ".join(rotations), ", ".join(there)
+            raise UsageError(f"no wheel or channel is named {name}{hint}; wheels: {wheels}; channels: {channels}")
         return mean_rotation(
             load_record(self.record, self.reading, [name], 0.0, advance), name, cycle=self.cycle
         )  # fmt: skip

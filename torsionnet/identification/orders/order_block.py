@@ -15,7 +15,6 @@ from torsionnet.identification.orders.order_lines import OrderLines, order_lines
 from torsionnet.identification.orders.parametric_orders import (
     ParametricOrders,
     excited_orders,
-    parametric_orders,
 )
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
@@ -29,7 +28,6 @@ from torsionnet.response.measured.tracked_orders import TrackedOrders
 class OrderBlock(MeasurementBlock):
     """Weighted residuals of complex orders, or of their amplitudes where the test has no phases."""
 
-    response: ParametricOrders
     lines: OrderLines
     noise: FloatArray = field(init=False)
     """Variance of real and of imaginary part of each line, SI, (n_lines,)."""
@@ -173,12 +171,13 @@ def order_block(rig: AssembledModel, measurement: Measurement, parameters: tuple
     try:
         lines = order_lines(measurement, excited_orders(rig, measurement.speed_of))
         response = _response(rig, measurement, lines, parameters)
+        unit = response.unit
     except UsageError as error:
         label = measurement.label
         raise UsageError(str(error) if str(error).startswith(f"{label}") else f"{label}: {error}") from None
     data = measurement.data
-    if isinstance(data, TrackedOrders) and data.unit and data.unit != response.unit:
-        text = f"{measurement.output} is in {data.unit} in the data, in {response.unit} in the model"
+    if isinstance(data, TrackedOrders) and data.unit and data.unit != unit:
+        text = f"{measurement.output} is in {data.unit} in the data, in {unit} in the model"
         raise UsageError(f"{measurement.label}: {text}")
     return OrderBlock(measurement, response, lines, form=form if lines.has_phase else "magnitude")
 
@@ -187,4 +186,4 @@ def _response(
     rig: AssembledModel, measurement: Measurement, lines: OrderLines, parameters: tuple[str, ...]
 ) -> ParametricOrders:
     output = measurement.model_output or measurement.output
-    return parametric_orders(rig, output, lines.orders, lines.speeds, parameters, measurement.speed_of)
+    return ParametricOrders.of(rig, output, lines.orders, lines.speeds, parameters, measurement.speed_of)

@@ -84,16 +84,33 @@ class _Pairs:
         Index of the measured line.
     speed, line : (n,) int arrays
         Indices of its speed and of the model's line.
+    hertz : (n,) array
+        Frequency in Hz, below 0 for a vibration that runs backwards in phase.
     """
 
     measured: NDArray[np.intp]
     speed: NDArray[np.intp]
     line: NDArray[np.intp]
+    hertz: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
 class ParametricOrders:
-    """Complex order amplitudes of an output at measured orders and speeds, as functions of unknowns, in SI.
+    """Complex order amplitudes at measured orders and speeds, as functions of unknowns, in SI units.
+
+    Attributes
+    ----------
+    drivetrain : AssembledModel
+        In one configuration, with excitations.
+    names : tuple of str
+        Unknowns: parameters, fields of elements, numbers of excitations.
+    outputs : tuple of str or Sensor
+    orders, speeds : (n_lines,) arrays
+        Vibrations per revolution of the reference shaft, and its speed in rad/s.
+    output_of : (n_lines,) int array
+        Index of the output of each line.
+    speed_of : str
+        Node of the reference shaft, empty for that of the model.
 
     Examples
     --------
@@ -107,34 +124,73 @@ class ParametricOrders:
 
     drivetrain: AssembledModel
     names: tuple[str, ...]
+    outputs: tuple[str | Sensor, ...]
     orders: FloatArray
     speeds: FloatArray
-    numbers: Mapping[str, ExcitationNumber]
-    speed_of: str
-    unit: str
-    _request: OrderRequest
-    _pairs: _Pairs
-    _signs: NDArray[np.bool_]
-    """Pairs whose vibration runs backwards in phase, (n_pairs,)."""
-    _responses: tuple[tuple[ParametricResponse, NDArray[np.intp], NDArray[np.intp]], ...]
-    """Receptances, the pairs that they belong to, and the frequency of each of these."""
+    output_of: NDArray[np.intp]
+    speed_of: str = ""
+    _last: _Last[Evaluation] = field(default_factory=_Last)
     _last_loads: _Last[tuple[ComplexArray, dict[str, ComplexArray]]] = field(default_factory=_Last)
     _last_gains: _Last[tuple[ComplexArray, ComplexArray]] = field(default_factory=_Last)
+
+    @classmethod
+    def of(
+        cls,
+        drivetrain: AssembledModel,
+        output: str | Sensor,
+        orders: FloatArray,
+        speeds: FloatArray,
+        names: Sequence[str],
+        speed_of: str = "",
+    ) -> ParametricOrders:
+        """Orders of one output as by :func:`parametric_orders`, whose faults come out when they are first asked for."""
+        return cls(drivetrain, tuple(names), (output,), orders, speeds, np.zeros(len(orders), dtype=np.intp), speed_of)
 
     @property
     def frequencies(self) -> FloatArray:
         """Frequency in Hz of each measured line, order times speed, shape (n_lines,)."""
         return np.asarray(self.orders * self.speeds / (2 * np.pi))
 
+    @property
+    def unit(self) -> str:
+        """SI unit of the amplitudes of the first output."""
+        return self.units[0]
+
+    @cached_property
+    def units(self) -> tuple[str, ...]:
+        """SI unit of the amplitudes of each output."""
+        return tuple(one.unit for one in self._responses[0][0].request.outputs)
+
     @cached_property
     def start(self) -> FloatArray:
         """Values (n,) of the unknowns in the model as given, in SI units."""
         of_model = dict(zip(self._structural, self._responses[0][0].start.tolist(), strict=True))
-        return np.array([of_model[name] if name in of_model else self.numbers[name].value for name in self.names])
+        return np.array([of_model[name] if name in of_model else self._numbers[name].value for name in self.names])
+
+    @cached_property
+    def _numbers(self) -> dict[str, ExcitationNumber]:
+        return numbers_of_excitations(self.drivetrain, self.names)
 
     @cached_property
     def _structural(self) -> tuple[str, ...]:
-        return tuple(name for name in self.names if name not in self.numbers)
+        return tuple(name for name in self.names if name not in self._numbers)
+
+    @cached_property
+    def _request(self) -> OrderRequest:
+        request = OrderRequest.of(self.drivetrain, np.unique(self.speeds), self.speed_of or None)
+        idle = [one.excitation for one in self._numbers.values() if one.excitation not in request.excitations]
+        if idle:
+            raise UsageError(f"{comma_list(dict.fromkeys(idle))} is switched off in this configuration; leave it out")
+        return request
+
+    @cached_property
+    def _pairs(self) -> _Pairs:
+        return _pairs_of(self._request, self.orders, np.searchsorted(self._request.speeds, self.speeds))
+
+    @cached_property
+    def _responses(self) -> tuple[tuple[ParametricResponse, NDArray[np.intp], NDArray[np.intp]], ...]:
+        """Receptances, the pairs that they belong to, and the frequency of each of these."""
+        return tuple(_responses(self._request, self.outputs, self._pairs, self._structural))
 
     def at(self, values: Sequence[float] | FloatArray) -> Evaluation:
         """Amplitudes (n_lines, 1, 1) and derivatives (n_lines, 1, 1, n), in SI units, at values (n,) of the unknowns.
@@ -144,14 +200,17 @@ class ParametricOrders:
         SolveError
             They are not finite there.
         """
-        given = dict(zip(self.names, map(float, values), strict=True))
+        numbers = tuple(map(float, values))
+        return self._last.at(numbers, lambda: self._evaluated(dict(zip(self.names, numbers, strict=True))))
+
+    def _evaluated(self, given: Mapping[str, float]) -> Evaluation:
         gains, slopes = self._gains([given[name] for name in self._structural])
-        loads, load_slopes = self._loads_and_slopes({name: given[name] for name in self.numbers})
+        loads, load_slopes = self._loads_and_slopes({name: given[name] for name in self._numbers})
         found = np.zeros(len(self.orders), dtype=complex)
         jacobian = np.zeros((len(self.orders), len(self.names)), dtype=complex)
         np.add.at(found, self._pairs.measured, (gains * loads).sum(axis=1))
         for place, name in enumerate(self.names):
-            if name in self.numbers:
+            if name in self._numbers:
                 moved = gains * load_slopes[name]
             else:
                 moved = slopes[:, :, self._structural.index(name)] * loads
@@ -169,8 +228,9 @@ class ParametricOrders:
         slopes = np.zeros((count, len(first.loads), len(values)), dtype=complex)
         for response, pairs, frequency in self._responses:
             found = response.at(values)
-            gains[pairs], slopes[pairs] = found.values[frequency, 0], found.jacobian[frequency, 0]
-        backward = self._signs
+            output = self.output_of[self._pairs.measured[pairs]]
+            gains[pairs], slopes[pairs] = found.values[frequency, output], found.jacobian[frequency, output]
+        backward = self._pairs.hertz < 0
         gains[backward], slopes[backward] = gains[backward].conj(), slopes[backward].conj()
         return gains, slopes
 
@@ -186,13 +246,13 @@ class ParametricOrders:
         """Complex torques or motions (n_pairs, n_inputs) with these numbers of the excitations."""
         changed = dict(self._request.excitations)
         for name, value in numbers.items():
-            number = self.numbers[name]
+            number = self._numbers[name]
             changed[number.excitation] = with_number(changed[number.excitation], number, value)
         found = replace(self._request, excitations=changed).loads(self._request.speeds)
         return np.asarray(found.loads[self._pairs.speed, self._pairs.line])
 
     def _load_slopes(self, name: str, numbers: Mapping[str, float]) -> ComplexArray:
-        number = self.numbers[name]
+        number = self._numbers[name]
         step = DIFFERENCE_STEP * (abs(numbers[name]) or USUAL_SIZES.get(number.dimension, 1.0))
         ends = [self._loads({**numbers, name: numbers[name] + sign * step}) for sign in (1, -1)]
         return np.asarray((ends[0] - ends[1]) / (2 * step))
@@ -227,19 +287,9 @@ def parametric_orders(
     UsageError
         An unknown name, an order that the model does not excite, or excitations whose orders are no single condition.
     """
-    numbers = numbers_of_excitations(drivetrain, names)
-    at, place = np.unique(speeds, return_inverse=True)
-    request = OrderRequest.of(drivetrain, at, speed_of or None)
-    idle = [one.excitation for one in numbers.values() if one.excitation not in request.excitations]
-    if idle:
-        raise UsageError(f"{comma_list(dict.fromkeys(idle))} is switched off in this configuration; leave it out")
-    pairs, hertz = _pairs_of(request, orders, place.ravel())
-    structural = tuple(name for name in names if name not in numbers)
-    responses = tuple(_responses(request, output, pairs, np.abs(hertz), structural))
-    unit = responses[0][0].request.outputs[0].unit
-    return ParametricOrders(
-        drivetrain, tuple(names), orders, speeds, numbers, speed_of, unit, request, pairs, hertz < 0, responses
-    )
+    found = ParametricOrders.of(drivetrain, output, orders, speeds, names, speed_of)
+    assert len(found.start) == len(names)
+    return found
 
 
 def excited_orders(drivetrain: AssembledModel, speed_of: str = "") -> tuple[float, ...]:
@@ -260,8 +310,8 @@ def same_order(first: float, second: float) -> bool:
     return bool(abs(first - second) <= SAME_ORDER_DIFFERENCE * max(abs(first), abs(second)))
 
 
-def _pairs_of(request: OrderRequest, orders: FloatArray, speed: NDArray[np.intp]) -> tuple[_Pairs, FloatArray]:
-    """Pairs of measured and model lines, and the frequency of each pair in Hz (n_pairs,)."""
+def _pairs_of(request: OrderRequest, orders: FloatArray, speed: NDArray[np.intp]) -> _Pairs:
+    """Pairs of measured and model lines with their frequencies."""
     loads = request.loads(request.speeds)
     several = [one.name for one in loads.by_excitation if one.torques.alternatives is not None]
     if several:
@@ -278,11 +328,11 @@ def _pairs_of(request: OrderRequest, orders: FloatArray, speed: NDArray[np.intp]
             raise UsageError(f"the model does not excite order {order:g}; its orders are {known}")
         parts += [(int(one), int(speed[one]), line) for one in np.flatnonzero(orders == order) for line in lines]
     measured, at, line = np.array(parts, dtype=np.intp).T
-    return _Pairs(measured, at, line), np.asarray(loads.hertz[at, line])
+    return _Pairs(measured, at, line, np.asarray(loads.hertz[at, line]))
 
 
 def _responses(
-    request: OrderRequest, output: str | Sensor, pairs: _Pairs, hertz: FloatArray, structural: tuple[str, ...]
+    request: OrderRequest, outputs: Sequence[str | Sensor], pairs: _Pairs, structural: tuple[str, ...]
 ) -> list[tuple[ParametricResponse, NDArray[np.intp], NDArray[np.intp]]]:
     rig, found = request.drivetrain, []
     inputs: list[Any] = list(request.loads(request.speeds[:1]).inputs)
@@ -294,6 +344,6 @@ def _responses(
     for one, places in drivetrains_at_speeds(rig, request.reference, request.speeds, settled):
         mine = np.flatnonzero(np.isin(pairs.speed, places))
         if len(mine):
-            frequencies, where = np.unique(hertz[mine], return_inverse=True)
-            found.append((parametric_response(one, output, inputs, frequencies, structural), mine, where.ravel()))
+            frequencies, where = np.unique(np.abs(pairs.hertz[mine]), return_inverse=True)
+            found.append((parametric_response(one, outputs, inputs, frequencies, structural), mine, where.ravel()))
     return found

@@ -35,16 +35,15 @@ UNSTATED_UNIT = "1"
 
 
 def make_block(
-    model: AssembledModel, measurement: Measurement, parameters: tuple[str, ...], form: Form
+    rig: AssembledModel, measurement: Measurement, parameters: tuple[str, ...], form: Form
 ) -> MeasurementBlock:
-    """Weighted residuals between a model and one measurement, ready for a fit.
+    """Weighted residuals between a model, configured as for the test, and one measurement, ready for a fit.
 
     Raises
     ------
     UsageError
         Names that model or data lack, unlike units, no line in the band, or a record that takes too much memory.
     """
-    rig = model.configured(measurement.configuration) if measurement.configuration else model
     data = measurement.data
     if isinstance(data, Recording):
         return _of_record(rig, measurement, data, parameters_of_drivetrain(rig, parameters), form)

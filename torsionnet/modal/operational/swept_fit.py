@@ -119,11 +119,10 @@ def _notes(fit: RunUpFit, windows: PassageWindows, excitation: Excitation, deriv
     if rate > FAST_SWEEP * (zeta * f0) ** 2:
         read = steady_reading(np.abs(sweep.speed) / (2 * np.pi), np.abs(swept_response(pole, sweep, derivative)))
         steady = 1 / (2 * zeta * np.sqrt(1 - zeta**2)) * abs(pole) ** derivative
-        steady *= sweep.excitation[passed]
-        low = read.peak / steady - 1
+        peak = _share_apart(read.peak / (steady * sweep.excitation[passed]))
         found.append(
             f"the order passes {f0:.4g} Hz at {rate:.3g} Hz/s: peak and half power, read as of a steady response, "
-            f"would give {read.frequency:.4g} Hz, damping ratio {read.damping_ratio:.3g} and a peak {low:+.0%}"
+            f"would give {read.frequency:.4g} Hz, damping ratio {read.damping_ratio:.3g} and a peak {peak}"
         )
     if fit.misfit > GREAT_MISFIT:
         found.append(
@@ -133,6 +132,11 @@ def _notes(fit: RunUpFit, windows: PassageWindows, excitation: Excitation, deriv
     if windows.amplitudes_only:
         found.append("amplitudes alone are fitted, phases are not known")
     return found
+
+
+def _share_apart(ratio: float) -> str:
+    share = round(100 * abs(ratio - 1))
+    return f"{share} % too {'low' if ratio < 1 else 'high'}" if share else "of the right height"
 
 
 def _remarks(windows: PassageWindows, f: float, zeta: float, error: float) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from torsionnet.core.entries.composite import Named, Nested
 from torsionnet.core.entries.declared import Declared
@@ -13,11 +13,16 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import MODEL_NAME, Count, Flag, OneOf, Text
 from torsionnet.core.errors import Fault
+from torsionnet.model.campaign.campaign_checks import CampaignChecks
+from torsionnet.model.campaign.campaign_responses import CampaignResponses
 from torsionnet.model.fit.fit_entries import FitParameter, ParameterTable
+from torsionnet.model.report.report_plan import ReportPlan
 from torsionnet.signals.orders.tracking_entries import BANDWIDTH, ORDERS, OrderList
 from torsionnet.signals.orders.vold_kalman import VoldKalman
 from torsionnet.signals.rotation.wheel_channel import WheelChannel
 
+SHOWS = ("orders", "responses")
+"""Names of what a record shows: orders of a turning machine, or frequency responses of a rig that is shaken."""
 METHODS = ("average", "vold-kalman")
 """Ways to track orders: synchronous averages over cycles, or Vold-Kalman filters."""
 _OWN_ORDERS = OrderList("orders tracked of it, instead of those of all")
@@ -85,6 +90,9 @@ class CampaignRecord(Declared):
     temperature: float | None = entry(
         Value("temperature of the oil or the elastic parts, for the tables", "temperature", lower=None), None
     )
+    shows: str | None = entry(
+        OneOf("orders or frequency responses, where the campaign has both; by default both", SHOWS), None
+    )
     start: float | None = entry(Value("time from which the record counts", "time", lower=None), None)
     stop: float | None = entry(Value("time up to which the record counts", "time", lower=None), None)
 
@@ -139,7 +147,7 @@ class CampaignOrders(Declared):
 
 @dataclass(frozen=True, kw_only=True)
 class CampaignFit(Declared):
-    """Parameters that are found from the orders of all records together."""
+    """Parameters that are found from the orders and responses of all records together."""
 
     kind: ClassVar[str] = "campaign fit"
     article: ClassVar[str] = "the section fit"
@@ -174,10 +182,10 @@ class CampaignFile(Declared):
     )
     wheels: Mapping[str, CampaignWheel] = entry(
         Named(
-            "toothed wheels, by the name of their channel",
+            "toothed wheels, by the name of their channel; orders need one",
             Nested("a wheel", lambda: CampaignWheel, "campaign_wheel"),
-            fewest=1,
-        )
+        ),
+        None,
     )
     reference: str = entry(Text("wheel of the shaft whose revolutions orders count; by default the only one"), "")
     phase: CampaignPhase | None = entry(Nested("what phases count from", lambda: CampaignPhase, "campaign_phase"), None)
@@ -194,10 +202,31 @@ class CampaignFile(Declared):
             fewest=1,
         )
     )
-    orders: CampaignOrders = entry(
-        Nested("orders that are tracked", lambda: CampaignOrders, "campaign_orders", shorthand="tracked")
+    orders: CampaignOrders | None = entry(
+        Nested("orders that are tracked", lambda: CampaignOrders, "campaign_orders", shorthand="tracked"), None
+    )
+    responses: CampaignResponses | None = entry(
+        Nested("frequency responses that are estimated", lambda: CampaignResponses, "campaign_responses"), None
+    )
+    checks: CampaignChecks | None = entry(
+        Nested("when a record is left out, or the command fails", lambda: CampaignChecks, "campaign_checks"), None
     )
     fit: CampaignFit | None = entry(Nested("parameters that are found", lambda: CampaignFit, "campaign_fit"), None)
+    report: ReportPlan | None = entry(
+        Nested("the report, where it differs from that of the model", lambda: ReportPlan, "report", optional=True),
+        None,
+    )
+
+    @classmethod
+    def key_faults(cls, raw: Mapping[Any, Any], name: str = "") -> list[Fault]:
+        """Faults of missing or unknown keys; a campaign has orders, which need wheels, or responses."""
+        found = super().key_faults(raw, name)
+        if not {"orders", "responses"} & set(raw):
+            text = "a campaign needs orders, of turning machines, or responses, of a rig that is shaken or hammered"
+            found.append(Fault(text, on_key=True, kind="missing key", about="orders"))
+        if "orders" in raw and not raw.get("wheels"):
+            found.append(cls.missing("wheels", name))
+        return found
 
 
 def tracked_entries(plan: CampaignFile) -> dict[str, CampaignChannel | CampaignWheel | CampaignTwist]:

@@ -29,7 +29,7 @@ def check_report(plan: ReportPlan, definition: Definition, path: Path = ("report
     faults = [
         fault.under("transfer_functions", index)
         for index, pair in enumerate(plan.transfer_functions)
-        for fault in _pair(pair, definition)
+        for fault in pair_faults(pair, definition)
     ]
     faults += _over_speed("orders", plan.orders, definition)
     faults += _over_speed("measure", plan.measure, definition)
@@ -38,7 +38,8 @@ def check_report(plan: ReportPlan, definition: Definition, path: Path = ("report
     return [fault.under(*path) for fault in faults]
 
 
-def _pair(pair: Pair, definition: Definition) -> Iterator[Fault]:
+def pair_faults(pair: Pair, definition: Definition) -> Iterator[Fault]:
+    """Yield the faults of a pair of output and input that a model does not have; ``about`` is the name."""
     nodes = {node for element in definition.elements.values() for node in element.ports.values()}
     known = {
         "sensor or node": (pair.output, [*definition.sensors, *nodes]),

@@ -37,7 +37,7 @@ def _test(subject: ReportData, test: Measured, number: int) -> list[Block]:
     from torsionnet.plot.comparison import comparison
 
     case, measured = _case(subject, test), test.response
-    model = calculated(case, measured)
+    model = calculated(case, measured, test.excitation)
     shown = subject.conventions
     where = f", configuration {case.configuration}" if case.configuration else ""
     pair = f"{channel_latex(measured.outputs[0].name)} / {channel_latex(measured.inputs[0].name)}"
@@ -53,10 +53,10 @@ def _test(subject: ReportData, test: Measured, number: int) -> list[Block]:
     ]
 
 
-def calculated(case: Case, measured: FrequencyResponse) -> FrequencyResponse:
+def calculated(case: Case, measured: FrequencyResponse, excitation: str | None = None) -> FrequencyResponse:
     """Response of the model at the frequencies of a test, under the test's names of output and input."""
     output, into = measured.outputs[0].name, measured.inputs[0].name
-    found = case.drivetrain.frequency_response(output, into, measured.frequencies)
+    found = case.drivetrain.frequency_response(output, into, measured.frequencies, excitation=excitation)
     return replace(found, outputs=_renamed(found, measured, "outputs"), inputs=_renamed(found, measured, "inputs"))
 
 

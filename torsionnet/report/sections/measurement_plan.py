@@ -12,13 +12,14 @@ import numpy as np
 from torsionnet.core.errors import UsageError
 from torsionnet.core.number_text import NumberText, aligned_numbers
 from torsionnet.core.units import RPM
+from torsionnet.io.order_tables import tracked_channel
 from torsionnet.io.tracked_order_tables import is_tracked_table, read_tracked_orders
 from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.round_section import section_fault
 from torsionnet.report.cylinders_out import governing_misfire
 from torsionnet.report.document_tree import Block, Cell, Heading, Paragraph, Picture, Section, TableBlock
 from torsionnet.report.engineering_units import engineering_unit
-from torsionnet.report.measured_orders import MeasuredFile, read_measured
+from torsionnet.report.measured_orders import MeasuredFile, PlaceTest, read_measured
 from torsionnet.report.measured_tables import measured_order_tables, measured_range_block
 from torsionnet.report.measurement_places import (
     MeasuringPlace,
@@ -47,6 +48,7 @@ from torsionnet.response.planned_amplitudes import (
 )
 from torsionnet.response.worst_response import WorstResponse
 from torsionnet.solve.running.measured_ranges import measured_ranges
+from torsionnet.solve.running.swept_comparison import swept_comparison
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -75,6 +77,11 @@ DAMPING_NOTE = (
     "amplitude at a fixed speed changes much more than the peak itself."
 )
 """Note below tables that compare measured peaks."""
+RUN_UP_NOTE = (
+    "A fast run-up does not reach the peaks of steady speed. Expected amplitudes, limits and calculated half ranges "
+    "are those of steady speed."
+)
+"""Note below tables that compare the orders of a run-up too fast for steady peaks."""
 
 
 def measurement_plan_section(subject: ReportData) -> Section | None:
@@ -105,21 +112,34 @@ def _of_condition(
     blocks: list[Block] = []
     runs = {place: run for place in places if (run := _run(case, place)) is not None}
     channels = [run.outputs[0] for run in runs.values()]
-    tests: dict[str, tuple[MeasuredOrder, ...]] = {}
+    tests: dict[str, list[PlaceTest]] = {}
     for file in files:
         for name, orders in read_measured(file, channels, case.configuration).items():
-            tests[name] = tests.get(name, ()) + within_calculated(file, runs, name, orders)
+            run = next(run for run in runs.values() if run.outputs[0].name == name)
+            tests.setdefault(name, []).append(_test(case, run, file, within_calculated(file, run, name, orders)))
     reference = ""
     for place, run in runs.items():
         reference, name = run.reference, run.outputs[0].name
         speeds = merged_speeds([*critical_peaks(run), *_fixed_speeds(subject, case, run)])
         at = _at(case, place, speeds, run.reference)
-        blocks.append(_table(subject, case, place, at, speeds, tests.get(name, ())))
+        measured = [order for one in tests.get(name, ()) for order in one.orders]
+        blocks.append(_table(subject, case, place, at, speeds, measured))
         if name in tests:
             words = f"{place.means}{_where(case)}"
             blocks += measured_order_tables(run, name, tests[name], subject.conventions, words)
             blocks.append(Paragraph((DAMPING_NOTE,)))
+            if any(one.remarks for one in tests[name]):
+                blocks.append(Paragraph((RUN_UP_NOTE,)))
     return reference, [*blocks, *_beside_limits(subject, case, files)]
+
+
+def _test(case: Case, run: OrderResponse, file: MeasuredFile, orders: tuple[MeasuredOrder, ...]) -> PlaceTest:
+    """Measured orders at a place, with those of the model along the speed over time if the run-up was a fast one."""
+    if not is_tracked_table(file.path):
+        return PlaceTest(orders)
+    channel = run.outputs[0]
+    found = swept_comparison(case.drivetrain, run, [channel.name], tracked_channel(file.path, channel))
+    return PlaceTest(orders, found.orders.get(channel.name, ()), found.remarks)
 
 
 def _beside_limits(subject: ReportData, case: Case, files: Sequence[MeasuredFile]) -> list[Block]:

@@ -74,12 +74,13 @@ class AveragedBlock:
     Attributes
     ----------
     values : (n_signals, n_orders) complex array
+        NaN where a signal dropped out for so long that too few estimates are left.
     scatter : (n_signals, n_orders) array
         Sum over the estimates of |estimate - straight line|^2.
     next_scatter : (n_signals, n_orders) array
         Real part of the sum of the products of that difference with that of the next estimate.
-    count : int
-        Estimates, one fewer than cycles.
+    count : (n_signals,) int array
+        Estimates, one fewer than cycles; fewer where a signal dropped out.
     half_range : (n_signals,) array
         (max - min)/2 of the wave averaged over the cycles.
     """
@@ -87,7 +88,7 @@ class AveragedBlock:
     values: ComplexArray
     scatter: FloatArray
     next_scatter: FloatArray
-    count: int
+    count: NDArray[np.intp]
     half_range: FloatArray
 
 
@@ -99,6 +100,7 @@ def averaged_blocks(
     per_cycle: Callable[[float], int],
     transmitted: Callable[[float], FloatArray],
     zero: float,
+    lost: Callable[[FloatArray], NDArray[np.bool_]] | None = None,
 ) -> Iterator[AveragedBlock]:
     """Yield the orders of each block of whole cycles.
 
@@ -117,6 +119,9 @@ def averaged_blocks(
         Share of each order that the interpolation between samples keeps, by the mean speed in rad/s.
     zero : float
         Mean angle of rotation, rad, that counts as 0.
+    lost : callable, optional
+        Whether each signal dropped out in each of the cycles with these ends, (n_signals, n_cycles): these are left
+        out.
     """
     turn = 2 * np.pi * mean.cycle
     places = np.rint(orders * mean.cycle).astype(np.intp)
@@ -126,37 +131,64 @@ def averaged_blocks(
         first = mean.angles[begin] + turn * np.arange(cycles * count) / count
         last = min(first[-1], mean.angles[-1])
         waves = read(mean.times_at(np.minimum(first, last)))
-        waves = without_drift(waves.reshape(len(waves), cycles, count))
+        waves = waves.reshape(len(waves), cycles, count)
+        whole = np.ones(waves.shape[:2], dtype=bool) if lost is None else ~lost(bounds)
+        waves = without_drift(waves, whole)
         turned = np.exp(-1j * orders * (mean.angles[begin] - zero)) / transmitted(
             (mean.angles[end] - mean.angles[begin]) / (bounds[-1] - bounds[0])
         )
-        yield _averaged(waves, places, turned)
+        yield _averaged(waves, places, turned, whole)
 
 
-def without_drift(waves: FloatArray) -> FloatArray:
-    """Waves (n_signals, n_cycles, n) of cycles without their mean and without the slope of the means, in their unit."""
+def without_drift(waves: FloatArray, whole: NDArray[np.bool_]) -> FloatArray:
+    """Waves (n_signals, n_cycles, n) of cycles without their mean and without the slope of the means, in their unit.
+
+    The means of cycles that are not ``whole``, (n_signals, n_cycles), are taken from their neighbours for the slope.
+    """
     means = waves.mean(axis=2)
-    slopes = np.gradient(means, axis=1) if means.shape[1] > 1 else np.zeros_like(means)
+    courses = means.copy()
+    at = np.arange(means.shape[1])
+    for course, kept in zip(courses, whole, strict=True):
+        if kept.any() and not kept.all():
+            course[~kept] = np.interp(at[~kept], at[kept], course[kept])
+    slopes = np.gradient(courses, axis=1) if means.shape[1] > 1 else np.zeros_like(means)
     ramp = (np.arange(waves.shape[2]) - (waves.shape[2] - 1) / 2) / waves.shape[2]
     return np.asarray(waves - means[:, :, None] - slopes[:, :, None] * ramp)
 
 
-def _averaged(waves: FloatArray, places: NDArray[np.intp], turned: ComplexArray) -> AveragedBlock:
-    size = waves.shape[2]
+def _averaged(
+    waves: FloatArray, places: NDArray[np.intp], turned: ComplexArray, whole: NDArray[np.bool_]
+) -> AveragedBlock:
+    """Orders of signals from the pairs of cycles (n_signals, n_cycles, n) that are whole, NaN where too few are."""
+    size, many = waves.shape[2], waves.shape[1] - 1
     rising = 0.5 - 0.5 * np.cos(np.pi * (np.arange(size) + 0.5) / size)
     pairs = waves[:, :-1] * rising + waves[:, 1:] * rising[::-1]
-    lines = 2 * np.fft.rfft(pairs, axis=2)[:, :, places] / size
-    lines = lines * turned
-    count = lines.shape[1]
-    values = lines.mean(axis=1)
-    rest = lines - values[:, None]
-    if count >= FEWEST_PAIRS:
-        line = np.arange(count) - (count - 1) / 2
-        slope = (rest * line[:, None]).sum(axis=1) / (line**2).sum()
-        rest = rest - slope[:, None] * line[:, None]
-    scatter = (np.abs(rest) ** 2).sum(axis=1)
-    following = (rest[:, 1:] * rest[:, :-1].conj()).real.sum(axis=1)
-    return AveragedBlock(values, scatter, following, count, _half_range(waves.mean(axis=1)))
+    lines = 2 * np.fft.rfft(pairs, axis=2)[:, :, places] / size * turned
+    kept = (whole[:, 1:] & whole[:, :-1])[:, :, None].astype(float)
+    count = kept.sum(axis=1)
+    missed = count[:, 0] < min(FEWEST_PAIRS, many)
+    divisor = np.maximum(count, 1)
+    values = (kept * lines).sum(axis=1) / divisor
+    rest = kept * (lines - values[:, None])
+    if many >= FEWEST_PAIRS:
+        place = np.arange(many)[:, None] - (many - 1) / 2
+        centre = (kept * place).sum(axis=1) / divisor
+        line = kept * (place - centre[:, None])
+        square = np.maximum((line**2).sum(axis=1), 1)
+        slope = (rest * line).sum(axis=1) / square
+        rest = rest - slope[:, None] * line
+        # Where cycles are missing on one side, the mean of the others is that of another speed: the line goes on to the
+        # middle of the block, with the larger variance that it has there.
+        values = values - slope * centre
+        farther = 1 + count * centre**2 / square
+    else:
+        farther = np.ones(count.shape)
+    scatter = (np.abs(rest) ** 2).sum(axis=1) * farther
+    following = (rest[:, 1:] * rest[:, :-1].conj()).real.sum(axis=1) * farther
+    share = whole / np.maximum(whole.sum(axis=1, keepdims=True), 1)
+    half_range = _half_range((share[:, :, None] * waves).sum(axis=1))
+    values[missed], half_range[missed] = np.nan, np.nan
+    return AveragedBlock(values, scatter, following, count[:, 0].astype(np.intp), half_range)
 
 
 def _half_range(waves: FloatArray) -> FloatArray:

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.orders.cycle_average import FEWEST_PAIRS, AveragedBlock
@@ -32,36 +33,33 @@ def half_widths(blocks: Sequence[AveragedBlock]) -> FloatArray:
     """Half widths of the 95 % intervals of real and imaginary part, SI, shape (n_signals, n_orders, n_blocks)."""
     from scipy.stats import t
 
-    counts = np.array([block.count for block in blocks])
+    counts = np.array([block.count for block in blocks])[:, :, None]
     scatter = np.array([block.scatter for block in blocks])
     rho = _correlation(blocks, counts)
-    worth = np.maximum(counts[:, None, None] * (1 - rho) / (1 + rho), 1.0)
+    worth = np.maximum(counts * (1 - rho) / (1 + rho), 1.0)
     freedom = np.maximum(2 * (worth - 2), 1.0)
-    spread = scatter / (2 * np.maximum(counts - 2, 1)[:, None, None])
+    spread = scatter / (2 * np.maximum(counts - 2, 1))
     found = t.ppf(LEVEL, freedom) * np.sqrt(spread / worth)
-    found[counts < FEWEST_PAIRS] = np.nan
+    found = np.where(counts < FEWEST_PAIRS, np.nan, found)
     values = np.array([block.values for block in blocks])
     bend = np.zeros(values.shape)
     if len(blocks) > 2:
-        inner = np.abs(values[2:] - 2 * values[1:-1] + values[:-2]) * BEND_SHARE
+        inner = np.nan_to_num(np.abs(values[2:] - 2 * values[1:-1] + values[:-2])) * BEND_SHARE
         bend = np.concatenate([inner[:1], inner, inner[-1:]])
     return np.asarray(np.moveaxis(np.hypot(found, bend), 0, -1))
 
 
-def _correlation(blocks: Sequence[AveragedBlock], counts: FloatArray) -> FloatArray:
+def _correlation(blocks: Sequence[AveragedBlock], counts: NDArray[np.intp]) -> FloatArray:
     """Correlation of neighbouring estimates, shape (n_signals, n_orders), without that which a straight line leaves."""
     enough = counts >= FEWEST_PAIRS
     if not enough.any():
         return np.full(blocks[0].values.shape, OVERLAP_CORRELATION)
-    total = sum(block.scatter for block, kept in zip(blocks, enough, strict=True) if kept)
-    following = sum(block.next_scatter for block, kept in zip(blocks, enough, strict=True) if kept)
-    left = sum(_left_by_line(int(count)) for count in counts[enough]) / sum(int(count) - 2 for count in counts[enough])
+    total = sum(np.where(kept, block.scatter, 0) for block, kept in zip(blocks, enough, strict=True))
+    following = sum(np.where(kept, block.next_scatter, 0) for block, kept in zip(blocks, enough, strict=True))
+    # White noise of unit variance keeps n - 2 of n squares after a straight line, and -2 (n - 2)/n products of
+    # neighbours.
+    freedom = np.where(enough, counts - 2, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
+        left = np.nan_to_num((-2 * freedom / np.maximum(counts, 1)).sum(axis=0) / freedom.sum(axis=0))
         rho = np.nan_to_num(np.asarray(following / total)) - left
     return np.asarray(np.clip(rho, OVERLAP_CORRELATION, LARGEST_CORRELATION))
-
-
-def _left_by_line(count: int) -> float:
-    """Sum of products of neighbours that white noise of unit variance has after a straight line is taken out."""
-    line = np.arange(count) - (count - 1) / 2
-    return float(-(count - 1) / count - (line[1:] * line[:-1]).sum() / (line**2).sum())

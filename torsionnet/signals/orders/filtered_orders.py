@@ -13,11 +13,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.listing import comma_list
 from torsionnet.response.frequency_response import ComplexArray
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.recording import FloatArray
+from torsionnet.signals.orders.crossing_orders import crossing_notes
 from torsionnet.signals.orders.mean_rotation import MeanRotation
 from torsionnet.signals.orders.phase_reference import PhaseReference
 from torsionnet.signals.orders.tracked_signals import NORMAL_HALF_WIDTH, Tracked, tracked_values
@@ -98,6 +101,7 @@ def _results(
     times: FloatArray, values: ComplexArray, widths: FloatArray,
 ) -> list[list[TrackedOrders]]:  # fmt: skip
     said = f"{settings.words}; intervals from the residual and from the bend of the envelopes"
+    crossing = crossing_notes(shafts, times)
     found, at = [], 0
     for number, (shaft, orders) in enumerate(shafts):
         mine = slice(at, at + len(orders))
@@ -107,16 +111,24 @@ def _results(
         kept = values[:, mine]
         wide = np.hypot(widths[:, mine], one.uncertain(orders)[:, None] if number == 0 else 0.0)
         ranges = half_ranges(kept, orders, shaft.cycle)
-        notes = (*shaft.notes, said, *one.notes)
+        notes = (*shaft.notes, said, *crossing, *one.notes)
         bandwidths = settings.bandwidths(np.outer(orders, speeds / (2 * np.pi))).mean(axis=1)
         related = tuple((settings.related_bandwidths / bandwidths).tolist())
         if number:
             notes = (*notes, f"orders of {shaft.name}")
         found.append([
-            tracked_values(signal, orders, times, speeds, kept[place], wide[place], ranges[place], mark, notes, related)
+            tracked_values(signal, orders, times, speeds, kept[place], wide[place], ranges[place], mark,
+                           (*notes, *_remarks(one, signal.name)), related)
             for place, signal in enumerate(one.signals)
         ])  # fmt: skip
     return found
+
+
+def _remarks(one: Tracked, name: str) -> tuple[str, ...]:
+    """Words on what a signal lost, and on what it lacks as others lost it: all are filtered with the same samples."""
+    others = [signal.name for signal in one.signals if signal.name != name and one.remarks(signal.name)]
+    lacks = (f"samples left out with those that {comma_list(others)} lost, as they are filtered together",)
+    return (*one.remarks(name), *(lacks if others else ()))
 
 
 def half_ranges(values: ComplexArray, orders: FloatArray, cycle: int) -> FloatArray:
@@ -169,10 +181,17 @@ def _segment(
     residual = _Residual.around(filtered, filtered.residual(own, values), phase, knots)
     reach = COEFFICIENTS_PER_BANDWIDTH
     density = _mean_around(residual.power, 5 * reach) / _kept_of_noise(settings.poles)
-    noise_width = np.sqrt(_at(_mean_around(passed, reach) * density, middles, times))
+    noise_width = np.sqrt(_at(np.maximum(_mean_around(passed, reach) * density, 0), middles, times))
     left = _at(residual.left(density), middles, times)
     bias = _largest_around(BIAS_FACTOR * lost + left, VALUES_PER_BANDWIDTH // 2)
+    envelopes[:, :, _without_samples(at, times, float(width.max()))] = np.nan
     return _Part(envelopes, np.hypot(NORMAL_HALF_WIDTH * noise_width, bias))
+
+
+def _without_samples(at: FloatArray, times: FloatArray, bandwidth: float) -> NDArray[np.bool_]:
+    """Whether all samples of the time that each value stands for dropped out, shape (n_times,)."""
+    reach = 0.5 / (VALUES_PER_BANDWIDTH * bandwidth)
+    return np.asarray(np.searchsorted(at, times + reach) == np.searchsorted(at, times - reach))
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,7 +242,10 @@ def _kept_of_noise(poles: int) -> float:
 
 
 def _mean_around(values: FloatArray, reach: int) -> FloatArray:
-    """Mean of values over neighbours on both sides along the last axis, in their unit."""
+    """Mean of values over neighbours on both sides along the last axis, in their unit.
+
+    It is a running sum, whose rounding leaves a little of large values, of either sign, where small ones follow.
+    """
     from scipy.ndimage import uniform_filter1d
 
     return np.asarray(uniform_filter1d(values, 2 * reach + 1, axis=-1, mode="nearest"))

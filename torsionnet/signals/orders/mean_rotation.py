@@ -10,7 +10,7 @@ cycle (a governor that hunts) belongs to the mean rotation.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.orders.cycle_integrals import Cycles, cycles_of
+from torsionnet.signals.pulses import repaired_pulses
 from torsionnet.signals.record_blocks import Recordings, blocks_in_order
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation
 
@@ -94,8 +95,8 @@ def mean_rotation(
     Raises
     ------
     UsageError
-        The record has fewer than two whole cycles, the channel is neither angle nor speed, or the shaft turns
-        backwards.
+        The record has fewer than two whole cycles, the channel is neither angle nor speed, its angle jumps back, pulses
+        cannot be repaired, or the shaft turns backwards.
 
     Examples
     --------
@@ -106,15 +107,21 @@ def mean_rotation(
     >>> mean.speed(np.array([5.0])).round(4), (mean.angle(np.array([5.0])) - 300).round(6) + 0
     (array([60.]), array([0.]))
     """
+    remarks: tuple[str, ...] = ()
+    read: Iterator[tuple[FloatArray, FloatArray]]
     if isinstance(source, PulseChannel):
-        read: Iterator[tuple[FloatArray, FloatArray]]
-        read = iter([(source.times, 2 * np.pi / per_turn * np.arange(float(len(source))))])
         label = source.name
+        try:
+            pulses = repaired_pulses(source.times)
+        except UsageError as error:
+            raise UsageError(f"{label}: {error}") from None
+        read, remarks = iter([(pulses.times, np.asarray(2 * np.pi / per_turn * pulses.numbers, float))]), pulses.remarks
     elif isinstance(source, WheelRotation):
         read, label = _of_wheel(source), source.name
     else:
         read, label = _of_channel(source, name), name
-    return mean_of_cycles(cycles_of(read, 2 * np.pi * cycle, label), cycle, label)
+    found = mean_of_cycles(cycles_of(read, 2 * np.pi * cycle, label), cycle, label)
+    return replace(found, notes=(*found.notes, *(f"{label}: {remark}" for remark in remarks)))
 
 
 def mean_of_cycles(cycles: Cycles, cycle: int, name: str) -> MeanRotation:
@@ -166,6 +173,13 @@ def _of_channel(recordings: Recordings, name: str) -> Iterator[tuple[FloatArray,
             raise UsageError(f"{name}: the blocks do not follow one another: track each record by itself")
         signal = block[name]
         if signal.quantity == "angle":
+            back = np.flatnonzero(np.diff(signal.values) < -np.pi)
+            if len(back):
+                raise UsageError(
+                    f"{name} jumps back by {-np.degrees(np.diff(signal.values)[back[0]]):.4g} deg at "
+                    f"{block.time[back[0]]:.6g} s, as an angle that begins again each turn: count it on, or name a "
+                    "channel of the speed"
+                )
             yield block.time, signal.values
             continue
         if signal.quantity != "velocity":

@@ -99,12 +99,12 @@ def phase_reference(
         mark, spread = _mean_angle(_angles_at(index, mean, wheel), turn, f"{index.name} as index")
         said, notes = (
             f"the pulse of {index.name}",
-            [f"{index.name} comes within {np.degrees(spread):.2g} deg of its mean"],
+            [f"pulses of {index.name} lie within {np.degrees(spread):.2g} deg of their mean angle"],
         )
     known = mean.cycle == 1
     if cam is not None:
         at, spread = _mean_angle(_angles_at(cam, mean, wheel), whole, f"{cam.name} as cam pulse")
-        notes.append(f"{cam.name} comes within {np.degrees(spread):.2g} deg of its mean")
+        notes.append(f"pulses of {cam.name} lie within {np.degrees(spread):.2g} deg of their mean angle")
         if index is None and not gap:
             mark, said = at, f"the pulse of {cam.name}"
         else:

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError
 from torsionnet.response.recording import FloatArray, Recording, Signal
+from torsionnet.signals.orders.drop_outs import RINGING_SAMPLES, drop_outs
 from torsionnet.signals.record_blocks import Recordings, blocks_in_order, check_processable
 
 MARGIN_SAMPLES = 24
 """Samples kept on either side of a window, so that a spline through it is as good at its ends: the influence of an end
 falls by 0.27 a sample."""
+SEARCH_OVERLAP = 4096
+"""Samples before a block, and beyond a window, in which drop-outs are searched for, so that one at a seam of blocks is
+found; one that is longer may be missed there, not in a record that is read whole."""
 
 
 class RecordWindow:
@@ -32,9 +38,13 @@ class RecordWindow:
         first, _ = next(self._blocks, (None, False))
         if first is None:
             raise UsageError("the record is empty")
-        self.signals: tuple[Signal, ...] = first.signals
+        self.signals: tuple[Signal, ...] = tuple(replace(one, values=np.empty(0)) for one in first)
         self.rate, self._start, self._values = first.sampling_rate, first.start, _stack(first)
         self.title = first.title
+        self.end = first.start + first.duration if isinstance(recordings, Recording) else np.inf
+        """Time at which the record ends, s; inf of blocks, whose end shows only when they are read."""
+        self._lost: list[list[tuple[float, float]]] = [[] for _ in first.signals]
+        self._search(self._values, first.start)
 
     @property
     def start(self) -> float:
@@ -43,21 +53,56 @@ class RecordWindow:
 
     def reaches(self, time: float) -> bool:
         """Whether the record goes on to a time in s; blocks are read until it does."""
-        while self._end < time:
+        while self.last < time:
+            self._values = self._values.copy()  # frees what was dropped before the next block is read
             block, continued = next(self._blocks, (None, False))
             if block is None:
                 return False
             if not continued:
                 raise UsageError("the blocks do not follow one another: track each record by itself")
-            self._values = np.concatenate([self._values, _stack(block)], axis=1)
+            fresh = _stack(block)
+            tail = np.concatenate([self._tail, fresh], axis=1)
+            self._search(tail, self.last + (1 - self._tail.shape[1]) / self.rate)
+            self._values = np.concatenate([self._values, fresh], axis=1)
         return True
+
+    def _search(self, values: FloatArray, start: float) -> None:
+        """Note the drop-outs of each signal among values (n_signals, n) that begin at a time in s."""
+        for spans, line in zip(self._lost, values, strict=True):
+            for first, last in drop_outs(line):
+                span = (start + first / self.rate, start + last / self.rate)
+                if spans and span[0] <= spans[-1][1] + 1 / self.rate:
+                    span = (min(spans[-1][0], span[0]), max(spans.pop()[1], span[1]))
+                spans.append(span)
+        self._tail = values[:, -SEARCH_OVERLAP:].copy()
+
+    def lost(self, bounds: FloatArray) -> NDArray[np.bool_]:
+        """Whether each signal dropped out between neighbours of the times (n + 1,) in s, shape (n_signals, n)."""
+        ringing = RINGING_SAMPLES / self.rate
+        found = np.zeros((len(self._lost), len(bounds) - 1), dtype=bool)
+        for place, spans in enumerate(self._lost):
+            for first, last in spans:
+                found[place] |= (bounds[:-1] < last + ringing) & (bounds[1:] > first - ringing)
+        return found
+
+    def remarks(self, name: str) -> tuple[str, ...]:
+        """Words on the drop-outs of a signal that were found so far."""
+        spans = self._lost[[signal.name for signal in self.signals].index(name)]
+        if not spans:
+            return ()
+        whole = sum(last - first + 1 / self.rate for first, last in spans)
+        many = f"{len(spans)} drop-outs" if len(spans) > 1 else "1 drop-out"
+        where = "the first " if len(spans) > 1 else ""
+        return (
+            f"{many} of {whole:.4g} s in all, {where}at {spans[0][0]:.6g} s, where the value is held or 0: left out",
+        )
 
     def between(self, begin: float, end: float) -> tuple[FloatArray, FloatArray]:
         """Times in s and values (n_signals, n) of the samples from ``begin`` to ``end``, with a margin on both sides.
 
         What comes before the margin is dropped, so that ``begin`` must not fall from call to call.
         """
-        self.reaches(end + MARGIN_SAMPLES / self.rate)
+        self.reaches(end + SEARCH_OVERLAP / self.rate)
         drop = max(int(np.floor((begin - self._start) * self.rate)) - MARGIN_SAMPLES, 0)
         self._values = self._values[:, drop:]
         self._start += drop / self.rate
@@ -65,7 +110,8 @@ class RecordWindow:
         return self._start + np.arange(count) / self.rate, self._values[:, :count]
 
     @property
-    def _end(self) -> float:
+    def last(self) -> float:
+        """Time of the last sample held, s."""
         return float(self._start + (self._values.shape[1] - 1) / self.rate)
 
 

@@ -102,7 +102,35 @@ def track_orders(
             if further:
                 raise UsageError("orders of further shafts are told apart by Vold-Kalman filters only")
             found += averaged_orders(one, mean, wanted, chosen, zero)
-    return (*found, *behind)
+    return without_lost_times([*found, *behind])
+
+
+def without_lost_times(orders: Sequence[TrackedOrders]) -> tuple[TrackedOrders, ...]:
+    """Orders without the times at which one of them has no values, so that all keep common times.
+
+    Raises
+    ------
+    UsageError
+        No time is left.
+    """
+    lost = [(one.name, one.times[np.isnan(one.values).any(axis=0)]) for one in orders]
+    if not any(len(times) for _, times in lost):
+        return tuple(orders)
+    notes = tuple(
+        f"{len(times)} of the values of each order left out, the first at {times[0]:.6g} s, as {name} dropped out for "
+        "as long as they last" for name, times in lost if len(times)
+    )  # fmt: skip
+    every = np.concatenate([times for _, times in lost])
+    found = []
+    for one in orders:
+        kept = ~np.isin(one.times, every)
+        if not kept.any():
+            raise UsageError(f"{one.name}: {'; '.join(notes)}: no value is left")
+        half = None if one.half_range is None else one.half_range[kept]
+        values, widths = one.values[:, kept], one.half_widths[:, kept]
+        found.append(replace(one, times=one.times[kept], speeds=one.speeds[kept], values=values, half_widths=widths,
+                             half_range=half, notes=(*one.notes, *notes)))  # fmt: skip
+    return tuple(found)
 
 
 def averaged_orders(
@@ -112,7 +140,9 @@ def averaged_orders(
     shared = within(mean, one.begin, one.end)
     begins = method.blocks(shared)
     wanted = whole_multiples(orders, mean.cycle)
-    blocks = list(averaged_blocks(one.read, shared, wanted, begins, one.per_cycle, one.transmitted, zero.angle))
+    blocks = list(
+        averaged_blocks(one.read, shared, wanted, begins, one.per_cycle, one.transmitted, zero.angle, one.lost)
+    )
     widths = np.hypot(half_widths(blocks), one.uncertain(wanted)[:, None])
     values = np.moveaxis(np.array([block.values for block in blocks]), 0, -1)
     bounds = shared.ends[begins]
@@ -123,7 +153,7 @@ def averaged_orders(
     ranges = np.array([block.half_range for block in blocks]).T
     return [
         tracked_values(signal, wanted, times, speeds, values[place], widths[place], ranges[place], zero,
-                       (*mean.notes, said, *one.notes))
+                       (*mean.notes, said, *one.notes, *one.remarks(signal.name)))
         for place, signal in enumerate(one.signals)
     ]  # fmt: skip
 

@@ -6,7 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from torsionnet.core.errors import UsageError
 from torsionnet.response.frequency_response import ComplexArray
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.recording import FloatArray, Signal
@@ -45,6 +47,10 @@ class Tracked:
         Times and values of the samples between two times, (n,) and (n_signals, n).
     uncertain : callable
         Half width that the signal itself leaves in each order, SI, (n_orders,).
+    lost : callable
+        Whether each signal dropped out between neighbours of the times (n + 1,) in s, (n_signals, n), where it can.
+    remarks : callable
+        Words on a signal by its name, when it was read.
     """
 
     signals: tuple[Signal, ...]
@@ -57,6 +63,8 @@ class Tracked:
     samples: Callable[[float, float], tuple[FloatArray, FloatArray]]
     uncertain: Callable[[FloatArray], FloatArray]
     notes: tuple[str, ...] = ()
+    lost: Callable[[FloatArray], NDArray[np.bool_]] | None = None
+    remarks: Callable[[str], tuple[str, ...]] = lambda _: ()
 
 
 def of_record(window: RecordWindow, orders: FloatArray) -> Tracked:
@@ -65,12 +73,14 @@ def of_record(window: RecordWindow, orders: FloatArray) -> Tracked:
     def read(times: FloatArray) -> FloatArray:
         from scipy.interpolate import CubicSpline
 
-        at, values = window.between(float(times[0]), float(times[-1]))
+        at, values = _held(window, float(times[0]), float(times[-1]))
         return np.asarray(CubicSpline(at, values, axis=1)(times))
 
     def samples(begin: float, end: float) -> tuple[FloatArray, FloatArray]:
-        at, values = window.between(begin, end)
+        at, values = _held(window, begin, end)
         inside = (at >= begin) & (at <= end)
+        edges = np.append(at, at[-1:] + 1 / window.rate)
+        inside &= ~window.lost(edges).any(axis=0)
         return at[inside], values[:, inside]
 
     window.reaches(window.start)
@@ -78,13 +88,24 @@ def of_record(window: RecordWindow, orders: FloatArray) -> Tracked:
         window.signals,
         read,
         window.start,
-        np.inf,
+        window.end,
         lambda _: window.rate,
         lambda duration: max(int(np.ceil(duration * window.rate)), 8),
         lambda speed: spline_response(orders * speed / (2 * np.pi * window.rate)),
         samples,
         np.zeros_like,
+        lost=window.lost,
+        remarks=window.remarks,
     )
+
+
+def _held(window: RecordWindow, begin: float, end: float) -> tuple[FloatArray, FloatArray]:
+    """Times in s and values (n_signals, n) of the samples between two times, up to which the record has to go."""
+    found = window.between(begin, end)
+    if not window.reaches(end - 2 / window.rate):
+        text = f"the channels end at {window.last:.6g} s, but the pulses go on"
+        raise UsageError(f"{text}; leave out the pulses after that, as stop: of a campaign does")
+    return found
 
 
 def spline_response(share: FloatArray) -> FloatArray:
@@ -100,7 +121,8 @@ class Twist:
     Attributes
     ----------
     first, second : str
-        Names of the wheels: twist is the angle of the first minus that of the second, each times its ratio.
+        Names of the wheels: twist is the angle of the first minus that of the second, each times its ratio and, of a
+        wheel that turns against the sense of the model, times -1.
     stiffness : float
         Stiffness between them in N m/rad, referred to the reference shaft; 0 where the twist itself is wanted. Torque
         is stiffness times twist: damping between the wheels is left out.
@@ -120,20 +142,25 @@ class Twist:
 
 
 def of_wheel(wheel: WheelRotation, mean: MeanRotation) -> Tracked:
-    """Vibration of a wheel beyond the mean rotation in rad, in the angle of its own shaft."""
+    """Vibration of a wheel beyond the mean rotation in rad, in the angle of its own shaft in the model's sense."""
     return _of_wheels(((wheel, 1 / wheel.wheel.ratio),), mean, Signal(wheel.name, "angle", np.empty(0)))
 
 
 def of_twist(first: WheelRotation, second: WheelRotation, twist: Twist, mean: MeanRotation) -> Tracked:
     """Twist between two wheels in rad, or its torque in N m, referred to the reference shaft."""
     scale = twist.stiffness or 1.0
-    return _of_wheels(((first, scale), (second, -scale)), mean, twist.signal)
+    return _of_wheels(((first, scale * _sense(first)), (second, -scale * _sense(second))), mean, twist.signal)
+
+
+def _sense(wheel: WheelRotation) -> float:
+    """1 where the angle of a wheel rises with the mean rotation, -1 where it turns against the sense of the model."""
+    return -1.0 if wheel.wheel.reversed != wheel.backwards else 1.0
 
 
 def _of_wheels(parts: tuple[tuple[WheelRotation, float], ...], mean: MeanRotation, signal: Signal) -> Tracked:
     begin, end = max(wheel.times[0] for wheel, _ in parts), min(wheel.times[-1] for wheel, _ in parts)
     per_turn = max(wheel.wheel.teeth / abs(wheel.wheel.ratio) for wheel, _ in parts)
-    rest = sum(weight for _, weight in parts)
+    rest = sum(weight * _sense(wheel) for wheel, weight in parts)
 
     def read(times: FloatArray) -> FloatArray:
         inside = np.clip(times, begin, end)

@@ -104,7 +104,7 @@ def _coarse(wheels: Sequence[WheelRotation], rate: float) -> list[str]:
         held = rate / (2 * fastest)
         if held < one.highest_order:
             found.append(
-                f"{one.name}: {rate:g} Hz hold orders up to {held:.3g} at {60 * fastest:.4g} r/min, and higher ones "
+                f"{one.name}: {rate:g} Hz hold orders up to {held:.3g} at {60 * fastest:.4g} rpm, and higher ones "
                 f"alias: the teeth tell up to {one.highest_order:.3g}"
             )
     return found

@@ -204,7 +204,7 @@ class Stack:
 
     @property
     def range_text(self) -> str:
-        """Range of the speeds in r/min, in words."""
+        """Range of the speeds in rpm, in words."""
         low, high = float(self.speeds.min() * RPM), float(self.speeds.max() * RPM)
         return f"{low:.4g} to {high:.4g} rpm" if high > low * 1.001 else f"{low:.4g} rpm"
 

@@ -21,6 +21,8 @@ NEIGHBOURS = 24
 """Number of pulses on either side of a gap from which it is filled; more change the values by less than the noise."""
 WIDEST_GAP = 8
 """Most pulses in a gap that those around it tell anything about; a wider one keeps the spline through it."""
+GAPS_PER_CHUNK = 2**13
+"""Number of gaps that are filled together, which limits the memory."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,20 +31,28 @@ class Gaps:
 
     Attributes
     ----------
-    within : (n_gaps, width) int array
-        Numbers of the missing pulses.
-    around : (n_gaps, 2 * NEIGHBOURS) int array
-        Numbers of the pulses around each gap.
+    first : (n_gaps,) int array
+        Number of the first missing pulse of each gap.
+    around : (2 * NEIGHBOURS,) int array
+        Steps from there to the pulses around it.
     weights : (width, 2 * NEIGHBOURS) array
     """
 
-    within: NDArray[np.intp]
+    first: NDArray[np.intp]
     around: NDArray[np.intp]
     weights: FloatArray
 
-    def filled(self, values: FloatArray) -> FloatArray:
-        """Values of a motion at the missing pulses in its unit, (n_gaps, width), from those at all whole numbers."""
-        return np.asarray(values[self.around] @ self.weights.T)
+    def fill(self, found: FloatArray, left: FloatArray) -> None:
+        """Set what is ``left`` between a motion and its values ``found`` at the missing pulses, each (n,) in its unit.
+
+        The motion there follows from its values around each gap.
+        """
+        missing = np.arange(len(self.weights))
+        for begin in range(0, len(self.first), GAPS_PER_CHUNK):
+            first = self.first[begin : begin + GAPS_PER_CHUNK, None]
+            around = first + self.around
+            within = first + missing
+            left[within] = (found[around] + left[around]) @ self.weights.T - found[within]
 
 
 def gaps_of(numbers: NDArray[np.intp]) -> tuple[Gaps, ...]:
@@ -52,9 +62,8 @@ def gaps_of(numbers: NDArray[np.intp]) -> tuple[Gaps, ...]:
     for width in (int(one) for one in np.unique(widths[widths > 0]) if one <= WIDEST_GAP):
         first = numbers[:-1][widths == width] + 1
         first = first[(first >= NEIGHBOURS) & (first + width + NEIGHBOURS <= numbers[-1] + 1)]
-        before, after = np.arange(-NEIGHBOURS, 0), np.arange(width, width + NEIGHBOURS)
-        places = np.r_[before, after]
-        found.append(Gaps(first[:, None] + np.arange(width), first[:, None] + places, _weights(width, places)))
+        around = np.r_[np.arange(-NEIGHBOURS, 0), np.arange(width, width + NEIGHBOURS)]
+        found.append(Gaps(first, around, _weights(width, around)))
     return tuple(found)
 
 

@@ -7,6 +7,7 @@ by sqrt(924) and order o of z by (2 sin(pi o/z))^6, at order 6 of 60 to a twenti
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import comb, sqrt
 
@@ -23,6 +24,8 @@ FEWEST_TURNS, FEWEST_TEETH = 3, 12
 """Fewest turns, and teeth of a turn, from which errors of times and places are told apart."""
 NORMAL_FROM_MEDIAN = 1.4826
 """Standard deviation of normal errors over the median of their sizes, which single disturbances leave as it is."""
+PULSES_TOGETHER = 2**17
+"""Number of pulses whose differences are taken together, which limits the memory."""
 UNIFORM_STEPS = sqrt(12)
 """Step of a counter over the standard deviation of the time it leaves."""
 
@@ -61,16 +64,14 @@ class PulseDeviations:
 
 
 def seen_deviations(
-    residuals: FloatArray, speeds: FloatArray, numbers: NDArray[np.intp], teeth: int
+    read: Callable[[slice], tuple[FloatArray, FloatArray]], numbers: NDArray[np.intp], teeth: int
 ) -> tuple[float | None, float | None]:
     """Standard deviations of the times in s and of the places in rad that pulses show, None where they are too few.
 
     Parameters
     ----------
-    residuals : (n,) array
-        Angle of the wheel at each pulse beyond a smooth course, rad.
-    speeds : (n,) array
-        Speed of the wheel at each pulse, rad/s.
+    read : callable
+        Angle of the wheel beyond a smooth course in rad, and its speed in rad/s, at a range of the pulses.
     numbers : (n,) int array
         Tooth of each pulse, counted on from turn to turn.
     teeth : int
@@ -78,26 +79,62 @@ def seen_deviations(
     turns = int(numbers[-1] - numbers[0]) // teeth
     if turns < FEWEST_TURNS or teeth < FEWEST_TEETH:
         return None, None
-    whole = np.full(turns * teeth, np.nan)
-    inside = numbers - numbers[0] < len(whole)
-    whole[numbers[inside] - numbers[0]] = residuals[inside]
-    steps = np.diff(whole, DIFFERENCES)
-    between = (steps[teeth:] - steps[:-teeth]) / sqrt(2)
-    rates = np.interp(np.arange(len(between)) + teeth, numbers - numbers[0], speeds)
-    jitter = _standard_deviation(between / rates)
-    by_tooth = np.concatenate([steps, np.full(DIFFERENCES, np.nan)]).reshape(turns, teeth)
-    known = np.isfinite(by_tooth)
-    counts = known.sum(axis=0)
-    means = np.where(known, by_tooth, 0.0).sum(axis=0)[counts > 0] / counts[counts > 0]
+    sums, counts, of_speeds = np.zeros(teeth), np.zeros(teeth), 0.0
+    sizes, count = np.empty((turns - 1) * teeth), 0
+    together = max(PULSES_TOGETHER // teeth, 1)
+    for turn in range(0, turns, together):
+        last = turn + together >= turns
+        steps, between, speeds = _turns(read, numbers, teeth, turn, None if last else turn + together)
+        known = np.isfinite(steps)
+        counts += known.sum(axis=0)
+        sums += np.where(known, steps, 0.0).sum(axis=0)
+        of_speeds += speeds
+        sizes[count : count + len(between)] = between
+        count += len(between)
+    jitter = _standard_deviation(sizes[:count])
+    some = counts > 0
+    means = sums[some] / counts[some]
     if jitter is None or len(means) < 2:
         return jitter, None
-    of_times = jitter * float(np.mean(speeds)) / sqrt(float(counts[counts > 0].mean()))
+    of_times = jitter * of_speeds / len(numbers) / sqrt(float(counts[some].mean()))
     squared = float(np.mean(means**2)) / DIFFERENCE_GAIN**2 - of_times**2
     return jitter, sqrt(max(squared, 0.0))
 
 
+def _turns(
+    read: Callable[[slice], tuple[FloatArray, FloatArray]],
+    numbers: NDArray[np.intp],
+    teeth: int,
+    begin: int,
+    end: int | None,
+) -> tuple[FloatArray, FloatArray, float]:
+    """Differences from tooth to tooth in rad in the turns from ``begin`` up to ``end``, by turn and tooth.
+
+    And what differs in the next turn, in s, where it is known; and the sum of the speeds at the pulses in rad/s.
+    """
+    turns = int(numbers[-1] - numbers[0]) // teeth
+    stop, next_stop = end or turns, min((end or turns) + 1, turns)
+    first = numbers[0] + begin * teeth
+    # Differences need some teeth of the turn behind, and speeds the pulse behind it.
+    count = min((next_stop - begin) * teeth + DIFFERENCES, (turns - begin) * teeth)
+    low, own, high = np.searchsorted(numbers, [first, numbers[0] + stop * teeth, first + count])
+    part = slice(int(low), len(numbers) if end is None else int(high) + 1)
+    residuals, speeds = read(part)
+    at = numbers[part] - first
+    whole = np.full(count, np.nan)
+    inside = at < count
+    whole[at[inside]] = residuals[inside]
+    steps = np.diff(whole, DIFFERENCES)
+    between = (steps[teeth:] - steps[:-teeth]) / sqrt(2)
+    rates = np.interp(np.arange(len(between)) + teeth, at, speeds)
+    differing = (between / rates)[: (stop - begin) * teeth]
+    by_turn = np.concatenate([steps, np.full(DIFFERENCES, np.nan)])[: (stop - begin) * teeth].reshape(-1, teeth)
+    return by_turn, differing[np.isfinite(differing)], float(speeds[: None if end is None else own - low].sum())
+
+
 def _standard_deviation(differences: FloatArray) -> float | None:
-    known = differences[np.isfinite(differences)]
-    if len(known) < 2:
+    """Standard deviation of errors from their differences, which are overwritten; None where there are too few."""
+    if len(differences) < 2:
         return None
-    return NORMAL_FROM_MEDIAN * float(np.median(np.abs(known))) / DIFFERENCE_GAIN
+    sizes = np.abs(differences, out=differences)
+    return NORMAL_FROM_MEDIAN * float(np.median(sizes, overwrite_input=True)) / DIFFERENCE_GAIN

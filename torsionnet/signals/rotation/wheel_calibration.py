@@ -36,6 +36,9 @@ WIDEST = np.radians(0.01)
 CONVERGED, MOST_STEPS = 1e-9, 40
 """Change of a tooth's position in rad below which the pattern has converged, and steps in which it does: each leaves
 about the vibration in rad times the order, a few hundredths."""
+LOOSE_SHARE = 2e-4
+"""Scatter of a tooth from window to window, in pitches, above which the number of teeth is doubted where neither gap
+nor index confirms it: counter and pickup leave some 1e-5, errors of pitch counted over a wrong number 2e-4 and more."""
 PASSES = 2
 """Solutions of the windows, the second with the pattern of the first in the mean rotation of each window."""
 
@@ -270,6 +273,21 @@ def _over_windows(stack: Stack, positions: FloatArray) -> tuple[FloatArray, Floa
     return mean, student(freedom) * np.sqrt(squares / freedom / np.maximum(count, 1))
 
 
+def _loose(stack: Stack, positions: FloatArray, wheel: Wheel) -> list[str]:
+    """Warning where the teeth do not return to their places from window to window; a list of one text, or empty."""
+    left = np.array([shown.left(positions) for shown in stack.first])
+    if len(left) < 2:
+        return []
+    share = float(np.sqrt(np.nanmean(np.nanvar(left, axis=0, ddof=1)))) * wheel.teeth / (2 * np.pi)
+    if share <= LOOSE_SHARE:
+        return []
+    return [
+        f"warning: the teeth scatter by {100 * share:.2g} % of a pitch from window to window: the pulses jitter, or "
+        f"the wheel has another number than {wheel.teeth} teeth; count them, or record an index pulse, which confirms "
+        "the number"
+    ]
+
+
 def _refuse_small_range(rows: Sequence[PitchOrder], stack: Stack) -> None:
     """Refuse a test of which no order could be resolved for want of speeds."""
     by_speed = [row for row in rows if row.by == SPEEDS]
@@ -317,6 +335,8 @@ def _result(
         for one, test in zip(rotations, stack.tests, strict=True)
         for text in (*(f"{one.name}: {remark}" for remark in one.remarks), *test.remarks)
     ]
+    if not known:
+        remarks += _loose(stack, positions, wheel)
     return WheelCalibration(
         pattern=pattern,
         orders=tuple(rows),

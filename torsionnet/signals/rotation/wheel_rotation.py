@@ -27,6 +27,8 @@ from torsionnet.signals.rotation.wheel import Wheel
 
 HALF_WIDTH_DEVIATIONS = 1.96
 """Half width of the 95 % interval of a normal variable over its standard deviation."""
+MOST_LISTED_ORDERS = 6
+"""Most orders that a message lists one by one; more are named by the first and the last."""
 WHOLE_ORDER = 1e-6
 """Largest distance of an order from a whole number of vibrations per turn of a wheel at which teeth reach it."""
 
@@ -146,7 +148,8 @@ class WheelRotation:
         beyond = [order for order in orders if order > self.highest_order]
         if not beyond:
             return
-        listed = ", ".join(f"{order:g}" for order in beyond)
+        many = len(beyond) > MOST_LISTED_ORDERS
+        listed = f"{min(beyond):g} to {max(beyond):g}" if many else ", ".join(f"{order:g}" for order in beyond)
         reads = max(beyond)
         alias = f", order {reads:g} would read as {self.aliased(reads):g}" if reads >= self.alias_order else ""
         raise UsageError(
@@ -215,25 +218,28 @@ def wheel_rotation(
         raise UsageError(f"{channel.name}: {error}") from None
     after_gap, gap = tooth_after_gap(found, wheel, channel.name) if first is None else (None, "")
     found = replace(found, period=wheel.teeth if wheel.missing_teeth else 0)
-    remarks, zero = list(found.remarks), "the tooth of the first pulse"
+    remarks, repairs, zero = found.remarks, len(found.spurious) + found.irregular.total, "the tooth of the first pulse"
+    rotation: Rotation | None = None
     if after_gap is not None:
         first, zero = after_gap, "the first tooth after the gap"
     elif first is not None:
         zero = "the tooth given"
     elif index is not None:
-        plain = Rotation(found.times, found.numbers, wheel.teeth)
-        first = tooth_after_index(plain, found.times, index, wheel.teeth, channel.name)
+        rotation = Rotation(found.times, found.numbers, wheel.teeth)
+        first = tooth_after_index(rotation, found.times, index, wheel.teeth, channel.name)
         zero = f"the first tooth at or after a pulse of {index.name}"
     elif pattern is not None:
         first = first_tooth(channel.name, found.times, found.numbers, wheel, pattern)
         zero = f"tooth 0 of the pattern, by its shape: the first pulse is of tooth {first}"
-    numbers = found.numbers + (first or 0)
-    offsets = None if pattern is None else _offsets(pattern, numbers, channel.name)
-    rotation = Rotation(found.times, found.numbers, wheel.teeth, offsets)
+    offsets = None
+    if pattern is not None:
+        offsets, rotation = _offsets(pattern, found.numbers + (first or 0), channel.name), None
+    if rotation is None:
+        rotation = Rotation(found.times, found.numbers, wheel.teeth, offsets)
+    deviations = _deviations(channel, wheel, pattern, found.times, found.numbers, rotation, offsets)
+    numbers = found.numbers + first if first else found.numbers
     return WheelRotation(
-        channel.name, wheel, found.times, numbers, rotation, tuple(remarks),
-        _deviations(channel, wheel, pattern, found.times, numbers, rotation, offsets), gap, zero, backwards,
-        len(found.spurious) + found.irregular.total,
+        channel.name, wheel, found.times, numbers, rotation, remarks, deviations, gap, zero, backwards, repairs
     )  # fmt: skip
 
 
@@ -274,10 +280,13 @@ def _deviations(
     offsets: FloatArray | None,
 ) -> PulseDeviations:
     pitch = 2 * np.pi / wheel.teeth
-    standing = numbers - numbers[0] + (0.0 if offsets is None else offsets)
-    residuals = pitch * (standing - rotation.mean_rotation(times))
-    speeds = pitch * rotation.mean_rotation(times, 1)
-    jitter, places = seen_deviations(residuals, speeds, numbers, wheel.teeth)
+
+    def read(part: slice) -> tuple[FloatArray, FloatArray]:
+        standing = numbers[part] - numbers[0] + (0.0 if offsets is None else offsets[part])
+        residuals = pitch * (standing - rotation.mean_rotation(times[part]))
+        return residuals, pitch * rotation.mean_rotation(times[part], 1)
+
+    jitter, places = seen_deviations(read, numbers, wheel.teeth)
     return PulseDeviations(channel.tick, jitter, places, None if pattern is None else _known(pattern))
 
 

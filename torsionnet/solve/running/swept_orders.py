@@ -10,6 +10,7 @@ import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import UsageError
+from torsionnet.model.channels import Sensor
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.passage_response import PassageResponse
 from torsionnet.response.recording import QUANTITY_UNITS, FloatArray
@@ -30,7 +31,7 @@ REFERENCE = "angle 0 of the calculation"
 
 def swept_orders(
     drivetrain: AssembledModel,
-    outputs: Sequence[str],
+    outputs: Sequence[str | Sensor],
     tracked: TrackedOrders,
     excitations: Iterable[str] | None = None,
 ) -> tuple[TrackedOrders, ...]:
@@ -43,7 +44,7 @@ def swept_orders(
     ----------
     drivetrain : Drivetrain
         In the configuration that was tested.
-    outputs : sequence of str
+    outputs : sequence of str or Sensor
     tracked : TrackedOrders
         Of the test, which gives times, speeds and orders.
     excitations : iterable of str, optional
