@@ -17,6 +17,7 @@ from typing import Any
 
 import sympy
 from house_picture import layers_page, picture
+from motion_text import torque_text
 from page_parts import code, prose, table
 from reference_pages import reference_index, write_reference
 from schema_pages import file_entries_page
@@ -64,6 +65,7 @@ from torsionnet.model.elements import (
     Constraint,
     Element,
     Law,
+    MotionLaw,
     Part,
     Row,
     Values,
@@ -238,7 +240,19 @@ def described(element: Element) -> str:
     names = {name for _, _, expression, _ in element.expressions() for name in expression.names}
     algebra = Algebra(number=lambda x: sympy.Rational(x.numerator, x.denominator), sqrt=sympy.sqrt, pi=sympy.pi)
     value = Values({name: sympy.Symbol(name, positive=True) for name in names}, algebra)
-    return "\n".join(f"$${part_text(part)}$$\n" for one in element.expanded() for part in one.parts(value))
+    return "\n".join(f"$${text}$$\n" for one in element.expanded() for text in law_texts(one, value))
+
+
+def law_texts(element: Element, value: Values) -> list[str]:
+    """LaTeX of the laws of an element, those of motion in full where they have a formula."""
+    whole = element.whole_parts(value)
+    torques = {number: torque_text(part) for number, part in enumerate(whole) if isinstance(part, MotionLaw)}
+    if None in torques.values():
+        return [part_text(part) for part in element.parts(value)]
+    return [
+        rf"\gamma = {angles(part.row)},\qquad {torques[number]}" if isinstance(part, MotionLaw) else part_text(part)
+        for number, part in enumerate(whole)
+    ]
 
 
 def part_text(part: Part) -> str:
@@ -556,6 +570,13 @@ def symbol_pictures(folder: Path) -> None:
         symbol_picture.write(folder, kind, [sample(cls, full=False), sample(cls, full=True)])
 
 
+def law_pictures(folder: Path) -> None:
+    """Write the picture of the page on laws of motion."""
+    import law_picture
+
+    law_picture.write(folder)
+
+
 def tutorial_pictures(folder: Path) -> None:
     """Write the pictures of the tutorials, by the commands that their pages show."""
     import tutorial_steps
@@ -594,6 +615,7 @@ def write_all(folder: Path = GENERATED) -> None:
         sys.path.insert(0, str(DOCS))
     sign_pictures(folder)
     symbol_pictures(folder)
+    law_pictures(folder)
     tutorial_pictures(folder)
     write_reference()
 

@@ -11,6 +11,8 @@ SHEET = Path(__file__).parent / "sheets" / "line.csv"
 EVERY_ELEMENT = {
     "inertia": tn.Inertia("e", node="a", inertia=2),
     "spring": tn.Spring("e", nodes=("a", "b"), stiffness=300, damping=5),
+    "clearance": tn.Clearance("e", nodes=("a", "b"), gap=0.01, stiffness=300, damping=5),
+    "friction": tn.Friction("e", nodes=("a", "b"), torque=20, stick=30, stiffness=400),
     "damper": tn.Damper("e", nodes=("a", "b"), damping=5),
     "hysteretic_spring": tn.HystereticSpring("e", nodes=("a", "b"), stiffness=300, loss_factor=0.2, damping=1),
     "tabulated_spring": tn.TabulatedSpring("e", nodes=("a", "b"), table=[[1, 300, 2], [9, 500, 1]]),

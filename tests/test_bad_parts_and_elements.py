@@ -105,14 +105,14 @@ BROKEN = {
         "configurations: {gear: {six: {box.engaged: VI}}}\n",
         ['model.yaml:6:44: error: no gear of box is named "VI"; it has I, II and neutral'],
     ),
-    "a slipping clutch without slip speed": (
-        f"elements:\n{ENDS}  {CLUTCH}, state: slipping}}\n",
-        ["error: a slipping clutch needs slip_speed, as 5 rad/s, other than 0; one that sticks is closed"],
+    "a slipping clutch at slip 0": (
+        f"elements:\n{ENDS}  {CLUTCH}, state: slipping, slip_speed: 0}}\n",
+        ["error: a slipping clutch has a slip_speed other than 0, as 5 rad/s; one that sticks is closed, or has none"],
     ),
     "a clutch in a part that slips in a configuration": (
         f"parts:\n  side:\n    ports: [a, b]\n    elements:\n      {CLUTCH}}}\nelements:\n{ENDS}"
-        "use: {left: {part: side, at: {a: a, b: b}}}\nconfigurations: {x: {slip: {left.c.state: slipping}}}\n",
-        ["model.yaml:11:43: error: a slipping clutch needs slip_speed"],
+        "use: {left: {part: side, at: {a: a, b: b}}}\nconfigurations: {x: {slip: {left.c.state: slipping, left.c.slip_speed: 0}}}\n",
+        ["model.yaml:11:72: error: a slipping clutch has a slip_speed other than 0"],
     ),
 }
 UNSTABLE = """torsionnet: 1

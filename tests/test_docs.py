@@ -28,7 +28,17 @@ from torsionnet.study.space.variations.variation import VARIATIONS
 os.environ["MPLBACKEND"] = "Agg"
 DOCS = Path(__file__).parents[1] / "docs"
 EXAMPLES = sorted((DOCS.parent / "examples").glob("plot_*.py"))
-OWN = ["index", "concepts", "sign_conventions", "model_file", "study_file", "get_started", "test_bench", "validation"]
+OWN = [
+    "index",
+    "concepts",
+    "sign_conventions",
+    "model_file",
+    "study_file",
+    "get_started",
+    "test_bench",
+    "validation",
+    "laws_of_motion",
+]
 PAGES = [DOCS / f"{name}.md" for name in OWN] + sorted((DOCS / "how_to").glob("*.md"))
 PRINTED = ["fit_speed", "trust_a_fit"]
 """Pages whose blocks of text are what their programs print."""
@@ -69,6 +79,7 @@ def pictures(generate, tmp_path_factory):
     folder = tmp_path_factory.mktemp("pictures")
     generate.sign_pictures(folder)
     generate.symbol_pictures(folder)
+    generate.law_pictures(folder)
     return folder
 
 
@@ -171,7 +182,7 @@ class TestGeneratedPages:
     @pytest.mark.slow
     def test_pictures_are_those_the_pages_show(self, pictures):
         made = {path.name for path in pictures.iterdir()}
-        pages = ("sign_conventions.md", "generated/elements.md")
+        pages = ("sign_conventions.md", "laws_of_motion.md", "generated/elements.md")
         shown = [name for page in pages for name in SHOWN.findall((DOCS / page).read_text(encoding="utf-8"))]
         assert made == set(shown)
         assert all("<svg" in (pictures / name).read_text(encoding="utf-8") for name in made)
@@ -196,6 +207,7 @@ class TestGeneratedPages:
     def test_pictures_are_the_same_each_time(self, generate, pictures, tmp_path):
         generate.sign_pictures(tmp_path)
         generate.symbol_pictures(tmp_path)
+        generate.law_pictures(tmp_path)
         first, second = ({path.name: path.read_bytes() for path in one.iterdir()} for one in (pictures, tmp_path))
         assert first == second
 

@@ -100,7 +100,11 @@ class TestClutch:
     @pytest.mark.parametrize(
         ("entries", "words"),
         [
-            ({"state": "slipping", "torque": TABLE}, "a slipping clutch needs slip_speed, as 5 rad/s"),
+            (
+                {"state": "slipping", "torque": TABLE[1:]},
+                "needs its torque at slip 0: begin the rows there, or give slip_speed",
+            ),
+            ({"state": "slipping", "torque": [[0, -1], [2, 1]]}, "the torque at slip 0 must not be negative"),
             ({"state": "slipping", "torque": TABLE, "slip_speed": 0}, "one that sticks is closed"),
             ({"state": "slipping", "slip_speed": 5}, "needs its torque over slip"),
             ({"state": "slipping", "slip_speed": 31, "torque": TABLE}, "the table goes from 0 to 30; slip_speed is 31"),
@@ -125,8 +129,8 @@ configurations: {clutch: {closed: {}, slipping: {clutch.state: slipping%s}}}
 """
         slipping = tn.loads(text % ", clutch.slip_speed: 20 rad/s").configured("slipping")
         assert min(slipping.modes().eigenvalues.real) == pytest.approx(-1.5 * (1 / 2 + 1 / 3), rel=1e-12)
-        with pytest.raises(tn.ModelError, match=r"<text>:6:64: error: a slipping clutch needs slip_speed"):
-            tn.loads(text % "")
+        with pytest.raises(tn.ModelError, match=r"<text>:6:93: error: a slipping clutch has a slip_speed other than 0"):
+            tn.loads(text % ", clutch.slip_speed: 0")
 
 
 class TestGearbox:

@@ -187,7 +187,6 @@ class TestInductionMachine:
         [
             ({"breakdown_slip": None}, "needs breakdown_slip, or rated_torque and rated_slip"),
             ({"rated_slip": 0.02}, "not both"),
-            ({"slip": None}, "needs its mean slip"),
             ({"slip": 0.2, "time_constant": 0.05}, "beyond, leave it out"),
             (
                 {"breakdown_slip": None, "rated_slip": 0.02, "rated_torque": 500},

@@ -86,6 +86,8 @@ ELEMENTS = EVERY_ELEMENT | EXPORTED
 OVER_FREQUENCY = "e: a stiffness that depends on frequency has no state space"
 FOLLOWS = "an FMU is not worked out where a torque follows another motion; switch off e"
 REFUSED = {
+    "clearance": r"an FMU holds linear elements, and e \(clearance\) follow laws of motion",
+    "friction": r"an FMU holds linear elements, and e \(friction\) follow laws of motion",
     "hysteretic_spring": OVER_FREQUENCY,
     "tabulated_spring": OVER_FREQUENCY,
     "continuous_shaft": f"{OVER_FREQUENCY}; a shaft with segments has one",

@@ -18,6 +18,7 @@ from torsionnet.io import to_modelica, write_modelica
 FREQUENCIES = [0.7, 5.3, 21.0]
 OVER_FREQUENCY = {"tabulated_spring", "continuous_shaft"}
 NO_COUNTERPART = {"hysteretic_spring", *OVER_FREQUENCY, "controller", "fluid_coupling", "torque_converter"}
+NO_OPERATING_POINT = {"clearance", "friction"}
 
 
 def has_counterpart(rig):
@@ -111,7 +112,9 @@ def test_poles_are_those_of_the_paper(name, configuration, expected):
     np.testing.assert_allclose(natural, expected, atol=6e-4)
 
 
-CASES = {kind: element for kind, element in EVERY_ELEMENT.items() if kind not in NO_COUNTERPART} | {
+CASES = {
+    kind: element for kind, element in EVERY_ELEMENT.items() if kind not in NO_COUNTERPART | NO_OPERATING_POINT
+} | {
     "rigid gear": tn.Gear("e", nodes=("a", "b"), ratio=-2.5, housing="c"),
     "compliant planetary": tn.Planetary("e", sun="a", ring="b", carrier="c", ratio=2.6, stiffness=900, damping=3),
     "ring on ground": tn.Planetary("e", sun="a", ring="ground", carrier="c", teeth=(30, 72), planet_inertia=0.1),
@@ -204,6 +207,14 @@ def test_elements_without_counterpart_are_refused_by_name(kind):
     laws = {"hysteretic_spring": "loss factor on a - b"} | dict.fromkeys(OVER_FREQUENCY, "table over frequency on a")
     part = laws.get(kind, "torque on . - . that follows")
     with pytest.raises(UsageError, match=rf"has no counterpart of e \({kind}\), .*{part}"):
+        to_modelica(around(EVERY_ELEMENT[kind]))
+
+
+@pytest.mark.parametrize("kind", sorted(NO_OPERATING_POINT))
+def test_laws_of_motion_need_an_operating_point(kind):
+    with pytest.raises(
+        UsageError, match=rf"and e \({kind}\) follow laws of motion that are not linear; write .* model.at"
+    ):
         to_modelica(around(EVERY_ELEMENT[kind]))
 
 

@@ -315,6 +315,7 @@ class TestWriting:
                 [tn.Planetary("p", sun="a", ring="b", carrier="c", ratio=2)],
                 "p (planetary), constraint a + 2*b - 3*c = 0;",
             ),
+            ([tn.Clearance("c", nodes=("a", "b"), gap=1, stiffness=5)], "c (clearance) follow laws of motion"),
             ([EXPORTED["in series, one beside"]], "e closes a loop"),
             ([tn.Spring(f"s{a}{b}", nodes=(a, b), stiffness=1) for a, b in ("ab", "bc", "ca")], "sca closes a loop"),
             ([tn.Spring(f"s{b}", nodes=("a", b), stiffness=1) for b in "bcd"], "sc, sd lead on together from node a"),

@@ -58,6 +58,7 @@ SAME_THING = {
         "report",
         "schematic",
         "simplified",
+        "simulate",
         "spectrogram",
         "stabilisation",
         "static_state",

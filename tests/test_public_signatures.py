@@ -20,6 +20,7 @@ TIMED_INSIDE = {
     "busy_machine": "threads of BLAS, set free",
     "cluster": "executors and chunks of a study",
     "frequency_response": "each method of elimination by itself",
+    "motion_over_time": "the march of a motion without its compiled loop",
     "parts": "models written flat",
     "scale": "assembly and tables by themselves",
     "scheduler_load": "the executor of a cluster",

@@ -242,6 +242,8 @@ SHORT = PLANT.with_definition(replace(PLANT.definition, speeds=THREE))
 # With the propeller's damping of full power at all speeds: one set of modes instead of one for each crossing.
 HELD = SHORT.configured(Q_prop="188.7 kN*m", n_prop="151.8 rpm")
 
+SSR = tn.load("turbine_generator_ssr")
+
 ASKED = [
     (AMT, ("k_1", "c_O", "I_1"), "response", {"output": "theta_1", "input": "T_T", "band": "1..40 Hz", "points": 30}),
     (AMT, ("k_1", "c_O", "I_1"), "response", {"output": "T_T", "input": "T_M", "at": "0 Hz"}),
@@ -260,6 +262,7 @@ ASKED = [
     (SHORT, ("k_cpl", "water"), "natural_frequency", {"mode": 2, "which": "undamped"}),
     (SHORT, ("k_cpl", "water"), "damping_ratio", {"mode": 1, "order": "ascending"}),
     (DMF, ("k_1", "k_2"), "transient_peak", {"output": "T_T", "input": "T_M", "torque": 10, "duration": 0.05}),
+    (SSR, ("K_4", "H_G"), "scenario_peak", {"scenario": "two_phases", "output": "T_LPB_G", "rate": "1 kHz"}),
     (DMF, ("k_1", "k_2"), "expression", {"of": "sqrt(static)/2"}),
 ]
 OTHERS = {"static": made("response", output="theta_1", input="T_T", at=0)}

@@ -349,6 +349,7 @@ FAULTS = [
     (SHORT, "utilisation", {"limit": "rubber", "criterion": "x"}, "rubber"),
     (DMF, "critical_speed_margin", {}, "speeds"),
     (SHORT, "critical_speed_margin", {"orders": [3.1]}, "no order 3.1"),
+    (DMF, "scenario_peak", {"output": "T_T", "scenario": "tip_in"}, "no entry scenarios"),
     (DMF, "transient_peak", {"output": "x", "input": "T_M", "torque": 1, "duration": 1}, "no sensor or node"),
     (DMF, "transient_peak", {"output": "T_T", "input": "T_M", "torque": 1, "duration": 1, "rate": 1e8}, "samples"),
 ]
@@ -372,17 +373,19 @@ def test_every_quantity_goes_to_other_processes_and_into_a_file(kind: str) -> No
         "peak": {"output": "T_cpl", "input": "T_prop", "band": "1..40 Hz"},
         "peak_frequency": {"output": "T_cpl", "input": "T_prop", "band": "1..40 Hz"},
         "response": {"output": "T_cpl", "input": "T_prop", "at": 5},
+        "scenario_peak": {"output": "T_LPB_G", "scenario": "two_phases", "rate": "1 kHz", "value": "highest"},
         "transient_peak": {"output": "T_cpl", "input": "T_prop", "torque": "1 kN*m", "duration": "1 s"},
         "utilisation": {"limit": "tail"},
     }[kind]
     quantity, faults = QUANTITIES[kind].read(entries)
     assert not faults
     asked = {"f": made("natural_frequency", mode=1), "own": quantity}
-    assert not list(quantity.model_faults(SHORT, asked))
+    model = tn.load("turbine_generator_ssr") if kind == "scenario_peak" else SHORT
+    assert not list(quantity.model_faults(model, asked))
     assert pickle.loads(pickle.dumps(quantity)) == quantity
     again, faults = QUANTITIES[kind].read(quantity.to_data())
     assert (again, faults) == (quantity, [])
-    assert isinstance(quantity.measured(SHORT, asked), QuantityForm)
+    assert isinstance(quantity.measured(model, asked), QuantityForm)
     assert quantity.schema(type_key="type")["properties"]["type"]["const"] == kind
 
 

@@ -39,6 +39,7 @@ from torsionnet.model.channels import Sensor as Sensor
 from torsionnet.model.elements import Element as Element
 from torsionnet.model.elements.element_types import Belt as Belt
 from torsionnet.model.elements.element_types import ChainDrive as ChainDrive
+from torsionnet.model.elements.element_types import Clearance as Clearance
 from torsionnet.model.elements.element_types import Clutch as Clutch
 from torsionnet.model.elements.element_types import ConstantPowerLoad as ConstantPowerLoad
 from torsionnet.model.elements.element_types import ContinuousShaft as ContinuousShaft
@@ -50,6 +51,7 @@ from torsionnet.model.elements.element_types import DualMassFlywheel as DualMass
 from torsionnet.model.elements.element_types import FinalDrive as FinalDrive
 from torsionnet.model.elements.element_types import FlexibleCoupling as FlexibleCoupling
 from torsionnet.model.elements.element_types import FluidCoupling as FluidCoupling
+from torsionnet.model.elements.element_types import Friction as Friction
 from torsionnet.model.elements.element_types import Gear as Gear
 from torsionnet.model.elements.element_types import Gearbox as Gearbox
 from torsionnet.model.elements.element_types import GridGenerator as GridGenerator
@@ -91,6 +93,7 @@ __all__ = [
     "Bench",
     "ChainDrive",
     "Channel",
+    "Clearance",
     "Clutch",
     "ConstantPowerLoad",
     "ContinuousShaft",
@@ -109,6 +112,7 @@ __all__ = [
     "FluidCoupling",
     "FrequencyResponse",
     "FrequencyResponses",
+    "Friction",
     "Gear",
     "Gearbox",
     "GridGenerator",

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Self
 
 from torsionnet.core.attribute_hints import AttributeHints
 from torsionnet.running_machinery import RunningMachinery
@@ -21,10 +21,13 @@ if TYPE_CHECKING:
 
     from torsionnet.core.errors import Fault
     from torsionnet.model.channels import Sensor
+    from torsionnet.model.motion_balance.balanced_state import BalancedState
+    from torsionnet.model.scenarios.scenario import Scenario
     from torsionnet.response import FrequencyResponse, FrequencyResponses, Modes
     from torsionnet.response.critical_speeds import CriticalSpeeds
     from torsionnet.response.loop_margins import LoopMargins
     from torsionnet.response.margin_rules import MarginRule
+    from torsionnet.response.motion.motion_start import MotionStart
     from torsionnet.response.recording import Recording
     from torsionnet.solve.responses.grid import Adaptive
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
@@ -52,6 +55,8 @@ class Drivetrain(RunningMachinery, AttributeHints):
         ``{"speed": {node: value}, "torque": {node: value}}``.
     speeds, load, excitations : mapping, optional
         At which speeds running machinery is examined, who absorbs its power and who drives, and what excites it.
+    scenarios : mapping, optional
+        Name -> what happens over time: torques on nodes, a short circuit (:meth:`simulate`).
     source, description : str, optional
         Where the numbers come from, and what the model is.
     ports : iterable of str, optional
@@ -77,7 +82,19 @@ class Drivetrain(RunningMachinery, AttributeHints):
 
     def check(self) -> tuple[Fault, ...]:
         """Warnings and notes about the model, unstable modes included (errors have already been refused)."""
-        return (*super().check(), *self._unstable_modes)
+        return (*super().check(), *(self._operating_faults or self._unstable_modes))
+
+    @cached_property
+    def _operating_faults(self) -> tuple[Fault, ...]:
+        """Faults of an operating point at which laws of motion are not in balance, as a torque beyond a last stage."""
+        from torsionnet.core.errors import ModelError
+
+        tangents = self.definition.tangents
+        try:
+            _ = None if tangents is None else tangents.state
+        except ModelError as error:
+            return error.faults
+        return ()
 
     @cached_property
     def _unstable_modes(self) -> tuple[Fault, ...]:
@@ -174,17 +191,40 @@ class Drivetrain(RunningMachinery, AttributeHints):
 
         return frequency_responses(self, output, input, frequencies, variants, excitation=excitation, method=method)
 
-    def simulate(self, outputs: Channels, inputs: Mapping[str, ArrayLike], sampling_rate: float) -> Recording:
-        """Motion and torques over time from rest, exact for input torques that are linear between samples.
+    def simulate(
+        self,
+        outputs: Channels | None = None,
+        inputs: Mapping[str, ArrayLike] | None = None,
+        sampling_rate: float | None = None,
+        *,
+        start: str | MotionStart | None = None,
+        scenario: str | Scenario | Mapping[str, Any] | None = None,
+        duration: float | None = None,
+        check: bool = False,
+    ) -> Recording:
+        """Motion and torques over time, exact for input torques that are linear between samples.
+
+        Laws of motion, as of clearances and friction, act in full: the result has their events and an energy balance.
 
         Parameters
         ----------
         outputs : str, Sensor or sequence of these
-            As for :meth:`frequency_response`.
+            As for :meth:`frequency_response`; in a scenario the model's sensors unless others are named.
         inputs : mapping
-            Name of an input or node -> (n,) torques in N m. That on a node is called ``torque on NODE`` in the result.
+            Name of an input or node -> (n,) torques in N m, or a ``TimeHistory`` of straight lines and waves, which is
+            exact. That on a node is called ``torque on NODE`` in the result.
         sampling_rate : float
-            Hz.
+            Hz; in a scenario instead of what that says.
+        start : str or MotionStart, optional
+            ``"rest"``, ``"operating_point"``, in balance with the torques at the first sample and mean torques on other
+            nodes, or angles and speeds of nodes at the first sample. Default: rest, or what the scenario says.
+        scenario : str, Scenario or mapping, optional
+            Instead of inputs: a scenario of the model, or another one, ``{"type": "torques", "duration": ...}``, whose
+            torques act.
+        duration : float, optional
+            Time in s that is simulated where all inputs are histories.
+        check : bool
+            Repeat the motion in steps half as long, and note until when both agree: contacts make motions chaotic.
 
         Returns
         -------
@@ -195,6 +235,8 @@ class Drivetrain(RunningMachinery, AttributeHints):
         ------
         UsageError
             Unknown names, unlike lengths, frequency-dependent laws, or a reading with the rate of an input in it.
+        SolveError
+            Contacts that close and open without an end, or a twist beyond the rows of its law.
 
         Examples
         --------
@@ -202,10 +244,23 @@ class Drivetrain(RunningMachinery, AttributeHints):
         >>> record = tn.load("dmf_rig").simulate(["theta_1", "T_T"], {"T_M": [0.0] + 4000 * [10.0]}, 1e3)
         >>> record.names, round(float(record["T_T"].values[-1]), 6)
         (('T_M', 'theta_1', 'T_T'), 10.0)
+        >>> fault = tn.load("turbine_generator_ssr").simulate("T_LPB_G", scenario="three_phases", sampling_rate=2e4)
+        >>> fault.events[0].what, round(float(abs(fault["T_LPB_G"].values).max()) / 1e6, 2)
+        ('short circuit of 3 phases', 7.95)
         """
-        from torsionnet.solve.running.simulate import simulate
+        from torsionnet.core.errors import UsageError
 
-        return simulate(self, outputs, inputs, sampling_rate)
+        if scenario is not None:
+            from torsionnet.solve.motion.scenario_run import run_scenario
+
+            if inputs is not None:
+                raise UsageError("a scenario brings its own torques; leave out inputs, or the scenario")
+            return run_scenario(self, scenario, outputs, start=start, sampling_rate=sampling_rate, check=check)
+        from torsionnet.solve.motion.simulation import simulate
+
+        if outputs is None or inputs is None or sampling_rate is None:
+            raise UsageError("a simulation needs outputs, inputs and a sampling rate, or a scenario")
+        return simulate(self, outputs, inputs, sampling_rate, start or "rest", duration=duration, check=check)
 
     def modes(
         self,
@@ -245,6 +300,76 @@ class Drivetrain(RunningMachinery, AttributeHints):
 
         found = modes(self, measured_input=measured_input, excitation=excitation, lowest=lowest, up_to=up_to)
         return replace(found, notes=(*found.notes, *operating_speed_notes(self.external_torques)))
+
+    def at(
+        self,
+        *,
+        torque: Mapping[str, float | str] | None = None,
+        speed: Mapping[str, float | str] | float | str | None = None,
+    ) -> Self:
+        """Copy of the drivetrain at an operating point, about which its laws of motion are linear.
+
+        Each law has its slope at the mean twist or slip under these torques and speeds: springs in stages that of the
+        stage reached, a clearance its stiffness in contact and nothing in the gap, friction that sticks is rigid. All
+        results of the copy are linear about this point, and their notes say so.
+
+        Where laws over the speed have several balances with the torques, the copy is at the stable one nearest to the
+        speeds given; :meth:`operating_points` lists them.
+
+        Parameters
+        ----------
+        torque : mapping, optional
+            Node, or two nodes as ``"pulley-block"`` -> mean external torque in N m or with its unit. They replace the
+            load and the torques of the model; on a drivetrain that turns freely they are in balance, or a load with a
+            law over speed takes what is left.
+        speed : mapping, float or str, optional
+            Node -> mean speed in rad/s or with its unit; one speed alone is that of the node of ``speeds:``.
+
+        Raises
+        ------
+        UsageError
+            Neither torques nor speeds.
+        ModelError
+            Unknown nodes, torques that are not in balance, a torque beyond the last stage or the breakdown torque,
+            several stable points and no speed to choose by. Balances are sought when a result needs them.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> rig = tn.Drivetrain("rig", [tn.Inertia("rotor", node="a", inertia=0.5),
+        ...     tn.Spring("disc", nodes=("a", "ground"), stages=[
+        ...         {"stiffness": "450 N*m/rad", "to": "0.1 rad"}, {"stiffness": "1800 N*m/rad"}])])
+        >>> frequencies = [one.modes().undamped_natural_frequencies[0] for one in (rig, rig.at(torque={"a": "90 N*m"}))]
+        >>> [round(2 * 3.141592653589793 * float(one), 6) for one in frequencies]
+        [30.0, 60.0]
+        """
+        from torsionnet.model.motion_balance.asked_point import asked_point
+
+        return self.at_point(asked_point(self.definition, torque, speed))
+
+    def operating_points(
+        self,
+        *,
+        torque: Mapping[str, float | str] | None = None,
+        speed: Mapping[str, float | str] | float | str | None = None,
+    ) -> tuple[BalancedState, ...]:
+        """States of all laws of motion that are in balance at an operating point, each with its stability.
+
+        The order is that of rising slip; where speeds are given, that of the distance from these. Without laws of
+        motion there are none. The arguments are those of :meth:`at`; without any the operating point is the model's.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> rig = tn.Drivetrain("rig", [tn.Inertia("rotor", node="a", inertia=0.5),
+        ...     tn.Clearance("claw", nodes=("a", "ground"), gap="0.2 rad", stiffness="100 N*m/rad")])
+        >>> (point,) = rig.operating_points(torque={"a": "20 N*m"})
+        >>> round(point.states["claw"][0].twist, 9), point.torques["claw"]
+        (0.3, (20.0,))
+        """
+        asked = self if torque is None and speed is None else self.at(torque=torque, speed=speed)
+        tangents = asked.definition.tangents
+        return () if tangents is None else tangents.states
 
     def loop_margins(self, controller: str | None = None) -> LoopMargins:
         """Stability margins of the loop opened at a controller, and its frequency response for Nyquist's plot.

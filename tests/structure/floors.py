@@ -47,8 +47,8 @@ FLOORS = {  # bottom to top: the folders of a layer, "" its files that are in no
     "identification": ("residuals", ""),
     "study": ("space", "quantities", "reductions", "answers", "design", "", "run"),
     "symbolic": ("algebra", ""),
-    "solve": ("dynamic_stiffness", "modes", "responses", "sensitivity", "batch", "running", "design"),
-    "model": ("element_base", "elements"),
+    "solve": ("dynamic_stiffness", "modes", "responses", "sensitivity", "batch", "running", "motion", "design"),
+    "model": ("element_base", "motion_laws", "elements"),
 }
 HEIGHT = {name: -depth for depth, layer in enumerate(LAYERS) for name in layer.names}
 TOP = 1  # torsionnet/__init__.py offers names from every layer

@@ -39,9 +39,9 @@ class AssembledModel(Model):
         """Changed copy of the model, whose assembly shares rows with the model's own where they are the same."""
         return self._sharing(super()._changed(choice, changes))
 
-    def with_operating_values(self, values: Mapping[str, float]) -> Self:
+    def with_operating_values(self, values: Mapping[str, float], speed: float | None = None) -> Self:
         """Copy of the model at an operating point, whose assembly shares equal rows with the model's own."""
-        return self._sharing(super().with_operating_values(values))
+        return self._sharing(super().with_operating_values(values, speed))
 
     def _sharing(self, changed: Self) -> Self:
         changed.__dict__["_shared"] = self._shared

@@ -29,6 +29,7 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "critical-speeds": "Where orders meet natural frequencies, with margins and excitation.",
     "holzer": "Holzer table of a mode or of a trial frequency.",
     "static": "Mean torque, twist, stress and power of every element under the load.",
+    "simulate": "A scenario over time: torques, short circuits, contacts, friction.",
     "limits": "Do shafts, couplings and gears bear it? Which speeds are barred?",
     "damper": "The film or tuning of a damper with which the largest vibration is smallest.",
     "study": "Tolerances, conditions and choices: what varies, what is asked, what follows.",

@@ -33,6 +33,7 @@ OUTPUTS: dict[str, str] = {
     "orders": "list[torsionnet.response.measured.orders_record:OrdersRecord]",
     "sensitivity": "list[torsionnet.solve.sensitivity.mode_sensitivities:SensitivityRecord]",
     "show": "list[torsionnet.cli.model_output:ShownModel]",
+    "simulate": "list[torsionnet.response.motion.motion_summary:SimulationRecord]",
     "spectrogram": "list[torsionnet.signals.spectrogram:SpectrogramRecord]",
     "static": "list[torsionnet.response.static_state:StaticRecord]",
     "study": "torsionnet.cli.study_output:study_schema",

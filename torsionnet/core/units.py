@@ -450,7 +450,8 @@ def _read_given(quantity: Any) -> Quantity:
 
 
 # The names of dimensions with the SI unit that messages show; the later of two equal dimensions wins in ``str``.
-_EXPECTED = {"inertia": "kg*m^2", "stiffness": "N*m/rad", "torque": "N*m", "damping": "N*m*s/rad",
+_EXPECTED = {"inertia": "kg*m^2", "cubic stiffness": "N*m/rad^3", "stiffness": "N*m/rad", "torque": "N*m",
+             "damping": "N*m*s/rad",
              "compliance": "rad/(N*m)", "angle": "rad", "speed": "rad/s", "acceleration": "rad/s^2", "length": "m",
              "mass": "kg", "density": "kg/m^3", "pressure": "Pa", "shear modulus": "Pa", "frequency": "Hz", "time": "s",
              "power": "W", "heat flux": "W/m^2", "heat transfer": "W/K", "area": "m^2", "temperature": "K",

@@ -15,7 +15,7 @@ from torsionnet.model.elements import GROUND
 from torsionnet.response import FrequencyResponse
 from torsionnet.solve.dynamic_stiffness.transfer_request import usable_channels
 
-TWISTING = ("shaft", "spring")
+TWISTING = ("shaft", "spring", "clearance")
 """Glyphs of the elements whose torque the page offers as an output."""
 MOTIONS = ("angle", "velocity", "acceleration", "twist")
 """Quantities of sensors, all of motion, that the page takes first as the output of a response."""

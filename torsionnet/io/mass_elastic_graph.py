@@ -12,6 +12,7 @@ from typing import Any
 from torsionnet.core.errors import TorsionnetWarning, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.part_descriptions import describe_element_part
+from torsionnet.io.unlinear_laws import refuse_laws_of_motion
 from torsionnet.model.elements import GROUND, Constraint, Element, Law, Row, Shaft, Values
 
 NODES_PER_CONNECTION = 2
@@ -76,6 +77,7 @@ def mass_elastic_graph(drivetrain: Drivetrain, reference: str) -> MassElasticGra
     TorsionnetWarning
         A shaft is lumped whose inertia is consistent with its twist.
     """
+    refuse_laws_of_motion(drivetrain, "a mass-elastic sheet")
     nodes = list(drivetrain.nodes)
     graph = MassElasticGraph(dict.fromkeys(nodes, 0.0), dict.fromkeys(nodes, 0.0))
     value, refused = Values(drivetrain.exact_values), []

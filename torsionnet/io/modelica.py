@@ -22,6 +22,7 @@ from torsionnet.io.modelica_syntax import (
     unit_of,
 )
 from torsionnet.io.part_descriptions import describe_element_part
+from torsionnet.io.unlinear_laws import refuse_laws_of_motion
 from torsionnet.model.channels import UNITS, Input, Sensor
 from torsionnet.model.elements import Values
 from torsionnet.model.parameters import dimensions
@@ -53,6 +54,7 @@ def to_modelica(drivetrain: Drivetrain) -> str:
     >>> print(text.splitlines()[4].strip())
     parameter Real k_1(unit="N.m/rad") = 13300 "torque meter";
     """
+    refuse_laws_of_motion(drivetrain, "Modelica as torsionnet writes it")
     _refuse(drivetrain)
     names = Names(KEYWORDS)
     title = names.new(drivetrain.title)

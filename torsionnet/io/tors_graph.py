@@ -13,6 +13,7 @@ from torsionnet.core.groups import Groups
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.part_descriptions import describe_element_part
 from torsionnet.io.tors_elements import SHEAR_MODULUS, Disk, ShaftContinuous, ShaftDiscrete, TorsElement
+from torsionnet.io.unlinear_laws import refuse_laws_of_motion
 from torsionnet.model.elements import GROUND, Action, Constraint, Element, Gear, Law, Part, Row, Shaft, Values
 
 Disks: TypeAlias = dict[str, list[Disk]]
@@ -56,6 +57,7 @@ class Graph:
 
 def tors_graph(drivetrain: Drivetrain) -> Graph:
     """Graph of a drivetrain for a TORS file, refused with the names of all parts that TORS has no counterpart of."""
+    refuse_laws_of_motion(drivetrain, "TORS")
     writer = _GraphWriter(drivetrain)
     for element in drivetrain.elements.values():
         writer.write(element)

@@ -37,6 +37,8 @@ class Overlay:
     operating_point: OperatingPoint | None = None
     entries: Mapping[str, Any] = field(default_factory=dict)
     """Changed entries of elements, excitations and the load as written, by ``element.entry`` and so on."""
+    at: OperatingPoint | None = None
+    """Operating point of a call, which replaces that of the model instead of changing some of its entries."""
 
     def renamed(self, names: Renaming) -> Overlay:
         """Copy of the changes in a part, with its names in the whole model; ``entries`` are not renamed."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
@@ -27,14 +27,38 @@ if TYPE_CHECKING:
     from torsionnet.model.excitations.speed_range import SpeedRange
     from torsionnet.model.limits import Limit
     from torsionnet.model.load.load_section import Load
+    from torsionnet.model.motion_balance.balanced_state import BalancedState
     from torsionnet.model.parts.part import Part
     from torsionnet.model.parts.use import Use
     from torsionnet.model.report import ReportPlan
+    from torsionnet.model.scenarios.scenario import Scenario
 
 LOAD = "load"
 """Prefix of the load's entries in a configuration, as in ``load.power``; no excitation can have this name."""
 EXCITATIONS = "excitations"
 ELEMENTS = "elements"
+
+
+class Tangents(Protocol):
+    """Interface of an operating point about which the laws of motion of a model are linear."""
+
+    def linear(self, elements: Sequence[Element]) -> tuple[Element, ...]:
+        """Elements with the tangents of their laws of motion at the operating point."""
+
+    @property
+    def state(self) -> BalancedState:
+        """State of all laws of motion about which they are linear."""
+
+    @property
+    def states(self) -> tuple[BalancedState, ...]:
+        """States of all laws of motion that are in balance, of which one is chosen."""
+
+    @property
+    def is_loaded(self) -> bool:
+        """Whether torques or speeds are given."""
+
+    def depends_on(self, names: frozenset[str]) -> bool:
+        """Whether the state may change with some parameters."""
 
 
 class Authored(Protocol):
@@ -73,10 +97,15 @@ class Definition(Declared):
     load: Load | None = entry(sections.LOAD, None)
     excitations: Mapping[str, OrderExcitation] = entry(sections.EXCITATIONS, None)
     limits: Mapping[str, Limit] = entry(sections.LIMITS, None)
+    scenarios: Mapping[str, Scenario] = entry(sections.SCENARIOS, None)
     bench: Plan | None = entry(sections.BENCH, None)
     report: ReportPlan | None = entry(sections.REPORT, None)
     authored: Authored | None = field(default=None, compare=False, repr=False)
     """Model as written, if this is the definition with all parts put in, else None."""
+    tangents: Tangents | None = field(default=None, compare=False, repr=False)
+    """Operating point about which laws of motion are linear; None: at rest without twist."""
+    is_asked: bool = field(default=False, compare=False, repr=False)
+    """Whether a call has given the operating point, which then holds against working points of elements."""
 
     def __post_init__(self) -> None:
         """Accept the typed values of the definition as they are, without checks.
@@ -99,7 +128,15 @@ class Definition(Declared):
 
     @cached_property
     def active(self) -> tuple[Element, ...]:
-        """Elements that are switched on, with values quoted at another shaft converted to their own shaft."""
+        """Elements that are switched on, with values at their own shafts and tangents of their laws of motion."""
+        return self.switched_on if self.tangents is None else self.tangents.linear(self.switched_on)
+
+    @cached_property
+    def switched_on(self) -> tuple[Element, ...]:
+        """Elements that are switched on, with values quoted at another shaft converted to their own shaft.
+
+        Laws of motion are linear at rest without twist.
+        """
         on = tuple(element for element in self.elements.values() if element.enabled)
         if all(element.referred_to is None for element in on):
             return on
@@ -112,6 +149,11 @@ class Definition(Declared):
         """Parameters that follow the operating point, by name."""
         return {name: parameter for name, parameter in self.parameters.items() if parameter.by is not None}
 
+    @property
+    def follows_speed(self) -> bool:
+        """Whether parameters, or tangents of laws of motion under a load, differ from speed to speed."""
+        return bool(self.following) or (self.load is not None and self.tangents is not None)
+
     def with_overlay(self, overlay: Overlay) -> Definition:
         """Definition of the model with the changes of an alternative."""
         parameters = dict(self.parameters)
@@ -123,12 +165,20 @@ class Definition(Declared):
             for name, element in self.elements.items()
         }
         point = self.operating_point.with_overlay(overlay.operating_point)
-        return replace(
+        changed = replace(
             self,
             parameters=parameters,
             operating_point=point,
             **self._overridden(overlay.entries, elements),
         )
+        return changed if overlay.at is None else changed.at(overlay.at)
+
+    def at(self, point: OperatingPoint) -> Definition:
+        """Definition of the model at an operating point whose torques, if there are any, replace the load."""
+        if not point.torque:
+            return replace(self, operating_point=replace(self.operating_point, speed=point.speed), is_asked=True)
+        speed = point.speed or self.operating_point.speed
+        return replace(self, operating_point=OperatingPoint(speed, point.torque), load=None, is_asked=True)
 
     def _overridden(self, changes: Mapping[str, Any], elements: Mapping[str, Element]) -> dict[str, Any]:
         """Sections of the definition, by key, with changed entries put in.

@@ -8,7 +8,7 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Any, Self
 
-from torsionnet.core.errors import Fault, ModelError
+from torsionnet.core.errors import Fault, ModelError, unknown_name
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.checks import check_definition, check_variant, has_errors
 from torsionnet.model.configurations import (
@@ -26,7 +26,7 @@ from torsionnet.model.elements import Element
 from torsionnet.model.load.external_torques import ExternalTorques, mean_torques
 from torsionnet.model.named_entries import can_be_named, with_named_entries
 from torsionnet.model.operating_point import OperatingPoint
-from torsionnet.model.operating_values import at_operating_point, with_operating_values
+from torsionnet.model.operating_values import at_operating_point, with_operating_values, with_tangents
 from torsionnet.model.parameters import Parameter, resolve
 from torsionnet.model.parts.part_insertion import part_of, with_use
 from torsionnet.model.speeds import mean_speeds, total_ratio
@@ -53,6 +53,7 @@ class Model:
         ports: Iterable[str] = (),
         parts: Mapping[str, Any] | None = None,
         use: Mapping[str, Any] | None = None,
+        scenarios: Mapping[str, Any] | None = None,
     ) -> None:
         table, faults = collect_elements(elements) if elements or not use else ({}, [])
         definition, found = define(
@@ -68,6 +69,7 @@ class Model:
                 "load": load,
                 "excitations": excitations,
                 "limits": limits,
+                "scenarios": scenarios,
                 "source": source,
                 "description": description,
                 "ports": ports if isinstance(ports, str) else tuple(ports),
@@ -140,7 +142,7 @@ class Model:
     @cached_property
     def nodes(self) -> tuple[str, ...]:
         """Names of the model's nodes in the order of their first mention, without ground."""
-        return all_nodes(self._definition.active)
+        return all_nodes(self._definition.switched_on)
 
     @property
     def inputs(self) -> Mapping[str, Input]:
@@ -260,7 +262,7 @@ class Model:
         fitting = [name for name in names if can_be_named(self._base, name)]
         if not fitting:
             return self
-        return self._as_chosen(self.with_definition(with_named_entries(self._base, fitting)))
+        return self._as_chosen(self.with_definition(with_tangents(with_named_entries(self._base, fitting))))
 
     def with_excitation_numbers(self, values: Mapping[str, float]) -> Self:
         """Copy of the model with other numbers in its excitations, in SI units.
@@ -286,7 +288,7 @@ class Model:
         from torsionnet.model.excitations.excitation_numbers import with_numbers
 
         changed = with_numbers(self._base.excitations, values)
-        return self._as_chosen(self.with_definition(replace(self._base, excitations=changed)))
+        return self._as_chosen(self.with_definition(with_tangents(replace(self._base, excitations=changed))))
 
     def with_part(
         self,
@@ -347,7 +349,10 @@ class Model:
         if not self._choice and self._changes == Overlay():
             return whole
         choice = ",".join(f"{axis}={alternative}" for axis, alternative in self._choice.items())
-        return whole.configured(choice, **self._changes.parameters).switched(on=self._changes.on, off=self._changes.off)
+        found = whole.configured(choice, **self._changes.parameters)
+        found = found.switched(on=self._changes.on, off=self._changes.off)
+        at = self._changes.at
+        return found if at is None else found.at_point(at)
 
     def switched(self, *, on: Iterable[str] = (), off: Iterable[str] = ()) -> Self:
         """Copy of the model with elements switched on or off by name, whatever its configuration says."""
@@ -357,10 +362,35 @@ class Model:
         lists = {word: tuple(name for name in states if states[name] is (word == "on")) for word in ("on", "off")}
         return self._changed(self._choice, replace(self._changes, on=lists["on"], off=lists["off"]))
 
-    def with_operating_values(self, values: Mapping[str, float]) -> Self:
-        """Copy of the model at another operating point, with these values in SI of the parameters that follow it."""
+    def at_point(self, point: OperatingPoint) -> Self:
+        """Copy of the model at an operating point in place of its own and, if that has torques, of its load.
+
+        It holds against every configuration, also one chosen later.
+
+        Raises
+        ------
+        ModelError
+            Nodes that do not exist, or a place of a torque that is none.
+        """
+        known = all_nodes(self._base.elements.values())
+        faults = [
+            unknown_name("node", node, known, ("operating_point", entry, node), on_key=True)
+            for entry, nodes in (("speed", point.speed), ("torque", point.loaded_nodes))
+            for node in nodes
+            if node not in known
+        ]
+        _refuse(faults, self.name)
+        return self._changed(self._choice, replace(self._changes, at=point))
+
+    def with_operating_values(self, values: Mapping[str, float], speed: float | None = None) -> Self:
+        """Copy of the model at another operating point, with these values in SI of the parameters that follow it.
+
+        ``speed`` in rad/s is that of the reference node of the load, at which laws of motion are linear.
+        """
         new = type(self).__new__(type(self))
         definition = with_operating_values(self._definition, values)
+        if speed is not None:
+            definition = with_tangents(definition, speed)
         new.__setstate__(_state(definition, self._base, self._choice, self._changes, self._findings))
         return new
 

@@ -16,6 +16,7 @@ from torsionnet.model.elements import Constraint, Law, Values
 from torsionnet.model.elimination import reduce_rows
 from torsionnet.model.kinematics import UNIT, exact_row, owned_parts
 from torsionnet.model.load.external_torques import ExternalTorques
+from torsionnet.model.motion_balance.operating_notes import law_notes
 from torsionnet.model.parameters import VIBRATORY_TORQUE, Parameter, resolve
 from torsionnet.model.readings import port_of
 
@@ -113,27 +114,42 @@ def with_operating_values(definition: Definition, values: Mapping[str, float]) -
 
 
 def at_operating_point(definition: Definition) -> Definition:
-    """Definition of a model with the parameter values at its own operating point; unchanged without one."""
+    """Definition of a model with the parameter values, and tangents of laws of motion, at its own operating point."""
     if not definition.following:
-        return definition
+        return with_tangents(definition)
+    definition = replace(definition, tangents=None)
     points = OperatingPoints(ExternalTorques(definition, resolve(definition.parameters)[0]))
     try:
-        return with_operating_values(definition, points.at(points.external.operating_speed))
+        return with_tangents(with_operating_values(definition, points.at(points.external.operating_speed)))
     except UsageError:
+        return with_tangents(definition)
+
+
+def with_tangents(definition: Definition, speed: float | None = None) -> Definition:
+    """Definition of a model whose laws of motion are linear about the operating point, worked out when first used.
+
+    ``speed`` in rad/s is that of the reference node of a load, by default that of the operating point. Without laws of
+    motion the definition is unchanged.
+    """
+    if not any(one.enabled and one.has_motion_laws for one in definition.elements.values()):
         return definition
+    from torsionnet.model.motion_balance.operating_balance import OperatingBalance  # few models have laws of motion
+
+    plain = definition if definition.tangents is None else replace(definition, tangents=None)
+    return replace(plain, tangents=OperatingBalance(plain, speed))
 
 
 def operating_speed_notes(external: ExternalTorques) -> tuple[str, ...]:
-    """Note on the speed at which the natural frequencies of the model hold.
+    """Notes on the speed and the operating point of laws of motion at which the natural frequencies of the model hold.
 
-    Empty if no parameter follows the operating point.
+    Empty if no parameter follows the operating point, and there are no laws of motion.
     """
-    following = external.definition.following
+    following, notes = external.definition.following, law_notes(external.definition)
     if not following:
-        return ()
+        return notes
     where = f"{external.reference} at {external.operating_speed * RPM:.6g} rpm"
     names = ", ".join(following)
-    return (f"natural frequencies and damping ratios hold with {where}: {names} follow the operating point",)
+    return (f"natural frequencies and damping ratios hold with {where}: {names} follow the operating point", *notes)
 
 
 def torque_per_node(definition: Definition, values: Mapping[str, Any], name: str) -> dict[str, float]:

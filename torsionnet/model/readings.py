@@ -184,6 +184,6 @@ def port_of(element: Element, at: str | None) -> tuple[str, int]:
 
 
 def _other_end(element: Element, index: int) -> int:
-    if element.glyph in ("spring", "damper", "coupling") and len(element.ports) == 2:
+    if element.glyph in ("spring", "damper", "coupling", "clearance", "friction") and len(element.ports) == 2:
         return 1 - index
     raise UsageError(f"attach {element.name} to a node with a lock instead of ground to read the torque there")

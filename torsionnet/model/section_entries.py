@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from torsionnet.model.limits.limit import Limit
     from torsionnet.model.load.load_section import Load
     from torsionnet.model.report.report_plan import ReportPlan
+    from torsionnet.model.scenarios.scenario import Scenario
 
 
 def _plan() -> type[Plan]:
@@ -52,6 +53,12 @@ def _limit_rules() -> Mapping[str, type[Limit]]:
     return limit_rules()
 
 
+def _scenario_kinds() -> Mapping[str, type[Scenario]]:
+    from torsionnet.model.scenarios.scenario import scenario_kinds
+
+    return scenario_kinds()
+
+
 def _report() -> type[ReportPlan]:
     from torsionnet.model.report.report_plan import ReportPlan
 
@@ -81,6 +88,12 @@ EXCITATIONS = Named(
 LIMITS = Named(
     "what elements may bear while the machinery runs, by name",
     Typed("which rule says so", _limit_rules, "limit", "limit", key="rule"),
+    refused=name_fault,
+    names=NAME_SCHEMA,
+)
+SCENARIOS = Named(
+    "what happens to the drivetrain over time, by name",
+    Typed("what kind of scenario this is", _scenario_kinds, "scenario", "scenario"),
     refused=name_fault,
     names=NAME_SCHEMA,
 )

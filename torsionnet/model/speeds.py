@@ -13,7 +13,8 @@ from typing import Any, TypeAlias
 
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.model.definition import Definition, all_nodes
-from torsionnet.model.elements import Values
+from torsionnet.model.element_base.torque_curve import AT_REST
+from torsionnet.model.elements import MotionLaw, Values
 from torsionnet.model.elimination import Reduction, exact, reduce_rows
 from torsionnet.model.kinematics import UNIT, exact_row
 from torsionnet.model.operating_point import OperatingPoint
@@ -33,6 +34,27 @@ def _rows_on_average(definition: Definition, values: Mapping[str, Any]) -> tuple
     value = Values(values)
     rows = [exact_row(row) for element in definition.active for row in element.mean_speed_rows(value)]
     return [row for row in rows if len(row) > 1], [row for row in rows if len(row) == 1]
+
+
+def _apart_from_friction(definition: Definition, values: Mapping[str, Any], holding: Rows) -> tuple[Rows, Rows]:
+    """Rows that hold on average whatever the speeds, and those of friction, which turn as one unless speeds differ."""
+    value = Values(values)
+    laws = [
+        part
+        for element in definition.active
+        if element.has_motion_laws
+        for part in element.whole_parts(value)
+        if isinstance(part, MotionLaw) and part.curve.over == "rate" and part.curve.holds(AT_REST)
+    ]
+    friction = [exact_row(law.row) for law in laws]
+    return [row for row in holding if row not in friction], [row for row in holding if row in friction]
+
+
+def _hold_where_possible(rows: Rows, speeds: Elimination) -> None:
+    """Add rows to an elimination, each if the speeds in question stay possible."""
+    for row in rows:
+        if not speeds.blocks(row):
+            speeds.add(row)
 
 
 def _clamps(definition: Definition) -> Iterator[dict[str, Fraction]]:
@@ -113,7 +135,9 @@ def mean_speeds(definition: Definition, values: Mapping[str, Any]) -> dict[str, 
     given = _numbers(definition.operating_point, values)
     order = {node: index for index, node in enumerate(all_nodes(definition.active))}
     rows: Rows = [{node: Fraction(1), UNIT: -speed} for node, speed in given.items() if node in order]
-    elimination = _eliminated([*rows, *holding_rows(definition, values)], order)
+    holding, friction = _apart_from_friction(definition, values, holding_rows(definition, values))
+    elimination = _eliminated([*rows, *holding], order)
+    _hold_where_possible(friction, elimination)
     _clamp(definition, [elimination])
     if elimination.blocked:
         raise ModelError([Fault(_contradiction(definition, rows), ("operating_point", "speed"))])
@@ -138,11 +162,11 @@ def speeds_by_reference(
     given = point if determined.get(reference) else {reference: Fraction(1)}
     turning: Rows = [{node: Fraction(1), UNIT: -speed} for node, speed in given.items() if node in order]
     holding, rest = _rows_on_average(definition, values)
+    holding, friction = _apart_from_friction(definition, values, holding)
     elimination = _eliminated([*turning, *holding], order)
+    _hold_where_possible(friction, elimination)
     _clamp(definition, [elimination])
-    for row in (*rest, *_alike(definition)):
-        if not elimination.blocks(row):
-            elimination.add(row)
+    _hold_where_possible([*rest, *_alike(definition)], elimination)
     reduction = Reduction(elimination)
     speeds = {node: reduction.in_floats({node: 1}) for node in order if not reduction.is_free(node)}
     return {node: row.get(UNIT, 0.0) for node, row in speeds.items() if row.keys() <= {UNIT}}

@@ -36,6 +36,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "robust_optimum": "torsionnet.plot.study.designs",
         "save": "torsionnet.plot.drawing.save",
         "scatter_matrix": "torsionnet.plot.study.scatter_matrix",
+        "scenario_motion": "torsionnet.plot.scenario_motion",
         "schematic": "torsionnet.plot.schematic.schematic",
         "sobol_indices": "torsionnet.plot.study.sobol_bars",
         "spectrogram": "torsionnet.plot.time_frequency",

@@ -21,6 +21,7 @@ from torsionnet.plot.order_response import order_response as order_response
 from torsionnet.plot.order_response import waveform as waveform
 from torsionnet.plot.passage_response import passage_response as passage_response
 from torsionnet.plot.pitch_pattern import wheel_pattern as wheel_pattern
+from torsionnet.plot.scenario_motion import scenario_motion as scenario_motion
 from torsionnet.plot.schematic.schematic import schematic as schematic
 from torsionnet.plot.shapes import mode_shapes as mode_shapes
 from torsionnet.plot.stabilisation import stabilisation as stabilisation
@@ -78,6 +79,7 @@ __all__ = [
     "robust_optimum",
     "save",
     "scatter_matrix",
+    "scenario_motion",
     "schematic",
     "sobol_indices",
     "spectrogram",

@@ -40,6 +40,7 @@ BUILDERS = {
     "limits": "limits.limits_section",
     "components": "components.components_section",
     "passage": "passage.passage_section",
+    "scenarios": "scenario_motions.scenarios_section",
     "measurement_plan": "measurement_plan.measurement_plan_section",
     "test": "comparison.comparison_section",
     "fit": "fits.fit_section",

@@ -34,6 +34,9 @@ from torsionnet.response.mean_response import MeanResponse as MeanResponse
 from torsionnet.response.measured.tracked_orders import TrackedOrders as TrackedOrders
 from torsionnet.response.modes import ModeRow as ModeRow
 from torsionnet.response.modes import Modes as Modes
+from torsionnet.response.motion.energy_balance import EnergyBalance as EnergyBalance
+from torsionnet.response.motion.motion_event import MotionEvent as MotionEvent
+from torsionnet.response.motion.motion_start import MotionStart as MotionStart
 from torsionnet.response.order_comparison import MeasuredOrder as MeasuredOrder
 from torsionnet.response.order_line import OrderLine as OrderLine
 from torsionnet.response.order_response import OrderResponse as OrderResponse
@@ -61,6 +64,7 @@ __all__ = [
     "DesignParameter",
     "DissipatedPower",
     "ElementLoad",
+    "EnergyBalance",
     "Estimation",
     "ExternalTorque",
     "FrequencyResponse",
@@ -84,6 +88,8 @@ __all__ = [
     "MeasuredOrder",
     "ModeRow",
     "Modes",
+    "MotionEvent",
+    "MotionStart",
     "OrderLine",
     "OrderResponse",
     "PassagePeak",

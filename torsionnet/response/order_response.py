@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import ClassVar, Protocol, runtime_checkable
 
@@ -60,6 +60,8 @@ class OrderResponse(NotebookResult):
     outputs : tuple of Channel
     title : str
         Name of the model with its configuration.
+    notes : tuple of str
+        Remarks, as on the operating point of laws of motion.
     """
 
     picture: ClassVar[str] = "order_response"
@@ -70,6 +72,7 @@ class OrderResponse(NotebookResult):
     values: ComplexArray
     outputs: tuple[Channel, ...]
     title: str = ""
+    notes: tuple[str, ...] = field(default=(), kw_only=True)
 
     @property
     def rpm(self) -> FloatArray:
@@ -342,7 +345,7 @@ class OrderResponse(NotebookResult):
             notes.append(SUMS_NOTE)
         if len(chosen) < len(self.lines):
             notes.append(f"{len(chosen)} of {len(self.lines)} orders, the largest")
-        return Table(f"{self.title}: {channel.name}", columns, tuple(rows), tuple(notes))
+        return Table(f"{self.title}: {channel.name}", columns, tuple(rows), (*notes, *self.notes))
 
     def _sum_row(self, places: list[int], output: int, worst: int, scale: float) -> tuple[object, ...]:
         number = lines_of_one_frequency(self.lines).index(places)
@@ -370,7 +373,7 @@ class OrderResponse(NotebookResult):
                 f = abs(speed * float(line.relative) / (2 * math.pi) + line.fixed)
                 rows.append((speed * RPM, name, order, f, *parts))
         notes = [f"speeds of {self.reference}; {self._phases}", *([SUMS_NOTE] if sums else [])]
-        return Table(f"{self.title}: order response", tuple(columns), tuple(rows), tuple(notes))
+        return Table(f"{self.title}: order response", tuple(columns), tuple(rows), (*notes, *self.notes))
 
     @property
     def no_cycle(self) -> str:

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.notebook import NotebookResult
 from torsionnet.response.measured.pulse_channel import PulseChannel
+from torsionnet.response.motion.energy_balance import EnergyBalance
+from torsionnet.response.motion.motion_event import MotionEvent
 from torsionnet.response.table import Column, Table
 
 FloatArray = NDArray[np.float64]
@@ -77,6 +79,10 @@ class Recording(NotebookResult):
         Origin: file, assumptions made in reading it, processing since.
     pulses : tuple of PulseChannel
         Times of the pulses of toothed wheels and encoders on the same clock, each of a length of its own.
+    events : tuple of MotionEvent
+        Of a simulation with laws of motion: contacts that close and open, friction that sticks and slips.
+    energy : EnergyBalance, optional
+        Of such a simulation.
 
     Examples
     --------
@@ -94,6 +100,8 @@ class Recording(NotebookResult):
     title: str = ""
     notes: tuple[str, ...] = ()
     pulses: tuple[PulseChannel, ...] = ()
+    events: tuple[MotionEvent, ...] = ()
+    energy: EnergyBalance | None = None
 
     def __post_init__(self) -> None:
         lengths = {len(signal.values) for signal in self.signals}

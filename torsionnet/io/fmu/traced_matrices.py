@@ -15,6 +15,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.fmu.fmu_coordinates import Motion, trace_motion
 from torsionnet.io.fmu.traced_numbers import Traced
+from torsionnet.io.unlinear_laws import refuse_laws_of_motion
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import Law
 from torsionnet.model.readings import balance, reading
@@ -100,6 +101,7 @@ def trace_system(drivetrain: Drivetrain) -> System:
 
 def _refuse(drivetrain: Drivetrain) -> None:
     """Refuse a drivetrain that an FMU cannot hold, with imposed angles, too many coordinates, or no state space."""
+    refuse_laws_of_motion(drivetrain, "an FMU")
     channels, assembly = active_channels(drivetrain), drivetrain.assembly
     imposed = [name for name, channel in channels.inputs.items() if channel.quantity != "torque"]
     if imposed:

@@ -8,19 +8,19 @@ from dataclasses import replace
 from torsionnet.core.errors import Fault
 from torsionnet.model.checks.motions import free_motions
 from torsionnet.model.kinematics import Kinematics
-from torsionnet.model.load.external_torques import ExternalTorques
-
-UNBALANCED_SHARE = 0.05
-"""Share of the largest torque that may remain unbalanced, for rounding of data sheets and drag in bearings."""
+from torsionnet.model.load.external_torques import UNBALANCED_SHARE, ExternalTorques
 
 
 def unbalanced_torques(external: ExternalTorques, kinematics: Kinematics) -> list[Fault]:
     """Warnings about mean torques out of balance on a part that turns freely, as a load with the sign of a drive.
 
     Springs hand mean torques on and dampers stand for vibration, so neither takes any. A single torque is half of what
-    acts there, and says nothing. Those of a load are in balance as a whole: what is left on one part is an error.
+    acts there, and says nothing. Those of a load are in balance as a whole: what is left on one part is an error. Laws
+    of motion take torques too, so that their operating point tells what is left.
     """
     definition = external.definition
+    if any(element.has_motion_laws for element in definition.switched_on):
+        return []
     acting = external.at_operating_point
     given = {node: torque for node, torque in acting.items() if torque and node in kinematics.nodes}
     if len(given) < 2:

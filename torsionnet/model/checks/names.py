@@ -41,6 +41,9 @@ def _expressions(definition: Definition) -> Iterator[tuple[Path, Expression]]:
             yield from _point_expressions(overlay.operating_point, ("configurations", axis, label, "operating_point"))
     yield from _point_expressions(definition.operating_point, ("operating_point",))
     yield from expressions_of_overrides(definition)
+    for name, scenario in definition.scenarios.items():
+        for path, _, expression, _ in scenario.expressions():
+            yield ("scenarios", name, *path), expression
 
 
 def _point_expressions(point: OperatingPoint | None, path: Path) -> Iterator[tuple[Path, Expression]]:
@@ -217,6 +220,7 @@ def dead_ends(definition: Definition) -> list[Fault]:
     used |= {node for one in definition.excitations.values() for node in (*one.nodes, one.reaction_node or GROUND)}
     loading = (*definition.load.by_place, *definition.load.driven_by) if definition.load else ()
     used |= {node for place in loading for node in torque_place(place).nodes}
+    used |= {node for one in definition.scenarios.values() for node in one.places}
     used |= {GROUND, *definition.ports, *definition.operating_point.speed, *definition.operating_point.loaded_nodes}
     faults: list[Fault] = []
     for node, names in touching.items():
@@ -255,6 +259,15 @@ def unfit_limits(definition: Definition) -> list[Fault]:
     return limit_checks.unfit_limits(definition)
 
 
+def unfit_scenarios(definition: Definition) -> list[Fault]:
+    """Faults of scenarios that name what the model does not have, or that lack data of it."""
+    if not definition.scenarios:
+        return []
+    import torsionnet.model.checks.scenario_checks as scenario_checks
+
+    return scenario_checks.unfit_scenarios(definition)
+
+
 def unfit_catalogues(definition: Definition) -> list[Fault]:
     """Notes on columns of catalogues that neither elements nor limits take."""
     if all(element.catalogue is None for element in definition.elements.values()):
@@ -287,6 +300,7 @@ CHECKS = (
     unfit_overrides,
     unfit_excitations,
     unfit_limits,
+    unfit_scenarios,
     unfit_catalogues,
     unfit_bench,
     unfit_report,

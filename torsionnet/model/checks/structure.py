@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from torsionnet.core.errors import USELESS, Fault, UsageError, did_you_mean
@@ -188,14 +189,13 @@ def rigid_motions(kinematics: Kinematics) -> list[str]:
 
 
 CHECKS = (
-    locked_channels,
     contradicting_inputs,
     massless_without_hold,
     indeterminate_torques,
     idle_channels,
     rigid_body_modes,
 )
-"""Functions that check the structure of a configuration, in the order in which they run."""
+"""Functions that check the structure of a configuration, in the order in which they run, after locked channels."""
 
 
 def check_structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
@@ -204,13 +204,44 @@ def check_structure(definition: Definition, values: Mapping[str, Any]) -> list[F
     if unfit:
         return unfit
     kinematics = solve_kinematics(definition, Values(values))
-    faults = contradicting_gears(definition, kinematics)
+    slipping = _while_it_slips(definition, values)
+    faults = contradicting_gears(definition, slipping or kinematics)
     if faults:
         return faults
-    faults = [fault for check in CHECKS for fault in check(definition, kinematics)]
-    faults += unreachable_shafts(definition, values)
+    faults = locked_channels(definition, kinematics)
+    faults = faults if slipping is None else _stuck_channels(faults, locked_channels(definition, slipping))
+    faults += [fault for check in CHECKS for fault in check(definition, kinematics)]
+    faults += unreachable_shafts(definition, values) + _open_gaps(definition, values)
     sound = all(fault.severity != "error" for fault in faults)
     return faults + _unfit_operation(definition, values, kinematics, sound=sound)
+
+
+def _open_gaps(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
+    """Notes on laws of motion that nothing presses together, in a model without an operating point."""
+    if definition.load or definition.operating_point or not any(one.has_motion_laws for one in definition.active):
+        return []
+    from torsionnet.model.checks.free_laws import open_gaps
+
+    return open_gaps(definition, values)
+
+
+def _while_it_slips(definition: Definition, values: Mapping[str, Any]) -> Kinematics | None:
+    """Kinematics without the laws of motion that hold their rows still, as friction that sticks; None without any."""
+    if not any(element.has_motion_laws for element in definition.active):
+        return None
+    from torsionnet.model.checks.free_laws import loose_kinematics
+
+    return loose_kinematics(definition, values)
+
+
+def _stuck_channels(stuck: Sequence[Fault], always: Sequence[Fault]) -> list[Fault]:
+    """Findings on channels that do nothing, as notes where friction holds them only while it sticks."""
+    paths = {fault.path for fault in always}
+    text = "{}, in linear results at an operating point where friction sticks or a preload holds"
+    return [
+        fault if fault.path in paths else replace(fault, message=text.format(fault.message), severity="note", kind="")
+        for fault in stuck
+    ]
 
 
 def _unfit_references(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:

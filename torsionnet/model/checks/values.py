@@ -29,6 +29,11 @@ def wrong_dimensions(definition: Definition) -> list[Fault]:
             fault = _dimension_fault(expression, wanted, known)
             if fault:
                 faults.append(Fault(fault, ("elements", name, *path)))
+    for name, scenario in definition.scenarios.items():
+        for path, _, expression, wanted in scenario.expressions():
+            fault = _dimension_fault(expression, wanted, known)
+            if fault:
+                faults.append(Fault(fault, ("scenarios", name, *path)))
     return faults
 
 
@@ -103,7 +108,7 @@ def impossible_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
     for element in definition.elements.values():
         found = _field_sizes(element, numbers)
         faults += found or _law_sizes(element, numbers)
-    return faults + _point_sizes(definition, numbers)
+    return faults + _point_sizes(definition, numbers) + _scenario_sizes(definition, numbers)
 
 
 def _point_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
@@ -115,6 +120,16 @@ def _point_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
         for node, expression in table.items()
     }
     return [Fault(text, ("operating_point", *place)) for place, text in found.items() if text]
+
+
+def _scenario_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
+    """Faults of values of scenarios that cannot be calculated, or are of an impossible size."""
+    return [
+        Fault(text, ("scenarios", name, *path))
+        for name, scenario in definition.scenarios.items()
+        for path, spec, expression, wanted in scenario.expressions()
+        if (text := _size_fault(spec, expression, numbers, measure=False, wanted=wanted))
+    ]
 
 
 def _field_sizes(element: Element, numbers: Numbers) -> list[Fault]:

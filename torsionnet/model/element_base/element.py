@@ -7,7 +7,7 @@ makes it known to model files, the JSON Schema, the checks and the documentation
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import Field, dataclass, replace
 from functools import cache
@@ -25,9 +25,10 @@ from torsionnet.core.errors import Fault, ModelError, Path
 from torsionnet.core.expressions import Expression
 from torsionnet.core.type_register import TypeRegister
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE, CatalogueEntry, SizeName
-from torsionnet.model.element_base.laws import Constraint, Law, Part, Row, Values
+from torsionnet.model.element_base.laws import Constraint, Law, MotionLaw, Part, Row, Values, WholePart
 from torsionnet.model.element_base.multiple_values import MultipleValues
 from torsionnet.model.element_base.nodes import NodeName, NodePair, ReferenceNode
+from torsionnet.model.element_base.torque_curve import AT_REST, MotionState
 
 if TYPE_CHECKING:
     from torsionnet.model.catalogues.catalogue import CatalogueRow
@@ -81,6 +82,11 @@ class Element(Declared):
     """Whether a positive torque at the first port drives out of the element, as that of a machine does."""
     may_feed: ClassVar[bool] = False
     """Whether the element may feed energy into a vibration, by an action or by negative damping."""
+
+    is_at_own_speed: ClassVar[bool] = False
+    """Whether the laws of motion of the element were converted from another shaft, and not replaced otherwise."""
+    working_point: ClassVar[tuple[str, ...]] = ()
+    """Names of entries that name the working point of the element's laws of motion, about which it is then linear."""
 
     name: str
     description: str = entry(Text("free text for tables and reports"), "", kw_only=True)
@@ -169,16 +175,66 @@ class Element(Declared):
         """Laws, constraints and actions of the element, with coefficients in the algebra of ``value``."""
         raise NotImplementedError
 
+    @property
+    def has_motion_laws(self) -> bool:
+        """Whether :meth:`whole_parts` has laws of motion, of which :meth:`parts` has the tangents."""
+        return type(self).whole_parts is not Element.whole_parts
+
+    def is_linearised(self, value: Values) -> bool:
+        """Whether :meth:`parts` hold about a working point: given states, entries that name one, or no laws of motion.
+
+        Else they are the tangents of a drivetrain that rests without load.
+        """
+        if not self.has_motion_laws or self.has_own_working_point:
+            return True
+        if isinstance(self.__dict__.get("parts"), TangentParts):
+            return True
+        return not any(isinstance(part, MotionLaw) for part in self.whole_parts(value))
+
+    @property
+    def has_own_working_point(self) -> bool:
+        """Whether entries of the element name the working point about which :meth:`parts` is linear."""
+        return any(getattr(self, name) is not None for name in self.working_point)
+
+    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+        """Parts of the element with its laws of motion in full, where :meth:`parts` has their tangents.
+
+        Most elements have none: the two are the same.
+        """
+        return self.parts(value)
+
+    def tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
+        """Parts of the element for small motion about a state of each of its laws of motion, in their order.
+
+        Without states all rows rest without twist.
+        """
+        found: list[Part] = []
+        given = iter(states)
+        for part in self.whole_parts(value):
+            found += part.tangent(next(given, AT_REST)) if isinstance(part, MotionLaw) else (part,)
+        return tuple(found)
+
+    def at_states(self, states: Sequence[MotionState]) -> Self:
+        """Copy of the element with tangents about a state of each of its laws of motion in place of these."""
+        return self.with_laws(TangentParts(self, tuple(states)))
+
     def twist(self, value: Values) -> Row:
         """Row of node angles whose motion is the twist of the element."""
         return self.parts(value)[0].row
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """Rows of node speeds whose weighted sum is zero on average, by which the element transmits speeds."""
+        """Rows of node speeds whose weighted sum is zero on average, by which the element transmits speeds.
+
+        A law of motion over the twist transmits them even where it has no stiffness, as across a gap.
+        """
         parts = self.parts(value)
-        return tuple(
+        rows = [
             part.row for part in parts if isinstance(part, Constraint) or (isinstance(part, Law) and part.is_elastic)
-        )
+        ]
+        if self.has_motion_laws:
+            laws = [part for part in self.whole_parts(value) if isinstance(part, MotionLaw)]
+            rows += [law.row for law in laws if law.curve.over == "twist" and law.row not in rows]
+        return tuple(rows)
 
     @property
     def ports(self) -> dict[str, str]:
@@ -215,12 +271,16 @@ class Element(Declared):
 
     def at_own_speed(self, path: SpeedPath) -> Self:
         """Copy of the element with its values converted from the shaft at the end of ``path`` to its own shaft."""
-        return self.with_laws(path.parts_at_own_shaft(self))
+        found = self.with_laws(path.parts_at_own_shaft(self))
+        if self.has_motion_laws:
+            whole, tangents = path.laws_at_own_shaft(self)
+            found.__dict__.update(whole_parts=whole, tangent_parts=tangents, is_at_own_speed=True)
+        return found
 
     def with_laws(self, parts: Callable[[Values], tuple[Part, ...]]) -> Self:
         """Copy of the element with other laws in place of those that follow from its entries."""
         found = copy(self)
-        found.__dict__.update(parts=parts)
+        found.__dict__.update(parts=parts, is_at_own_speed=False)
         return found
 
     @property
@@ -318,3 +378,14 @@ def viscous(damping: Any, stiffness: Any, value: Values) -> Any:
     if isinstance(damping, DampingMeasure):
         return damping.viscous(stiffness, value.parameters, value.algebra)
     return 0 if damping is None else value(damping)
+
+
+@dataclass(frozen=True)
+class TangentParts:
+    """Replacement of the method ``parts`` of an element: tangents of its laws of motion about given states."""
+
+    element: Element
+    states: tuple[MotionState, ...]
+
+    def __call__(self, value: Values) -> tuple[Part, ...]:
+        return self.element.tangent_parts(value, self.states)

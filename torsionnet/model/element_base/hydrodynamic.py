@@ -1,8 +1,8 @@
-"""Base of fluid couplings and torque converters, with pump torque over speed ratio, linearised."""
+"""Base of fluid couplings and torque converters, with pump torque over speed ratio."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -11,12 +11,25 @@ from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import Spec, entry
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression, Number
-from torsionnet.core.piecewise_linear import Rows, outside_message, slope_at, value_at
+from torsionnet.core.piecewise_linear import Rows, outside_message
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.curves import with_curve_ranges
 from torsionnet.model.element_base.element import Element
-from torsionnet.model.element_base.laws import GROUND, Action, Law, Part, Row, Values, difference, make_row
+from torsionnet.model.element_base.hydrodynamic_curve import Capacity, CouplingCurve, Gain, StatorCurve
+from torsionnet.model.element_base.laws import (
+    GROUND,
+    Action,
+    Law,
+    MotionLaw,
+    Part,
+    Row,
+    Values,
+    WholePart,
+    difference,
+    make_row,
+)
 from torsionnet.model.element_base.nodes import NodeName
+from torsionnet.model.element_base.torque_curve import MotionState
 
 SPEED_RATIO_COLUMN = RowColumn("speed ratio")
 """Specification of the first column in tables over the speed ratio of a fluid coupling or torque converter."""
@@ -33,16 +46,20 @@ class Hydrodynamic(Element):
     glyph: ClassVar[str] = "hydrodynamic"
     sign: ClassVar[str] = "positive when the drivetrain drives the pump in the positive sense"
     may_feed: ClassVar[bool] = True
+    working_point: ClassVar[tuple[str, ...]] = ("speed", "speed_ratio")
     more_tables: ClassVar[tuple[str, ...]] = ()
     """Names of the entries with further tables over the speed ratio."""
 
     pump: str = entry(NodeName("the node of the pump", allow_ground=False))
     turbine: str = entry(NodeName("the node of the turbine", allow_ground=False))
-    speed: Expression = entry(
-        PhysicalQuantity("speed of the pump at the operating point", "speed", "omega_p", exclusive=True)
+    speed: Expression | None = entry(
+        PhysicalQuantity(
+            "speed of the pump at the operating point; default: as that says", "speed", "omega_p", exclusive=True
+        ),
+        None,
     )
-    speed_ratio: Expression = entry(
-        PhysicalQuantity("speed of the turbine over that of the pump at the operating point", "1", "nu")
+    speed_ratio: Expression | None = entry(
+        PhysicalQuantity("speed of the turbine over that of the pump at the operating point", "1", "nu"), None
     )
     pump_torque: Rows | None = entry(
         Characteristic(
@@ -76,16 +93,23 @@ class Hydrodynamic(Element):
     def contradictions(self) -> list[Fault]:
         if len({self.pump, self.turbine, self.housing}) < 3:
             return [Fault("pump, turbine and housing must be on different nodes", ("turbine",))]
-        given = [form for form in _FORMS if getattr(self, form) is not None]
-        if len(given) != 1:
+        if (self.speed is None) != (self.speed_ratio is None):
+            given, missing = ("speed", "speed_ratio") if self.speed_ratio is None else ("speed_ratio", "speed")
+            text = f"give {given} with {missing}, or none of them to take both from the operating point"
+            return [Fault(text, (given,), on_key=True)]
+        given_forms = [form for form in _FORMS if getattr(self, form) is not None]
+        if len(given_forms) != 1:
             text = "give the capacity once: pump_torque with test_speed, performance with diameter, or k_factor"
-            return [Fault(text, tuple(given[1:2]))]
-        missing = [name for name in _FORMS[given[0]] if getattr(self, name) is None]
-        if missing:
-            return [Fault(f"{given[0]} needs {missing[0]}", (given[0],), on_key=True)]
-        if any(row[1].value < 0 or (given[0] == "k_factor" and row[1].value == 0) for row in getattr(self, given[0])):
-            return [Fault("a capacity must not be negative, and a K factor must be above zero", (given[0],))]
-        return [fault for name in (given[0], *self.more_tables) for fault in self._uncovered(name)]
+            return [Fault(text, tuple(given_forms[1:2]))]
+        lacking = [name for name in _FORMS[given_forms[0]] if getattr(self, name) is None]
+        if lacking:
+            return [Fault(f"{given_forms[0]} needs {lacking[0]}", (given_forms[0],), on_key=True)]
+        if any(
+            row[1].value < 0 or (given_forms[0] == "k_factor" and row[1].value == 0)
+            for row in getattr(self, given_forms[0])
+        ):
+            return [Fault("a capacity must not be negative, and a K factor must be above zero", (given_forms[0],))]
+        return [fault for name in (given_forms[0], *self.more_tables) for fault in self._uncovered(name)]
 
     def _uncovered(self, name: str) -> list[Fault]:
         if not isinstance(self.speed_ratio, Number):
@@ -108,23 +132,50 @@ class Hydrodynamic(Element):
         table: Rows = next(getattr(self, form) for form in _FORMS if getattr(self, form) is not None)
         return table
 
-    def torque_ratio_at(self, value: Values) -> tuple[Any, Any]:
-        """Ratio of turbine torque to pump torque, and the slope of that ratio over the speed ratio."""
+    def gain(self, value: Values) -> Gain | None:
+        """Ratio of turbine torque to pump torque over the speed ratio; None where it is 1."""
         del value
-        return 1, 0
+        return None
 
     def twist(self, value: Values) -> Row:
         del value
         return difference(self.pump, self.turbine)
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
-        """Tuple of one row of node speeds, which couples pump and turbine at the speed ratio of the operating point."""
+        """Tuple of at most one row of node speeds, which couples pump and turbine at the speed ratio that is given."""
+        if self.speed_ratio is None:
+            return ()
         ratio = value(self.speed_ratio)
         return (make_row([(self.turbine, 1), (self.pump, -ratio), (self.housing, ratio - 1)]),)
 
     def parts(self, value: Values) -> tuple[Part, ...]:
-        speed, ratio = value(self.speed), value(self.speed_ratio)
-        (capacity, slope), (gain, gain_slope) = self.capacity(value), self.torque_ratio_at(value)
+        if self.speed is None or self.speed_ratio is None:
+            return self.tangent_parts(value)
+        return self._parts_about(value(self.speed), value(self.speed_ratio), value)
+
+    def tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
+        """Parts of the element for small motion about speeds; at rest it does nothing."""
+        pump = states[0].sensed[0] if states and states[0].sensed else 0
+        ratio = (pump - states[0].rate) / pump if pump else 0
+        return self._parts_about(abs(pump), ratio, value)
+
+    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+        pump, capacity, gain = difference(self.pump, self.housing), self.capacity(value), self.gain(value)
+        laws = [MotionLaw(difference(self.pump, self.turbine), CouplingCurve(capacity), sensed=(pump,))]
+        if gain is not None:
+            turbine = difference(self.turbine, self.housing)
+            laws.append(MotionLaw(turbine, StatorCurve(capacity, gain), sensed=(pump,)))
+        return (*laws, *self._masses(value))
+
+    def _masses(self, value: Values) -> list[Law]:
+        sides = ((self.pump, self.pump_inertia), (self.turbine, self.turbine_inertia))
+        masses = [Law(make_row([(node, 1)]), inertia=value(inertia)) for node, inertia in sides]
+        return [law for law in masses if law.acts]
+
+    def _parts_about(self, speed: Any, ratio: Any, value: Values) -> tuple[Part, ...]:
+        """Parts about a size of the speed of the pump in rad/s and a speed ratio."""
+        gain = self.gain(value)
+        (capacity, slope), (factor, factor_slope) = self.capacity(value).at(ratio), gain.at(ratio) if gain else (1, 0)
         by_pump, by_turbine = speed * (2 * capacity - ratio * slope), speed * slope
         pump, turbine = (difference(node, self.housing) for node in (self.pump, self.turbine))
         parts: list[Law | Action] = [
@@ -132,27 +183,22 @@ class Hydrodynamic(Element):
             Action(difference(self.turbine, self.pump), pump, (0, by_pump + by_turbine)),
         ]
         # What the turbine has beyond the torque of the pump comes from the stator.
-        surplus, rise = (gain - 1) * capacity, (gain - 1) * slope + gain_slope * capacity
+        surplus, rise = (factor - 1) * capacity, (factor - 1) * slope + factor_slope * capacity
         parts += [
             Law(turbine, damping=-speed * rise),
             Action(turbine, pump, (0, speed * (2 * surplus - ratio * rise))),
-            Law(make_row([(self.pump, 1)]), inertia=value(self.pump_inertia)),
-            Law(make_row([(self.turbine, 1)]), inertia=value(self.turbine_inertia)),
         ]
-        return (parts[0], *(part for part in parts[1:] if part.acts))
+        return (parts[0], *(part for part in parts[1:] if part.acts), *self._masses(value))
 
-    def capacity(self, value: Values) -> tuple[Any, Any]:
-        """Capacity C = T_p / omega_p^2 in N m s^2/rad^2 at the speed ratio, and its slope over the speed ratio."""
-        table, ratio = self._capacity_table, value(self.speed_ratio)
-        level, slope = value_at(table, ratio), value.algebra.number(slope_at(table, ratio))
+    def capacity(self, value: Values) -> Capacity:
+        """Capacity C = T_p / omega_p^2 in N m s^2/rad^2 over the speed ratio."""
         if self.k_factor is not None:
-            per_minute = 900 / value.algebra.pi**2
-            return per_minute / level**2, -2 * per_minute * slope / level**3
+            return Capacity(self.k_factor, 900 / value.algebra.pi**2, of_k_factor=True, algebra=value.algebra)
         if self.performance is not None:
             factor = value(self.density) * value(self.diameter) ** 5
         else:
             factor = 1 / value(self.test_speed) ** 2
-        return factor * level, factor * slope
+        return Capacity(self._capacity_table, factor, algebra=value.algebra)
 
 
 def _ratio(row: tuple[Number, ...]) -> Any:

@@ -2,7 +2,8 @@
 
 Every mechanical element acts on a scalar gamma = a^T theta, the *row* a being a sparse map from node to coefficient.
 A :class:`Law` answers the motion gamma with a torque kappa(s) gamma; a :class:`Constraint` holds gamma at zero. An
-:class:`Action` drives one gamma by the motion of another.
+:class:`Action` drives one gamma by the motion of another. A :class:`MotionLaw` answers gamma and its rate with a torque
+that is not proportional to them; linear solvers use its tangent, a :class:`Law`.
 Coefficients are numbers, exact rationals or symbols alike.
 """
 
@@ -16,6 +17,7 @@ from torsionnet.core.expressions import RATIONAL, Algebra, Expression
 
 if TYPE_CHECKING:
     from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
+    from torsionnet.model.element_base.torque_curve import MotionState, TorqueCurve
 
 GROUND = "ground"
 """Name of the node that never moves, whose angle is zero; its coefficient drops out of every row."""
@@ -95,7 +97,46 @@ class Action:
         return self.acts and above <= below
 
 
+@dataclass(frozen=True)
+class MotionLaw:
+    """Torque T(gamma, gamma') against the motion of the row gamma that does not follow it in proportion.
+
+    The torque is ``scale`` times that of ``curve``. A scenario may give ``scale`` over time under the name
+    ``scaled_by``, as the clamp torque of a clutch; ``sensed`` are rows whose rates the curve follows besides its own.
+    """
+
+    row: Row
+    curve: TorqueCurve
+    scale: Any = 1
+    scaled_by: str = ""
+    sensed: tuple[Row, ...] = ()
+
+    def torque(self, twist: Any, rate: Any, *sensed: Any) -> Any:
+        """Torque in N m against the motion at a twist gamma in rad, a rate in rad/s, and rates of sensed rows."""
+        return self.scale * self.curve.torque(twist, rate, *sensed)
+
+    def energy(self, twist: Any) -> Any:
+        """Energy in J that the law has stored at a twist in rad, 0 at twist 0."""
+        return self.scale * self.curve.energy(twist)
+
+    def tangent(self, state: MotionState) -> tuple[Law | Constraint | Action, ...]:
+        """Linear parts in place of the law for small motion about a state.
+
+        These are a :class:`Law` with the slopes of the curve, a :class:`Constraint` where the curve holds the row
+        still, and an :class:`Action` for each sensed row.
+        """
+        if self.curve.holds(state):
+            return (Constraint(self.row),)
+        stiffness, damping, *others = self.curve.slopes(state)
+        law = Law(self.row, stiffness=self.scale * stiffness, damping=self.scale * damping)
+        pairs = zip(self.sensed, others, strict=True)
+        return (law, *(Action(self.row, row, (0, -self.scale * slope)) for row, slope in pairs))
+
+
 Part: TypeAlias = Law | Constraint | Action
+"""Type of the linear parts of an element."""
+WholePart: TypeAlias = Part | MotionLaw
+"""Type of the parts of an element with its laws of motion in full."""
 
 
 def make_row(entries: Iterable[tuple[str, Any]]) -> Row:

@@ -16,7 +16,8 @@ from functools import cached_property
 from typing import Any, Protocol
 
 from torsionnet.core.groups import Groups
-from torsionnet.model.element_base.laws import GROUND, Law, Part, Row, Values
+from torsionnet.model.element_base.laws import GROUND, Law, MotionLaw, Part, Row, Values, WholePart
+from torsionnet.model.element_base.torque_curve import MotionState
 
 
 class SpeedTransmitter(Protocol):
@@ -34,6 +35,10 @@ class SpeedTransmitter(Protocol):
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]: ...
 
     def parts(self, value: Values) -> tuple[Part, ...]: ...
+
+    def whole_parts(self, value: Values) -> tuple[WholePart, ...]: ...
+
+    def tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]: ...
 
 
 @dataclass(frozen=True)
@@ -80,9 +85,27 @@ class SpeedPath:
         factor = self.ratio(value) ** 2
         return tuple(_scaled(part, factor) if isinstance(part, Law) else part for part in parts)
 
+    def whole(self, parts: Iterable[WholePart], value: Values) -> tuple[WholePart, ...]:
+        """Laws, those of motion in full, converted from the speed of the path's last shaft to that of the first."""
+        if not self.steps:
+            return tuple(parts)
+        ratio = self.ratio(value)
+        return tuple(
+            replace(part, curve=part.curve.scaled(ratio))
+            if isinstance(part, MotionLaw)
+            else _scaled(part, ratio**2)
+            if isinstance(part, Law)
+            else part
+            for part in parts
+        )
+
     def parts_at_own_shaft(self, quoted: SpeedTransmitter) -> _ActualParts:
         """Replacement of the method ``parts`` of an element whose values are quoted at the end of the path."""
         return _ActualParts(quoted, self)
+
+    def laws_at_own_shaft(self, quoted: SpeedTransmitter) -> tuple[_ActualWholeParts, _ActualTangents]:
+        """Replacements of the methods ``whole_parts`` and ``tangent_parts`` of such an element."""
+        return _ActualWholeParts(quoted, self), _ActualTangents(quoted, self)
 
 
 @dataclass(frozen=True)
@@ -94,6 +117,30 @@ class _ActualParts:
 
     def __call__(self, value: Values) -> tuple[Part, ...]:
         return self.path.actual(self.quoted.parts(value), value)
+
+
+@dataclass(frozen=True)
+class _ActualWholeParts:
+    """Laws of an element, with those of motion in full, converted from the shaft where they are quoted to its own."""
+
+    quoted: SpeedTransmitter
+    path: SpeedPath
+
+    def __call__(self, value: Values) -> tuple[WholePart, ...]:
+        return self.path.whole(self.quoted.whole_parts(value), value)
+
+
+@dataclass(frozen=True)
+class _ActualTangents:
+    """Tangents of an element about states at its own shaft, whose laws are quoted at another shaft."""
+
+    quoted: SpeedTransmitter
+    path: SpeedPath
+
+    def __call__(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
+        ratio = self.path.ratio(value)
+        quoted = [state.scaled(ratio) for state in states]
+        return self.path.actual(self.quoted.tangent_parts(value, quoted), value)
 
 
 def _quotient(above: Any, below: Any) -> Any:

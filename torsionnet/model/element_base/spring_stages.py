@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any, ClassVar
 
 from torsionnet.core.entries.composite import Composite, Listed, Nested
@@ -12,7 +14,7 @@ from torsionnet.core.entries.spec import EntryError, Json, Plural, Schema, Spec,
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
 from torsionnet.core.piecewise_linear import Rows
-from torsionnet.core.units import DIMENSIONS
+from torsionnet.core.units import DIMENSIONS, exact
 
 
 class StageEnd(Spec[Number]):
@@ -39,7 +41,11 @@ class StageEnd(Spec[Number]):
 
 @dataclass(frozen=True)
 class SpringStage(Declared):
-    """Stage of a spring: its stiffness, up to a torque or an angle from the unloaded position."""
+    """Stage of a spring: its stiffness, up to a torque or an angle from the unloaded position.
+
+    ``preload`` is the torque under which its springs are installed: where the stage begins, the twist stands still
+    until the torque exceeds that of the stage before by the preload.
+    """
 
     kind: ClassVar[str] = "stage"
     article: ClassVar[str] = "a stage"
@@ -47,6 +53,7 @@ class SpringStage(Declared):
 
     stiffness: float = entry(Value("stiffness of the stage", "stiffness", exclusive=True))
     to: Number | None = entry(StageEnd("torque or angle where the stage ends; none: the last stage"), None)
+    preload: float | None = entry(Value("torque under which the springs of the stage are installed", "torque"), None)
 
 
 class SpringStages(Composite[tuple[SpringStage, ...]], Plural[tuple[SpringStage, ...]]):
@@ -82,12 +89,14 @@ class SpringStages(Composite[tuple[SpringStage, ...]], Plural[tuple[SpringStage,
                         on_key=True,
                     )
                 ]
-        torques = [torque for torque in stage_torques(stages) if torque is not None]
-        for place, (first, second) in enumerate(zip([0.0, *torques], torques, strict=False)):
-            if second <= first:
-                text = f"the stages end at rising torques; this one ends at {second:g} N*m, begun at {first:g} N*m"
-                return (), [Fault(text, (place, "to"))]
-        return stages, []
+        begun = 0.0
+        for place, (stage, end) in enumerate(zip(stages, stage_torques(stages), strict=True)):
+            begun += stage.preload or 0.0
+            if end is not None and end <= begun:
+                text = f"the stages end at rising torques; this one ends at {end:g} N*m, begun at {begun:g} N*m"
+                faults.append(Fault(text, (place, "to")))
+            begun = begun if end is None else end
+        return stages if not faults else (), faults
 
     def plain(self, value: Any) -> Json:
         return self._listed.plain(value)
@@ -103,25 +112,43 @@ class SpringStages(Composite[tuple[SpringStage, ...]], Plural[tuple[SpringStage,
         return self._listed.accepted
 
 
-def stage_torques(stages: tuple[SpringStage, ...]) -> list[float | None]:
+@dataclass(frozen=True)
+class StagePoint:
+    """Twist in rad and torque in N m where a stage of a spring ends, exact."""
+
+    twist: Fraction
+    torque: Fraction
+
+
+def stage_ends(stages: Sequence[SpringStage]) -> list[StagePoint | None]:
+    """Point where each stage of a spring ends, None where a stage has no end.
+
+    >>> [end and float(end.twist) for end in stage_ends((SpringStage(300, "0.5 rad"), SpringStage(1000)))]
+    [0.5, None]
+    """
+    found: list[StagePoint | None] = []
+    torque = twist = Fraction(0)
+    for stage in stages:
+        if stage.to is None:
+            found.append(None)
+            continue
+        end, stiffness = exact(stage.to.value), exact(stage.stiffness)
+        torque += exact(stage.preload or 0)
+        if stage.to.unit_dimension == DIMENSIONS["torque"]:
+            torque, twist = end, twist + (end - torque) / stiffness
+        else:
+            torque, twist = torque + stiffness * (end - twist), end
+        found.append(StagePoint(twist, torque))
+    return found
+
+
+def stage_torques(stages: Sequence[SpringStage]) -> list[float | None]:
     """Torque in N m where each stage of a spring ends, None where a stage has no end.
 
     >>> stage_torques((SpringStage(300, "0.5 rad"), SpringStage(1000, "250 N*m"), SpringStage(2000)))
     [150.0, 250.0, None]
     """
-    found: list[float | None] = []
-    torque = angle = 0.0
-    for stage in stages:
-        if stage.to is None:
-            found.append(None)
-            continue
-        end = float(stage.to.value)
-        if stage.to.unit_dimension == DIMENSIONS["torque"]:
-            torque, angle = end, angle + (end - torque) / stage.stiffness
-        else:
-            torque, angle = torque + stage.stiffness * (end - angle), end
-        found.append(torque)
-    return found
+    return [None if end is None else float(end.torque) for end in stage_ends(stages)]
 
 
 def stage_at(stages: tuple[SpringStage, ...], torque: Any) -> SpringStage | None:

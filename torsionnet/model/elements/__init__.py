@@ -7,7 +7,7 @@ are listed: a model then costs only the types that it has.
 from typing import TYPE_CHECKING
 
 from torsionnet.model.element_base.element import ELEMENT_TYPES, Element, element_classes, make_element, register
-from torsionnet.model.element_base.laws import GROUND, Action, Constraint, Law, Part, Row, Values
+from torsionnet.model.element_base.laws import GROUND, Action, Constraint, Law, MotionLaw, Part, Row, Values
 
 if TYPE_CHECKING:
     from torsionnet.model.elements.element_types import *
@@ -19,6 +19,7 @@ __all__ = [
     "Constraint",
     "Element",
     "Law",
+    "MotionLaw",
     "Part",
     "Row",
     "Values",

@@ -1,4 +1,4 @@
-"""Friction clutch: closed, open, or slipping with the damping of its torque over slip."""
+"""Friction clutch: closed, open, or slipping by its torque over slip."""
 
 from __future__ import annotations
 
@@ -19,8 +19,20 @@ from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.curves import with_curve_ranges
 from torsionnet.model.element_base.damping_entries import DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
-from torsionnet.model.element_base.laws import GROUND, Constraint, Law, Part, Row, Values, difference, make_row
+from torsionnet.model.element_base.laws import (
+    GROUND,
+    Constraint,
+    Law,
+    MotionLaw,
+    Part,
+    Row,
+    Values,
+    WholePart,
+    difference,
+    make_row,
+)
 from torsionnet.model.element_base.nodes import NodePair
+from torsionnet.model.motion_laws.friction_curve import clutch_curve
 
 _SLIP = RowColumn("slip speed", "speed")
 
@@ -33,11 +45,15 @@ class Clutch(Element):
     Closed, its friction faces turn as one; open, they pass on drag alone. Slipping, they pass on a torque T(n) of the
     slip n = omega_first - omega_disc, and small vibrations feel its slope c = dT/dn at ``slip_speed``: T is a table, or
     the friction coefficient mu(n) times the torque T_1 at a coefficient of one (clamp force times mean radius times
-    number of faces). Straight lines join the rows; at a row the piece above it counts; negative slips have the same
-    slopes. Where friction falls with slip, c is negative: the clutch feeds vibrations (judder), and a mode is unstable
-    that has less damping otherwise (A. Crowther, N. Zhang, D. K. Liu, J. K. Jeyakumaran, Analysis and simulation of
-    clutch engagement judder and stick-slip in automotive powertrain systems, Proc. IMechE D 218, 2004). With a
-    stiffness, the springs stand between the faces and the second node, and ``NAME.disc`` is the node of the disc.
+    number of faces). Straight lines join the rows; at a row the piece above it counts; rows from slip 0 on hold both
+    ways, T(-n) = -T(n). Where friction falls with slip, c is negative: the clutch feeds vibrations (judder), and a mode
+    is unstable that has less damping otherwise (A. Crowther, N. Zhang, D. K. Liu, J. K. Jeyakumaran, Analysis and
+    simulation of clutch engagement judder and stick-slip in automotive powertrain systems, Proc. IMechE D 218, 2004).
+    With a stiffness, the springs stand between the faces and the second node; ``NAME.disc`` is the node of the disc.
+
+    T(n) is its law of motion in time: where the slip comes to an end the faces stick, while the torque that equilibrium
+    asks for is at most T(0). A scenario may give T_1 over time, as ``clamp``. Without ``slip_speed`` linear results
+    take the slip at the operating point; the clutch sticks, as a closed one, unless the operating point lets it slip.
 
     Examples
     --------
@@ -50,13 +66,20 @@ class Clutch(Element):
     kind: ClassVar[str] = "clutch"
     glyph: ClassVar[str] = "coupling"
     may_feed: ClassVar[bool] = True
+    working_point: ClassVar[tuple[str, ...]] = ("slip_speed",)
 
     nodes: tuple[str, str] = entry(
         NodePair("the two nodes it connects, the driving one first; twist is first minus second")
     )
     state: str = entry(OneOf("what its friction faces do", ("closed", "open", "slipping")), "closed")
     slip_speed: Expression | None = entry(
-        PhysicalQuantity("slipping: speed of the first node minus that of the disc", "speed", "n", None, nonzero=True),
+        PhysicalQuantity(
+            "slipping: speed of the first node minus that of the disc; default: that of the operating point",
+            "speed",
+            "n",
+            None,
+            nonzero=True,
+        ),
         None,
     )
     torque: Rows | None = entry(
@@ -112,9 +135,28 @@ class Clutch(Element):
         del value
         return difference(*self.nodes)
 
+    @property
+    def has_motion_laws(self) -> bool:
+        return self.state == "slipping" and _reaches_rest(self._table)
+
     def parts(self, value: Values) -> tuple[Part, ...]:
+        if self.has_motion_laws and not self.has_own_working_point:
+            return self.tangent_parts(value)
+        return (self._faces(value), *self._disc_and_bodies(value))
+
+    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+        if not self.has_motion_laws:
+            return self.parts(value)
+        row, curve = difference(self.nodes[0], self.disc), clutch_curve(self._table, value.algebra.number)
+        if self.friction is None:
+            faces = MotionLaw(row, curve)
+        else:
+            faces = MotionLaw(row, curve, scale=value(self.clamp_torque), scaled_by="clamp")
+        return (faces, *self._disc_and_bodies(value))
+
+    def _disc_and_bodies(self, value: Values) -> list[Law]:
         first, second = self.nodes
-        parts = [self._faces(value)]
+        parts: list[Law] = []
         if self.stiffness is not None:
             stiffness = value(self.stiffness)
             damping = viscous(self.damping, stiffness, value)
@@ -122,7 +164,7 @@ class Clutch(Element):
         for node, inertia in ((first, self.first_inertia), (self.disc, self.disc_inertia)):
             body = Law(make_row([(node, 1)]), inertia=value(inertia))
             parts += [body] if body.acts and node != GROUND else []
-        return tuple(parts)
+        return parts
 
     def _faces(self, value: Values) -> Part:
         row = difference(self.nodes[0], self.disc)
@@ -154,11 +196,30 @@ def _slip_faults(clutch: Clutch) -> list[Fault]:
     if table is None:
         text = "a slipping clutch needs its torque over slip: torque: [[0 rad/s, 200 N*m], [10 rad/s, 190 N*m]]"
         return [Fault(f"{text}, or friction and clamp_torque", ("state",))]
-    if clutch.slip_speed is None or clutch.slip_speed == Number(0):
-        text = "a slipping clutch needs slip_speed, as 5 rad/s, other than 0; one that sticks is closed"
-        return [Fault(text, ("state",) if clutch.slip_speed is None else ("slip_speed",))]
+    if clutch.slip_speed is None:
+        return _rest_faults(clutch, table)
+    if clutch.slip_speed == Number(0):
+        text = "a slipping clutch has a slip_speed other than 0, as 5 rad/s; one that sticks is closed, or has none"
+        return [Fault(text, ("slip_speed",))]
     if not isinstance(clutch.slip_speed, Number):
         return []
     slip = clutch.slip_speed.value if table[0][0].value < 0 else abs(clutch.slip_speed.value)
     text = outside_message(table, slip)
     return [Fault(f"{text}; slip_speed is {float(slip):g} rad/s", ("slip_speed",))] if text else []
+
+
+def _reaches_rest(table: Rows) -> bool:
+    """Whether a table says what the clutch does at slip 0: from there on, or through it."""
+    (slip, torque, *_), last = table[0], table[-1][0]
+    return bool(slip.value < 0 < last.value or (slip.value == 0 and torque.value >= 0))
+
+
+def _rest_faults(clutch: Clutch, table: Rows) -> list[Fault]:
+    """Faults of a table that does not say what a clutch without slip speed does when it sticks."""
+    if _reaches_rest(table):
+        return []
+    name, what = ("torque", "torque") if clutch.torque is not None else ("friction", "coefficient")
+    if table[0][0].value == 0:
+        return [Fault(f"friction acts against the slip: the {what} at slip 0 must not be negative", (name, 0, 1))]
+    text = f"a clutch that may stick needs its {what} at slip 0: begin the rows there, or give slip_speed, as 5 rad/s"
+    return [Fault(text, (name, 0, 0))]

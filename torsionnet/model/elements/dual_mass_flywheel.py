@@ -1,9 +1,9 @@
-"""Dual mass flywheel: two masses with arc springs between them, linear at a working point."""
+"""Dual mass flywheel: two masses with arc springs and friction between them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from torsionnet.core.damping import DampingMeasure
@@ -15,10 +15,26 @@ from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.element_base.curves import with_curve_ranges
 from torsionnet.model.element_base.damping_entries import DampingQuantity, LossFactor, loss_factor
 from torsionnet.model.element_base.element import Element, register, viscous
-from torsionnet.model.element_base.laws import GROUND, Law, Part, Values, difference, make_row
+from torsionnet.model.element_base.laws import (
+    GROUND,
+    Constraint,
+    Law,
+    MotionLaw,
+    Part,
+    Values,
+    WholePart,
+    difference,
+    make_row,
+)
 from torsionnet.model.element_base.nodes import NodePair
 from torsionnet.model.element_base.spring_stages import SpringStage, SpringStages, stage_at, stage_range, stage_torques
+from torsionnet.model.element_base.torque_curve import AT_REST, MotionState
+from torsionnet.model.motion_laws.friction_curve import friction_curve
+from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope
+from torsionnet.model.motion_laws.spring_curves import stage_curve
 
+_STUCK = 1
+"""Number of the step of :func:`.friction_curve`, between the pieces on either side of it."""
 _CENTRIFUGAL = ("friction_coefficient", "spring_mass", "spring_radius", "speed")
 
 
@@ -27,12 +43,18 @@ _CENTRIFUGAL = ("friction_coefficient", "spring_mass", "spring_radius", "speed")
 class DualMassFlywheel(Element):
     r"""A dual mass flywheel: J_1 and J_2 with arc springs and friction between them.
 
-    The springs are linear about the mean ``torque``: k is given, or that of the stage which this torque has brought
-    into force. A share b of the coils that friction holds fast at the swing in question leaves k/(1 - b).
+    The springs have a stiffness k, or stages T(gamma) as those of ``spring``; linear results take the stage which the
+    mean ``torque`` has brought into force, without it the torque of the operating point. A share b of the coils that
+    friction holds fast at the swing in question leaves k/(1 - b).
     Friction M loses 4 M alpha in a cycle of swing alpha, which a loss factor 4 M/(pi k alpha) loses too (harmonic
     balance; J. P. Den Hartog, Mechanical Vibrations, 4th ed., chapter 8), so that the law is
     k (1 + j (eta + 4 M/(pi k alpha))) + c s. M is the basic friction and that of springs pressed outward against
     their channel, M = M_0 + mu m r^2 Omega^2, m and r the mass and radius of all of them.
+
+    Its law of motion in time is T(gamma/(1 - b)) + M sgn(gamma') + c gamma'; at rest the friction takes any torque from
+    -M to M beside the springs. A loss factor has no motion in time: give the losses as friction and damping. Small
+    vibrations that friction holds do not move the springs at all, so that without ``swing`` linear results take a
+    flywheel with friction as rigid.
 
     Examples
     --------
@@ -46,6 +68,7 @@ class DualMassFlywheel(Element):
 
     kind: ClassVar[str] = "dual_mass_flywheel"
     glyph: ClassVar[str] = "spring"
+    working_point: ClassVar[tuple[str, ...]] = ("torque", "swing")
 
     nodes: tuple[str, str] = entry(
         NodePair("primary and secondary side; twist is the angle of the first minus the second")
@@ -58,7 +81,10 @@ class DualMassFlywheel(Element):
     stages: tuple[SpringStage, ...] = entry(
         SpringStages("instead: stages of the springs, each up to a torque or an angle"), None
     )
-    torque: Expression | None = entry(PhysicalQuantity("mean torque, which tells the stage", "torque", "T", None), None)
+    torque: Expression | None = entry(
+        PhysicalQuantity("mean torque, which tells the stage; default: by the operating point", "torque", "T", None),
+        None,
+    )
     blocked: Expression = entry(PhysicalQuantity("share of the coils that friction holds fast", "1", "b"), 0)
     loss_factor: Expression | DampingMeasure = entry(
         LossFactor("loss factor of the springs, or another measure of it", "1", "eta"), 0
@@ -66,7 +92,10 @@ class DualMassFlywheel(Element):
     damping: Expression | DampingMeasure = entry(DampingQuantity("viscous damping in parallel", "damping", "c"), 0)
     friction: Expression = entry(PhysicalQuantity("basic friction", "torque", "M_0"), 0)
     swing: Expression | None = entry(
-        PhysicalQuantity("amplitude of the twist, for friction", "angle", "alpha", exclusive=True), None
+        PhysicalQuantity(
+            "amplitude of the twist, for friction; none: friction holds the springs", "angle", "alpha", exclusive=True
+        ),
+        None,
     )
     friction_coefficient: Expression | None = entry(PhysicalQuantity("between springs and channel", "1", "mu"), None)
     spring_mass: Expression | None = entry(PhysicalQuantity("mass of all arc springs", "mass", "m"), None)
@@ -82,8 +111,6 @@ class DualMassFlywheel(Element):
             return wrong
         if not self.stages:
             return []
-        if self.torque is None:
-            return [Fault("stages need torque: the mean torque tells which of them is in force", on_key=True)]
         if isinstance(self.torque, Number) and stage_at(self.stages, float(self.torque.value)) is None:
             last = stage_torques(self.stages)[-1]
             return [Fault(f"the last stage ends at {last:g} N*m; leave out its end, or reduce the torque", ("torque",))]
@@ -103,21 +130,86 @@ class DualMassFlywheel(Element):
         if given and len(given) < len(_CENTRIFUGAL):
             missing = " and ".join(name for name in _CENTRIFUGAL if name not in given)
             return [Fault(f"friction of springs pressed outward needs {', '.join(_CENTRIFUGAL)}; here is no {missing}")]
-        rubs = given or self.friction != Number(0)
-        if rubs and self.swing is None:
-            return [Fault("friction needs swing: the amplitude of the twist, which its loss depends on", on_key=True)]
         return []
 
+    @property
+    def _rubs(self) -> bool:
+        return self.friction_coefficient is not None or self.friction != Number(0)
+
+    @property
+    def has_motion_laws(self) -> bool:
+        return bool(self.stages) or self._rubs
+
+    @property
+    def has_own_working_point(self) -> bool:
+        """Whether the entries say which stage is in force, and how friction acts."""
+        return (not self.stages or self.torque is not None) and (not self._rubs or self.swing is not None)
+
     def parts(self, value: Values) -> tuple[Part, ...]:
-        stiffness = self._stiffness(value) / (1 - value(self.blocked))
+        return self.tangent_parts(value)
+
+    def tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
+        """Parts of the flywheel for small motion about states of its springs in stages and of its friction.
+
+        Without states the mean torque tells the stage, and the swing how friction acts.
+        """
+        given = iter(states)
+        springs = next(given, None) if self.stages else None
+        friction = next(given, AT_REST) if self._rubs else None
+        stiffness, held = self._tangent(springs, value)
         eta = loss_factor(self.loss_factor, value.parameters, value.algebra)
         if self.swing is not None:
             eta = eta + 4 * self._friction(value) / (value.algebra.pi * stiffness * value(self.swing))
+        elif friction is not None:
+            held = held or (friction.rate == 0 if friction.piece is None else friction.piece == _STUCK)
         damping = viscous(self.damping, stiffness, value)
-        springs = Law(difference(*self.nodes), damping=damping, stiffness=stiffness, loss_factor=eta)
+        row = difference(*self.nodes)
+        law = Law(row, damping=damping, stiffness=stiffness, loss_factor=eta)
+        return (law, *([Constraint(row)] if held else []), *self._masses(value))
+
+    def _tangent(self, springs: MotionState | None, value: Values) -> tuple[Any, bool]:
+        """Stiffness in force at a state of springs in stages, and whether a preload lets them stand still there."""
+        whole = 1 - value(self.blocked)
+        if springs is None and (self.torque is not None or not self.stages):
+            return self._stiffness(value) / whole, False
+        curve = self._curve(value)
+        state = AT_REST if springs is None else springs
+        return curve.slopes(state)[0], curve.holds(state)
+
+    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+        if not self.has_motion_laws:
+            return self.parts(value)
+        row = difference(*self.nodes)
+        stiffness, _ = self._tangent(None, value)
+        damping = viscous(self.damping, stiffness, value)
+        eta = loss_factor(self.loss_factor, value.parameters, value.algebra)
+        springs: list[WholePart] = []
+        if self.stages:
+            springs.append(MotionLaw(row, self._curve(value)))
+        rest = Law(row, damping=damping, stiffness=0 if self.stages else stiffness, loss_factor=eta)
+        if rest.acts or eta != 0:
+            springs.append(rest)
+        if self._rubs:
+            friction = self._friction(value)
+            springs.append(MotionLaw(row, friction_curve(friction, friction)))
+        return (*springs, *self._masses(value))
+
+    def _masses(self, value: Values) -> list[Law]:
         sides = zip(self.nodes, (self.primary_inertia, self.secondary_inertia), strict=True)
         masses = [Law(make_row([(node, 1)]), inertia=value(inertia)) for node, inertia in sides if node != GROUND]
-        return (springs, *(law for law in masses if law.acts))
+        return [law for law in masses if law.acts]
+
+    def _curve(self, value: Values) -> PieceCurve:
+        """Curve of the springs in stages, shortened by the share of their coils that friction holds."""
+        curve, free = stage_curve(self.stages, value.algebra.number), 1 - value(self.blocked)
+
+        def shortened(piece: Slope | Hold) -> Slope | Hold:
+            if isinstance(piece, Hold):
+                return replace(piece, at=piece.at * free)
+            lower, upper = (None if end is None else end * free for end in (piece.lower, piece.upper))
+            return replace(piece, stiffness=piece.stiffness / free, lower=lower, upper=upper)
+
+        return replace(curve, pieces=tuple(shortened(piece) for piece in curve.pieces))
 
     def _stiffness(self, value: Values) -> Any:
         if self.stiffness is not None:

@@ -14,6 +14,7 @@ from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet
 from typing import Literal, overload
 from torsionnet.model.elements.belt import Belt as _Belt
 from torsionnet.model.elements.chain_drive import ChainDrive as _ChainDrive
+from torsionnet.model.elements.clearance import Clearance as _Clearance
 from torsionnet.model.elements.clutch import Clutch as _Clutch
 from torsionnet.model.elements.constant_power_load import ConstantPowerLoad as _ConstantPowerLoad
 from torsionnet.model.elements.continuous_shaft import ContinuousShaft as _ContinuousShaft
@@ -25,6 +26,7 @@ from torsionnet.model.elements.dual_mass_flywheel import DualMassFlywheel as _Du
 from torsionnet.model.elements.final_drive import FinalDrive as _FinalDrive
 from torsionnet.model.elements.flexible_coupling import FlexibleCoupling as _FlexibleCoupling
 from torsionnet.model.elements.fluid_coupling import FluidCoupling as _FluidCoupling
+from torsionnet.model.elements.friction import Friction as _Friction
 from torsionnet.model.elements.gears import Gear as _Gear
 from torsionnet.model.elements.gearbox import Gearbox as _Gearbox
 from torsionnet.model.elements.grid_generator import GridGenerator as _GridGenerator
@@ -193,23 +195,81 @@ class ChainDrive(_ChainDrive):
         housing: str | None = None,
     ) -> None: ...
 
+class Clearance(_Clearance):
+    r"""A clearance, as of splines, claws or teeth: no torque while -gap/2 < gamma < gap/2, contact beyond.
+
+    The law of motion at a penetration d > 0 is T = max(0, k d + c d'), with d = gamma - gap/2 and d' = gamma' on the
+    positive side; the negative side is its mirror image. Contact pushes and never pulls: where k d + c d' is below
+    zero the bodies part though d > 0.
+
+    Linear results take the slope at the operating point: k and c in contact, nothing in the gap, where the two sides
+    move freely against each other. Without an operating point gamma is 0.
+
+    Parameters
+    ----------
+    nodes: the two nodes it connects, one may be ground; twist is the angle of the first minus the second
+    gap: whole free angle, from one contact to the other [rad]
+    stiffness: stiffness in contact [N*m/rad]
+    damping: viscous damping in contact, or a damping measure at a frequency [N*m*s/rad]
+    description: free text for tables and reports
+    enabled: whether the element takes part before a configuration says otherwise
+    catalogue: a table from which it takes the entries that are not given here, as couplings.csv
+    size: the row of the catalogue
+    referred_to: a node of the shaft at whose speed the values are quoted; default: its own shaft
+    """
+    @overload
+    def __init__(
+        self,
+        name: str,
+        nodes: TwoNames,
+        gap: Scalar,
+        stiffness: Scalar,
+        damping: Scalar | DampingMeasure | Mapping[str, Scalar] = 0,
+        *,
+        description: str = '',
+        enabled: bool = True,
+        catalogue: PurePath | Catalogue | CatalogueRow | None = None,
+        size: str | float = '',
+        referred_to: str | None = None,
+    ) -> None: ...
+    @overload
+    def __init__(
+        self,
+        name: str,
+        nodes: TwoNames,
+        gap: Scalar | None,
+        stiffness: Scalar | None,
+        damping: Scalar | DampingMeasure | Mapping[str, Scalar] = 0,
+        *,
+        description: str = '',
+        enabled: bool = True,
+        catalogue: PurePath | Catalogue | CatalogueRow,
+        size: str | float = '',
+        referred_to: str | None = None,
+    ) -> None: ...
+
 class Clutch(_Clutch):
     r"""A friction clutch between two shafts, with the torsion springs of its disc if they are given.
 
     Closed, its friction faces turn as one; open, they pass on drag alone. Slipping, they pass on a torque T(n) of the
     slip n = omega_first - omega_disc, and small vibrations feel its slope c = dT/dn at ``slip_speed``: T is a table, or
     the friction coefficient mu(n) times the torque T_1 at a coefficient of one (clamp force times mean radius times
-    number of faces). Straight lines join the rows; at a row the piece above it counts; negative slips have the same
-    slopes. Where friction falls with slip, c is negative: the clutch feeds vibrations (judder), and a mode is unstable
-    that has less damping otherwise (A. Crowther, N. Zhang, D. K. Liu, J. K. Jeyakumaran, Analysis and simulation of
-    clutch engagement judder and stick-slip in automotive powertrain systems, Proc. IMechE D 218, 2004). With a
-    stiffness, the springs stand between the faces and the second node, and ``NAME.disc`` is the node of the disc.
+    number of faces). Straight lines join the rows; at a row the piece above it counts; rows from slip 0 on hold both
+    ways, T(-n) = -T(n). Where friction falls with slip, c is negative: the clutch feeds vibrations (judder), and a mode
+    is unstable that has less damping otherwise (A. Crowther, N. Zhang, D. K. Liu, J. K. Jeyakumaran, Analysis and
+    simulation of clutch engagement judder and stick-slip in automotive powertrain systems, Proc. IMechE D 218, 2004).
+    With a stiffness, the springs stand between the faces and the second node; ``NAME.disc`` is the node of the disc.
+
+    T(n) is its law of motion in time: where the slip comes to an end the faces stick, while the torque that equilibrium
+    asks for is at most T(0). A scenario may give T_1 over time, as ``clamp``. Without ``slip_speed`` linear results
+    take the slip at the operating point; the clutch sticks, as a closed one, unless the operating point lets it slip.
 
     Parameters
     ----------
     nodes: the two nodes it connects, the driving one first; twist is first minus second
     state: what its friction faces do
-    slip_speed: slipping: speed of the first node minus that of the disc [rad/s]
+    slip_speed: slipping: speed of the first node minus that of the disc; default: that of the operating point
+        [rad/s]
     torque: slipping: rows [slip speed, torque]
     friction: slipping, instead: rows [slip speed, friction coefficient]
     clamp_torque: torque at a friction coefficient of one [N*m]
@@ -253,11 +313,14 @@ class ConstantPowerLoad(_ConstantPowerLoad):
     machine of negative power feeds a constant one in; that damps. The speed is that of the node against its housing,
     at which P is taken; it may be a parameter that follows the operating point.
 
+    P/omega is its law of motion in time, over the absolute speed. Without ``speed`` linear results take the slope at
+    the operating point; without one the load does nothing.
+
     Parameters
     ----------
     node: the node it turns with
     power: power that it takes; negative: that it gives [W]
-    speed: speed at which it takes it [rad/s]
+    speed: speed at which it takes it; default: that of the operating point [rad/s]
     housing: the node that takes its torque
     description: free text for tables and reports
     enabled: whether the element takes part before a configuration says otherwise
@@ -271,7 +334,7 @@ class ConstantPowerLoad(_ConstantPowerLoad):
         name: str,
         node: str,
         power: Scalar,
-        speed: Scalar,
+        speed: Scalar | None = None,
         housing: str = 'ground',
         *,
         description: str = '',
@@ -286,7 +349,7 @@ class ConstantPowerLoad(_ConstantPowerLoad):
         name: str,
         node: str,
         power: Scalar | None,
-        speed: Scalar | None,
+        speed: Scalar | None = None,
         housing: str = 'ground',
         *,
         description: str = '',
@@ -596,12 +659,18 @@ class Differential(_Differential):
 class DualMassFlywheel(_DualMassFlywheel):
     r"""A dual mass flywheel: J_1 and J_2 with arc springs and friction between them.
 
-    The springs are linear about the mean ``torque``: k is given, or that of the stage which this torque has brought
-    into force. A share b of the coils that friction holds fast at the swing in question leaves k/(1 - b).
+    The springs have a stiffness k, or stages T(gamma) as those of ``spring``; linear results take the stage which the
+    mean ``torque`` has brought into force, without it the torque of the operating point. A share b of the coils that
+    friction holds fast at the swing in question leaves k/(1 - b).
     Friction M loses 4 M alpha in a cycle of swing alpha, which a loss factor 4 M/(pi k alpha) loses too (harmonic
     balance; J. P. Den Hartog, Mechanical Vibrations, 4th ed., chapter 8), so that the law is
     k (1 + j (eta + 4 M/(pi k alpha))) + c s. M is the basic friction and that of springs pressed outward against
     their channel, M = M_0 + mu m r^2 Omega^2, m and r the mass and radius of all of them.
+
+    Its law of motion in time is T(gamma/(1 - b)) + M sgn(gamma') + c gamma'; at rest the friction takes any torque from
+    -M to M beside the springs. A loss factor has no motion in time: give the losses as friction and damping. Small
+    vibrations that friction holds do not move the springs at all, so that without ``swing`` linear results take a
+    flywheel with friction as rigid.
 
     Parameters
     ----------
@@ -610,12 +679,12 @@ class DualMassFlywheel(_DualMassFlywheel):
     secondary_inertia: inertia of the secondary side [kg*m^2]
     stiffness: stiffness of the arc springs at the working point [N*m/rad]
     stages: instead: stages of the springs, each up to a torque or an angle
-    torque: mean torque, which tells the stage [N*m]
+    torque: mean torque, which tells the stage; default: by the operating point [N*m]
     blocked: share of the coils that friction holds fast
     loss_factor: loss factor of the springs, or another measure of it
     damping: viscous damping in parallel [N*m*s/rad]
     friction: basic friction [N*m]
-    swing: amplitude of the twist, for friction [rad]
+    swing: amplitude of the twist, for friction; none: friction holds the springs [rad]
     friction_coefficient: between springs and channel
     spring_mass: mass of all arc springs [kg]
     spring_radius: radius on which they lie [m]
@@ -823,11 +892,14 @@ class FluidCoupling(_FluidCoupling):
     are straight between their rows; at a row the piece above it counts. The oil follows without delay here, and what
     of it turns along belongs to the inertias (VDI 2153, Hydrodynamic power transmission).
 
+    T is its law of motion in time, over absolute speeds. Without ``speed`` and ``speed_ratio`` linear results take its
+    slopes at the operating point; without one the coupling stands and passes on nothing.
+
     Parameters
     ----------
     pump: the node of the pump
     turbine: the node of the turbine
-    speed: speed of the pump at the operating point [rad/s]
+    speed: speed of the pump at the operating point; default: as that says [rad/s]
     speed_ratio: speed of the turbine over that of the pump at the operating point
     pump_torque: rows [speed ratio, pump torque at test_speed]
     test_speed: speed of the pump that pump_torque was measured at [rad/s]
@@ -844,14 +916,13 @@ class FluidCoupling(_FluidCoupling):
     size: the row of the catalogue
     referred_to: a node of the shaft at whose speed the values are quoted; default: its own shaft
     """
-    @overload
     def __init__(
         self,
         name: str,
         pump: str,
         turbine: str,
-        speed: Scalar,
-        speed_ratio: Scalar,
+        speed: Scalar | None = None,
+        speed_ratio: Scalar | None = None,
         pump_torque: NumberRows | None = None,
         test_speed: Scalar | None = None,
         performance: NumberRows | None = None,
@@ -868,27 +939,46 @@ class FluidCoupling(_FluidCoupling):
         size: str | float = '',
         referred_to: str | None = None,
     ) -> None: ...
-    @overload
+
+class Friction(_Friction):
+    r"""Dry friction, as of seals, bearings, brakes and friction rings: T sgn(gamma') while it slips.
+
+    The torque T is constant (Coulomb), or follows rows over the slip speed \|gamma'\|, joined by straight lines. While
+    it sticks, gamma' = 0 and the torque is what equilibrium asks for, up to the torque ``stick``, T_s, by default that
+    at slip zero.
+
+    With a ``stiffness`` k it is a Jenkins element: the friction stands behind a spring, k (gamma - gamma_s), whose
+    other end ``NAME.slider`` has no inertia and slides on the second node.
+
+    Linear results take it as stuck unless the operating point lets it slip: a rigid connection, or the spring k.
+    Slipping, they have the slope dT/dgamma' at the slip, which is 0 for a constant torque and below zero where the
+    torque falls: then it feeds vibrations (stick-slip, squeal).
+
+    Parameters
+    ----------
+    nodes: the two nodes it connects, one may be ground; twist is the angle of the first minus the second
+    torque: torque while it slips [N*m]
+    stick: greatest torque while it sticks; default: that at slip zero [N*m]
+    torque_over_slip: instead of torque: rows [slip speed, torque] from slip zero on, which hold both ways
+    stiffness: stiffness of a spring before the friction; none: rigid [N*m/rad]
+    description: free text for tables and reports
+    enabled: whether the element takes part before a configuration says otherwise
+    catalogue: a table from which it takes the entries that are not given here, as couplings.csv
+    size: the row of the catalogue
+    referred_to: a node of the shaft at whose speed the values are quoted; default: its own shaft
+    """
     def __init__(
         self,
         name: str,
-        pump: str,
-        turbine: str,
-        speed: Scalar | None,
-        speed_ratio: Scalar | None,
-        pump_torque: NumberRows | None = None,
-        test_speed: Scalar | None = None,
-        performance: NumberRows | None = None,
-        diameter: Scalar | None = None,
-        density: Scalar = '840 kg/m^3',
-        k_factor: NumberRows | None = None,
-        pump_inertia: Scalar = 0,
-        turbine_inertia: Scalar = 0,
-        housing: str = 'ground',
+        nodes: TwoNames,
+        torque: Scalar | None = None,
+        stick: Scalar | None = None,
+        torque_over_slip: NumberRows | None = None,
+        stiffness: Scalar | None = None,
         *,
         description: str = '',
         enabled: bool = True,
-        catalogue: PurePath | Catalogue | CatalogueRow,
+        catalogue: PurePath | Catalogue | CatalogueRow | None = None,
         size: str | float = '',
         referred_to: str | None = None,
     ) -> None: ...
@@ -896,8 +986,13 @@ class FluidCoupling(_FluidCoupling):
 class Gear(_Gear):
     r"""A gear stage of ratio tau = omega_first / omega_second = z_second / z_first, negative for opposite senses.
 
-    Row theta_first - tau theta_second (+ (tau - 1) theta_housing): held at zero by a rigid mesh; a compliant one stores
-    1/2 k (theta_first - tau theta_second)^2.
+    Row gamma = theta_first - tau theta_second (+ (tau - 1) theta_housing): held at zero by a rigid mesh; a compliant
+    one stores 1/2 k (theta_first - tau theta_second)^2.
+
+    With a ``backlash`` b, the whole angle that the first shaft turns freely while the second is held, the compliant
+    mesh has the law of motion of a clearance: no torque while -b/2 < gamma < b/2, and beyond it max(0, k d + c d') at
+    the penetration d = gamma - b/2, with its mirror image on the other side. Linear results take k and c where the
+    operating point presses the teeth together; without one the teeth stand free in their backlash.
 
     Parameters
     ----------
@@ -907,6 +1002,7 @@ class Gear(_Gear):
     stiffness: mesh stiffness referred to the first node; none: rigid [N*m/rad]
     damping: mesh damping referred to the first node [N*m*s/rad]
     housing: the node of the housing, if it moves
+    backlash: free angle of the first shaft with the second held; none: 0 [rad]
     description: free text for tables and reports
     enabled: whether the element takes part before a configuration says otherwise
     catalogue: a table from which it takes the entries that are not given here, as couplings.csv
@@ -922,6 +1018,7 @@ class Gear(_Gear):
         stiffness: Scalar | None = None,
         damping: Scalar | DampingMeasure | Mapping[str, Scalar] | None = None,
         housing: str | None = None,
+        backlash: Scalar | None = None,
         *,
         description: str = '',
         enabled: bool = True,
@@ -1121,7 +1218,7 @@ class HystereticSpring(_HystereticSpring):
     ) -> None: ...
 
 class InductionMachine(_InductionMachine):
-    r"""An induction motor or generator on a line of fixed frequency, about its slip s: a damper, as spring in series.
+    r"""An induction motor or generator on a line of fixed frequency: by its slope a damper, with a spring in series.
 
     Its torque over slip is T = 2 T_k/(s/s_k + s_k/s) (Kloss), with the breakdown torque T_k at the breakdown slip s_k
     and s = 1 - omega/omega_s. Small changes of speed feel its slope,
@@ -1133,13 +1230,18 @@ class InductionMachine(_InductionMachine):
     given. Torque follows the slope with the time constant tau of the rotor currents, T + tau dT/dt = c domega: the
     dashpot c in series with the spring c/tau. With rotor resistance and leakage alone tau = 1/(2 pi f s_k).
 
+    T(s) is its law of motion in time, over the absolute speed of the rotor, whose field turns in the positive sense;
+    there it follows the speed without the lag. Where neither slip nor rated values say about which slip it works,
+    linear results take that of the operating point, and without one that of the unloaded machine, s = 0. A torque
+    below T_k stands at two slips, s and s_k^2/s, of which the larger is unstable under a constant torque.
+
     Parameters
     ----------
     node: the node of the rotor
     synchronous_speed: speed without slip, 2 pi f over the pole pairs [rad/s]
     breakdown_torque: largest torque [N*m]
     breakdown_slip: slip of the largest torque
-    slip: slip about which it works, negative as a generator; default: the rated one
+    slip: slip about which it works, negative as a generator; default: the rated one, or by the operating point
     rated_torque: instead of the breakdown slip: rated torque [N*m]
     rated_slip: slip at the rated torque
     time_constant: time constant of its torque [s]
@@ -1392,7 +1494,9 @@ class Planetary(_Planetary):
     Held at zero when rigid; with a stiffness, the compliance of the meshes is lumped between the planets and the ring
     and referred to the sun. The planets roll on the sun: theta_planet = theta_carrier - 2 (theta_sun - theta_carrier) /
     (z - 1), so that their own inertia acts on that row and their mass, at the orbit radius, on the carrier. Any member
-    may be on ``ground``. For meshes apart from each other build the set from gears with the carrier as housing.
+    may be on ``ground``. For meshes apart from each other build the set from gears with the carrier as housing. A
+    ``backlash``, the whole free angle of the sun while ring and carrier are held, makes the compliant mesh a clearance
+    on its row, as that of a gear.
 
     Parameters
     ----------
@@ -1407,6 +1511,7 @@ class Planetary(_Planetary):
     planet_inertia: inertia of one planet about its own axis [kg*m^2]
     planet_mass: mass of one planet [kg]
     orbit_radius: radius on which the planets orbit [m]
+    backlash: free angle of the sun with the others held; none: 0 [rad]
     description: free text for tables and reports
     enabled: whether the element takes part before a configuration says otherwise
     catalogue: a table from which it takes the entries that are not given here, as couplings.csv
@@ -1427,6 +1532,7 @@ class Planetary(_Planetary):
         planet_inertia: Scalar = 0,
         planet_mass: Scalar = 0,
         orbit_radius: Scalar = 0,
+        backlash: Scalar | None = None,
         *,
         description: str = '',
         enabled: bool = True,
@@ -1447,6 +1553,9 @@ class Propeller(_Propeller):
     * as the slope of a torque that follows omega^m: c = m Q/omega;
     * as the slope of the open-water torque K_Q(J_a) rho D^5 (omega/2 pi)^2 while the ship keeps its speed, which moves
       the advance ratio J_a = 2 pi v/(omega D): c = (2 - J_a/K_Q dK_Q/dJ_a) Q/omega.
+
+    The last two are laws of motion in time, over the absolute speed: with r the speed over omega, Q r^m, and
+    Q ((1 - b) r^2 + b r) with b = J_a/K_Q dK_Q/dJ_a.
 
     Water is entrained by what moves across the blade. Where that is given for the design pitch p_d (pitch over
     diameter) and the blades stand at another pitch p, it is taken as the square of the sine of the pitch angle at 0.7
@@ -1619,6 +1728,19 @@ class Shaft(_Shaft):
 class Spring(_Spring):
     r"""A torsion spring, with a viscous damper in parallel if wanted: torque k gamma + c dgamma/dt.
 
+    Springs that are not linear have a law of motion T(gamma) instead of k gamma, of one of these forms:
+
+    * ``cubic`` beside the stiffness: T = k gamma + k_3 gamma^3.
+    * ``stages``, the same both ways: on stage i, T = T_i + k_i (gamma - gamma_i) from the end gamma_i of the stage
+      before it, with T_i the torque there plus the ``preload`` P_i of the stage. That is the torque under which its
+      springs are installed: at gamma_i the twist stands still until the torque exceeds that of the stage before by P_i.
+    * ``torque_over_twist``, rows joined by straight lines. From zero on they hold both ways; rows through negative
+      twists may differ, and may have a torque at zero twist.
+
+    Linear results take the slope dT/dgamma at the operating point, without one that at rest without twist; at a corner
+    that of the piece above it. Beyond the last row, or the end of the last stage, the torque is not known: results that
+    reach there are refused.
+
     Parameters
     ----------
     nodes: the two nodes it connects, one may be ground; twist is the angle of the first minus the second
@@ -1626,41 +1748,30 @@ class Spring(_Spring):
     damping: viscous damping, or a damping measure at a frequency [N*m*s/rad]
     outer_diameter: outer diameter of the shaft that it stands for, where its stress is judged [m]
     inner_diameter: inner diameter there [m]
+    cubic: torque over the cube of the twist, besides the stiffness [N*m/rad^3]
+    stages: instead: stages from zero torque on, each up to a torque or an angle
+    torque_over_twist: instead: rows [twist, torque]
     description: free text for tables and reports
     enabled: whether the element takes part before a configuration says otherwise
     catalogue: a table from which it takes the entries that are not given here, as couplings.csv
     size: the row of the catalogue
     referred_to: a node of the shaft at whose speed the values are quoted; default: its own shaft
     """
-    @overload
     def __init__(
         self,
         name: str,
         nodes: TwoNames,
-        stiffness: Scalar,
+        stiffness: Scalar | None = None,
         damping: Scalar | DampingMeasure | Mapping[str, Scalar] = 0,
         outer_diameter: Scalar | None = None,
         inner_diameter: Scalar = 0,
+        cubic: Scalar | None = None,
+        stages: tuple[SpringStage | Entries, ...] | list[SpringStage | Entries] | None = None,
+        torque_over_twist: NumberRows | None = None,
         *,
         description: str = '',
         enabled: bool = True,
         catalogue: PurePath | Catalogue | CatalogueRow | None = None,
-        size: str | float = '',
-        referred_to: str | None = None,
-    ) -> None: ...
-    @overload
-    def __init__(
-        self,
-        name: str,
-        nodes: TwoNames,
-        stiffness: Scalar | None,
-        damping: Scalar | DampingMeasure | Mapping[str, Scalar] = 0,
-        outer_diameter: Scalar | None = None,
-        inner_diameter: Scalar = 0,
-        *,
-        description: str = '',
-        enabled: bool = True,
-        catalogue: PurePath | Catalogue | CatalogueRow,
         size: str | float = '',
         referred_to: str | None = None,
     ) -> None: ...
@@ -1734,6 +1845,10 @@ class SynchronousMachine(_SynchronousMachine):
     k = p dT/ddelta = p (T_e cos(delta) + 2 T_r cos(2 delta)); without saliency k = p sqrt(T_e^2 - T^2). The damper
     winding acts as c. Angles are against the steadily turning field, which stands for ground, or for the housing if
     that gives way. For swings against an excitation that cannot follow, take transient values.
+
+    With a pull-out torque, T(p gamma) is its law of motion in time, over the twist gamma of the rotor against the
+    field. Linear results take ``torque`` or ``load_angle``, or the unloaded machine, unless an operating point is asked
+    for.
 
     Parameters
     ----------
@@ -1826,11 +1941,14 @@ class TorqueConverter(_TorqueConverter):
     clutch is a ``clutch`` beside it (A. J. Kotwicki, Dynamic models for torque converter equipped vehicles, SAE 820393,
     1982).
 
+    T_p and T_t are its laws of motion in time, over absolute speeds. Without ``speed`` and ``speed_ratio`` linear
+    results take their slopes at the operating point; without one the converter stands and passes on nothing.
+
     Parameters
     ----------
     pump: the node of the pump
     turbine: the node of the turbine
-    speed: speed of the pump at the operating point [rad/s]
+    speed: speed of the pump at the operating point; default: as that says [rad/s]
     speed_ratio: speed of the turbine over that of the pump at the operating point
     pump_torque: rows [speed ratio, pump torque at test_speed]
     test_speed: speed of the pump that pump_torque was measured at [rad/s]
@@ -1854,8 +1972,8 @@ class TorqueConverter(_TorqueConverter):
         name: str,
         pump: str,
         turbine: str,
-        speed: Scalar,
-        speed_ratio: Scalar,
+        speed: Scalar | None = None,
+        speed_ratio: Scalar | None = None,
         pump_torque: NumberRows | None = None,
         test_speed: Scalar | None = None,
         performance: NumberRows | None = None,
@@ -1879,8 +1997,8 @@ class TorqueConverter(_TorqueConverter):
         name: str,
         pump: str,
         turbine: str,
-        speed: Scalar | None,
-        speed_ratio: Scalar | None,
+        speed: Scalar | None = None,
+        speed_ratio: Scalar | None = None,
         pump_torque: NumberRows | None = None,
         test_speed: Scalar | None = None,
         performance: NumberRows | None = None,

@@ -1,4 +1,4 @@
-"""Fluid coupling, linearised at its speed ratio."""
+"""Fluid coupling: torque by a table over the speed ratio."""
 
 from __future__ import annotations
 
@@ -18,6 +18,9 @@ class FluidCoupling(Hydrodynamic):
     C') on both that follows the speed of the pump alone, so that the coupling acts one way more than the other. Tables
     are straight between their rows; at a row the piece above it counts. The oil follows without delay here, and what
     of it turns along belongs to the inertias (VDI 2153, Hydrodynamic power transmission).
+
+    T is its law of motion in time, over absolute speeds. Without ``speed`` and ``speed_ratio`` linear results take its
+    slopes at the operating point; without one the coupling stands and passes on nothing.
 
     Examples
     --------

@@ -15,9 +15,21 @@ from torsionnet.core.expression_reading import scalar
 from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.damping_entries import DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
-from torsionnet.model.element_base.laws import GROUND, Constraint, Law, Part, Row, Values, difference, make_row
+from torsionnet.model.element_base.laws import (
+    GROUND,
+    Constraint,
+    Law,
+    MotionLaw,
+    Part,
+    Row,
+    Values,
+    WholePart,
+    difference,
+    make_row,
+)
 from torsionnet.model.element_base.nodes import NodeName, NodePair
 from torsionnet.model.element_base.teeth import Teeth
+from torsionnet.model.motion_laws.spring_curves import clearance_curve
 
 MESH_STIFFNESS = PhysicalQuantity(
     "mesh stiffness referred to the first node; none: rigid", "stiffness", "k", exclusive=True
@@ -26,17 +38,24 @@ MESH_DAMPING = DampingQuantity("mesh damping referred to the first node", "dampi
 
 
 def _mesh_faults(element: Any) -> list[Fault]:
-    if element.damping is not None and element.stiffness is None:
-        return [Fault("a rigid mesh has no damping; give the mesh a stiffness too", ("damping",))]
-    return []
+    if element.stiffness is not None:
+        return []
+    reasons = {
+        "damping": "a rigid mesh has no damping; give the mesh a stiffness too",
+        "backlash": "teeth with backlash meet with a stiffness; give the mesh a stiffness too",
+    }
+    return [Fault(text, (name,)) for name, text in reasons.items() if getattr(element, name) is not None]
 
 
-def _mesh(row: Row, element: Any, value: Values) -> Part:
-    """Constraint on the row of a mesh of gears, or a law with the stiffness of the teeth."""
+def _mesh(row: Row, element: Any, value: Values) -> WholePart:
+    """Constraint on the row of a mesh of gears, or a law with stiffness and backlash of the teeth."""
     if element.stiffness is None:
         return Constraint(row)
     stiffness = value(element.stiffness)
-    return Law(row, stiffness=stiffness, damping=viscous(element.damping, stiffness, value))
+    damping = viscous(element.damping, stiffness, value)
+    if element.backlash is not None:
+        return MotionLaw(row, clearance_curve(value(element.backlash), stiffness, damping))
+    return Law(row, stiffness=stiffness, damping=damping)
 
 
 @register
@@ -44,8 +63,13 @@ def _mesh(row: Row, element: Any, value: Values) -> Part:
 class Gear(Element):
     """A gear stage of ratio tau = omega_first / omega_second = z_second / z_first, negative for opposite senses.
 
-    Row theta_first - tau theta_second (+ (tau - 1) theta_housing): held at zero by a rigid mesh; a compliant one stores
-    1/2 k (theta_first - tau theta_second)^2.
+    Row gamma = theta_first - tau theta_second (+ (tau - 1) theta_housing): held at zero by a rigid mesh; a compliant
+    one stores 1/2 k (theta_first - tau theta_second)^2.
+
+    With a ``backlash`` b, the whole angle that the first shaft turns freely while the second is held, the compliant
+    mesh has the law of motion of a clearance: no torque while -b/2 < gamma < b/2, and beyond it max(0, k d + c d') at
+    the penetration d = gamma - b/2, with its mirror image on the other side. Linear results take k and c where the
+    operating point presses the teeth together; without one the teeth stand free in their backlash.
 
     Examples
     --------
@@ -68,6 +92,10 @@ class Gear(Element):
     stiffness: Expression | None = entry(MESH_STIFFNESS, None)
     damping: Expression | DampingMeasure | None = entry(MESH_DAMPING, None)
     housing: str | None = entry(NodeName("the node of the housing, if it moves"), None)
+    backlash: Expression | None = entry(
+        PhysicalQuantity("free angle of the first shaft with the second held; none: 0", "angle", "b", exclusive=True),
+        None,
+    )
 
     def contradictions(self) -> list[Fault]:
         faults = one_exactly(self, "ratio", "teeth") + _mesh_faults(self)
@@ -86,7 +114,14 @@ class Gear(Element):
         """Ratio omega_first / omega_second of the gear stage for given parameter values."""
         return self._ratio(Values(parameters))
 
+    @property
+    def has_motion_laws(self) -> bool:
+        return self.backlash is not None
+
     def parts(self, value: Values) -> tuple[Part, ...]:
+        return self.tangent_parts(value)
+
+    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
         first, second = self.nodes
         tau = self._ratio(value)
         housing = [] if self.housing is None else [(self.housing, tau - 1)]
@@ -101,7 +136,9 @@ class Planetary(Element):
     Held at zero when rigid; with a stiffness, the compliance of the meshes is lumped between the planets and the ring
     and referred to the sun. The planets roll on the sun: theta_planet = theta_carrier - 2 (theta_sun - theta_carrier) /
     (z - 1), so that their own inertia acts on that row and their mass, at the orbit radius, on the carrier. Any member
-    may be on ``ground``. For meshes apart from each other build the set from gears with the carrier as housing.
+    may be on ``ground``. For meshes apart from each other build the set from gears with the carrier as housing. A
+    ``backlash``, the whole free angle of the sun while ring and carrier are held, makes the compliant mesh a clearance
+    on its row, as that of a gear.
 
     Examples
     --------
@@ -134,6 +171,9 @@ class Planetary(Element):
     orbit_radius: Expression = entry(
         PhysicalQuantity("radius on which the planets orbit", "length", "r_c", usual=(1e-3, 5)), 0
     )
+    backlash: Expression | None = entry(
+        PhysicalQuantity("free angle of the sun with the others held; none: 0", "angle", "b", exclusive=True), None
+    )
 
     def contradictions(self) -> list[Fault]:
         faults = one_exactly(self, "ratio", "teeth") + _mesh_faults(self)
@@ -143,7 +183,14 @@ class Planetary(Element):
             faults.append(Fault("sun, ring and carrier must be on three different nodes"))
         return faults
 
+    @property
+    def has_motion_laws(self) -> bool:
+        return self.backlash is not None
+
     def parts(self, value: Values) -> tuple[Part, ...]:
+        return self.tangent_parts(value)
+
+    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
         z = value(self.ratio) if self.teeth is None else value(scalar(self.teeth[1])) / value(scalar(self.teeth[0]))
         mesh = make_row([(self.sun, 1), (self.ring, z), (self.carrier, -(1 + z))])
         spin = make_row([(self.carrier, 1 + 2 / (z - 1)), (self.sun, -2 / (z - 1))])

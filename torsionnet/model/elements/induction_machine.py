@@ -1,7 +1,8 @@
-"""Induction machine about a slip: its torque over speed, with the lag of its rotor currents."""
+"""Induction machine on a line: its torque over speed, with the lag of its rotor currents."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -10,8 +11,20 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.element_base.element import Element, register
-from torsionnet.model.element_base.laws import Law, Part, Row, Values, difference, make_row
+from torsionnet.model.element_base.laws import (
+    Constraint,
+    Law,
+    MotionLaw,
+    Part,
+    Row,
+    Values,
+    WholePart,
+    difference,
+    make_row,
+)
 from torsionnet.model.element_base.nodes import NodeName
+from torsionnet.model.element_base.torque_curve import MotionState
+from torsionnet.model.motion_laws.kloss_curve import KlossCurve
 
 _RATED = ("rated_torque", "rated_slip")
 _ABOVE = "the rated torque must not be above the breakdown torque"
@@ -20,7 +33,7 @@ _ABOVE = "the rated torque must not be above the breakdown torque"
 @register
 @dataclass(frozen=True, eq=False, repr=False)
 class InductionMachine(Element):
-    """An induction motor or generator on a line of fixed frequency, about its slip s: a damper, as spring in series.
+    """An induction motor or generator on a line of fixed frequency: by its slope a damper, with a spring in series.
 
     Its torque over slip is T = 2 T_k/(s/s_k + s_k/s) (Kloss), with the breakdown torque T_k at the breakdown slip s_k
     and s = 1 - omega/omega_s. Small changes of speed feel its slope,
@@ -31,6 +44,11 @@ class InductionMachine(Element):
     torque T_n at the rated slip s_n: s_k = s_n (m + sqrt(m^2 - 1)), m = T_k/T_n; the slip is then s_n if it is not
     given. Torque follows the slope with the time constant tau of the rotor currents, T + tau dT/dt = c domega: the
     dashpot c in series with the spring c/tau. With rotor resistance and leakage alone tau = 1/(2 pi f s_k).
+
+    T(s) is its law of motion in time, over the absolute speed of the rotor, whose field turns in the positive sense;
+    there it follows the speed without the lag. Where neither slip nor rated values say about which slip it works,
+    linear results take that of the operating point, and without one that of the unloaded machine, s = 0. A torque
+    below T_k stands at two slips, s and s_k^2/s, of which the larger is unstable under a constant torque.
 
     Examples
     --------
@@ -45,6 +63,7 @@ class InductionMachine(Element):
     glyph: ClassVar[str] = "machine"
     sign: ClassVar[str] = "positive when the drivetrain drives the rotor in the positive sense"
     may_feed: ClassVar[bool] = True
+    working_point: ClassVar[tuple[str, ...]] = ("slip", "rated_slip")
 
     node: str = entry(NodeName("the node of the rotor", allow_ground=False))
     synchronous_speed: Expression = entry(
@@ -56,7 +75,10 @@ class InductionMachine(Element):
     )
     slip: Expression | None = entry(
         PhysicalQuantity(
-            "slip about which it works, negative as a generator; default: the rated one", "1", "s_0", None
+            "slip about which it works, negative as a generator; default: the rated one, or by the operating point",
+            "1",
+            "s_0",
+            None,
         ),
         None,
     )
@@ -80,8 +102,6 @@ class InductionMachine(Element):
             return [Fault("give breakdown_slip, or rated_torque and rated_slip, not both", (rated[0],), on_key=True)]
         if self.breakdown_slip is None and len(rated) < len(_RATED):
             return [Fault("the slope of its torque needs breakdown_slip, or rated_torque and rated_slip", on_key=True)]
-        if self.breakdown_slip is not None and self.slip is None:
-            return [Fault("an induction machine needs its mean slip, as slip: 1 %", on_key=True)]
         return [*self._rated_faults(), *self._lag_faults()]
 
     def _rated_faults(self) -> list[Fault]:
@@ -108,9 +128,24 @@ class InductionMachine(Element):
         return difference(self.node, self.housing)
 
     def parts(self, value: Values) -> tuple[Part, ...]:
-        damping = self._slope(value)
+        slip = self.rated_slip if self.slip is None else self.slip
+        return self._parts_about(0 if slip is None else value(slip), value)
+
+    def tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
+        """Parts of the machine for small motion about the speed of its rotor; by default without slip."""
+        return self._parts_about(self._curve(value).slip(states[0].rate) if states else 0, value)
+
+    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+        law = MotionLaw(difference(self.node, self.housing), self._curve(value))
+        held = [Constraint(difference(self.node, field)) for field in self.internal_nodes]
+        return (law, *held, *self._rotor(value))
+
+    def _rotor(self, value: Values) -> tuple[Law, ...]:
         rotor = Law(make_row([(self.node, 1)]), inertia=value(self.inertia))
-        own = (rotor,) if rotor.acts else ()
+        return (rotor,) if rotor.acts else ()
+
+    def _parts_about(self, slip: Any, value: Values) -> tuple[Part, ...]:
+        damping, own = self._curve(value).slope(slip), self._rotor(value)
         if self.time_constant is None:
             return (Law(difference(self.node, self.housing), damping=damping), *own)
         (field,) = self.internal_nodes
@@ -124,11 +159,8 @@ class InductionMachine(Element):
         """
         return () if self.time_constant is None else (self.parts(value)[0].row,)
 
-    def _slope(self, value: Values) -> Any:
-        breakdown = self._breakdown_slip(value)
-        slip = value(self.rated_slip if self.slip is None else self.slip)
-        size = 2 * value(self.breakdown_torque) / value(self.synchronous_speed)
-        return size * breakdown * (breakdown**2 - slip**2) / (slip**2 + breakdown**2) ** 2
+    def _curve(self, value: Values) -> KlossCurve:
+        return KlossCurve(value(self.breakdown_torque), self._breakdown_slip(value), value(self.synchronous_speed))
 
     def _breakdown_slip(self, value: Values) -> Any:
         if self.breakdown_slip is not None:

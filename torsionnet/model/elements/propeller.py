@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, ClassVar
@@ -12,8 +13,10 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.element_base.element import Element, register
-from torsionnet.model.element_base.laws import Law, Part, Values, make_row
+from torsionnet.model.element_base.laws import Law, MotionLaw, Part, Values, WholePart, make_row
 from torsionnet.model.element_base.nodes import NodeName
+from torsionnet.model.element_base.torque_curve import MotionState
+from torsionnet.model.motion_laws.power_curve import OpenWaterCurve, PowerCurve
 
 _LAWS = {
     "archer": ("archer", "torque", "speed"),
@@ -42,6 +45,9 @@ class Propeller(Element):
     * as the slope of the open-water torque K_Q(J_a) rho D^5 (omega/2 pi)^2 while the ship keeps its speed, which moves
       the advance ratio J_a = 2 pi v/(omega D): c = (2 - J_a/K_Q dK_Q/dJ_a) Q/omega.
 
+    The last two are laws of motion in time, over the absolute speed: with r the speed over omega, Q r^m, and
+    Q ((1 - b) r^2 + b r) with b = J_a/K_Q dK_Q/dJ_a.
+
     Water is entrained by what moves across the blade. Where that is given for the design pitch p_d (pitch over
     diameter) and the blades stand at another pitch p, it is taken as the square of the sine of the pitch angle at 0.7
     of the radius: times p^2 (p_d^2 + x^2)/(p_d^2 (p^2 + x^2)), x = 0.7 pi. At zero pitch nothing is entrained.
@@ -58,6 +64,7 @@ class Propeller(Element):
     kind: ClassVar[str] = "propeller"
     glyph: ClassVar[str] = "disc"
     sign: ClassVar[str] = "positive when the drivetrain drives the propeller in the positive sense"
+    working_point: ClassVar[tuple[str, ...]] = ("speed",)
 
     node: str = entry(NodeName("the node it turns with", allow_ground=False))
     inertia: Expression = entry(PhysicalQuantity("mass moment of inertia in air", "inertia", "J", usual=(1e-12, 1e10)))
@@ -128,13 +135,40 @@ class Propeller(Element):
             faults.append(Fault(text, (pitch[0],), on_key=True))
         return faults
 
+    @property
+    def has_motion_laws(self) -> bool:
+        return self.exponent is not None or self.torque_slope is not None
+
     def parts(self, value: Values) -> tuple[Part, ...]:
+        return (self._body(self._damping(value), value),)
+
+    def tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
+        """Part of the propeller for small motion about a speed; by default about that of its entries."""
+        if not states or not self.has_motion_laws:
+            return (self._body(self._damping(value), value),)
+        return (self._body(self._curve(value).slopes(states[0])[1], value),)
+
+    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+        if not self.has_motion_laws:
+            return self.parts(value)
+        return (MotionLaw(make_row([(self.node, 1)]), self._curve(value)), self._body(0, value))
+
+    def _curve(self, value: Values) -> PowerCurve | OpenWaterCurve:
+        torque, speed = value(self.torque), value(self.speed)
+        if self.exponent is not None:
+            return PowerCurve(torque, speed, value(self.exponent))
+        return OpenWaterCurve(torque, speed, self._bend(value))
+
+    def _bend(self, value: Values) -> Any:
+        return value(self.advance_ratio) * value(self.torque_slope) / value(self.torque_coefficient)
+
+    def _body(self, damping: Any, value: Values) -> Law:
         dry, entrained = value(self.inertia), self._at_pitch(value)
         if self.entrained_inertia is None:
             inertia = dry * (1 + value(self.entrained_water) * entrained)
         else:
             inertia = dry + value(self.entrained_inertia) * entrained
-        return (Law(make_row([(self.node, 1)]), inertia=inertia, damping=self._damping(value)),)
+        return Law(make_row([(self.node, 1)]), inertia=inertia, damping=damping)
 
     def _at_pitch(self, value: Values) -> Any:
         """Entrained inertia of the propeller at its pitch over that at the design pitch, dimensionless."""
@@ -150,6 +184,5 @@ class Propeller(Element):
         if self.exponent is not None:
             return value(self.exponent) * value(self.torque) / value(self.speed)
         if self.torque_slope is not None:
-            bent = value(self.advance_ratio) * value(self.torque_slope) / value(self.torque_coefficient)
-            return (2 - bent) * value(self.torque) / value(self.speed)
+            return (2 - self._bend(value)) * value(self.torque) / value(self.speed)
         return 0 if self.damping is None else value(self.damping)

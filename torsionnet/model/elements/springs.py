@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any, ClassVar
 
 from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.entries.alternatives import given_entries, one_at_most
+from torsionnet.core.entries.number_table import RowColumn
 from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression
+from torsionnet.core.piecewise_linear import Rows
+from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.damping_entries import DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
-from torsionnet.model.element_base.laws import Law, Part, Values, difference
+from torsionnet.model.element_base.laws import Law, MotionLaw, Part, Values, WholePart, difference
 from torsionnet.model.element_base.nodes import NodePair
 from torsionnet.model.element_base.round_section import section_faults
+from torsionnet.model.element_base.spring_stages import SpringStage, SpringStages
+from torsionnet.model.element_base.torque_curve import AT_REST
+from torsionnet.model.motion_laws.cubic_curve import CubicCurve
+from torsionnet.model.motion_laws.piece_curve import PieceCurve
+from torsionnet.model.motion_laws.spring_curves import stage_curve, twist_table_curve
 
 NODE_PAIR_DESCRIPTION = "the two nodes it connects, one may be ground; twist is the angle of the first minus the second"
 OUTER_DIAMETER = PhysicalQuantity(
@@ -23,40 +33,135 @@ OUTER_DIAMETER = PhysicalQuantity(
 INNER_DIAMETER = PhysicalQuantity("inner diameter there", "length", "d")
 
 
+_WAYS = ("stiffness", "stages", "torque_over_twist")
+
+
 @register
 @dataclass(frozen=True, eq=False, repr=False)
 class Spring(Element):
-    """A torsion spring, with a viscous damper in parallel if wanted: torque k gamma + c dgamma/dt.
+    r"""A torsion spring, with a viscous damper in parallel if wanted: torque k gamma + c dgamma/dt.
+
+    Springs that are not linear have a law of motion T(gamma) instead of k gamma, of one of these forms:
+
+    * ``cubic`` beside the stiffness: T = k gamma + k_3 gamma^3.
+    * ``stages``, the same both ways: on stage i, T = T_i + k_i (gamma - gamma_i) from the end gamma_i of the stage
+      before it, with T_i the torque there plus the ``preload`` P_i of the stage. That is the torque under which its
+      springs are installed: at gamma_i the twist stands still until the torque exceeds that of the stage before by P_i.
+    * ``torque_over_twist``, rows joined by straight lines. From zero on they hold both ways; rows through negative
+      twists may differ, and may have a torque at zero twist.
+
+    Linear results take the slope dT/dgamma at the operating point, without one that at rest without twist; at a corner
+    that of the piece above it. Beyond the last row, or the end of the last stage, the torque is not known: results that
+    reach there are refused.
 
     Examples
     --------
     >>> shaft = Spring("shaft", nodes=("a", "b"), stiffness="0.46 kN*m/rad", damping={"zeta": 0.02, "at": "8 Hz"})
     >>> float(shaft.stiffness.evaluate({}))
     460.0
+    >>> disc = Spring("disc", nodes=("a", "b"), damping=1, stages=[
+    ...     {"stiffness": "460 N*m/rad", "to": "0.12 rad"}, {"stiffness": "1500 N*m/rad"}])
+    >>> from fractions import Fraction
+    >>> law, damper = disc.whole_parts(Values({}))
+    >>> float(law.torque(Fraction("0.2"), 0)), float(law.energy(Fraction("0.2"))), float(damper.damping)
+    (175.2, 12.528, 1.0)
     """
 
     kind: ClassVar[str] = "spring"
     glyph: ClassVar[str] = "spring"
 
     nodes: tuple[str, str] = entry(NodePair(NODE_PAIR_DESCRIPTION))
-    stiffness: Expression = entry(PhysicalQuantity("torsional stiffness", "stiffness", "k"))
+    stiffness: Expression | None = entry(PhysicalQuantity("torsional stiffness", "stiffness", "k"), None)
     damping: Expression | DampingMeasure = entry(
         DampingQuantity("viscous damping, or a damping measure at a frequency", "damping", "c"), 0
     )
     outer_diameter: Expression | None = entry(OUTER_DIAMETER, None)
     inner_diameter: Expression = entry(INNER_DIAMETER, 0)
+    cubic: Expression | None = entry(
+        PhysicalQuantity("torque over the cube of the twist, besides the stiffness", "cubic stiffness", "k_3", None),
+        None,
+    )
+    stages: tuple[SpringStage, ...] = entry(
+        SpringStages("instead: stages from zero torque on, each up to a torque or an angle"), None
+    )
+    torque_over_twist: Rows | None = entry(
+        Characteristic("instead: rows [twist, torque]", (RowColumn("twist", "angle"), RowColumn("torque", "torque"))),
+        None,
+    )
 
     def contradictions(self) -> list[Fault]:
-        return section_faults(self)
+        faults = one_at_most(self, *_WAYS) if given_entries(self, *_WAYS) else [self._shapeless()]
+        faults += section_faults(self)
+        if self.cubic is not None and self.stiffness is None:
+            faults.append(Fault("cubic stands beside a stiffness, which may be 0", ("cubic",), on_key=True))
+        return faults + _row_faults(self.torque_over_twist)
+
+    def _shapeless(self) -> Fault:
+        """Fault of a spring that gives none of the forms of its torque."""
+        fault = self.missing("stiffness", self.name)
+        return replace(fault, message=f"{fault.message}; or stages, or torque_over_twist")
 
     @property
     def diameters(self) -> tuple[Expression, Expression] | None:
         return None if self.outer_diameter is None else (self.outer_diameter, self.inner_diameter)
 
+    @property
+    def has_motion_laws(self) -> bool:
+        return self.stiffness is None or self.cubic is not None
+
     def parts(self, value: Values) -> tuple[Part, ...]:
-        stiffness = value(self.stiffness)
-        damping = viscous(self.damping, stiffness, value)
-        return (Law(difference(*self.nodes), stiffness=stiffness, damping=damping),)
+        return self.tangent_parts(value)
+
+    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+        row = difference(*self.nodes)
+        if not self.has_motion_laws:
+            stiffness = value(self.stiffness)
+            return (Law(row, stiffness=stiffness, damping=viscous(self.damping, stiffness, value)),)
+        curve = self._curve(value)
+        damping = viscous(self.damping, self._stiffness_at_rest(curve), value)
+        return (MotionLaw(row, curve), *([Law(row, damping=damping)] if damping != 0 else []))
+
+    def _curve(self, value: Values) -> PieceCurve | CubicCurve:
+        if self.cubic is not None:
+            return CubicCurve(value(self.stiffness), value(self.cubic))
+        if self.stages:
+            return stage_curve(self.stages, value.algebra.number)
+        return twist_table_curve(not_none(self.torque_over_twist), value.algebra.number)
+
+    @staticmethod
+    def _stiffness_at_rest(curve: PieceCurve | CubicCurve) -> Any:
+        """Slope of the torque without twist, to which a measure of damping refers."""
+        return curve.slopes(AT_REST)[0]
+
+    @property
+    def reads_off(self) -> bool:
+        return False  # where its curve is read follows from equilibrium, not from an entry
+
+    @property
+    def referral_fault(self) -> str | None:
+        return super().referral_fault if self.diameters is not None or self.stiffness is not None else None
+
+
+def _row_faults(rows: Rows | None) -> list[Fault]:
+    """Faults of rows [twist, torque] that fall, are all level, or do not reach zero twist."""
+    if not rows:
+        return []
+    entry_name = "torque_over_twist"
+    faults = [
+        Fault(f"the torque of a spring does not fall with its twist; here from {low[1]} to {high[1]}", (entry_name, at))
+        for at, (low, high) in enumerate(pairwise(rows), 1)
+        if high[1].value < low[1].value
+    ]
+    first, last = rows[0], rows[-1]
+    if first[0].value > 0 or last[0].value < 0 or (first[0].value < 0 and last[0].value == 0):
+        text = "rows begin at twist 0, and then hold both ways, or go from a negative to a positive twist"
+        faults.append(Fault(text, (entry_name, 0)))
+    elif first[0].value == 0 and first[1].value < 0:
+        text = "rows from twist 0 on hold both ways, so that the first torque must not be negative"
+        faults.append(Fault(text, (entry_name, 0, 1)))
+    if not faults and first[1].value == last[1].value:
+        faults.append(Fault("the torque of a spring rises with its twist", (entry_name, len(rows) - 1)))
+    return faults
 
 
 @register

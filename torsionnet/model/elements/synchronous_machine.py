@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, ClassVar
@@ -17,8 +18,10 @@ from torsionnet.core.expression_reading import scalar
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.element_base.damping_entries import DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
-from torsionnet.model.element_base.laws import Law, Part, Row, Values, difference, make_row
+from torsionnet.model.element_base.laws import Law, MotionLaw, Part, Row, Values, WholePart, difference, make_row
 from torsionnet.model.element_base.nodes import NodeName
+from torsionnet.model.element_base.torque_curve import MotionState
+from torsionnet.model.motion_laws.load_angle_curve import LoadAngleCurve
 
 _AT_A_PULL_OUT_TORQUE = ("torque", "load_angle", "reluctance_torque", "pole_pairs")
 
@@ -35,6 +38,10 @@ class SynchronousMachine(Element):
     winding acts as c. Angles are against the steadily turning field, which stands for ground, or for the housing if
     that gives way. For swings against an excitation that cannot follow, take transient values.
 
+    With a pull-out torque, T(p gamma) is its law of motion in time, over the twist gamma of the rotor against the
+    field. Linear results take ``torque`` or ``load_angle``, or the unloaded machine, unless an operating point is asked
+    for.
+
     Examples
     --------
     >>> motor = SynchronousMachine("motor", node="rotor", inertia="60 kg*m^2", pole_pairs=2,
@@ -47,6 +54,7 @@ class SynchronousMachine(Element):
     kind: ClassVar[str] = "synchronous_machine"
     glyph: ClassVar[str] = "machine"
     sign: ClassVar[str] = "positive when the drivetrain drives the rotor in the positive sense"
+    working_point: ClassVar[tuple[str, ...]] = ("torque", "load_angle")
 
     node: str = entry(NodeName("the node of the rotor", allow_ground=False))
     stiffness: Expression | None = entry(
@@ -106,12 +114,43 @@ class SynchronousMachine(Element):
             return [Fault(f"the machine falls out of step at its pull-out torque {most}; reduce torque", ("torque",))]
         return []
 
+    @property
+    def has_motion_laws(self) -> bool:
+        return self.pull_out_torque is not None
+
+    @property
+    def has_own_working_point(self) -> bool:
+        """Whether the machine works at a load angle, which is zero if the entries say nothing."""
+        return True
+
     def parts(self, value: Values) -> tuple[Part, ...]:
-        stiffness = self._stiffness(value)
+        return self._parts_about(self._stiffness(value), value)
+
+    def tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
+        """Parts of the machine for small motion about a twist against the field; by default about its own load."""
+        if not states or not self.has_motion_laws:
+            return self._parts_about(self._stiffness(value), value)
+        return self._parts_about(self._curve(value).slopes(states[0])[0], value)
+
+    def _parts_about(self, stiffness: Any, value: Values) -> tuple[Part, ...]:
         damping = viscous(self.damping, stiffness, value)
         field = Law(difference(self.node, self.housing), damping=damping, stiffness=stiffness)
+        return (field, *self._rotor(value))
+
+    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+        if not self.has_motion_laws:
+            return self.parts(value)
+        row = difference(self.node, self.housing)
+        winding = Law(row, damping=viscous(self.damping, self._stiffness(value), value))
+        return (MotionLaw(row, self._curve(value)), *([winding] if winding.acts else []), *self._rotor(value))
+
+    def _rotor(self, value: Values) -> tuple[Law, ...]:
         rotor = Law(make_row([(self.node, 1)]), inertia=value(self.inertia))
-        return (field, rotor) if rotor.acts else (field,)
+        return (rotor,) if rotor.acts else ()
+
+    def _curve(self, value: Values) -> LoadAngleCurve:
+        saliency = 0 if self.reluctance_torque is None else value(self.reluctance_torque)
+        return LoadAngleCurve(value(self.pull_out_torque), saliency, value(scalar(self.pole_pairs)))
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
         """No rows of mean speeds, because the rotor turns with the field and not with the housing."""

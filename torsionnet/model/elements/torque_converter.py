@@ -1,16 +1,17 @@
-"""Torque converter, linearised at its speed ratio."""
+"""Torque converter: pump and turbine torque by tables over the speed ratio."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from torsionnet.core.entries.number_table import RowColumn
 from torsionnet.core.entries.spec import entry
-from torsionnet.core.piecewise_linear import Rows, slope_at, value_at
+from torsionnet.core.piecewise_linear import Rows
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.element import register
 from torsionnet.model.element_base.hydrodynamic import SPEED_RATIO_COLUMN, Hydrodynamic
+from torsionnet.model.element_base.hydrodynamic_curve import Gain
 from torsionnet.model.element_base.laws import Values
 
 
@@ -27,6 +28,9 @@ class TorqueConverter(Hydrodynamic):
     omega_p / sqrt(T_p). Both tables are straight between their rows; at a row the piece above it counts. A lock-up
     clutch is a ``clutch`` beside it (A. J. Kotwicki, Dynamic models for torque converter equipped vehicles, SAE 820393,
     1982).
+
+    T_p and T_t are its laws of motion in time, over absolute speeds. Without ``speed`` and ``speed_ratio`` linear
+    results take their slopes at the operating point; without one the converter stands and passes on nothing.
 
     Examples
     --------
@@ -47,6 +51,5 @@ class TorqueConverter(Hydrodynamic):
         kw_only=True,
     )
 
-    def torque_ratio_at(self, value: Values) -> tuple[Any, Any]:
-        ratio = value(self.speed_ratio)
-        return value_at(self.torque_ratio, ratio), value.algebra.number(slope_at(self.torque_ratio, ratio))
+    def gain(self, value: Values) -> Gain:
+        return Gain(self.torque_ratio, value.algebra)

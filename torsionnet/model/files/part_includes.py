@@ -16,7 +16,7 @@ from torsionnet.model.files.located_yaml import LocatedDocument, LocatedNode, co
 
 _FILE_OF_PARTS = (KEY, "name", "source", "description", "parts", "include")
 """Keys that a file of parts may have."""
-_OF_THE_WHOLE = (KEY, "name", "operating_point", "speeds", "load", "bench", "report", "parts", "include")
+_OF_THE_WHOLE = (KEY, "name", "operating_point", "speeds", "load", "scenarios", "bench", "report", "parts", "include")
 """Keys of a model that describe it as a whole and are left out where the model is used as a part."""
 
 

@@ -22,6 +22,9 @@ UNKNOWN = "the load determines no mean torques here"
 NEEDS_RATED = "what follows the speed, as the load does, needs the rated speed: speeds: {of: node, rated: 750 rpm, ...}"
 """Message that the rated speed of the reference shaft is missing."""
 
+UNBALANCED_SHARE = 0.05
+"""Share of the largest torque that may remain unbalanced, for rounding of data sheets and drag in bearings."""
+
 
 class CutOffError(UsageError):
     """Error that a driver or absorber does not turn with the reference node, as behind an open clutch."""

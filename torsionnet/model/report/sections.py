@@ -68,6 +68,7 @@ SECTIONS = {
     "passage": SectionContent(
         "stress and cycles while a barred range of speeds is passed slowly and quickly", APPROVAL
     ),
+    "scenarios": SectionContent("motion over time under scenarios: peaks, events, energies, signals drawn", BOTH),
     "measurement_plan": SectionContent(
         "where to measure on board, the amplitudes expected, and measured orders beside them", APPROVAL
     ),

@@ -14,6 +14,7 @@ from torsionnet.model.elements import GROUND, Element, Law, Values
 from torsionnet.plot.drawing.labels import value_lines
 from torsionnet.plot.drawing.pieces import Texts
 from torsionnet.plot.schematic.epicyclic import BoxElement, EpicyclicSet
+from torsionnet.plot.schematic.outlines import DRAGS
 from torsionnet.plot.schematic.part_boxes import PartBox
 from torsionnet.plot.schematic.taps import Tap, is_on_link
 from torsionnet.plot.schematic.texts import break_lines, planetary_set_lines
@@ -148,7 +149,7 @@ class DrawingPlan:
         attached = self.found.attached[node]
         discs = [element for element in attached if element.glyph == "disc"]
         others = [element for element in attached if element.glyph != "disc"]
-        last = next((element for element in others if element.glyph != "damper"), None) if at_end else None
+        last = next((element for element in others if element.glyph not in DRAGS), None) if at_end else None
         hanging = [element for element in others if element is not last]
         return list(zip_longest(discs, hanging)), last
 

@@ -9,6 +9,7 @@ from typing import Any
 from torsionnet.model.elements import Element, Law, Values
 from torsionnet.plot.drawing.pieces import Point, Stroke, arc
 from torsionnet.plot.schematic.box_symbols import box_symbol
+from torsionnet.plot.schematic.motion_symbols import clearance_symbol, friction_symbol
 from torsionnet.plot.schematic.outlines import BODY, BOX, Glyph, rectangle, wheel
 from torsionnet.plot.schematic.spring_chains import chain_symbol
 
@@ -46,6 +47,16 @@ def _disc(element: Element, values: Mapping[str, Any]) -> Glyph:
     """Symbol of an inertia between two ends of a schematic, a disc on a shaft."""
     del element, values
     return Glyph((Stroke(((0, 0), (30, 0)), "shaft"), rectangle(8.5, 21.5, -15, 15, BODY)), 30, 16)
+
+
+def _clearance(element: Element, values: Mapping[str, Any]) -> Glyph:
+    del element, values
+    return clearance_symbol()
+
+
+def _friction(element: Element, values: Mapping[str, Any]) -> Glyph:
+    del values
+    return friction_symbol(element)
 
 
 def _coupling(element: Element, values: Mapping[str, Any]) -> Glyph:
@@ -157,6 +168,8 @@ _INLINE: dict[str, Callable[[Element, Mapping[str, Any]], Glyph]] = {
     "disc": _disc,
     "spring": _spring,
     "damper": _damper,
+    "clearance": _clearance,
+    "friction": _friction,
     "coupling": _coupling,
     "shaft": _shaft,
     "gear": _gear,

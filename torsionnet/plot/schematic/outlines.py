@@ -8,6 +8,8 @@ from torsionnet.plot.drawing.pieces import Stroke, arc
 
 DISC_WIDTH, WHEEL_WIDTH = 13.0, 12.0  # points
 GROUND_WIDTH = 26.0  # points
+DRAGS = ("damper", "friction")
+"""Symbols of elements that resist a rotation and hold no shaft: those to ground hang below it."""
 BODY, WHEEL, BOX = "#dbe5ee", "#efe6d8", "#fbf9f5"
 
 

@@ -125,7 +125,10 @@ def _chain_strokes(
 
 
 def _spring(element: Element, start: float, end: float, y: float) -> list[Stroke]:
-    """Strokes of a spring, with a pad behind it for a loss factor, or an arrow across it for a table over frequency."""
+    """Strokes of a spring, with a pad behind it for a loss factor, an arrow across it for a table over frequency.
+
+    Across one whose torque is not proportional to its twist goes a bent line.
+    """
     core = zigzag(start, end, y)
     kinds = [spec for _, spec in element.specs()]
     if any(isinstance(spec, LossFactor) for spec in kinds):
@@ -136,4 +139,7 @@ def _spring(element: Element, start: float, end: float, y: float) -> list[Stroke
         shaft = ((middle - 15, y - 12), (middle + 14, y + 12))
         head = ((middle + 8.5, y + 11), (middle + 15, y + 12.8), (middle + 12.6, y + 6.6))
         return [core, Stroke(shaft, "thin"), Stroke(head, "thin")]
+    if element.has_motion_laws:
+        middle = (start + end) / 2
+        return [core, Stroke(((middle - 15, y - 9), (middle + 2, y - 3), (middle + 14, y + 12)), "thin")]
     return [core]

@@ -11,6 +11,7 @@ from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.elements import GROUND, Gear
 from torsionnet.model.speeds import speeds_by_reference
 from torsionnet.plot.schematic.line_routes import LineRoute, line_routes
+from torsionnet.plot.schematic.outlines import DRAGS
 from torsionnet.plot.schematic.topology import Connections, Link, Vertex, connections, trees
 
 if TYPE_CHECKING:
@@ -238,7 +239,7 @@ def _ways(drivetrain: Drivetrain) -> dict[str, list[str]]:
     found: dict[str, list[str]] = {node: [] for node in drivetrain.nodes}
     for element in drivetrain.elements.values():
         ends = set(element.ports.values())
-        holds = element.glyph == "clamp" or (GROUND in ends and element.glyph != "damper")
+        holds = element.glyph == "clamp" or (GROUND in ends and element.glyph not in DRAGS)
         if holds or len(ends - {GROUND}) > 1:
             for node in ends & found.keys():
                 found[node].append(element.name)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from torsionnet.model.elements import GROUND, Element
 from torsionnet.plot.schematic.epicyclic import BoxElement, epicyclic_sets
+from torsionnet.plot.schematic.outlines import DRAGS
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -49,7 +50,7 @@ class Link:
         """
         if not self.elements:
             return 1
-        return 2 if all(element.glyph == "damper" for element in self.elements) else 1 if self.is_gear else 0
+        return 2 if all(element.glyph in DRAGS for element in self.elements) else 1 if self.is_gear else 0
 
 
 @dataclass

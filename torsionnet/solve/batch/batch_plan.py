@@ -172,11 +172,13 @@ def _derived_from(definition: Definition, names: Collection[str], order: Collect
 
 
 def _operating_point_moves(definition: Definition, moved: Collection[str], names: Collection[str]) -> bool:
-    """Whether mean speeds and torques, or values read off curves at them, depend on the varied parameters.
+    """Whether mean speeds and torques, tangents or values of curves there, depend on the varied parameters.
 
     ``moved`` are all parameters that do, ``names`` those of them that are varied themselves.
     """
     point, moving = definition.operating_point, frozenset(moved)
+    if definition.tangents is not None and definition.tangents.depends_on(moving):
+        return True
     if any(value.names & moving for table in (point.speed, point.torque) for value in table.values()):
         return True
     if definition.following.keys() <= set(names):

@@ -12,6 +12,7 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor
+from torsionnet.model.motion_balance.operating_notes import law_notes
 from torsionnet.response import FrequencyResponses
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.batch_plan import batch_plan
@@ -57,7 +58,7 @@ def frequency_responses(
         tuple(reading.channel for reading in request.measured),
         drivetrain.title,
         conditioning if request.is_measured else None,
-        request.notes,
+        (*request.notes, *law_notes(drivetrain.definition)),
     )
 
 

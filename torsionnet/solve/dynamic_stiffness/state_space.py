@@ -164,11 +164,11 @@ def first_order(
     loads = [assembly.rows_of(channel.row)[0] for channel in inputs]
     actions = law_states(assembly, points) if closing is None else closing
     loads += [one.row for one in (*opened, *actions)]
-    kinds = _kinds(system)
+    kinds = motion_kinds(system)
     columns = np.array(loads).reshape(len(loads), system.n_coordinates).T
     states = _state_names(assembly.kinematics.coordinates, kinds[0], kinds[1])
     try:
-        form = _condensed(_matrices(system, actions, kinds), *kinds, columns, states)
+        form = condensed(reduced_matrices(system, actions, kinds), *kinds, columns, states)
     except np.linalg.LinAlgError:
         raise UsageError(
             "the torques that follow the motion leave no unique motion of what has no inertia; "
@@ -177,7 +177,7 @@ def first_order(
     return close_loops_in_states(form, actions) if actions else form
 
 
-def _matrices(
+def reduced_matrices(
     system: RowSystem, actions: Sequence[LawStates], kinds: tuple[FloatArray, FloatArray, FloatArray]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Matrices M, C and K (n_q, n_q) in kg m^2, N m s/rad and N m/rad, less what actions feed through at once.
@@ -245,7 +245,7 @@ def _state_names(coordinates: Sequence[str], heavy: FloatArray, damped: FloatArr
     return (*named(heavy, "angle"), *named(heavy, "velocity"), *named(damped, "angle"))
 
 
-def _kinds(system: RowSystem) -> tuple[FloatArray, FloatArray, FloatArray]:
+def motion_kinds(system: RowSystem) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Bases (n_q, n) of the motions with inertia, of the massless damped ones and of the static ones."""
     heavy = system.inertia != 0
     massless, static = (unresisted_motions(system, laws).basis() for laws in (heavy, heavy | (system.damping != 0)))
@@ -262,7 +262,7 @@ def _upright(basis: FloatArray) -> FloatArray:
     return np.asarray(basis * np.where(basis[largest, np.arange(len(largest))] < 0, -1.0, 1.0))
 
 
-def _condensed(
+def condensed(
     matrices: tuple[FloatArray, FloatArray, FloatArray], heavy: FloatArray, damped: FloatArray, static: FloatArray,
     loads: FloatArray, names: tuple[str, ...],
 ) -> StateSpaceForm:  # fmt: skip
@@ -309,7 +309,7 @@ def output_matrices(
     C, D = np.zeros((len(readings), len(system.A))), np.zeros((len(readings), len(inputs) + len(opened)))
     for number, reading in enumerate(readings):
         direct = [float(reading.direct(channel.row)) for channel in inputs]
-        direct += [_share(assembly, reading, one) for one in opened]
+        direct += [action_share(assembly, reading, one) for one in opened]
         C[number], D[number] = _output_rows(assembly, reading, np.array(direct), system)
     return C, D
 
@@ -325,7 +325,7 @@ def _output_rows(
         (float(term.factor), term.row, powers_of_s(assembly, term)) for term in reading.terms
     ]
     for number, one in enumerate(system.actions):
-        weight = _share(assembly, reading, one)
+        weight = action_share(assembly, reading, one)
         motions.append((weight, one.sensed, one.at_once))
         C += weight * system.torques[number]
     for gain, row, powers in motions:
@@ -346,7 +346,7 @@ def _output_rows(
     return C, D
 
 
-def _share(assembly: Assembly, reading: Functional, action: LawStates) -> float:
+def action_share(assembly: Assembly, reading: Functional, action: LawStates) -> float:
     """Factor of an action's torque in a reading, as it is read itself or applied to nodes that are read."""
     nodes = action.action.nodes.items()
     applied = sum((share * reading.applied.get(node, 0) for node, share in nodes), start=Fraction(0))

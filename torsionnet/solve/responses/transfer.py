@@ -20,6 +20,7 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import TorsionnetWarning, UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.model.checks.structure import rigid_motions
+from torsionnet.model.motion_balance.operating_notes import law_notes
 from torsionnet.response import FrequencyResponse
 from torsionnet.solve.dynamic_stiffness.quotient import METHODS, transfer_functions
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, cached_request
@@ -57,7 +58,7 @@ def frequency_response(
         inputs=tuple(reading.channel for reading in request.measured),
         title=drivetrain.title,
         conditioning=conditioning[0] if request.is_measured else None,
-        notes=request.notes,
+        notes=(*request.notes, *law_notes(drivetrain.definition)),
     )
 
 

@@ -20,11 +20,12 @@ from torsionnet.assembly.functionals import Functional, functional
 from torsionnet.assembly.law_stiffness import LawStiffness, law_stiffness
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input, Sensor
-from torsionnet.model.checks.balance import UNBALANCED_SHARE
 from torsionnet.model.checks.motions import free_motions
 from torsionnet.model.checks.structure import rigid_motions
 from torsionnet.model.elements import Constraint, Element, Part, Values
-from torsionnet.model.load.external_torques import stated_torques
+from torsionnet.model.load.external_torques import UNBALANCED_SHARE, stated_torques
+from torsionnet.model.motion_balance.secants import SlippingLaw, slipping_torques, with_secants
+from torsionnet.model.readings import port_of, referring_factor
 from torsionnet.model.speeds import mean_speeds
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.mean_response import MeanResponse
@@ -60,6 +61,58 @@ def mean_response(
     See :meth:`torsionnet.Drivetrain.mean_response`; ``all_working``, as if no cylinder were lost.
     """
     reference, at, torques = external_torques(drivetrain, speeds, all_working=all_working)
+    tangents = drivetrain.definition.tangents
+    if tangents is not None and tangents.is_loaded:
+        return mean_response_of_laws(drivetrain, outputs, reference, at)
+    return _mean_response(drivetrain, outputs, (reference, at, torques), all_working=all_working)
+
+
+def mean_response_of_laws(
+    drivetrain: AssembledModel, outputs: str | Sensor | Sequence[str | Sensor], reference: str, speeds: FloatArray
+) -> MeanResponse:
+    """Mean torques, twists or stresses of a drivetrain with laws of motion in SI units, at speeds (n_speeds,) in rad/s.
+
+    At every speed laws of motion are springs that carry their mean torques at their mean twists.
+    """
+    found: list[MeanResponse] = []
+    groups = drivetrains_at_speeds(drivetrain, reference, speeds, apart=True)
+    for rig, places in groups:
+        tangents = rig.definition.tangents
+        assert tangents is not None
+        state, values = tangents.state, Values(rig.exact_values)
+        plain = rig.with_definition(with_secants(rig.definition, state))
+        slipping = list(slipping_torques(rig.definition.switched_on, values, state))
+        torques = {node: np.full(len(places), torque) for node, torque in state.acting.items() if torque}
+        mean = _mean_response(plain, outputs, (reference, speeds[places], torques), all_working=True)
+        own = [
+            sum(_slip_reading(rig, output.sensor, one) for one in slipping)
+            for output in resolve_request(rig, outputs, list(torques)[:1], None).outputs
+        ]
+        notes = tuple(dict.fromkeys((*mean.notes, *state.notes)))
+        found.append(replace(mean, values=mean.values + np.array(own), title=drivetrain.title, notes=notes))
+    values_found = np.concatenate([one.values for one in found])
+    notes = tuple(dict.fromkeys(note for one in found for note in one.notes))
+    return replace(found[0], speeds=speeds, values=values_found, notes=notes)
+
+
+def _slip_reading(rig: AssembledModel, sensor: Sensor | None, slipping: SlippingLaw) -> float:
+    """Share of the torque of a law that slips in the reading of a sensor, in N m."""
+    if sensor is None or sensor.quantity != "torque" or sensor.of != slipping.owner:
+        return 0.0
+    node, sign = port_of(rig.elements[sensor.of], sensor.at)
+    factor = referring_factor(sensor, rig.elements, Values(rig.exact_values)) if sensor.referred_to else 1
+    return float(sign * factor * slipping.law.row.get(node, 0)) * slipping.torque
+
+
+def _mean_response(
+    drivetrain: AssembledModel,
+    outputs: str | Sensor | Sequence[str | Sensor],
+    operation: tuple[str, FloatArray, Mapping[str, FloatArray]],
+    *,
+    all_working: bool,
+) -> MeanResponse:
+    """Mean response of a linear drivetrain from the reference node, its speeds (n_speeds,) and torques by node."""
+    reference, at, torques = operation
     nodes = [node for node in torques if node in drivetrain.nodes]
     if not nodes:
         raise UsageError(

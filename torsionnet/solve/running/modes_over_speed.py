@@ -56,7 +56,7 @@ class ModesOverSpeed:
     @cached_property
     def is_speed_dependent(self) -> bool:
         """Whether modes differ from speed to speed, because parameters follow the operating point."""
-        return bool(self.drivetrain.definition.following)
+        return self.drivetrain.definition.follows_speed
 
     def at(self, speed: float) -> tuple[VibrationMode, ...]:
         """Vibration modes at a speed of the reference node in rad/s, numbered, by rising undamped frequency."""

@@ -32,7 +32,12 @@ PLAN_BYTES = 1_000_000
 
 
 def drivetrains_at_speeds(
-    drivetrain: Model, reference: str, speeds: FloatArray, settled: IteratedValues = MappingProxyType({})
+    drivetrain: Model,
+    reference: str,
+    speeds: FloatArray,
+    settled: IteratedValues = MappingProxyType({}),
+    *,
+    apart: bool = False,
 ) -> Iterator[tuple[Model, SpeedIndices]]:
     """Yield drivetrains with the parameters of their speeds, and the indices of the speeds at which these hold.
 
@@ -47,19 +52,46 @@ def drivetrains_at_speeds(
         rad/s.
     settled : mapping
         Parameter -> values (n_speeds,) that were iterated with the vibration.
+    apart : bool
+        Whether a drivetrain with laws of motion is given for every speed, and not shared where tangents are equal.
 
     Raises
     ------
     UsageError
         A speed outside a table.
     """
-    if not drivetrain.definition.following:
+    if not drivetrain.definition.follows_speed:
         yield drivetrain, np.arange(len(speeds))
         return
     values = values_at_speeds(drivetrain, reference, speeds, settled)
+    if drivetrain.definition.tangents is not None and drivetrain.definition.load is not None:
+        yield from _at_own_tangents(drivetrain, values, speeds * _own_ratio(drivetrain, reference), apart=apart)
+        return
     for _, places in groupby(range(len(speeds)), key=lambda place: values[place]):
         some = np.array(list(places))
         yield drivetrain.with_operating_values(values[some[0]]), some
+
+
+def _at_own_tangents(
+    drivetrain: Model, values: Sequence[Mapping[str, float]], speeds: FloatArray, *, apart: bool
+) -> Iterator[tuple[Model, SpeedIndices]]:
+    """Yield drivetrains with the tangents of their laws of motion at each speed in rad/s of the load's node."""
+    rigs = [drivetrain.with_operating_values(one, speed) for one, speed in zip(values, speeds.tolist(), strict=True)]
+
+    def key(place: int) -> tuple[object, ...]:
+        tangents = rigs[place].definition.tangents
+        assert tangents is not None
+        return (place,) if apart else (values[place], tangents.state.tangent_key)
+
+    for _, places in groupby(range(len(speeds)), key=key):
+        some = np.array(list(places))
+        yield rigs[some[0]], some
+
+
+def _own_ratio(drivetrain: AssembledModel, reference: str) -> float:
+    """Speed of the node whose speed the load follows over that of the node to which speeds belong."""
+    own = reference_node(drivetrain.definition) or reference
+    return 1.0 if own == reference else abs(float(cached_total_ratio(drivetrain, own, reference)))
 
 
 def values_at_speeds(
@@ -67,9 +99,7 @@ def values_at_speeds(
 ) -> list[dict[str, float]]:
     """Values in SI units by parameter, one mapping per speed, of the parameters that follow the operating point."""
     points = OperatingPoints(drivetrain.external_torques)
-    own = reference_node(drivetrain.definition) or reference
-    ratio = 1.0 if own == reference else abs(float(cached_total_ratio(drivetrain, own, reference)))
-    values = [points.at(speed) for speed in (speeds * ratio).tolist()]
+    values = [points.at(speed) for speed in (speeds * _own_ratio(drivetrain, reference)).tolist()]
     for name, found in settled.items():
         for place, value in enumerate(found.tolist()):
             values[place][name] = value
@@ -84,7 +114,7 @@ def batch_over_speeds(
     None where no parameter follows the operating point, or where these change more than coefficients of laws.
     """
     following = tuple(drivetrain.definition.following)
-    if not following:
+    if not following or drivetrain.definition.tangents is not None:
         return None
     (plan,) = shared_by_conditions(
         drivetrain, tuple, ("plan", following), lambda: (batch_plan(drivetrain, following),), lambda _: PLAN_BYTES

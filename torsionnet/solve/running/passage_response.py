@@ -87,7 +87,7 @@ def passage_response(
         model = viscous_equivalent(drivetrain, hertz)
         notes.append(f"hysteretic and tabulated stiffness: springs and dampers equal to it at {hertz:.4g} Hz, where "
                      f"steady vibration of {first} is largest")  # fmt: skip
-    if drivetrain.definition.following:
+    if drivetrain.definition.follows_speed:
         notes.append("parameters that follow the speed have their values at the speed of the moment")
     request = OrderRequest.of(model, grid, speed_of, acting)
     kept, left_out = lines_that_matter(steady, NEGLIGIBLE_ORDERS)
@@ -206,7 +206,7 @@ class _Passage:
 
     def _forms(self, ends: Sequence[float]) -> Callable[[float, float], SteppedForm]:
         """Function that gives the state space of a section in SI from the speeds in rad/s at its ends."""
-        if not self.request.drivetrain.definition.following:
+        if not self.request.drivetrain.definition.follows_speed:
             matrices = self._matrices(self.request.drivetrain)
             only = SteppedForm.between(matrices, matrices)
             return lambda _, __: only

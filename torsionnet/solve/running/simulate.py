@@ -39,12 +39,39 @@ def simulate(
 
     See :meth:`torsionnet.Drivetrain.simulate`.
     """
-    torques = _torques(inputs)
+    torques = sampled_torques(inputs)
+    request = driven_request(drivetrain, outputs, inputs)
+    motion = response_over_time(drivetrain, request, torques, sampling_rate)
+    signals = motion_signals(drivetrain, request, inputs, torques, motion)
+    notes = (f"simulated: {drivetrain.title}, at rest before the first sample",)
+    return Recording(signals, sampling_rate, title=drivetrain.title, notes=notes)
+
+
+def driven_request(
+    drivetrain: AssembledModel, outputs: str | Sensor | Sequence[str | Sensor], inputs: Mapping[str, ArrayLike]
+) -> TransferRequest:
+    """Request of a simulation, whose inputs are torques.
+
+    Raises
+    ------
+    UsageError
+        Unknown names, or inputs that are no torques.
+    """
     asked = [outputs] if isinstance(outputs, str | Sensor) else list(outputs)
     request = resolve_request(drivetrain, asked, list(inputs), None)
     if request.is_measured or any(source.quantity != "torque" for source in request.excitations):
         raise UsageError("a simulation is driven by torques: name inputs or nodes on which they act")
-    motion = response_over_time(drivetrain, request, torques, sampling_rate)
+    return request
+
+
+def motion_signals(
+    drivetrain: AssembledModel,
+    request: TransferRequest,
+    inputs: Mapping[str, ArrayLike],
+    torques: FloatArray,
+    motion: FloatArray,
+) -> tuple[Signal, ...]:
+    """Signals of the torques (n_in, n) and of the readings (n_out, n) of a simulation, in SI units."""
     names = (
         name if name in drivetrain.inputs else str(source)
         for name, source in zip(inputs, request.excitations, strict=True)
@@ -54,11 +81,17 @@ def simulate(
         Signal(reading.name, QUANTITIES[reading.unit], values)
         for reading, values in zip(request.outputs, motion, strict=True)
     )
-    notes = (f"simulated: {drivetrain.title}, at rest before the first sample",)
-    return Recording((*driven, *read), sampling_rate, title=drivetrain.title, notes=notes)
+    return (*driven, *read)
 
 
-def _torques(inputs: Mapping[str, ArrayLike]) -> FloatArray:
+def sampled_torques(inputs: Mapping[str, ArrayLike]) -> FloatArray:
+    """Torques (n_in, n) in N m of a simulation, from lists by input.
+
+    Raises
+    ------
+    UsageError
+        They are no finite numbers, or of unlike lengths.
+    """
     try:
         torques = np.array([np.asarray(values, dtype=float) for values in inputs.values()])
     except (TypeError, ValueError):

@@ -46,7 +46,11 @@ def _ports(element: Element, values: Mapping[str, Any]) -> list[str]:
     if not any(isinstance(part, Constraint) or (isinstance(part, Law) and part.is_elastic) for part in parts):
         return []
     nodes = [node for node in element.ports.values() if node != GROUND]
-    return nodes[:1] if element.glyph in ("spring", "shaft", "coupling", "clamp", "damper") else nodes
+    return (
+        nodes[:1]
+        if element.glyph in ("spring", "shaft", "coupling", "clamp", "damper", "clearance", "friction")
+        else nodes
+    )
 
 
 def _readable(drivetrain: AssembledModel, ports: Sequence[tuple[Element, str]]) -> tuple[list[Sensor], list[str]]:

@@ -105,7 +105,7 @@ class CriticalSpeedMargin(StudyQuantity):
 
     def _shared(self, block: VariantBlock) -> bool:
         """Whether the same modes hold at all speeds and under all excitations."""
-        if block.batch is None or block.model.definition.following:
+        if block.batch is None or block.model.definition.follows_speed:
             return False
         lines, _ = self._asked(block.model)
         acting = {name: block.model.definition.excitations[name] for name in lines}

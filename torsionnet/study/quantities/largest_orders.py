@@ -69,7 +69,7 @@ def responses_at(
 
 def common_request(block: VariantBlock, speeds: FloatArray, excitations: Sequence[str] | None) -> OrderRequest | None:
     """Excitations and speeds (rad/s) that all variants have in common; None where variants differ in them."""
-    if block.batch is None or block.model.definition.following:
+    if block.batch is None or block.model.definition.follows_speed:
         return None
     question = OrderRequest.of(block.model, speeds, excitations=excitations)
     return question if question.drivetrain is block.model else None

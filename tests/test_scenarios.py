@@ -1,0 +1,319 @@
+"""Scenarios: torques over time and short circuits, against matrices of the test's own and closed forms."""
+
+import json
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+from test_cli import run
+
+import torsionnet as tn
+from torsionnet.io.recording_files import read_recording
+from torsionnet.model.elements import Values
+from torsionnet.model.scenarios.short_circuit import ShortCircuitScenario
+from torsionnet.model.scenarios.time_history import HistoryPiece, TimeHistory, Wave, straight
+from torsionnet.model.scenarios.torques_of_nodes import TorqueScenario
+from torsionnet.study.quantities.scenario_peak import ScenarioPeak
+from torsionnet.study.quantities.variant_block import VariantBlock
+
+SSR = tn.load("turbine_generator_ssr")
+T_0 = SSR.parameters["T_0"]
+H = np.array([0.092897, 0.155589, 0.858670, 0.884215, 0.868495, 0.0342165])
+K = np.array([19.303, 34.929, 52.038, 70.858, 2.822])
+"""Inertia constants in s and stiffnesses per unit of the first SSR benchmark, as published."""
+
+
+def peaks_per_unit(waves, seconds, steps):
+    """Largest torques of the five shafts per unit, under sum of a sin(n w t) against the generator, by exp(A h)."""
+    w, n, m = 120 * pi, 6, 2 * len(waves)
+    stiffness = np.diag([*K, 0]) + np.diag([0, *K]) - np.diag(K, 1) - np.diag(K, -1)
+    A = np.zeros((2 * n + m,) * 2)
+    A[:n, n : 2 * n] = np.eye(n)
+    A[n : 2 * n, :n] = -stiffness / (2 * H / w)[:, None]
+    z = np.zeros(2 * n + m)
+    for number, (order, size) in enumerate(waves):
+        sine = 2 * n + 2 * number
+        A[sine, sine + 1], A[sine + 1, sine], A[n + 4, sine] = order * w, -order * w, -size / (2 * H[4] / w)
+        z[sine + 1] = 1
+    step, largest = expm(A * seconds / steps), np.zeros(5)
+    for _ in range(steps + 1):
+        largest = np.maximum(largest, np.abs(K * (z[:5] - z[1:6])))
+        z = step @ z
+    return largest
+
+
+def fault(**entries):
+    return ShortCircuitScenario(**{"machine": "G", "x": 0.135, "rated_torque": "T_0", "frequency": "60 Hz", **entries})
+
+
+def per_unit(record, name):
+    return float(np.abs(record[name].values).max()) / T_0
+
+
+class TestShortCircuit:
+    @pytest.mark.parametrize(
+        ("phases", "waves", "lpb_g", "lpa_lpb"),
+        [(3, [(1, 1 / 0.135)], 3.3568, 2.0078), (2, [(1, 1 / 0.135), (2, -0.5 / 0.135)], 2.8400, 1.5808)],
+    )
+    def test_peaks_of_the_ssr_benchmark(self, phases, waves, lpb_g, lpa_lpb):
+        record = SSR.simulate(scenario=fault(phases=phases, duration=0.5, rate=4e4))
+        found = [per_unit(record, f"T_{name}") for name in ("HP_IP", "IP_LPA", "LPA_LPB", "LPB_G", "G_X")]
+        assert found == pytest.approx(peaks_per_unit(waves, 0.5, 20_000).tolist(), rel=1e-10)
+        assert found[3] == pytest.approx(lpb_g, abs=5e-5)
+        assert found[2] == pytest.approx(lpa_lpb, abs=5e-5)
+
+    def test_library_has_the_same_faults(self):
+        record = SSR.simulate("T_LPB_G", scenario="two_phases", sampling_rate=4e4)
+        assert per_unit(record, "T_LPB_G") == pytest.approx(2.8400, abs=5e-5)
+        assert [str(one) for one in record.events] == ["0 s: G short circuit of 2 phases"]
+
+    @pytest.mark.parametrize(
+        ("entries", "crest"),
+        [
+            ({"phases": 3}, 1 / 0.2),
+            ({"phases": 2}, 3 * sqrt(3) / 4 / 0.2),
+            ({"angle": "120 deg"}, 3 * sqrt(3) / 2 / 0.2),
+            ({"angle": "90 deg"}, (1 + sqrt(2)) / 0.2),
+        ],
+    )
+    def test_crests_without_decay(self, entries, crest):
+        """(1 + sqrt 2)/x at 90 degrees: 2 sin 45 (1 + cos 45)/x."""
+        history = fault(**entries, x=0.125, x_external=0.075).torque(Values({}), 1.0, 50.0)
+        assert np.abs(history.samples(50e3 * 18, 20_000)).max() == pytest.approx(crest, rel=1e-6)
+
+    def test_torque_begins_at_zero_and_brakes(self):
+        for entries in ({"phases": 2}, {"phases": 3}, {"angle": "120 deg"}):
+            values = fault(**entries).torque(Values({}), 1.0, 50.0).samples(1e5, 200)
+            assert values[0] == pytest.approx(0, abs=1e-12)
+            assert values[50:].min() < values[:2].min() <= 0
+
+    def test_decays_are_those_of_the_definition(self):
+        history = fault(phases=2, at=0.1, decay=0.4, decay_double=0.2).torque(Values({}), 3.0, 50.0)
+        t = np.arange(4000) / 1e4
+        s, w = t - 0.1, 100 * pi
+        wanted = -3 / 0.135 * (np.exp(-s / 0.4) * np.sin(w * s) - np.exp(-s / 0.2) * np.sin(2 * w * s) / 2)
+        assert history.samples(1e4, 4000) == pytest.approx(np.where(s < -1e-9, 0, wanted), abs=1e-10)
+        history = fault(angle="-60 deg", decay=0.4).torque(Values({}), 3.0, 50.0)
+        wanted = (
+            -3
+            / 0.135
+            * np.exp(-t / 0.4)
+            * ((1 - np.cos(-pi / 3)) * np.sin(w * t) + np.sin(-pi / 3) * (1 - np.cos(w * t)))
+        )
+        assert history.samples(1e4, 4000) == pytest.approx(wanted, abs=1e-10)
+
+    def test_it_acts_on_top_of_the_torque_before(self):
+        """From the load, all shafts of the free machine carry their mean torques until the fault."""
+        loaded = tn.Drivetrain(
+            "set", SSR.elements.values(), parameters={name: str(one.value) for name, one in SSR.parameter_definitions.items()},
+            sensors={"T": {"torque": "LPB_G"}},
+            operating_point={"speed": {"generator": "3600 rpm"}, "torque": {"lpa": "1 MN*m", "generator": "-1 MN*m"}},
+        )  # fmt: skip
+        record = loaded.simulate(scenario=fault(phases=3, at=0.05, duration=0.3, rate=1e4))
+        alone = loaded.simulate(scenario=fault(phases=3, at=0.05, duration=0.3, rate=1e4, start="rest"))
+        assert record["T"].values[:500] == pytest.approx(1e6, rel=1e-9)
+        assert record["T"].values - 1e6 == pytest.approx(alone["T"].values, abs=1e-3)
+        assert record["torque on generator"].values[0] == -1e6
+
+    def test_generator_on_a_grid_knows_its_rating(self):
+        data = {"rated_power": "555 MW", "speed": "3600 rpm", "grid_frequency": "60 Hz", "inertia_constant": "3.5 s"}
+        machine = tn.GridGenerator("G", node="rotor", synchronising_coefficient=0.757, **data)
+        plant = tn.Drivetrain(
+            "plant", [machine], scenarios={"f": {"type": "short_circuit", "machine": "G", "phases": 3, "x": 0.2}}
+        )
+        record = plant.simulate("rotor", scenario="f", sampling_rate=2.4e4)
+        assert np.abs(record.signals[0].values).max() == pytest.approx(5 * 555e6 / (120 * pi), rel=1e-9)
+
+
+class TestTorques:
+    def rig(self, **entries):
+        elements = [
+            tn.Inertia("engine", node="a", inertia=0.3), tn.Spring("shaft", nodes=("a", "b"), stiffness=900, damping=0.4),
+            tn.Inertia("wheel", node="b", inertia=2.0),
+        ]  # fmt: skip
+        return tn.Drivetrain("rig", elements, sensors={"T": {"torque": "shaft"}, "n": {"velocity": "a"}}, **entries)
+
+    def integrated(self, torque, t, state=(0, 0, 0, 0), brake=0.0):
+        def rate(time, y):
+            shaft = 900 * (y[0] - y[1]) + 0.4 * (y[2] - y[3])
+            return [y[2], y[3], (torque(time) - shaft) / 0.3, (shaft - brake) / 2]
+
+        return solve_ivp(rate, (0, t[-1]), state, "DOP853", t, rtol=1e-11, atol=1e-12, max_step=2e-3).y
+
+    def test_ramp_from_the_operating_point(self):
+        scenario = {"type": "torques", "duration": "0.4 s", "rate": "1 kHz", "start": "operating_point",
+                    "torque": {"a": {"0 s": "20 N*m", "50 ms": "250 N*m"}}}  # fmt: skip
+        rig = self.rig(scenarios={"tip_in": scenario}, operating_point={"torque": {"a": 20, "b": -20}})
+        record, t = rig.simulate(scenario="tip_in"), np.arange(401) / 1e3
+        y = self.integrated(lambda s: np.interp(s, [0, 0.05], [20, 250]), t, (20 / 900, 0, 0, 0), 20.0)
+        shaft = 900 * (y[0] - y[1]) + 0.4 * (y[2] - y[3])
+        assert record["T"].values == pytest.approx(shaft, abs=2e-7)
+        assert record["n"].values == pytest.approx(y[2], abs=2e-7)
+
+    def test_torques_out_of_balance_begin_in_steady_acceleration(self):
+        """The shaft carries J_b/(J_a + J_b) of the torque, without vibration."""
+        scenario = TorqueScenario(duration=0.2, rate=1e3, start="operating_point", torque={"a": 23})
+        record = self.rig().simulate(scenario=scenario)
+        assert record["T"].values == pytest.approx(np.full(201, 20.0), rel=1e-9)
+        assert np.diff(record["n"].values) == pytest.approx(np.full(200, 10e-3), rel=1e-9)
+        assert "steady acceleration" in record.notes[0]
+
+    def test_sinusoid_and_step_between_samples_are_exact(self):
+        at = 0.12345
+        torque = {"a": {"mean": 4, "amplitude": 6, "frequency": "10 Hz", "phase": "30 deg"},
+                  "b": [[at, 0], [at, 5]]}  # fmt: skip
+        record, t = (
+            self.rig().simulate(scenario=TorqueScenario(duration=0.4, rate=500, torque=torque)),
+            np.arange(201) / 500,
+        )
+        A = np.array([[0, 0, 1, 0], [0, 0, 0, 1], [-3000, 3000, -4 / 3, 4 / 3], [450, -450, 0.2, -0.2]])
+        drive = np.zeros((8, 8))
+        drive[:4, :4], drive[2, 4], drive[2, 5], drive[3, 7] = A, 1 / 0.3, 1 / 0.3, 1 / 2
+        drive[5, 6], drive[6, 5] = -20 * pi, 20 * pi  # 6 cos, 6 sin
+        drive[4:, :4] = 0
+        z = np.array([0, 0, 0, 0, 4, 6 * np.cos(pi / 6), 6 * np.sin(pi / 6), 0])
+        before = [expm(drive * s) @ z for s in t if s < at]
+        z = expm(drive * at) @ z
+        z[7] = 5
+        found = np.array([*before, *(expm(drive * (s - at)) @ z for s in t if s >= at)])
+        assert record["T"].values == pytest.approx(
+            900 * (found[:, 0] - found[:, 1]) + 0.4 * (found[:, 2] - found[:, 3]), abs=1e-9
+        )
+
+    def test_parameters_vary_in_a_study(self):
+        scenario = {"type": "torques", "duration": "0.3 s", "rate": "10 kHz", "torque": {"a": "T_1"}}
+        rig = tn.Drivetrain(
+            "one mass", [tn.Inertia("J", node="a", inertia=2), tn.Spring("k", nodes=("a", "ground"), stiffness=8e4)],
+            parameters={"T_1": "10 N*m"}, scenarios={"step": scenario},
+        )  # fmt: skip
+        quantity = ScenarioPeak(scenario="step", output="torque(k)")
+        assert list(quantity.model_faults(rig, {})) == []
+        found = quantity.evaluate(VariantBlock(rig, {"T_1": np.array([10.0, 25.0])}, {}, None))
+        assert found[:, 0] == pytest.approx([20, 50], rel=1e-4)
+        (wrong,) = ScenarioPeak(scenario="stop", output="torque(k)").model_faults(rig, {})
+        assert 'did you mean "step"' in wrong.message
+
+    def test_clearance_moves_in_full(self):
+        """A rotor in a gap meets its wall: J v = T t until the gap is closed."""
+        elements = [
+            tn.Inertia("J", node="a", inertia=0.5),
+            tn.Clearance("gap", nodes=("a", "ground"), gap=0.2, stiffness=1e4),
+        ]
+        scenario = TorqueScenario(duration=0.4, rate=1e4, torque={"a": 5})
+        record = tn.Drivetrain("rotor", elements).simulate(["a", "torque(gap)"], scenario=scenario)
+        assert record.events[0].time == pytest.approx(sqrt(2 * 0.1 / 10), rel=1e-9)
+        assert record["torque(gap)"].values.max() == pytest.approx(5 + sqrt(25 + 2 * 5 * 0.1 * 1e4), rel=1e-3)
+
+    def test_entries_give_a_scenario_and_motions_alone_are_read(self):
+        entries = {
+            "type": "torques",
+            "duration": 0.1,
+            "rate": 1e3,
+            "start": "operating_point",
+            "torque": {"a": 20, "b": -20},
+        }
+        record = self.rig().simulate(["n", "a"], scenario=entries)
+        assert np.abs(record["n"].values).max() < 1e-12
+        assert "mean torques at the start" in record.notes[0]
+
+
+class TestHistories:
+    def test_sum_of_pieces_is_the_sum_of_values(self):
+        one = straight([(0.1, 2.0), (0.3, 6.0), (0.3, -1.0)])
+        two = TimeHistory((HistoryPiece(0.0, 1.0), HistoryPiece(0.22, 0.5, 2.0, (Wave(2 - 1j, -3 + 40j),))))
+        total = (one + two).samples(1e3, 500)
+        assert total == pytest.approx(one.samples(1e3, 500) + two.samples(1e3, 500), abs=1e-12)
+        assert total[300] - total[299] < -6
+
+    @pytest.mark.parametrize(
+        "entry",
+        [
+            "20 N*m",
+            {"0 s": "20 N*m", "0.05 s": "T_1"},
+            [["0.1 s", "0 N*m"], ["0.1 s", "5 N*m"]],
+            {"mean": "3 N*m", "amplitude": "2 N*m", "frequency": "10 Hz"},
+        ],
+    )
+    def test_written_scenarios_are_read_again(self, entry, tmp_path):
+        scenarios = {"s": {"type": "torques", "duration": "1 s", "torque": {"a": entry}}}
+        rig = tn.Drivetrain(
+            "rig", [tn.Inertia("J", node="a", inertia=1)], parameters={"T_1": "2 N*m"}, scenarios=scenarios
+        )
+        path = tmp_path / "rig.yaml"
+        rig.to_yaml(path)
+        again = tn.load(path)
+        assert again == rig
+        assert again.definition.to_data()["scenarios"] == rig.definition.to_data()["scenarios"]
+
+
+BAD = """\
+torsionnet: 1
+name: bad
+elements:
+  A: {type: inertia, node: a, inertia: 1 kg*m^2}
+  k: {type: spring, nodes: [a, ground], stiffness: 1 kN*m/rad}
+scenarios:
+"""
+
+
+@pytest.mark.parametrize(
+    ("line", "marked", "words"),
+    [
+        ("{type: torques, duration: 2 s, torque: {aa: 3 N*m}}", "aa", 'no node is named "aa"; did you mean "a"?'),
+        ("{type: torques, duration: 2 s, torque: {a: {5 ms: 1, 1 ms: 2}}}", "1 ms", "1 ms stands after 0.005 s"),
+        ("{type: torques, duration: 2 s, torque: {a: {5 ms: 3 kg}}}", "3 kg", "not a value of torque"),
+        (
+            "{type: torques, duration: 2 s, torque: {a: {amplitude: 2 N*m}}}",
+            "a: {amplitude",
+            "a sinusoid needs its frequency",
+        ),
+        ("{type: torques, torque: {a: 2 N*m}}", "s:", "needs duration"),
+        ("{type: torques, duration: 2 s}", "s:", "needs torque"),
+        ("{type: torques, duration: 2 s, torque: {a: T}}", "T}}", 'no parameter is named "T"'),
+        ("{type: torques, duration: 2 s, torque: {a: 1}, k: {clamp: 2}}", "clamp", "nothing scales its torque"),
+        ("{type: torques, duration: 2 s, torque: {a: 1}, kk: {clamp: 2}}", "kk", 'no element is named "kk"'),
+        ("{type: short_circuit, phases: 3, x: 0.2}", "s:", "needs machine"),
+        ("{type: short_circuit, machine: B, phases: 3, x: 0.2}", "B", 'no machine is named "B"'),
+        ("{type: short_circuit, machine: A, phases: 3, x: 0.2, frequency: 50 Hz}", "s:", "give rated_torque"),
+        ("{type: short_circuit, machine: A, x: 0.2}", "s:", "give the phases that are short"),
+        ("{type: short_circuit, machine: A, phases: 3, x: -1}", "-1", "must be greater than 0"),
+        ("{type: short_circuit, machine: A, angle: 200 deg, x: 0.1}", "200 deg", "from -180 deg to 180 deg"),
+        ("{type: sudden, x: -1}", "sudden", "no scenario type"),
+    ],
+)
+def test_faults_have_their_place(line, marked, words, tmp_path):
+    """The column is that of what is marked."""
+    column = f"  s: {line}".index(marked) + 1
+    (tmp_path / "bad.yaml").write_text(f"{BAD}  s: {line}\n", encoding="utf-8")
+    with pytest.raises(tn.ModelError) as caught:
+        tn.load(tmp_path / "bad.yaml")
+    found = {(fault.position.line, fault.position.column): fault.message for fault in caught.value.faults}
+    assert words in "; ".join(found.values())
+    assert (7, column) in found
+
+
+def test_unknown_scenario_and_other_inputs_are_refused():
+    with pytest.raises(tn.UsageError, match="there are three_phases"):
+        SSR.simulate(scenario="none")
+    with pytest.raises(tn.UsageError, match='no parameter is named "T_9"; did you mean "T_0"'):
+        SSR.simulate(scenario=fault(phases=3, rated_torque="T_9"))
+    with pytest.raises(tn.ModelError, match="needs duration"):
+        SSR.simulate(scenario={"type": "torques", "torque": {"hp": 3}})
+    with pytest.raises(tn.UsageError, match="brings its own torques"):
+        SSR.simulate("T_G_X", {"T_G": [0, 1]}, scenario="two_phases")
+    with pytest.raises(tn.UsageError, match="needs outputs"):
+        SSR.simulate("T_G_X")
+
+
+def test_command_prints_peaks_and_writes_files(tmp_path):
+    options = ("--output", "T_LPB_G", "--rate", "4 kHz", "--plot", tmp_path / "f.svg", "-o", tmp_path / "f.csv")
+    shown = run("simulate", "turbine_generator_ssr", "two_phases", *options).stdout
+    assert "short circuit of 2 phases of G at 0 s" in shown
+    assert read_recording(tmp_path / "f.csv")["T_LPB_G"].unit == "N*m"
+    assert "events" not in (tmp_path / "f.svg").read_text()[:20]
+    (record,) = json.loads(run("simulate", "turbine_generator_ssr", "two_phases", *options[:4], "--json").stdout)
+    assert record["events"] == [{"time_s": 0.0, "element": "G", "what": "short circuit of 2 phases"}]
+    assert record["peaks"][-1]["signal"] == "T_LPB_G"
+    assert "no scenario" in run("simulate", "turbine_generator_ssr", "one", code=2).stderr

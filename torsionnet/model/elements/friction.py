@@ -1,0 +1,137 @@
+"""Dry friction between two nodes, rigid while it sticks or behind a spring."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.alternatives import one_exactly
+from torsionnet.core.entries.number_table import RowColumn
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.spec import entry, not_none
+from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import Expression, Number
+from torsionnet.core.piecewise_linear import Rows
+from torsionnet.model.element_base.characteristic import Characteristic
+from torsionnet.model.element_base.element import Element, register
+from torsionnet.model.element_base.laws import GROUND, Law, MotionLaw, Part, Row, Values, WholePart, difference
+from torsionnet.model.element_base.nodes import NodePair
+from torsionnet.model.motion_laws.friction_curve import friction_curve, slip_curve
+from torsionnet.model.motion_laws.piece_curve import PieceCurve
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class Friction(Element):
+    r"""Dry friction, as of seals, bearings, brakes and friction rings: T sgn(gamma') while it slips.
+
+    The torque T is constant (Coulomb), or follows rows over the slip speed \|gamma'\|, joined by straight lines. While
+    it sticks, gamma' = 0 and the torque is what equilibrium asks for, up to the torque ``stick``, T_s, by default that
+    at slip zero.
+
+    With a ``stiffness`` k it is a Jenkins element: the friction stands behind a spring, k (gamma - gamma_s), whose
+    other end ``NAME.slider`` has no inertia and slides on the second node.
+
+    Linear results take it as stuck unless the operating point lets it slip: a rigid connection, or the spring k.
+    Slipping, they have the slope dT/dgamma' at the slip, which is 0 for a constant torque and below zero where the
+    torque falls: then it feeds vibrations (stick-slip, squeal).
+
+    Examples
+    --------
+    >>> rub = Friction("rub", nodes=("shaft", "ground"), torque="20 N*m", stick="30 N*m")
+    >>> (law,) = rub.whole_parts(Values({}))
+    >>> [int(law.torque(0, slip)) for slip in (-3, 0.1, 3)], rub.parts(Values({}))
+    ([-20, 20, 20], (Constraint(row={'shaft': 1}),))
+    """
+
+    kind: ClassVar[str] = "friction"
+    glyph: ClassVar[str] = "friction"
+    may_feed: ClassVar[bool] = True
+
+    nodes: tuple[str, str] = entry(
+        NodePair("the two nodes it connects, one may be ground; twist is the angle of the first minus the second")
+    )
+    torque: Expression | None = entry(PhysicalQuantity("torque while it slips", "torque", "T", exclusive=True), None)
+    stick: Expression | None = entry(
+        PhysicalQuantity(
+            "greatest torque while it sticks; default: that at slip zero", "torque", "T_s", exclusive=True
+        ),
+        None,
+    )
+    torque_over_slip: Rows | None = entry(
+        Characteristic(
+            "instead of torque: rows [slip speed, torque] from slip zero on, which hold both ways",
+            (RowColumn("slip speed", "speed", negative=False), RowColumn("torque", "torque", negative=False)),
+        ),
+        None,
+    )
+    stiffness: Expression | None = entry(
+        PhysicalQuantity("stiffness of a spring before the friction; none: rigid", "stiffness", "k", exclusive=True),
+        None,
+    )
+
+    def contradictions(self) -> list[Fault]:
+        return (
+            one_exactly(self, "torque", "torque_over_slip") + _row_faults(self.torque_over_slip) + self._stick_faults()
+        )
+
+    def _stick_faults(self) -> list[Fault]:
+        rows = self.torque_over_slip
+        slipping = self.torque if not rows else rows[0][1]
+        if not isinstance(self.stick, Number) or not isinstance(slipping, Number) or self.stick.value >= slipping.value:
+            return []
+        text = f"friction holds at least the torque with which it slips, {slipping}; here only {self.stick}"
+        return [Fault(text, ("stick",))]
+
+    @property
+    def internal_nodes(self) -> tuple[str, ...]:
+        return () if self.stiffness is None else (f"{self.name}.slider",)
+
+    def twist(self, value: Values) -> Row:
+        del value
+        return difference(*self.nodes)
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        return self.tangent_parts(value)
+
+    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+        first, second = self.nodes
+        if self.stiffness is None:
+            return (MotionLaw(difference(first, second), self._curve(value)),)
+        (slider,) = self.internal_nodes
+        spring = Law(difference(first, slider), stiffness=value(self.stiffness))
+        return (spring, MotionLaw(difference(slider, second), self._curve(value)))
+
+    def _curve(self, value: Values) -> PieceCurve:
+        stick: Any = None if self.stick is None else value(self.stick)
+        if self.torque is None:
+            return slip_curve(not_none(self.torque_over_slip), value.algebra.number, stick)
+        torque = value(self.torque)
+        if stick is not None and stick < torque:
+            raise ArithmeticError("friction holds at least the torque with which it slips; stick is below it")
+        return friction_curve(torque, torque if stick is None else stick)
+
+    def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
+        """Rows of mean speeds: those of friction that sticks, none to ground, which a shaft rubs on while it turns."""
+        return () if GROUND in self.nodes else super().mean_speed_rows(value)
+
+    @property
+    def reads_off(self) -> bool:
+        return False  # where its rows are read follows from equilibrium, not from an entry
+
+    @property
+    def referral_fault(self) -> str | None:
+        return None
+
+
+def _row_faults(rows: Rows | None) -> list[Fault]:
+    """Faults of rows [slip speed, torque] that do not begin at slip zero, or have no torque there."""
+    if not rows:
+        return []
+    faults = []
+    if rows[0][0].value > 0:
+        faults.append(Fault("the rows begin at slip 0, where it sticks", ("torque_over_slip", 0, 0)))
+    if rows[0][1].value == 0:
+        text = "friction has a torque at slip 0; what grows from 0 with the slip alone is a damper"
+        faults.append(Fault(text, ("torque_over_slip", 0, 1)))
+    return faults

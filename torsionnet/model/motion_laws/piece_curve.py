@@ -1,0 +1,223 @@
+"""Torque curve of straight pieces over twist or over rate, with steps at which the row stands still."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+from torsionnet.model.element_base.torque_curve import MotionState, TorqueCurve
+
+ROUNDING = 1e-14
+"""Share of a twist or rate by which rounding may carry it over the corner that it lies on."""
+
+
+@dataclass(frozen=True)
+class Slope:
+    """Straight piece T = torque + stiffness gamma + damping gamma' of a curve, from ``lower`` to ``upper``.
+
+    Bounds are twists in rad or rates in rad/s as the curve says, None where the piece has no end. With ``side`` 1 the
+    torque is never below zero, with -1 never above: two bodies that touch push, but do not pull.
+    """
+
+    torque: Any = 0
+    stiffness: Any = 0
+    damping: Any = 0
+    lower: Any = None
+    upper: Any = None
+    side: Literal[-1, 0, 1] = 0
+
+    def at(self, twist: Any, rate: Any) -> Any:
+        """Torque in N m at a twist in rad and a rate in rad/s."""
+        torque = self.torque + self.stiffness * twist + self.damping * rate
+        return torque - torque if self.side and self.side * torque < 0 else torque
+
+    def mirrored(self) -> Slope:
+        """Piece -T(-gamma, -gamma') on the other side of zero."""
+        lower, upper = (None if end is None else -end for end in (self.upper, self.lower))
+        side: Literal[-1, 0, 1] = 0 if not self.side else -1 if self.side > 0 else 1
+        return replace(self, torque=-self.torque, lower=lower, upper=upper, side=side)
+
+    def scaled(self, ratio: Any) -> Slope:
+        """Piece r T(r gamma, r gamma') for a ratio r above zero."""
+        lower, upper = (None if end is None else end / ratio for end in (self.lower, self.upper))
+        stiffness, damping = self.stiffness * ratio**2, self.damping * ratio**2
+        return Slope(self.torque * ratio, stiffness, damping, lower, upper, self.side)
+
+
+@dataclass(frozen=True)
+class Hold:
+    """Step of a curve at which the row stands still while its torque lies between ``low`` and ``high`` in N m.
+
+    ``at`` is the twist in rad, or over the rate the rate in rad/s, at which it stands. The range may be wider than the
+    torques of the pieces beside it: friction at rest may hold more than sliding friction.
+    """
+
+    at: Any
+    low: Any
+    high: Any
+
+    def mirrored(self) -> Hold:
+        """Step on the other side of zero."""
+        return Hold(-self.at, -self.high, -self.low)
+
+    def scaled(self, ratio: Any) -> Hold:
+        """Step of the curve r T(r gamma, r gamma') for a ratio r above zero."""
+        return Hold(self.at / ratio, self.low * ratio, self.high * ratio)
+
+
+@dataclass(frozen=True)
+class PieceCurve(TorqueCurve):
+    """Torque of straight pieces in rising order over the twist or over the rate, with steps between them.
+
+    ``rest`` is the number of the piece in force at twist and rate zero where bounds may be symbols; None lets the curve
+    compare numbers.
+
+    Examples
+    --------
+    A clearance of 0.2 rad with a stiffness of 100 N m/rad on either side:
+
+    >>> gap = PieceCurve("twist", (Slope(10, 100, 0, None, -0.1, -1), Slope(lower=-0.1, upper=0.1),
+    ...     Slope(-10, 100, 0, 0.1, None, 1)))
+    >>> [round(gap.torque(twist, 0), 9) for twist in (-0.2, 0, 0.1, 0.3)], round(gap.energy(0.3), 9)
+    ([-10.0, 0, 0.0, 20.0], 2.0)
+    >>> gap.slopes(MotionState(twist=0.1))
+    (100, 0)
+    >>> [state.twist for state in gap.states_at(20)]
+    [0.3]
+    """
+
+    over: Literal["twist", "rate"]
+    pieces: tuple[Slope | Hold, ...]
+    rest: int | None = None
+
+    def number_at(self, twist: Any, rate: Any) -> int:
+        """Number of the piece in force at a twist in rad and a rate in rad/s; at a corner that of the piece above.
+
+        At a step it is the number of the step.
+        """
+        at = twist if self.over == "twist" else rate
+        if self.rest is not None and at == 0:
+            return self.rest
+        found = 0
+        for number, piece in enumerate(self.pieces):
+            if isinstance(piece, Hold):
+                if at == piece.at:
+                    return number
+            elif piece.lower is None or not at < piece.lower:
+                found = number
+        return found
+
+    def slope_at(self, state: MotionState) -> Slope:
+        """Straight piece in force at a state, at a step that above it."""
+        number = self.number_at(state.twist, state.rate) if state.piece is None else state.piece
+        piece = self.pieces[number]
+        if isinstance(piece, Hold):
+            piece = self.pieces[number + 1] if number + 1 < len(self.pieces) else self.pieces[number - 1]
+        if isinstance(piece, Hold):
+            raise TypeError("two steps of a curve follow each other")
+        return piece
+
+    def torque(self, twist: Any, rate: Any, *sensed: Any) -> Any:
+        del sensed
+        return self.slope_at(MotionState(twist, rate)).at(twist, rate)
+
+    def energy(self, twist: Any) -> Any:
+        if self.over == "rate":
+            return 0 * twist
+        low, high = (twist, 0) if twist < 0 else (0, twist)
+        total = 0 * twist
+        for place, piece in enumerate(self.pieces):
+            if isinstance(piece, Slope):
+                first, last = (one in (place, None) for one in self._outer_slopes())
+                start = low if first or piece.lower is None or piece.lower < low else piece.lower
+                end = high if last or piece.upper is None or piece.upper > high else piece.upper
+                if start < end:
+                    total += piece.torque * (end - start) + piece.stiffness * (end**2 - start**2) / 2
+        return -total if twist < 0 else total
+
+    def _outer_slopes(self) -> tuple[int, int]:
+        """Numbers of the first and the last straight piece, which go on beyond their ends."""
+        slopes = [number for number, piece in enumerate(self.pieces) if isinstance(piece, Slope)]
+        return slopes[0], slopes[-1]
+
+    def slopes(self, state: MotionState) -> tuple[Any, ...]:
+        piece = self.slope_at(state)
+        return piece.stiffness, piece.damping
+
+    def holds(self, state: MotionState) -> bool:
+        number = self.number_at(state.twist, state.rate) if state.piece is None else state.piece
+        return isinstance(self.pieces[number], Hold)
+
+    def range(self) -> tuple[Any, Any]:
+        first, last = self.pieces[0], self.pieces[-1]
+        lower = first.lower if isinstance(first, Slope) else first.at
+        upper = last.upper if isinstance(last, Slope) else last.at
+        return lower, upper
+
+    def corners(self) -> tuple[Any, ...]:
+        ends = (one.at if isinstance(one, Hold) else one.upper for one in self.pieces)
+        return tuple(dict.fromkeys(end for end in ends if end is not None))
+
+    def states_at(self, torque: Any) -> tuple[MotionState, ...]:
+        """States in which the curve gives a torque in N m, by rising twist or rate, each with its piece.
+
+        Of a level piece it is the point next to zero, at a corner that of the piece above, at the end of a step the
+        step, which a torque has to exceed. No state lies beyond an end of the curve.
+        """
+        found: list[MotionState] = []
+        reach, level_before = None, False
+        for number, piece in enumerate(self.pieces):
+            ends = self._places_on(piece, torque)
+            if ends is None:
+                continue
+            lower, upper = ends
+            level = lower is None or upper is None or lower < upper
+            if reach is not None and lower is not None and not reach < lower:
+                before = self.pieces[found[-1].piece or 0]
+                if isinstance(before, Hold) or (level_before and not level and not isinstance(piece, Hold)):
+                    continue
+                found.pop()
+            at = float(lower if lower is not None and lower > 0 else upper if upper is not None and upper < 0 else 0)
+            found.append(MotionState(at, 0.0, (), number) if self.over == "twist" else MotionState(0.0, at, (), number))
+            reach, level_before = upper, level
+        return tuple(found)
+
+    def _places_on(self, piece: Slope | Hold, torque: Any) -> tuple[Any, Any] | None:
+        """Twists or rates from and to which a piece gives a torque, None where it does not."""
+        if isinstance(piece, Hold):
+            return None if torque < piece.low or torque > piece.high else (piece.at, piece.at)
+        slope = piece.stiffness if self.over == "twist" else piece.damping
+        if slope == 0:
+            return (piece.lower, piece.upper) if torque == piece.torque else None
+        at = (torque - piece.torque) / slope
+        slack = ROUNDING * abs(float(at))
+        if piece.lower is not None and at < piece.lower:
+            return None if at < piece.lower - slack else (piece.lower, piece.lower)
+        if piece.upper is not None and at > piece.upper:
+            return None if at > piece.upper + slack else (piece.upper, piece.upper)
+        return at, at
+
+    def scaled(self, ratio: Any) -> PieceCurve:
+        if not ratio < 0:
+            return replace(self, pieces=tuple(piece.scaled(ratio) for piece in self.pieces))
+        pieces = tuple(piece.scaled(-ratio).mirrored() for piece in reversed(self.pieces))
+        rest = None if self.rest is None else len(pieces) - 1 - self.rest
+        return PieceCurve(self.over, pieces, rest)
+
+
+def symmetric_curve(over: Literal["twist", "rate"], above: tuple[Slope | Hold, ...]) -> PieceCurve:
+    """Curve with T(-gamma, -gamma') = -T(gamma, gamma'), made from its pieces from zero on.
+
+    Where these begin with a torque other than zero, a step at zero joins them to their mirrored ones.
+
+    >>> symmetric_curve("rate", (Slope(5, lower=0),)).pieces[1]
+    Hold(at=0, low=-5, high=5)
+    """
+    first, *others = above
+    below = tuple(piece.mirrored() for piece in reversed(above))
+    if isinstance(first, Slope) and first.torque == 0:
+        middle = (replace(first, lower=None if first.upper is None else -first.upper),)
+        return PieceCurve(over, (*below[:-1], *middle, *others), len(others))
+    if isinstance(first, Hold):
+        return PieceCurve(over, (*below[:-1], *above), len(others))
+    return PieceCurve(over, (*below, Hold(0, -first.torque, first.torque), *above), len(above))

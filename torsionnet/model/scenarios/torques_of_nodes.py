@@ -1,0 +1,162 @@
+"""Scenario of torques over time on nodes, and of what scales the torques of elements."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.composite import Named
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import Json, Schema, Spec, entry
+from torsionnet.core.entries.words import name_fault
+from torsionnet.core.errors import Fault, Path, TorsionnetError, did_you_mean, unknown_name
+from torsionnet.core.expressions import Expression
+from torsionnet.model.elements import GROUND, Element, MotionLaw, Values
+from torsionnet.model.scenarios.history_entry import Course, HistoryEntry
+from torsionnet.model.scenarios.scenario import DrivingCourse, Scenario, ScenarioSubject, register_scenario
+from torsionnet.model.scenarios.time_history import TimeHistory
+from torsionnet.model.torque_places import place_fault, torque_place
+
+_TORQUE = HistoryEntry("torque over time", "torque")
+_TORQUES = Named("torque over time by node", _TORQUE, refused=place_fault, form="{node: {0 s: 20 N*m, 50 ms: 250 N*m}}")
+_SCALE = HistoryEntry("what scales the torque of the element, over time")
+_SCALES = Named(
+    "what scales the torques of elements, over time, by element",
+    Named("over time, by name", _SCALE, form="{clamp: {0 s: 0 N*m, 0.5 s: 300 N*m}}", fewest=1),
+    refused=name_fault,
+    form="{clutch: {clamp: {0 s: 0 N*m, 0.5 s: 300 N*m}}}",
+)
+
+
+@register_scenario
+@dataclass(frozen=True, kw_only=True)
+class TorqueScenario(Scenario):
+    """Torques over time on nodes, in place of the mean torques that act there, and what scales torques of elements.
+
+    A torque is a constant, runs straight between rows ``{0 s: 20 N*m, 50 ms: 250 N*m}``, or is
+    mean + amplitude cos(2 pi frequency t + phase). Mean torques of the operating point on other nodes go on acting
+    where the scenario starts there; from rest only its own torques act. ``clutch: {clamp: {0 s: 0 N*m,
+    0.5 s: 300 N*m}}`` gives what scales the torque of an element over time, as the clamp torque of a clutch.
+
+    Examples
+    --------
+    >>> tip_in = TorqueScenario(duration="2 s", torque={"crank": {"0 s": "20 N*m", "50 ms": "250 N*m"}})
+    >>> [history.first for history in tip_in.histories(Values({})).values()]
+    [20.0]
+    """
+
+    kind: ClassVar[str] = "torques"
+    form: ClassVar[str] = "{type: torques, duration: 2 s, torque: {crank: {0 s: 20 N*m, 50 ms: 250 N*m}}}"
+
+    duration: float = entry(Value("time that is simulated", "time", exclusive=True))
+    torque: Mapping[str, Course] = entry(_TORQUES, None)
+    elements: Mapping[str, Mapping[str, Course]] = entry(_SCALES, None)
+
+    @classmethod
+    def _own_keys(cls, raw: Mapping[Any, Any]) -> dict[Any, Any]:
+        known = dict(cls.specs())
+        return {key: one for key, one in raw.items() if key in known or not isinstance(one, Mapping)}
+
+    @classmethod
+    def read_entries(cls, raw: Mapping[Any, Any]) -> tuple[dict[str, Any], list[Fault]]:
+        """Values of the entries that could be read, by name, and every fault; other tables are those of elements."""
+        own = cls._own_keys(raw)
+        values, faults = super().read_entries(own)
+        scaled, found = _SCALES.read({key: one for key, one in raw.items() if key not in own})
+        if scaled or values.get("elements"):
+            values["elements"] = {**(values.get("elements") or {}), **scaled}
+        return values, [*faults, *found]
+
+    def contradictions(self) -> list[Fault]:
+        if self.torque or self.elements:
+            return []
+        return [Fault("a scenario of torques needs torque: {crank: {0 s: 20 N*m, 50 ms: 250 N*m}}", on_key=True)]
+
+    @property
+    def length(self) -> float:
+        return self.duration
+
+    @property
+    def words(self) -> str:
+        names = [*(f"torque on {place}" for place in self.torque)]
+        names += [f"{what} of {element}" for element, one in self.elements.items() for what in one]
+        return f"{', '.join(names)} over {self.duration:g} s"
+
+    @property
+    def places(self) -> tuple[str, ...]:
+        return tuple(node for place in self.torque for node in torque_place(place).nodes)
+
+    def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
+        for place, one in self.torque.items():
+            for path, expression, dimension in _TORQUE.expressions(one):
+                yield ("torque", place, *path), _TORQUE.of, expression, dimension
+        for element, table in self.elements.items():
+            for what, one in table.items():
+                for path, expression, dimension in _SCALE.expressions(one):
+                    yield (element, what, *path), _SCALE.of, expression, dimension
+
+    def name_faults(self, model: ScenarioSubject) -> list[Fault]:
+        faults = []
+        for place in self.torque:
+            if place in model.inputs:
+                if model.inputs[place].quantity != "torque":
+                    text = f"{place} imposes an {model.inputs[place].quantity}; a scenario gives torques"
+                    faults.append(Fault(text, ("torque", place), on_key=True))
+                continue
+            named = torque_place(place).nodes
+            for node in named:
+                if node == GROUND and len(named) == 1:
+                    faults.append(Fault("ground does not move; name a node", ("torque", place), on_key=True))
+                elif node not in model.nodes and node != GROUND:
+                    known = [*model.nodes, *model.inputs]
+                    faults.append(unknown_name("node", node, known, ("torque", place), on_key=True))
+        for name, table in self.elements.items():
+            element = model.elements.get(name)
+            if element is None:
+                known = [*model.elements, *(one for one, _ in self.specs())]
+                faults.append(unknown_name("element", name, known, (name,), on_key=True))
+                continue
+            scales = scaled_names(element, model.value)
+            for what in table:
+                if what not in scales:
+                    rest = f"{name} is scaled by {', '.join(scales)}" if scales else "nothing scales its torque"
+                    text = f'the torque of {name} does not follow "{what}"{did_you_mean(what, scales)}; {rest}'
+                    faults.append(Fault(text, (name, what), on_key=True))
+        return faults
+
+    def histories(self, value: Values) -> dict[str, TimeHistory]:
+        """Torques over time by node, with values of the parameters."""
+        return {place: one.at(value) for place, one in self.torque.items()}
+
+    def course(self, model: ScenarioSubject) -> DrivingCourse:
+        scales = {
+            (element, what): one.at(model.value)
+            for element, table in self.elements.items()
+            for what, one in table.items()
+        }
+        return DrivingCourse(torques=self.histories(model.value), scales=scales)
+
+    def to_data(self) -> Json:
+        """Plain data that describe the scenario in a file, with tables of elements under their names."""
+        data = dict(self.written_entries())
+        scaled = data.pop("elements", None) or {}
+        keys = dict(self.specs())
+        if isinstance(scaled, Mapping) and any(name in keys for name in scaled):
+            return {**data, "elements": scaled}
+        return {**data, **scaled} if isinstance(scaled, Mapping) else data
+
+    @classmethod
+    def schema(cls, *, type_key: str = "") -> Schema:
+        """JSON Schema of the scenario, in which any other key is an element with what scales its torque."""
+        found = super().schema(type_key=type_key)
+        return {**found, "additionalProperties": _SCALES.of.schema()}
+
+
+def scaled_names(element: Element, value: Values) -> tuple[str, ...]:
+    """Names of what scales the torques of an element's laws of motion, as ``clamp``."""
+    try:
+        parts = element.whole_parts(value)
+    except (ArithmeticError, KeyError, TorsionnetError):  # other checks say what its values lack
+        return ()
+    return tuple(dict.fromkeys(one.scaled_by for one in parts if isinstance(one, MotionLaw) and one.scaled_by))

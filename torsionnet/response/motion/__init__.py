@@ -1,0 +1,1 @@
+"""Events and energies of motion over time."""

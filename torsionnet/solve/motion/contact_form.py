@@ -1,0 +1,429 @@
+"""Equations of motion in one contact state, z' = A z, with everything that moves by itself in z.
+
+    z = (q, q', controllers, generators of torques, 1, u, u')
+
+q are the coordinates of the plant in every contact state, so that z passes from one to the next. What a contact state
+holds still is eliminated, q = Z y + Y c with the held angles c, and what has no inertia or no inertia and no damper in
+it follows from the rest: the refresh takes z to the nearest one that meets these conditions. Torques u run straight
+between grid points; generators w' = F w add S w to them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray, Rows, RowSystem
+from torsionnet.core.errors import UsageError
+from torsionnet.solve.dynamic_stiffness.action_states import LawStates
+from torsionnet.solve.dynamic_stiffness.state_space import (
+    StateSpaceForm,
+    close_loops_in_states,
+    condensed,
+    motion_kinds,
+    reduced_matrices,
+)
+from torsionnet.solve.motion.motion_plant import MotionPlant, PlacedLaw
+from torsionnet.solve.motion.phases import LawPhases, Phase
+
+DEPENDENT = 1e-9
+"""Size of a pivot, over the entries of its row, below which held rows depend on each other: ratios of real machinery
+meet to 1e-11 or differ by more than 1e-6."""
+NEGLIGIBLE_ENTRY = 1e-12
+"""Size of a row's entry, over its largest, that is rounding of entries which cancel."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Places of the parts of z, by their sizes.
+
+    ``n_q`` coordinates, ``n_c`` states of controllers, ``n_w`` states of generators, ``n_u`` torques and scales.
+    """
+
+    n_q: int
+    n_c: int
+    n_w: int
+    n_u: int
+
+    @property
+    def q(self) -> slice:
+        return slice(0, self.n_q)
+
+    @property
+    def v(self) -> slice:
+        return slice(self.n_q, 2 * self.n_q)
+
+    @property
+    def controllers(self) -> slice:
+        return slice(2 * self.n_q, 2 * self.n_q + self.n_c)
+
+    @property
+    def w(self) -> slice:
+        return slice(self.one - self.n_w, self.one)
+
+    @property
+    def one(self) -> int:
+        return 2 * self.n_q + self.n_c + self.n_w
+
+    @property
+    def n_p(self) -> int:
+        """Number of the states before the torques u."""
+        return self.one + 1
+
+    @property
+    def u(self) -> slice:
+        return slice(self.n_p, self.n_p + self.n_u)
+
+    @property
+    def slope(self) -> slice:
+        return slice(self.n_p + self.n_u, self.size)
+
+    @property
+    def size(self) -> int:
+        return self.n_p + 2 * self.n_u
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """Torques and scales that act on a plant from outside.
+
+    Attributes
+    ----------
+    columns : (n_q, n_torques) array
+        Weights of the torques on the coordinates.
+    scale_of : tuple of int
+        For each law the number of the entry of u that scales it, -1 for none; scales stand in u after the torques.
+    n_scales : int
+    F : (n_w, n_w) array
+        Generators w' = F w, in 1/s.
+    S : (n_u, n_w) array
+        What generators add to u.
+    """
+
+    columns: FloatArray
+    scale_of: tuple[int, ...]
+    n_scales: int
+    F: FloatArray
+    S: FloatArray
+
+    @property
+    def n_u(self) -> int:
+        return int(self.columns.shape[1]) + self.n_scales
+
+
+@dataclass(frozen=True, eq=False)
+class ContactForm:
+    """Equations of motion in one contact state in SI units, and rows over z of what is read.
+
+    Attributes
+    ----------
+    A, refresh : (N, N) arrays
+        z' = A z for a refreshed z.
+    motion : three (n_q, N) arrays
+        q in rad, q' in rad/s and q'' in rad/s^2 of the coordinates.
+    twists, rates, torques : (n_laws, N) arrays
+        gamma in rad, gamma' in rad/s and T in N m of each law of motion.
+    act : (n_actions, N) array
+        Torques of controllers in N m.
+    inputs : (n_u, N) array
+        Torques and scales from outside.
+    """
+
+    A: FloatArray
+    refresh: FloatArray
+    motion: tuple[FloatArray, FloatArray, FloatArray]
+    twists: FloatArray
+    rates: FloatArray
+    torques: FloatArray
+    act: FloatArray
+    inputs: FloatArray
+
+    @property
+    def accelerations(self) -> FloatArray:
+        """Rows of gamma'' in rad/s^2 of each law of motion, shape (n_laws, N)."""
+        return np.asarray(self.rates @ self.A)
+
+
+@dataclass(frozen=True, eq=False)
+class Held:
+    """Motions q = Z y + Y c of coordinates in which rows are held at c, with y = q[free]."""
+
+    Z: FloatArray
+    Y: FloatArray
+    free: tuple[int, ...]
+
+
+def held_motions(rows: FloatArray, owners: Sequence[str]) -> Held:
+    """Motions of coordinates in which rows (n_rows, n_q) are held, by elimination of one coordinate for each row.
+
+    Raises
+    ------
+    UsageError
+        Rows depend on each other: the parts stick in a loop.
+    """
+    left, made = rows.copy(), np.eye(len(rows))
+    pivots: list[int] = []
+    for number in range(len(rows)):
+        for other, pivot in enumerate(pivots):
+            factor = left[number, pivot]
+            left[number] -= factor * left[other]
+            made[number] -= factor * made[other]
+        left[number, pivots] = 0.0
+        pivot = int(np.abs(left[number]).argmax())
+        if np.abs(left[number, pivot]) <= DEPENDENT * np.abs(rows[number]).max():
+            names = [owners[one] for one in np.flatnonzero(np.abs(made[number]) > DEPENDENT).tolist()]
+            text = "stick in a loop, so that their torques do not follow from equilibrium"
+            raise UsageError(f"{' and '.join(dict.fromkeys(names))} {text}; give one of them a stiffness")
+        made[number] /= left[number, pivot]
+        left[number] /= left[number, pivot]
+        for other in range(number):
+            factor = left[other, pivot]
+            left[other] -= factor * left[number]
+            made[other] -= factor * made[number]
+        pivots.append(pivot)
+    n = rows.shape[1]
+    free = tuple(column for column in range(n) if column not in pivots)
+    Z, Y = np.zeros((n, len(free))), np.zeros((n, len(rows)))
+    Z[list(free), range(len(free))] = 1.0
+    Z[pivots], Y[pivots] = -left[:, list(free)], made
+    return Held(Z, Y, free)
+
+
+def contact_form(plant: MotionPlant, laws: Sequence[LawPhases], contact: Sequence[int], drive: Drive) -> ContactForm:
+    """Equations of motion of a plant in one contact state, the number of the phase of each of its laws.
+
+    Raises
+    ------
+    UsageError
+        Rows held in a loop, or no unique motion of what has no inertia.
+    """
+    phases = [one.phases[number] for one, number in zip(laws, contact, strict=True)]
+    system, places = _system(plant, phases)
+    rows = np.array([one.row for one in plant.laws]).reshape(len(phases), system.n_coordinates)
+    holds = [number for number, phase in enumerate(phases) if phase.kind == "hold"]
+    held = held_motions(rows[holds], [laws[number].owner for number in holds])
+    C, K = (_with_laws(matrix, rows, phases, what) for matrix, what in ((system.C, "damping"), (system.K, "stiffness")))
+    M = system.M
+    for one in plant.actions:
+        M, C, K = (
+            matrix - value * np.outer(one.row, one.sensed)
+            for matrix, value in zip((M, C, K), one.at_once[::-1], strict=True)
+        )
+    loads = _loads(plant, rows, phases, laws, drive, K, C, held)
+    form, heavy, basis = _form(plant, system, places, held, loads)
+    return _over_z(plant, _Parts(phases, laws, holds, held, form, heavy, basis, (M, C, K), rows, drive))
+
+
+@dataclass(frozen=True, eq=False)
+class _Parts:
+    phases: Sequence[Phase]
+    laws: Sequence[LawPhases]
+    holds: Sequence[int]
+    held: Held
+    form: StateSpaceForm
+    heavy: FloatArray
+    basis: tuple[FloatArray, int, int]
+    matrices: tuple[FloatArray, FloatArray, FloatArray]
+    rows: FloatArray
+    drive: Drive
+
+
+def _system(plant: MotionPlant, phases: Sequence[Phase]) -> tuple[RowSystem, FloatArray]:
+    """System of the linear laws alone, and the coefficients (2, n_laws) of all laws with the slopes of the phases."""
+    whole = plant.assembly.system
+    numbers = [one.number for one in plant.laws]
+    placed = [number for number, law in enumerate(plant.assembly.laws) if isinstance(law, PlacedLaw)]
+    stiffness, damping = whole.stiffness.copy(), whole.damping.copy()
+    stiffness[placed] = damping[placed] = 0.0
+    linear = RowSystem(whole.law_rows, whole.inertia.copy(), damping.copy(), stiffness.copy(), actions=whole.actions)
+    for number, phase in zip(numbers, phases, strict=True):
+        if phase.kind == "slope":
+            stiffness[number], damping[number] = phase.stiffness, phase.damping
+    return linear, np.array([damping, stiffness])
+
+
+def _with_laws(matrix: FloatArray, rows: FloatArray, phases: Sequence[Phase], what: str) -> FloatArray:
+    found = matrix.copy()
+    for row, phase in zip(rows, phases, strict=True):
+        value = getattr(phase, what)
+        if phase.kind == "slope" and value:
+            found += value * np.outer(row, row)
+    return found
+
+
+def _loads(
+    plant: MotionPlant, rows: FloatArray, phases: Sequence[Phase], laws: Sequence[LawPhases], drive: Drive,
+    K: FloatArray, C: FloatArray, held: Held,
+) -> FloatArray:  # fmt: skip
+    """Columns (n_q, n) of torques over u, 1, held angles c and controllers."""
+    n_q, n_torques = drive.columns.shape
+    columns = np.zeros((n_q, drive.n_u + 1))
+    columns[:, :n_torques] = drive.columns
+    for row, phase, scale in zip(rows, phases, drive.scale_of, strict=True):
+        if phase.kind == "slope":
+            columns[:, drive.n_u if scale < 0 else scale] -= phase.torque * row
+    turning = [
+        phase.lower if law.over_rate else 0.0 for law, phase in zip(laws, phases, strict=True) if phase.kind == "hold"
+    ]
+    columns[:, drive.n_u] -= C @ held.Y @ np.array(turning)
+    driven = np.array([one.row for one in plant.actions]).reshape(len(plant.actions), n_q).T
+    return np.hstack([columns, -K @ held.Y, driven])
+
+
+def _form(
+    plant: MotionPlant, linear: RowSystem, coefficients: FloatArray, held: Held, loads: FloatArray
+) -> tuple[StateSpaceForm, FloatArray, tuple[FloatArray, int, int]]:
+    """State equations with q over the states, the heavy motions, and the basis of y with its counts of a and b."""
+    if held.Y.shape[1]:
+        dense = linear.rows @ held.Z
+        dense[np.abs(dense) <= NEGLIGIBLE_ENTRY * np.abs(linear.rows).max(axis=1, keepdims=True)] = 0.0
+        law_rows = Rows.of(dense)
+    else:
+        law_rows = linear.law_rows
+    system = RowSystem(law_rows, linear.inertia, coefficients[0].copy(), coefficients[1].copy())
+    actions: list[LawStates] = [replace(one, row=one.row @ held.Z, sensed=one.sensed @ held.Z) for one in plant.actions]
+    kinds = motion_kinds(system)
+    heavy, damped, static = kinds
+    names = tuple("" for _ in range(2 * heavy.shape[1] + damped.shape[1]))
+    try:
+        reduced = condensed(reduced_matrices(system, actions, kinds), *kinds, held.Z.T @ loads, names)
+    except np.linalg.LinAlgError:
+        nodes = plant.assembly.kinematics.coordinates
+        moving = np.abs(held.Z @ np.hstack([damped, static])).max(axis=1) > DEPENDENT
+        loose = ", ".join(name for name, moves in zip(nodes, moving, strict=True) if moves)
+        text = "have neither inertia nor anything that fixes their motion while parts beside them slip or are open"
+        raise UsageError(f"{loose} {text}; give them an inertia, or the parts a damping") from None
+    n_act = len(plant.actions)
+    U = held.Z @ reduced.U
+    n_held = held.Y.shape[1]
+    U[:, U.shape[1] - n_act - n_held : U.shape[1] - n_act] += held.Y
+    form = replace(reduced, X=held.Z @ reduced.X, U=U)
+    if plant.actions:
+        form = close_loops_in_states(form, plant.actions)
+    return form, heavy, (np.linalg.inv(np.hstack(kinds)), heavy.shape[1], damped.shape[1])
+
+
+def _over_z(plant: MotionPlant, parts: _Parts) -> ContactForm:
+    form, drive, held, rows = parts.form, parts.drive, parts.held, parts.rows
+    n_q = form.X.shape[0]
+    inverse, n_a, n_b = parts.basis
+    n_x, n_h = len(form.A), len(parts.holds)
+    n_own = 2 * n_a + n_b
+    at = Layout(n_q, n_x - n_own, len(drive.F), drive.n_u)
+    # x_e = (x, c, w, 1, u, u'), over which the inputs are u + S w, 1 and c
+    c, w = slice(n_x, n_x + n_h), slice(n_x + n_h, n_x + n_h + at.n_w)
+    one = w.stop
+    u, slope = slice(one + 1, one + 1 + at.n_u), slice(one + 1 + at.n_u, one + 1 + 2 * at.n_u)
+    inputs = np.zeros((at.n_u + 1 + n_h, slope.stop))
+    inputs[: at.n_u, u], inputs[: at.n_u, w] = np.eye(at.n_u), drive.S
+    inputs[at.n_u, one] = 1.0
+    inputs[at.n_u + 1 :, c] = np.eye(n_h)
+    A = np.zeros((slope.stop, slope.stop))
+    A[:n_x, :n_x] = form.A
+    A[:n_x] += form.B @ inputs
+    A[w, w], A[u, slope] = drive.F, np.eye(at.n_u)
+    R = np.zeros((slope.stop, at.size))
+    for place, number in enumerate(parts.holds):
+        phase, over_rate = parts.phases[number], parts.laws[number].over_rate
+        if over_rate:
+            A[n_x + place, one] = phase.lower
+            R[n_x + place, at.q] = rows[number]
+        else:
+            R[n_x + place, at.one] = phase.lower
+    q = np.hstack([form.X, np.zeros((n_q, slope.stop - n_x))]) + form.U @ inputs
+    E = np.zeros((at.size, slope.stop))
+    E[at.q], E[at.v] = q, q @ A
+    E[at.controllers, n_own:n_x] = np.eye(at.n_c)
+    E[at.w, w], E[at.one, one] = np.eye(at.n_w), 1.0
+    E[at.u, u], E[at.slope, slope] = np.eye(at.n_u), np.eye(at.n_u)
+    free = list(held.free)
+    R[:n_a, free] = inverse[:n_a]
+    R[n_a : 2 * n_a, at.v] = _velocities(plant, parts, inverse[:n_a])
+    R[2 * n_a : n_own, free] = inverse[n_a : n_a + n_b]
+    R[n_own:n_x, at.controllers] = np.eye(at.n_c)
+    R[w, at.w], R[one, at.one] = np.eye(at.n_w), 1.0
+    R[u, at.u], R[slope, at.slope] = np.eye(at.n_u), np.eye(at.n_u)
+    whole, refresh, outside = E @ A @ R, E @ R, np.zeros((at.n_u, at.size))
+    outside[:, at.u], outside[:, at.w] = np.eye(at.n_u), drive.S
+    motion = refresh[at.q], refresh[at.v], whole[at.v]
+    act = _action_torques(plant, at, *motion)
+    found = ContactForm(
+        whole, refresh, motion, rows @ motion[0], rows @ motion[1], np.zeros((len(rows), at.size)), act, outside
+    )
+    return replace(found, torques=_law_torques(plant, parts, at, found, motion))
+
+
+def relative_form(plant: MotionPlant, at: Layout, form: ContactForm) -> ContactForm:
+    """Form over coordinates relative to the rotation of the whole, which grows without bounds and moves nothing."""
+    S, back = np.eye(at.size), np.eye(at.size)
+    for pivot, column in plant.turning:
+        for place in (at.q, at.v):
+            S[place, place.start + pivot] = column
+            back[place, place.start + pivot] = np.where(np.arange(at.n_q) == pivot, 1.0, -column)
+    turned = [at.q.start + pivot for pivot, _ in plant.turning]
+    A, refresh = back @ form.A @ S, back @ form.refresh @ S
+    twists, rates, torques, act = (rows @ S for rows in (form.twists, form.rates, form.torques, form.act))
+    position, speed, acceleration = (rows @ S for rows in form.motion)
+    refresh[:, turned] = np.eye(at.size)[:, turned]
+    for rows in (A, speed, acceleration, rates, torques, act):
+        rows[:, turned] = 0.0
+    for place, pivot in zip(turned, (pivot for pivot, _ in plant.turning), strict=True):
+        position[:, place] = S[at.q, at.q.start + pivot]
+    bound = np.abs(twists[:, turned]) <= NEGLIGIBLE_ENTRY * np.abs(form.twists).max(axis=1, initial=1.0, keepdims=True)
+    twists[:, turned] = np.where(bound, 0.0, twists[:, turned])
+    return ContactForm(A, refresh, (position, speed, acceleration), twists, rates, torques, act, form.inputs)
+
+
+def _velocities(plant: MotionPlant, parts: _Parts, plain: FloatArray) -> FloatArray:
+    """Rows (n_a, n_q) of the rates of the heavy motions from q', which keep the momentum where a twist is caught."""
+    held, M = parts.held, plant.assembly.system.M
+    if any(not parts.laws[number].over_rate for number in parts.holds) and parts.heavy.shape[1]:
+        moved = held.Z @ parts.heavy
+        return np.asarray(np.linalg.solve(moved.T @ M @ moved, moved.T @ M))
+    found = np.zeros((len(plain), len(held.Z)))
+    found[:, list(held.free)] = plain
+    return found
+
+
+def _action_torques(
+    plant: MotionPlant, at: Layout, position: FloatArray, speed: FloatArray, acceleration: FloatArray
+) -> FloatArray:
+    found = np.zeros((len(plant.actions), at.size))
+    place = at.controllers.start
+    for number, one in enumerate(plant.actions):
+        for value, motion in zip(one.at_once, (position, speed, acceleration), strict=True):
+            found[number] += value * (one.sensed @ motion)
+        found[number, place : place + len(one.H)] += one.H
+        place += len(one.H)
+    return found
+
+
+def _law_torques(
+    plant: MotionPlant, parts: _Parts, at: Layout, form: ContactForm, motion: tuple[FloatArray, FloatArray, FloatArray]
+) -> FloatArray:
+    """Rows (n_laws, N) of the torques of the laws of motion, of held rows the multipliers of their constraints."""
+    found = form.torques.copy()
+    for number, (phase, scale) in enumerate(zip(parts.phases, parts.drive.scale_of, strict=True)):
+        if phase.kind == "slope":
+            found[number] = phase.stiffness * form.twists[number] + phase.damping * form.rates[number]
+            if scale < 0:
+                found[number, at.one] += phase.torque
+            else:
+                found[number] += phase.torque * form.inputs[scale]
+    M, C, K = parts.matrices
+    position, speed, acceleration = motion
+    n_torques = parts.drive.columns.shape[1]
+    left = parts.drive.columns @ form.inputs[:n_torques] - M @ acceleration - C @ speed - K @ position
+    for number, (phase, scale) in enumerate(zip(parts.phases, parts.drive.scale_of, strict=True)):
+        if phase.kind == "slope" and phase.torque:
+            constant = form.inputs[scale] if scale >= 0 else np.eye(at.size)[at.one]
+            left -= phase.torque * np.outer(parts.rows[number], constant)
+    for one, torque in zip(plant.actions, form.act, strict=True):
+        at_once = sum(
+            value * (one.sensed @ part) for value, part in zip(one.at_once, motion, strict=True)
+        )  # stands in M, C and K
+        left += np.outer(one.row, torque - at_once)
+    found[list(parts.holds)] = parts.held.Y.T @ left
+    return found

@@ -1,0 +1,153 @@
+"""Plant of a motion over time: a drivetrain whose laws of motion are set apart from its linear parts."""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.assembly.system import Assembly
+from torsionnet.core.errors import UsageError
+from torsionnet.model.elements import Element, Law, MotionLaw, Part, Values
+from torsionnet.solve.dynamic_stiffness.action_states import LawStates, law_states
+from torsionnet.solve.dynamic_stiffness.nullspace import null_space
+
+
+@dataclass(frozen=True)
+class PlacedLaw(Law):
+    """Law that holds the place of a law of motion among the linear laws; its coefficients stand for nothing."""
+
+    motion: MotionLaw | None = None
+
+
+@dataclass(frozen=True)
+class PlacedParts:
+    """Replacement of the method ``parts`` of an element: its whole parts with a placed law for each law of motion."""
+
+    element: Element
+
+    def __call__(self, value: Values) -> tuple[Part, ...]:
+        return tuple(
+            PlacedLaw(part.row, stiffness=1, motion=part) if isinstance(part, MotionLaw) else part
+            for part in self.element.whole_parts(value)
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class LawRow:
+    """Law of motion of an element over the coordinates.
+
+    Attributes
+    ----------
+    owner : str
+        Name of the element.
+    law : MotionLaw
+    number : int
+        Number of the placed law in the assembly.
+    row : (n_q,) array
+        Weights of the coordinates in gamma.
+    """
+
+    owner: str
+    law: MotionLaw
+    number: int
+    row: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class MotionPlant:
+    """Drivetrain with placed laws, its laws of motion, and its controllers.
+
+    M q'' + C q' + K q + sum_l b_l T_l(gamma_l, gamma_l') = f, with gamma_l = b_l^T q.
+    """
+
+    drivetrain: AssembledModel
+    laws: tuple[LawRow, ...]
+    actions: tuple[LawStates, ...]
+
+    @property
+    def assembly(self) -> Assembly:
+        """Assembly of the plant, in which placed laws stand for the laws of motion."""
+        return self.drivetrain.assembly
+
+    @cached_property
+    def turning(self) -> tuple[tuple[int, FloatArray], ...]:
+        """Motions of the coordinates that twist nothing, each with a coordinate that it turns by 1 and no other does.
+
+        Their angles grow without bounds. Rounding of what they move, which is nothing, must not grow with them.
+        """
+        system = self.assembly.system
+        laws = zip(system.sparse_rows, system.stiffness, self.assembly.laws, strict=True)
+        elastic = [row for row, stiffness, law in laws if stiffness and not _is_over_rate(law)]
+        felt = [one for one in self.actions if one.at_once[0] or one.G[:, 0].any()]  # with their states at rest
+        sensed = [dict(enumerate(one.sensed.tolist())) for one in felt]
+        rows = [*elastic, *({place: value for place, value in row.items() if value} for row in sensed)]
+        found = []
+        for column in null_space(rows, system.n_coordinates).columns:
+            pivot, size = next(iter(column.items()))
+            whole = np.zeros(system.n_coordinates)
+            whole[list(column)] = np.array(list(column.values())) / size
+            found.append((pivot, whole))
+        return tuple(found)
+
+
+def _is_over_rate(law: Law) -> bool:
+    return isinstance(law, PlacedLaw) and law.motion is not None and law.motion.curve.over == "rate"
+
+
+def has_laws_of_motion(drivetrain: AssembledModel) -> bool:
+    """Whether an element of a drivetrain that is switched on has a law of motion in full.
+
+    Elements that are linear about a working point of their own, as a clutch with a slip speed, ask for none.
+    """
+    value: Values | None = None
+    for element in drivetrain.definition.switched_on:
+        if element.has_motion_laws and not element.has_own_working_point:
+            value = value or Values(drivetrain.exact_values)
+            if any(isinstance(part, MotionLaw) for part in element.whole_parts(value)):
+                return True
+    return False
+
+
+def motion_plant(drivetrain: AssembledModel) -> MotionPlant:
+    """Plant of a drivetrain, with its laws of motion apart from its linear parts.
+
+    Raises
+    ------
+    UsageError
+        A delay, or a law that depends on frequency, beside laws of motion.
+    """
+    elements: dict[str, Element] = dict(drivetrain.definition.elements)
+    for element in drivetrain.definition.switched_on:
+        placed: Any = copy(element.with_laws(PlacedParts(element)))
+        placed.__dict__["referred_to"] = None  # these elements have been converted
+        elements[element.name] = placed
+    plain = drivetrain.with_definition(replace(drivetrain.definition, elements=elements, tangents=None))
+    assembly = plain.assembly
+    _refuse(assembly)
+    laws = tuple(
+        LawRow(owner, law.motion, number, assembly.rows_of(law.row)[0])
+        for number, (owner, law) in enumerate(zip(assembly.owners, assembly.laws, strict=True))
+        if isinstance(law, PlacedLaw) and law.motion is not None
+    )
+    moving = tuple(one for one in laws if np.abs(one.row).max(initial=0.0) > 0)
+    return MotionPlant(plain, moving, law_states(assembly))
+
+
+def _refuse(assembly: Assembly) -> None:
+    system = assembly.system
+    over_frequency = {assembly.owners[number] for number, _ in system.dynamic}
+    delayed = {one.owner for one in system.actions if one.delay}
+    if over_frequency:
+        names = ", ".join(sorted(over_frequency))
+        text = "depends on frequency and cannot move in time beside laws of motion; give a stiffness and a damping"
+        raise UsageError(f"{names}: {text}, or use at() for small motion about an operating point")
+    if delayed:
+        names = ", ".join(sorted(delayed))
+        text = "a delay cannot act in time beside laws of motion; leave it out, or use at() for small motion"
+        raise UsageError(f"{names}: {text} about an operating point")

@@ -1,0 +1,251 @@
+"""Motion of a drivetrain under a scenario, from rest or from its operating point."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.functionals import functional
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.errors import UsageError
+from torsionnet.core.expressions import Number
+from torsionnet.model.channels import Sensor
+from torsionnet.model.operating_point import OperatingPoint
+from torsionnet.model.scenario_courses import driving_course, scenario_of
+from torsionnet.model.scenarios.scenario import OPERATING_POINT, REST, STARTS, DrivingCourse, Scenario
+from torsionnet.model.scenarios.time_history import SAMPLE_SLACK, TimeHistory, constant
+from torsionnet.model.torque_places import torque_place
+from torsionnet.response.motion.motion_start import MotionStart
+from torsionnet.response.recording import Recording
+from torsionnet.solve.dynamic_stiffness.state_space import active_channels
+from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
+from torsionnet.solve.modes.modes import natural_modes
+from torsionnet.solve.motion.motion_plant import has_laws_of_motion
+from torsionnet.solve.motion.simulation import NOTHING_TO_CHECK, simulate
+from torsionnet.solve.running.exact_courses import exact_response
+from torsionnet.solve.running.mean_response import mean_response, reason_undetermined
+from torsionnet.solve.running.simulate import driven_request, motion_signals, response_over_time
+
+SAMPLES_PER_PERIOD, FEWEST_SAMPLES = 100, 1000
+"""Samples in a period of the highest vibration, between which peaks are at most 0.05 % of that vibration higher, and
+samples of a scenario at least, as a picture shows."""
+MOST_DEFAULT_SAMPLES = 200_000
+"""Most samples that a scenario has unless its rate is given: vibrations so fast that 100 samples in their period are
+more are seldom what a scenario is about."""
+MOST_SAMPLES = 20_000_000
+"""Most samples of a scenario, some hundred MB for each output."""
+
+
+@dataclass(frozen=True, eq=False)
+class DrivenPlaces:
+    """Torques in N m over time that act in a scenario, by input, node or two nodes as ``pulley-block``.
+
+    Attributes
+    ----------
+    histories : mapping
+        Place -> torque over time.
+    course : DrivingCourse
+        What the scenario does besides.
+    start : str or MotionStart
+        ``rest``, ``operating_point``, or angles and speeds of nodes.
+    """
+
+    histories: Mapping[str, TimeHistory]
+    course: DrivingCourse
+    start: str | MotionStart
+
+
+def run_scenario(
+    drivetrain: AssembledModel,
+    scenario: str | Scenario | Mapping[str, Any],
+    outputs: str | Sensor | Sequence[str | Sensor] | None = None,
+    *,
+    start: str | MotionStart | None = None,
+    sampling_rate: float | None = None,
+    check: bool = False,
+) -> Recording:
+    """Recording of torques and motions of a drivetrain under a scenario, in SI units over time.
+
+    Parameters
+    ----------
+    drivetrain : AssembledModel
+    scenario : str, Scenario or mapping
+        One of the model, by name, or an object, or entries as a model file has them.
+    outputs : str, Sensor or sequence of these, optional
+        Default: the sensors of the model.
+    start : str or MotionStart, optional
+        ``"rest"``, ``"operating_point"`` or angles and speeds of nodes, in place of what the scenario says.
+    sampling_rate : float, optional
+        Hz, in place of what the scenario says.
+    check : bool
+        Repeat the motion in steps half as long, and note until when both agree.
+
+    Raises
+    ------
+    UsageError
+        Unknown names, no sensors, torques that are not in balance at the start, too many samples.
+    """
+    one = scenario_of(drivetrain, scenario)
+    driven = driven_places(drivetrain, one, start)
+    asked = _outputs(drivetrain) if outputs is None else outputs
+    rate = sampling_rate or one.rate or _default_rate(drivetrain, one, driven)
+    count = math.floor(one.length * rate + SAMPLE_SLACK) + 1
+    if count > MOST_SAMPLES:
+        text = f"{one.length:g} s at {rate:g} Hz are more than {MOST_SAMPLES} samples"
+        raise UsageError(f"{text}; give a lower rate or a shorter duration")
+    given = isinstance(driven.start, MotionStart)
+    if given or driven.course.scales or has_laws_of_motion(drivetrain):
+        record = _from_event_to_event(drivetrain, driven, asked, rate, count, check=check)
+    else:
+        record = _linear(drivetrain, driven, asked, rate, count)
+        record = record.with_notes(NOTHING_TO_CHECK) if check else record
+    events = sorted((*record.events, *driven.course.events), key=lambda event: event.time)
+    return replace(record, events=tuple(events))
+
+
+def driven_places(
+    drivetrain: AssembledModel, scenario: Scenario, start: str | MotionStart | None = None
+) -> DrivenPlaces:
+    """Torques over time that act on a drivetrain in a scenario, with the mean torques that go on acting."""
+    course = driving_course(drivetrain, scenario)
+    begins = scenario.begins if start is None else start
+    if isinstance(begins, str) and begins not in STARTS:
+        raise UsageError(f'a scenario starts from {" or ".join(STARTS)}, or from a MotionStart, got "{begins}"')
+    histories: dict[str, TimeHistory] = {}
+    if begins == OPERATING_POINT:
+        replaced = {_nodes(drivetrain, place) for place in course.torques}
+        means = {node: torque for node, torque in drivetrain.mean_torques.items() if torque}
+        histories = {
+            node: constant(torque)
+            for node, torque in means.items()
+            if node in drivetrain.nodes and (node,) not in replaced
+        }
+    histories |= course.torques
+    for place, history in course.added.items():
+        known = next((one for one in histories if _nodes(drivetrain, one) == _nodes(drivetrain, place)), None)
+        histories[known or place] = histories[known] + history if known else history
+    unloaded = not any(history.first for history in histories.values())
+    if begins == OPERATING_POINT and unloaded and not has_laws_of_motion(drivetrain):
+        begins = REST
+    return DrivenPlaces(histories, course, begins)
+
+
+def _nodes(drivetrain: AssembledModel, place: str) -> tuple[str, ...]:
+    return (drivetrain.inputs[place] if place in drivetrain.inputs else torque_place(place)).nodes
+
+
+def _outputs(drivetrain: AssembledModel) -> list[str]:
+    names = list(active_channels(drivetrain).sensors)
+    if not names:
+        raise UsageError("the model has no sensors; name outputs, as torque(shaft) or velocity(node)")
+    return names
+
+
+def _default_rate(drivetrain: AssembledModel, scenario: Scenario, driven: DrivenPlaces) -> float:
+    """Sampling rate in Hz that shows the highest vibration and the fastest wave of a torque."""
+    highest = float(np.max(natural_modes(drivetrain)[0].damped_frequencies, initial=0.0))
+    fastest = max([highest, *(one.fastest for one in driven.histories.values())])
+    rate = max(SAMPLES_PER_PERIOD * fastest, FEWEST_SAMPLES / scenario.length)
+    return float(f"{min(rate, MOST_DEFAULT_SAMPLES / scenario.length):.3g}")
+
+
+def _linear(
+    drivetrain: AssembledModel,
+    driven: DrivenPlaces,
+    outputs: str | Sensor | Sequence[str | Sensor],
+    rate: float,
+    count: int,
+) -> Recording:
+    """Recording of a linear drivetrain: the mean response under the torques at the start, and what changes after it."""
+    names, histories = list(driven.histories), list(driven.histories.values())
+    torques = np.array([one.samples(rate, count) for one in histories])
+    request = driven_request(drivetrain, outputs, dict(zip(names, torques, strict=True)))
+    notes = [f"simulated: {drivetrain.title}, at rest before the first sample"]
+    offsets: FloatArray | None = np.zeros(len(request.outputs))
+    if driven.start == OPERATING_POINT:
+        offsets = _mean_readings(drivetrain, driven, request)
+        text = "from the mean torques at the start; angles and speeds count from the mean motion"
+        if offsets is None:
+            text = "the torques at the start are not in balance: it begins in steady acceleration, without vibration"
+        notes = [f"simulated: {drivetrain.title}, {text}"]
+    if offsets is not None and driven.start == OPERATING_POINT:
+        histories = [one + constant(-one.first) for one in histories]
+    if _is_sampled(drivetrain):
+        if offsets is None:
+            raise UsageError("with delays or laws over frequency the torques at the start must be in balance")
+        changes = np.array([one.samples(rate, count) for one in histories])
+        motion = response_over_time(drivetrain, request, changes, rate)
+        notes.append("torques run straight between samples")
+    else:
+        motion = exact_response(drivetrain, request, histories, rate, count, steady=offsets is None)
+    if offsets is not None:
+        motion = motion + offsets[:, None]
+    signals = motion_signals(drivetrain, request, dict.fromkeys(names, ()), torques, motion)
+    return Recording(signals, rate, title=drivetrain.title, notes=tuple(notes))
+
+
+def _is_sampled(drivetrain: AssembledModel) -> bool:
+    """Whether a drivetrain has laws over frequency or delays, which are solved for sampled torques."""
+    system = drivetrain.assembly.system
+    return bool(system.dynamic) or any(one.delay for one in system.actions)
+
+
+def _mean_readings(drivetrain: AssembledModel, driven: DrivenPlaces, request: TransferRequest) -> FloatArray | None:
+    """Readings (n_out,) in SI units under the torques at the start, 0 for those that count from the mean motion.
+
+    None where the torques are not in balance.
+    """
+    torque: dict[str, Number] = {}
+    for place, history in driven.histories.items():
+        if history.first:
+            key = "-".join(_nodes(drivetrain, place))
+            torque[key] = Number(history.first + (float(torque[key].value) if key in torque else 0.0))
+    point = OperatingPoint(drivetrain.definition.operating_point.speed, torque)
+    loaded = drivetrain.with_definition(replace(drivetrain.definition, load=None, operating_point=point, authored=None))
+    found = np.zeros(len(request.outputs))
+    wanted = [
+        number
+        for number, one in enumerate(request.outputs)
+        if one.sensor is not None and reason_undetermined(loaded, one) is None
+    ]
+    chosen = [one for number in wanted if (one := request.outputs[number].sensor) is not None]
+    asked = chosen or _probe(loaded)
+    try:
+        means = mean_response(loaded, asked).values[0] if asked else found
+    except UsageError:
+        return None
+    found[wanted] = means[: len(wanted)]
+    return found
+
+
+def _probe(drivetrain: AssembledModel) -> list[Sensor]:
+    """Torque sensor on an element whose mean torque is determined, to see whether torques are in balance; or none."""
+    for name in drivetrain.elements:
+        sensor = Sensor("torque", name)
+        try:
+            if reason_undetermined(drivetrain, functional(drivetrain, sensor)) is None:
+                return [sensor]
+        except UsageError:
+            continue
+    return []
+
+
+def _from_event_to_event(
+    drivetrain: AssembledModel,
+    driven: DrivenPlaces,
+    outputs: str | Sensor | Sequence[str | Sensor],
+    rate: float,
+    count: int,
+    *,
+    check: bool = False,
+) -> Recording:
+    """Recording of a drivetrain with laws of motion, or from a given state."""
+    return simulate(
+        drivetrain, outputs, driven.histories, rate, driven.start, duration=(count - 1) / rate,
+        scales=driven.course.scales, check=check,
+    )  # fmt: skip
