@@ -34,6 +34,7 @@ def folder(tmp_path_factory):
         Path("ship.yaml").write_text(SHIP)
         Path("driven.yaml").write_text(PLANT + DRIVEN)
         Path("governed.yaml").write_text(GOVERNED)
+        Path("gap.yaml").write_text(GAP)
         Path("fit.yaml").write_text(FIT)
         Path("spread.yaml").write_text(SPREAD)
         test = FIT.replace("record: run_soft.npz", "response: test.csv").replace(
@@ -68,6 +69,15 @@ torsionnet: 1
 elements:
   rotor: {type: inertia, node: a, inertia: 2}
   governor: {type: controller, sense: {velocity: a}, act: a, law: -30, delay: 50 ms}
+"""
+GAP = """
+torsionnet: 1
+elements:
+  rotor: {type: inertia, node: a, inertia: 0.5}
+  gap: {type: clearance, nodes: [a, ground], gap: 0.2, stiffness: 1e4, damping: 1}
+sensors: {T: {torque: gap}}
+scenarios:
+  push: {type: torques, duration: 0.3 s, rate: 1 kHz, torque: {a: 5 N*m}}
 """
 SPREAD = """
 torsionnet: 1
@@ -108,6 +118,7 @@ CALLS = {
     "show": ["show dmf_rig", "show dmf_rig --equations --matrices"],
     "estimate": ["estimate run_soft.npz --output phi --input M"],
     "compare": ["compare run_soft.npz rig.yaml -c soft --output phi --input M"],
+    "simulate": ["simulate turbine_generator_ssr two_phases --rate 2kHz", "simulate gap.yaml push --check"],
     "spectrogram": ["spectrogram run_soft.npz --channel phi"],
     "angle": ["angle pulses.csv --pulses n1=60 --tick 1us --order 6"],
     "bench": ["bench rig.yaml -o again.npz"],

@@ -73,5 +73,5 @@ def test_a_definition_has_every_section_of_a_part():
     from torsionnet.model.parts.flattening import SECTIONS
 
     whole_only = {"name", "source", "description", "include", "parts", "use", "ports"}
-    whole_only |= {"operating_point", "speeds", "load", "bench", "report"}
+    whole_only |= {"operating_point", "speeds", "load", "scenarios", "bench", "report"}
     assert {name for name, _ in Definition.specs()} - whole_only == set(SECTIONS)
