@@ -13,6 +13,9 @@ from torsionnet.response.table import Table, result_table
 if TYPE_CHECKING:
     from torsionnet.response.recording import Recording
 
+CLOSED_BALANCE = 1e-9
+"""Share of the energies of a motion that its balance may leave over as rounding; digits below are the machine's."""
+
 MOST_EVENTS_SHOWN = 20
 """Events of a motion that a table shows, as a page has room for; a motion that rattles has thousands."""
 
@@ -116,9 +119,15 @@ def energy_table(recording: Recording, title: str = "Energy") -> Table | None:
     """Table of what each element of a simulated motion has turned into heat, in J; None without an energy balance."""
     if recording.energy is None:
         return None
-    rows = _heat(recording)
-    sums = f"supplied {recording.energy.supplied:.6g} J, stored {recording.energy.stored:.6g} J"
-    return result_table(title, rows, DissipatedEnergy, notes=[f"{sums}, left over {recording.energy.left_over:.3g} J"])
+    energy, rows = recording.energy, _heat(recording)
+    largest = max(abs(energy.supplied), abs(energy.stored), *(abs(one.energy) for one in rows), 0.0)
+    rest = (
+        "nothing left over"
+        if abs(energy.left_over) <= CLOSED_BALANCE * largest
+        else f"{energy.left_over:.3g} J left over"
+    )
+    notes = [f"supplied {energy.supplied:.6g} J, stored {energy.stored:.6g} J, {rest}"]
+    return result_table(title, rows, DissipatedEnergy, notes=notes)
 
 
 def motion_tables(recording: Recording, title: str, words: str = "") -> Iterator[Table]:
