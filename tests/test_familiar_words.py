@@ -27,6 +27,17 @@ def message(text):
         ("spring", "stiffness: 1e4, damping: 2 %", "write {zeta: 2 %, at: ... Hz}"),
         ("spring", "stiffness: 1e4, zeta: 2 %", "write damping: {zeta: 2 %, at: 12 Hz}"),
         ("spring", "k: 1e4", 'unknown key "k"; did you mean "stiffness"?'),
+        ("spring", "stiffness: 1e4, backlash: 1 deg", "type: clearance with gap and stiffness; teeth have a backlash"),
+        ("spring", "stiffness: 1e4, gap: 1 deg", "type: clearance with gap and stiffness"),
+        ("clearance", "stiffness: 1e4, backlash: 1 deg", 'did you mean "gap"?'),
+        ("friction", "coefficient: 0.3", "dry friction is given by the torque at which it slips"),
+        ("hard_stop", "gap: 1 deg", 'did you mean "clearance"? known:'),
+        ("disc_friction_clutch", "gap: 1 deg", 'did you mean "clutch"? known:'),
+        (
+            "spring",
+            "torque_over_twist: {0 rad: 0 N*m, 0.1 rad: 5 N*m, 1 rad: 9 N*m}",
+            "expected rows [twist, torque], at least 2, as [[0 rad, 0 N*m], [0.1 rad, 5 N*m], ...]; got {",
+        ),
         ("torsional_spring", "stiffness: 1e4", 'did you mean "spring"? known:'),
         ("Dashpot", "damping: 1e4", 'did you mean "damper"? known:'),
     ],
@@ -57,6 +68,8 @@ def test_names_of_packages():
         tn.Sprig  # noqa: B018
     with pytest.raises(AttributeError, match=r"no attribute 'modes'; write plot.mode_shapes"):
         tn.plot.modes  # noqa: B018
+    with pytest.raises(AttributeError, match=r"no attribute 'ode45'; write tn.Drivetrain.simulate"):
+        tn.ode45  # noqa: B018
 
 
 def test_attributes():

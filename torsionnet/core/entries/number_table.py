@@ -42,7 +42,8 @@ class NumberTable(Spec[Stored_co]):
         """Rows of numbers that an entry gives, one number for each column, exact and in SI units."""
         raw = raw.tolist() if hasattr(raw, "tolist") else raw
         if isinstance(raw, str | Mapping) or not isinstance(raw, Sequence) or len(raw) < self.fewest:
-            raise EntryError(f"expected {self.example}; got {'nothing' if raw is None else repr(raw)}")
+            written = _as_rows(raw) if isinstance(raw, Mapping) else ""
+            raise EntryError(f"expected {self.example}{written}; got {'nothing' if raw is None else repr(raw)}")
         rows = tuple(self._row(row, index) for index, row in enumerate(raw))
         for index, (row, following) in enumerate(pairwise(rows), 1):
             if following[0].value <= row[0].value:
@@ -82,3 +83,9 @@ class NumberTable(Spec[Stored_co]):
     @property
     def accepted(self) -> str:
         return "NumberRows"
+
+
+def _as_rows(raw: Mapping[object, object]) -> str:
+    """Words that tell the first pairs of a mapping as rows, which other entries with a value over another one take."""
+    first = [f"[{key}, {value}]" for key, value in [*raw.items()][:2]]
+    return f", as [{', '.join(first)}{', ...' if len(raw) > len(first) else ''}]" if first else ""

@@ -39,8 +39,8 @@ class EnergyBalance:
 class DeferredBalance(EnergyBalance):
     """Energy balance worked out when it is first asked for, since works of many dampers cost more than the motion.
 
-    >>> DeferredBalance(lambda: EnergyBalance(10.0, 7.5, {"clutch": 2.5})).dissipated["clutch"]
-    2.5
+    >>> DeferredBalance(lambda: EnergyBalance(10.0, 7.5, {"clutch": 2.5}))
+    EnergyBalance(supplied=10.0, stored=7.5, dissipated={'clutch': 2.5})
     """
 
     def __init__(self, work_out: Callable[[], EnergyBalance]) -> None:
@@ -65,6 +65,9 @@ class DeferredBalance(EnergyBalance):
 
     def __eq__(self, other: object) -> bool:
         return self._found == other
+
+    def __repr__(self) -> str:
+        return repr(self._found)
 
     __hash__ = None  # type: ignore[assignment]
 
