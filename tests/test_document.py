@@ -147,7 +147,7 @@ class TestSections:
         assert [section.name for section in amt.sections] == [
             name
             for name, content in SECTIONS.items()
-            if "rig" in content.kinds and name not in ("simplified", "test", "fit", "study", *RUNNING)
+            if "rig" in content.kinds and name not in ("simplified", "scenarios", "test", "fit", "study", *RUNNING)
         ]
 
     def test_chosen(self):
