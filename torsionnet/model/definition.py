@@ -60,6 +60,12 @@ class Tangents(Protocol):
     def depends_on(self, names: frozenset[str]) -> bool:
         """Whether the state may change with some parameters."""
 
+    def of(self, definition: Definition) -> Tangents:
+        """Operating point of the model with other entries, asked for in the same way."""
+
+    def with_values(self, values: Mapping[str, float]) -> Tangents:
+        """Operating point of the model with some parameters at other values in SI units."""
+
 
 class Authored(Protocol):
     """Interface of a model as written, with parts, from which a flat definition was made."""

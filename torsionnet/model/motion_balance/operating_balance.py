@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.core.errors import Fault, ModelError, UsageError
+from torsionnet.core.expressions import Number
 from torsionnet.core.units import RPM
 from torsionnet.model.element_base.torque_curve import AT_REST, MotionState
 from torsionnet.model.elements import Element, MotionLaw
@@ -123,6 +124,16 @@ class OperatingBalance:
         if any(expression.names & names for one in following for _, _, expression, _ in one.expressions()):
             return True
         return bool(network.over_rate) or any(virtual_opening(network, law) is None for law in network.over_twist)
+
+    def of(self, definition: Definition) -> OperatingBalance:
+        """Operating point of the model with other entries, at the same speed."""
+        return OperatingBalance(replace(definition, tangents=None), self.speed)
+
+    def with_values(self, values: Mapping[str, float]) -> OperatingBalance:
+        """Operating point of the model with some parameters at other values in SI units."""
+        known = self.definition.parameters
+        changed = {name: known[name].given(Number(value)) for name, value in values.items()}
+        return OperatingBalance(replace(self.definition, parameters={**known, **changed}), self.speed)
 
     @cached_property
     def _external(self) -> ExternalTorques:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from torsionnet.model.definition import Definition
@@ -69,6 +69,16 @@ class Secants:
         """Whether the state may change with parameters: it is given."""
         del names
         return False
+
+    def of(self, definition: Definition) -> Secants:
+        """These secants, as their state is given."""
+        del definition
+        return self
+
+    def with_values(self, values: Mapping[str, float]) -> Secants:
+        """These secants, as their state is given."""
+        del values
+        return self
 
 
 def with_secants(definition: Definition, state: BalancedState) -> Definition:

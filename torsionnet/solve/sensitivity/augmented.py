@@ -21,10 +21,11 @@ import numpy as np
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
-from torsionnet.model.elements import Action, Row, Values
-from torsionnet.model.elimination import exact
-from torsionnet.model.kinematics import OwnedPart, constraints_of, imposed_rows, owned_parts
-from torsionnet.solve.sensitivity.dual import DUALS, gradient_of, value_of
+from torsionnet.model.elements import Action, Row
+from torsionnet.model.elimination import exact, reduce_rows
+from torsionnet.model.kinematics import OwnedPart, constraints_of, imposed_rows
+from torsionnet.solve.sensitivity.dual import gradient_of, value_of
+from torsionnet.solve.sensitivity.moved_points import parts_at
 from torsionnet.solve.sensitivity.unknowns import Unknowns
 
 
@@ -132,7 +133,7 @@ class Augmented:
 
 def augmented(unknowns: Unknowns, at: Sequence[float], nodes: Sequence[str], redundant: Sequence[int]) -> Augmented:
     """Equations of motion with constraints at these parameter values, without conditions that follow from others."""
-    parts = owned_parts(unknowns.definition, Values(unknowns.values(at), DUALS))
+    parts = parts_at(unknowns, at)
     acting = ", ".join(dict.fromkeys(part.element for part in parts if isinstance(part.part, Action)))
     if acting:
         raise UsageError(f"derivatives are not worked out where a torque follows another motion; switch off {acting}")
@@ -140,6 +141,10 @@ def augmented(unknowns: Unknowns, at: Sequence[float], nodes: Sequence[str], red
     owned = [(part.element, part.part) for part in parts if hasattr(part.part, "inertia")]
     laws: list[Any] = [law for _, law in owned]
     conditions, owners = _conditions(unknowns, parts, nodes)
+    if unknowns.definition.tangents is not None:  # at other values other steps of curves may stand still
+        redundant = reduce_rows(
+            map(_exact, conditions), place, {name for name in owners if name not in place}
+        ).redundant
     kept = [index for index in range(len(conditions)) if index not in set(redundant)]
     _refuse_redundant([owners[i] for i in redundant], [conditions[i] for i in redundant], count)
     return Augmented(

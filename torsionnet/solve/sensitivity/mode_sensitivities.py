@@ -14,6 +14,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.model.channels import Sensor
+from torsionnet.model.operating_values import operating_speed_notes
 from torsionnet.response import Table
 from torsionnet.response.mode_numbers import COUNTING_NOTE, MODE_NUMBER, RIGID
 from torsionnet.response.table import result_table
@@ -83,6 +84,8 @@ class ModeSensitivities(NotebookResult):
     title : str
     numbers : tuple of int or None
         Of the modes, as :class:`~torsionnet.response.Modes` has them; real poles have none.
+    notes : tuple of str
+        On the operating point at which they hold.
     """
 
     picture: ClassVar[str] = "tornado"
@@ -93,6 +96,7 @@ class ModeSensitivities(NotebookResult):
     pole_slopes: ComplexArray
     title: str = ""
     numbers: tuple[int | None, ...] = ()
+    notes: tuple[str, ...] = ()
 
     @property
     def natural_frequencies(self) -> FloatArray:
@@ -172,7 +176,7 @@ class ModeSensitivities(NotebookResult):
     def table(self) -> Table:
         """Table of effects with a row for each mode and parameter, in % per % and per SI unit."""
         rows = [row for mode in range(len(self.poles)) for row in self.rows(mode)]
-        notes = (*self.words(), *self._counting)
+        notes = (*self.words(), *self._counting, *self.notes)
         return result_table(f"{self.title}: what moves the modes", rows, ModeEffect, notes=notes)
 
     def rows(self, mode: int) -> list[ModeEffect]:
@@ -198,7 +202,9 @@ class ModeSensitivities(NotebookResult):
             )
             for mode in [mode for mode in every if self.number(mode) in modes] or every
         )  # fmt: skip
-        return SensitivityRecord(self.title, configuration, self.parameters, self.values, rows, self.words())
+        return SensitivityRecord(
+            self.title, configuration, self.parameters, self.values, rows, (*self.words(), *self.notes)
+        )
 
 
 def _strongest(relative: FloatArray, names: Sequence[str], most: int) -> str:
@@ -251,7 +257,8 @@ def mode_sensitivities(
     shapes = modes.shapes[places][:, kept]
     for group in _groups(poles):
         slopes[group] = system.slopes(poles[group], shapes[:, group], clearance(poles, group))
-    return ModeSensitivities(tuple(names), np.array(chosen.start), poles, slopes, modes.title, numbers)
+    notes = operating_speed_notes(drivetrain.external_torques)
+    return ModeSensitivities(tuple(names), np.array(chosen.start), poles, slopes, modes.title, numbers, notes)
 
 
 def _basic(drivetrain: AssembledModel) -> list[str]:

@@ -94,6 +94,8 @@ def unknowns(drivetrain: AssembledModel, names: Sequence[str]) -> Unknowns:
         definition, parameter = _with_parameter(definition, name, drivetrain)
         parameters.append(parameter)
         start.append(float(definition.parameters[parameter].value.evaluate(drivetrain.exact_values)))
+    if definition.tangents is not None:
+        definition = replace(definition, tangents=definition.tangents.of(definition))
     return Unknowns(tuple(names), tuple(parameters), tuple(start), definition)
 
 
