@@ -1,18 +1,22 @@
 """March of a motion in loops that numba compiles when they are first used and keeps on disk.
 
-The functions are those of :mod:`.marching`, of which this module makes compiled twins that call each other.
+The functions are those of :mod:`.marching`, :mod:`.motion_steps` and :mod:`.guard_polynomials`. This module makes
+compiled twins of them that call each other.
 """
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
+from pathlib import Path
 from types import FunctionType
 from typing import Any
 
 import numpy as np
 
 from torsionnet.core.errors import MissingExtraError
-from torsionnet.solve.motion import marching
+from torsionnet.solve.motion import guard_polynomials, marching, motion_steps
+from torsionnet.solve.motion.guard_polynomials import DEGREE
 from torsionnet.solve.motion.marching import NEAR
 
 try:
@@ -24,9 +28,9 @@ except ImportError as error:
 
 
 def near_zero(values: Any, count: int) -> Any:
-    """Mask (count,) of the steps in which a guard may pass zero, see :func:`.marching.near_zero`."""
-    found = np.zeros(count, dtype=np.bool_)
-    last = values.shape[0] - 1
+    """Steps in which guards may pass zero, and these guards, see :func:`.marching.near_zero`."""
+    steps, guards = np.empty(count * values.shape[1], dtype=np.int64), np.empty(count * values.shape[1], dtype=np.int64)
+    found, last = 0, values.shape[0] - 1
     for step in range(count):
         for guard in range(values.shape[1]):
             here, there = values[step, guard], values[step + 1, guard]
@@ -35,8 +39,50 @@ def near_zero(values: Any, count: int) -> Any:
                 bent = abs(values[place + 1, guard] - 2 * values[place, guard] + values[place - 1, guard])
                 bend = max(bend, bent)
             if min(here, there) < NEAR * bend:
-                found[step] = True
-                break
+                steps[found], guards[found] = step, guard
+                found += 1
+    return steps[:found], guards[:found]
+
+
+def put(target: Any, values: Any) -> None:
+    """Write values to the beginning of an array."""
+    for k in range(values.shape[0]):
+        target[k] = values[k]
+
+
+def sum_of_products(matrix: Any, vector: Any, other: Any, torques: Any) -> Any:
+    """Sum of two products of matrices and vectors."""
+    found, further = np.dot(matrix, vector), np.dot(other, torques)
+    for k in range(found.shape[0]):
+        found[k] += further[k]
+    return found
+
+
+def size_of(sizes: Any, z: Any) -> float:
+    """Size of the terms of a guard."""
+    found = 0.0
+    for k in range(z.shape[0]):
+        found += sizes[k] * abs(z[k])
+    return found
+
+
+def moved(z: Any, rest: float, n_q: int, taylor: Any) -> Any:
+    """State z after less than the distance of two points of the finer grid, see :func:`.motion_steps.moved`."""
+    n_moving = taylor.shape[0] // DEGREE
+    one = n_q + n_moving
+    n_u = (z.shape[0] - one - 1) // 2
+    terms, found, power = np.dot(taylor, z), z.copy(), 1.0
+    for k in range(n_q):
+        found[k] += rest * z[n_q + k]
+    for degree in range(DEGREE):
+        power *= rest
+        first, risen = degree * n_moving, power * rest / (degree + 2)
+        for k in range(n_q):
+            found[k] += risen * terms[first + k]
+        for k in range(n_moving):
+            found[n_q + k] += power * terms[first + k]
+    for k in range(n_u):
+        found[one + 1 + k] += rest * z[one + 1 + n_u + k]
     return found
 
 
@@ -47,29 +93,37 @@ def numbers_of(coefficients: Any) -> Any:
 
 COMPILED = (
     near_zero,
+    put,
+    sum_of_products,
+    size_of,
+    moved,
     numbers_of,
-    marching.polynomial_at,
-    marching.slope_at,
-    marching.curvature_at,
-    marching.root_between,
-    marching.turning_point,
-    marching.first_root,
-    marching.passed_points,
-    marching.moved,
-    marching.passed,
+    guard_polynomials.polynomial_at,
+    guard_polynomials.slope_at,
+    guard_polynomials.curvature_at,
+    guard_polynomials.root_between,
+    guard_polynomials.turning_point,
+    guard_polynomials.first_root,
+    motion_steps.product,
+    motion_steps.jumped,
+    motion_steps.passed_points,
+    motion_steps.passed,
+    motion_steps.with_torques,
     marching.located,
-    marching.jumped,
-    marching.with_torques,
+    marching.noted,
     marching.march,
 )
 """Functions to compile, each after those that it calls."""
 
 
 def _compiled() -> Callable[..., tuple[int, float, int]]:
+    files = [Path(str(one.__file__)) for one in (guard_polynomials, motion_steps, marching)] + [Path(__file__)]
+    # numba keeps a function on disk until its own file changes, whatever the functions that it calls
+    version = hashlib.sha256(b"".join(one.read_bytes() for one in files)).hexdigest()[:12]
     names: dict[str, Any] = {}
     for function in COMPILED:
-        space = {**vars(marching), **names}
-        twin = FunctionType(function.__code__, space, function.__name__)
+        twin = FunctionType(function.__code__, {**function.__globals__, **names}, function.__name__)
+        twin.__qualname__ = f"{function.__name__}_{version}"
         names[function.__name__] = numba.njit(cache=True, error_model="numpy")(twin)
     return names["march"]  # type: ignore[no-any-return]
 

@@ -25,92 +25,13 @@ from torsionnet.solve.dynamic_stiffness.state_space import (
     motion_kinds,
     reduced_matrices,
 )
+from torsionnet.solve.motion.held_motions import DEPENDENT, Held, held_motions
 from torsionnet.solve.motion.motion_plant import MotionPlant, PlacedLaw
 from torsionnet.solve.motion.phases import LawPhases, Phase
+from torsionnet.solve.motion.state_layout import Drive, Layout
 
-DEPENDENT = 1e-9
-"""Size of a pivot, over the entries of its row, below which held rows depend on each other: ratios of real machinery
-meet to 1e-11 or differ by more than 1e-6."""
 NEGLIGIBLE_ENTRY = 1e-12
 """Size of a row's entry, over its largest, that is rounding of entries which cancel."""
-
-
-@dataclass(frozen=True)
-class Layout:
-    """Places of the parts of z, by their sizes.
-
-    ``n_q`` coordinates, ``n_c`` states of controllers, ``n_w`` states of generators, ``n_u`` torques and scales.
-    """
-
-    n_q: int
-    n_c: int
-    n_w: int
-    n_u: int
-
-    @property
-    def q(self) -> slice:
-        return slice(0, self.n_q)
-
-    @property
-    def v(self) -> slice:
-        return slice(self.n_q, 2 * self.n_q)
-
-    @property
-    def controllers(self) -> slice:
-        return slice(2 * self.n_q, 2 * self.n_q + self.n_c)
-
-    @property
-    def w(self) -> slice:
-        return slice(self.one - self.n_w, self.one)
-
-    @property
-    def one(self) -> int:
-        return 2 * self.n_q + self.n_c + self.n_w
-
-    @property
-    def n_p(self) -> int:
-        """Number of the states before the torques u."""
-        return self.one + 1
-
-    @property
-    def u(self) -> slice:
-        return slice(self.n_p, self.n_p + self.n_u)
-
-    @property
-    def slope(self) -> slice:
-        return slice(self.n_p + self.n_u, self.size)
-
-    @property
-    def size(self) -> int:
-        return self.n_p + 2 * self.n_u
-
-
-@dataclass(frozen=True, eq=False)
-class Drive:
-    """Torques and scales that act on a plant from outside.
-
-    Attributes
-    ----------
-    columns : (n_q, n_torques) array
-        Weights of the torques on the coordinates.
-    scale_of : tuple of int
-        For each law the number of the entry of u that scales it, -1 for none; scales stand in u after the torques.
-    n_scales : int
-    F : (n_w, n_w) array
-        Generators w' = F w, in 1/s.
-    S : (n_u, n_w) array
-        What generators add to u.
-    """
-
-    columns: FloatArray
-    scale_of: tuple[int, ...]
-    n_scales: int
-    F: FloatArray
-    S: FloatArray
-
-    @property
-    def n_u(self) -> int:
-        return int(self.columns.shape[1]) + self.n_scales
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,51 +65,6 @@ class ContactForm:
     def accelerations(self) -> FloatArray:
         """Rows of gamma'' in rad/s^2 of each law of motion, shape (n_laws, N)."""
         return np.asarray(self.rates @ self.A)
-
-
-@dataclass(frozen=True, eq=False)
-class Held:
-    """Motions q = Z y + Y c of coordinates in which rows are held at c, with y = q[free]."""
-
-    Z: FloatArray
-    Y: FloatArray
-    free: tuple[int, ...]
-
-
-def held_motions(rows: FloatArray, owners: Sequence[str]) -> Held:
-    """Motions of coordinates in which rows (n_rows, n_q) are held, by elimination of one coordinate for each row.
-
-    Raises
-    ------
-    UsageError
-        Rows depend on each other: the parts stick in a loop.
-    """
-    left, made = rows.copy(), np.eye(len(rows))
-    pivots: list[int] = []
-    for number in range(len(rows)):
-        for other, pivot in enumerate(pivots):
-            factor = left[number, pivot]
-            left[number] -= factor * left[other]
-            made[number] -= factor * made[other]
-        left[number, pivots] = 0.0
-        pivot = int(np.abs(left[number]).argmax())
-        if np.abs(left[number, pivot]) <= DEPENDENT * np.abs(rows[number]).max():
-            names = [owners[one] for one in np.flatnonzero(np.abs(made[number]) > DEPENDENT).tolist()]
-            text = "stick in a loop, so that their torques do not follow from equilibrium"
-            raise UsageError(f"{' and '.join(dict.fromkeys(names))} {text}; give one of them a stiffness")
-        made[number] /= left[number, pivot]
-        left[number] /= left[number, pivot]
-        for other in range(number):
-            factor = left[other, pivot]
-            left[other] -= factor * left[number]
-            made[other] -= factor * made[number]
-        pivots.append(pivot)
-    n = rows.shape[1]
-    free = tuple(column for column in range(n) if column not in pivots)
-    Z, Y = np.zeros((n, len(free))), np.zeros((n, len(rows)))
-    Z[list(free), range(len(free))] = 1.0
-    Z[pivots], Y[pivots] = -left[:, list(free)], made
-    return Held(Z, Y, free)
 
 
 def contact_form(plant: MotionPlant, laws: Sequence[LawPhases], contact: Sequence[int], drive: Drive) -> ContactForm:
@@ -355,27 +231,6 @@ def _over_z(plant: MotionPlant, parts: _Parts) -> ContactForm:
     return replace(found, torques=_law_torques(plant, parts, at, found, motion))
 
 
-def relative_form(plant: MotionPlant, at: Layout, form: ContactForm) -> ContactForm:
-    """Form over coordinates relative to the rotation of the whole, which grows without bounds and moves nothing."""
-    S, back = np.eye(at.size), np.eye(at.size)
-    for pivot, column in plant.turning:
-        for place in (at.q, at.v):
-            S[place, place.start + pivot] = column
-            back[place, place.start + pivot] = np.where(np.arange(at.n_q) == pivot, 1.0, -column)
-    turned = [at.q.start + pivot for pivot, _ in plant.turning]
-    A, refresh = back @ form.A @ S, back @ form.refresh @ S
-    twists, rates, torques, act = (rows @ S for rows in (form.twists, form.rates, form.torques, form.act))
-    position, speed, acceleration = (rows @ S for rows in form.motion)
-    refresh[:, turned] = np.eye(at.size)[:, turned]
-    for rows in (A, speed, acceleration, rates, torques, act):
-        rows[:, turned] = 0.0
-    for place, pivot in zip(turned, (pivot for pivot, _ in plant.turning), strict=True):
-        position[:, place] = S[at.q, at.q.start + pivot]
-    bound = np.abs(twists[:, turned]) <= NEGLIGIBLE_ENTRY * np.abs(form.twists).max(axis=1, initial=1.0, keepdims=True)
-    twists[:, turned] = np.where(bound, 0.0, twists[:, turned])
-    return ContactForm(A, refresh, (position, speed, acceleration), twists, rates, torques, act, form.inputs)
-
-
 def _velocities(plant: MotionPlant, parts: _Parts, plain: FloatArray) -> FloatArray:
     """Rows (n_a, n_q) of the rates of the heavy motions from q', which keep the momentum where a twist is caught."""
     held, M = parts.held, plant.assembly.system.M
@@ -427,3 +282,24 @@ def _law_torques(
         left += np.outer(one.row, torque - at_once)
     found[list(parts.holds)] = parts.held.Y.T @ left
     return found
+
+
+def relative_form(plant: MotionPlant, at: Layout, form: ContactForm) -> ContactForm:
+    """Form over coordinates relative to the rotation of the whole, which grows without bounds and moves nothing."""
+    S, back = np.eye(at.size), np.eye(at.size)
+    for pivot, column in plant.turning:
+        for place in (at.q, at.v):
+            S[place, place.start + pivot] = column
+            back[place, place.start + pivot] = np.where(np.arange(at.n_q) == pivot, 1.0, -column)
+    turned = [at.q.start + pivot for pivot, _ in plant.turning]
+    A, refresh = back @ form.A @ S, back @ form.refresh @ S
+    twists, rates, torques, act = (rows @ S for rows in (form.twists, form.rates, form.torques, form.act))
+    position, speed, acceleration = (rows @ S for rows in form.motion)
+    refresh[:, turned] = np.eye(at.size)[:, turned]
+    for rows in (A, speed, acceleration, rates, torques, act):
+        rows[:, turned] = 0.0
+    for place, pivot in zip(turned, (pivot for pivot, _ in plant.turning), strict=True):
+        position[:, place] = S[at.q, at.q.start + pivot]
+    bound = np.abs(twists[:, turned]) <= NEGLIGIBLE_ENTRY * np.abs(form.twists).max(axis=1, initial=1.0, keepdims=True)
+    twists[:, turned] = np.where(bound, 0.0, twists[:, turned])
+    return ContactForm(A, refresh, (position, speed, acceleration), twists, rates, torques, act, form.inputs)

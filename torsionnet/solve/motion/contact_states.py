@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import linalg
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import SolveError
-from torsionnet.solve.motion.contact_form import ContactForm, Drive, Layout, contact_form, relative_form
+from torsionnet.solve.motion.contact_form import ContactForm, contact_form, relative_form
 from torsionnet.solve.motion.march_tables import (
     GUARDS_PER_LAW,
     HOLD_TOLERANCE,
@@ -24,9 +25,12 @@ from torsionnet.solve.motion.march_tables import (
     guard_rows,
     in_steps,
     march_table,
+    table_steps,
 )
 from torsionnet.solve.motion.motion_plant import MotionPlant
 from torsionnet.solve.motion.phases import LawPhases, Phase
+from torsionnet.solve.motion.state_layout import Drive, Layout
+from torsionnet.solve.motion.step_matrices import StepMatrices, step_matrices
 
 Contact = tuple[int, ...]
 
@@ -69,7 +73,7 @@ class ContactStates:
         self.h, self.n_sub = 1.0, 4
         self.numbers: dict[Contact, int] = {}
         self.contacts: list[Contact] = []
-        self.tables: list[FloatArray] = []
+        self.tables: list[NDArray[Any]] = []
         self.following: NDArray[np.int64] = np.zeros((0, guard_count(len(self.laws))), dtype=np.int64)
 
     def with_steps(self, h: float, n_sub: int) -> None:
@@ -115,10 +119,18 @@ class ContactStates:
             self.contacts.append(contact)
         return self.numbers[contact]
 
+    def steps(self, contact: Contact) -> StepMatrices:
+        """Matrices of whole steps in a contact state."""
+        if contact not in self.numbers:
+            units = in_steps(self.at, self.h)
+            A = self.h * self.form(contact).A * units / units[:, None]
+            return step_matrices(np.asarray(linalg.expm(A)), self.at)
+        return table_steps(self.tables, self.numbers[contact], self.at)
+
     def _add(self, table: MarchTable) -> None:
         place = len(self.contacts)
         if not self.tables:
-            self.tables = [np.zeros((2, *array.shape)) for array in table.arrays]
+            self.tables = [np.zeros((2, *array.shape), dtype=array.dtype) for array in table.arrays]
         elif place == len(self.tables[0]):
             self.tables = [np.concatenate([stack, np.zeros_like(stack)]) for stack in self.tables]
         if len(self.following) < len(self.tables[0]):

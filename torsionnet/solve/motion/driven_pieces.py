@@ -18,14 +18,15 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.model.channels import Input
 from torsionnet.model.scenarios.time_history import SAMPLE_SLACK
 from torsionnet.response.motion.energy_balance import DeferredBalance, EnergyBalance
-from torsionnet.solve.motion.contact_form import Drive, Layout
 from torsionnet.solve.motion.contact_states import Contact, ContactStates, FinerStepError
 from torsionnet.solve.motion.driving import Driving, Stretch
-from torsionnet.solve.motion.march_tables import BLOCK
 from torsionnet.solve.motion.motion_over_time import MotionOverTime
 from torsionnet.solve.motion.motion_record import MotionRecord
-from torsionnet.solve.motion.piece_system import PieceMotion, first_rates, steps_of
+from torsionnet.solve.motion.piece_system import PieceMotion
 from torsionnet.solve.motion.smooth_laws import SplitPlant
+from torsionnet.solve.motion.state_layout import Drive, Layout
+from torsionnet.solve.motion.step_length import first_rates, steps_of
+from torsionnet.solve.motion.step_matrices import BLOCK
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,18 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.solve.motion.contact_form import ContactForm, Layout
-from torsionnet.solve.motion.marching import DEGREE
+from torsionnet.solve.motion.contact_form import ContactForm
+from torsionnet.solve.motion.guard_polynomials import DEGREE
 from torsionnet.solve.motion.phases import LawPhases
+from torsionnet.solve.motion.state_layout import Layout
+from torsionnet.solve.motion.step_matrices import BLOCK, StepMatrices, pushes_of, rows_of_guards, step_matrices
 
-BLOCK = 16
-"""Number of steps looked at at once, a power of two: longer blocks save calls, shorter ones lose less at an event."""
 GUARDS_PER_LAW = 3
 """Number of guards of a law: lower bound, upper bound, and sign of the torque of a contact."""
 LOWER, UPPER, PUSH = 0, 1, 2
@@ -31,9 +32,12 @@ MOST_BYTES = 300_000_000
 
 @dataclass(frozen=True, eq=False)
 class MarchTable:
-    """Tables of one contact state, with time in steps: see :func:`.marching.march` for the arrays in their order."""
+    """Tables of one contact state, with time in steps: see :func:`.marching.march` for the arrays in their order.
 
-    guards: FloatArray
+    Those over guards hold the guards that a motion changes, and zeros after them; ``numbers`` (1 + n_g,) are the count
+    and the numbers of these guards.
+    """
+
     ahead: FloatArray
     pushed: FloatArray
     powers: FloatArray
@@ -44,10 +48,15 @@ class MarchTable:
     halves: FloatArray
     taylor: FloatArray
     refresh: FloatArray
+    numbers: NDArray[np.int64]
 
     @property
-    def arrays(self) -> tuple[FloatArray, ...]:
+    def arrays(self) -> tuple[NDArray[Any], ...]:
         return tuple(getattr(self, one.name) for one in fields(self))
+
+
+FIELDS = tuple(one.name for one in fields(MarchTable))
+"""Names of the tables in the order in which the march takes them."""
 
 
 def in_steps(at: Layout, h: float) -> FloatArray:
@@ -90,100 +99,64 @@ def guard_rows(form: ContactForm, laws: Sequence[LawPhases], contact: Sequence[i
     return found
 
 
-def step_parts(whole: FloatArray, at: Layout) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Matrices of p, and of u at the beginning and at the end, which give p after a step, from that for all of z."""
-    last = whole[: at.n_p, at.slope]
-    return whole[: at.n_p, : at.n_p], whole[: at.n_p, at.u] - last, last
-
-
-def past_rows(
-    rows: FloatArray, own: FloatArray, first: FloatArray, last: FloatArray, count: int
-) -> tuple[FloatArray, FloatArray]:
-    """Rows of p after 1 to ``count`` steps over p and u at the beginning and at each step.
-
-    The shapes are (count, n_rows, n_p) and (count, n_rows, (count + 1) n_u).
-    """
-    n_u = first.shape[1]
-    ahead, pushed = np.zeros((count, *rows.shape)), np.zeros((count, len(rows), (count + 1) * n_u))
-    for step in range(count):
-        if step:
-            pushed[step, :, n_u:] = pushed[step - 1, :, :-n_u]
-        pushed[step, :, :n_u] += rows @ first
-        pushed[step, :, n_u : 2 * n_u] += rows @ last
-        rows = rows @ own
-        ahead[step] = rows
-    return ahead, pushed
-
-
-def rows_along(rows: FloatArray, whole: FloatArray, at: Layout, count: int) -> tuple[FloatArray, FloatArray]:
-    """Rows of z after 0 to ``count`` - 1 steps over p and over u at ``count`` + 1 grid points.
-
-    The shapes are (count, n_rows, n_p) and (count, n_rows, (count + 1) n_u); slopes are those after each point.
-    """
-    n_u = at.n_u
-    own, first, last = step_parts(whole, at)
-    ahead, pushed = np.zeros((count, len(rows), at.n_p)), np.zeros((count, len(rows), (count + 1) * n_u))
-    ahead[0] = rows[:, : at.n_p]
-    if count > 1:
-        ahead[1:], pushed[1:, :, : count * n_u] = past_rows(ahead[0], own, first, last, count - 1)
-    direct, slope = rows[:, at.u], rows[:, at.slope]
-    for step in range(count):
-        pushed[step, :, step * n_u : (step + 1) * n_u] += direct - slope
-        pushed[step, :, (step + 1) * n_u : (step + 2) * n_u] += slope
-    return ahead, pushed
-
-
 def march_table(form: ContactForm, guards: FloatArray, at: Layout, h: float, n_sub: int) -> MarchTable:
     """Tables of a contact state with guards (n_g, N) over z in SI units, for steps of h seconds."""
     units = in_steps(at, h)
     A = h * form.A * units / units[:, None]
     refresh = form.refresh * units / units[:, None]
-    rows = guards * units
+    own_guards = changing_guards(guards, at)
+    rows = guards[own_guards] * units
     finest = np.asarray(linalg.expm(A / n_sub))
     parts = [finest]
     while len(parts) < round(math.log2(n_sub)):
         parts.insert(0, parts[0] @ parts[0])
-    whole = parts[0] @ parts[0]
-    terms = [np.eye(at.size)]
-    for k in range(1, DEGREE + 1):
-        terms.append(terms[-1] @ A / k)
-    taylor = np.array(terms)
     finer = [rows]
     for _ in range(n_sub):
         finer.append(finer[-1] @ finest)
-    n_p, n_u, n_g = at.n_p, at.n_u, len(rows)
-    own, first, last = step_parts(whole, at)
-    ahead, pushed = past_rows(rows[:, :n_p], own, first, last, BLOCK)
-    direct, slope = rows[:, at.u], rows[:, at.slope]
-    for step in range(BLOCK):
-        here, before = slice((step + 1) * n_u, (step + 2) * n_u), slice(step * n_u, (step + 1) * n_u)
-        pushed[step, :, here] += direct + slope
-        pushed[step, :, before] -= slope
-    powers, pushes = [own], [np.hstack([first, last])]
-    while len(powers) <= round(math.log2(BLOCK)):
-        power, push = powers[-1], pushes[-1]
-        size = len(push[0]) // n_u - 1
-        twice = np.zeros((n_p, (2 * size + 1) * n_u))
-        twice[:, : (size + 1) * n_u] = power @ push
-        twice[:, size * n_u :] += push
-        powers.append(power @ power)
-        pushes.append(twice)
+    steps = step_matrices(parts[0] @ parts[0], at)
+    ahead, pushed = rows_of_guards(rows, steps, at)
+    taylor = taylor_rows(np.vstack([rows, np.eye(at.size)[at.n_q : at.one]]), A)
+    size, n_g = np.abs(A), len(guards)
+    changed = np.abs(rows) @ size
     return MarchTable(
-        np.ascontiguousarray(rows),
-        ahead.reshape(BLOCK * n_g, n_p),
-        pushed.reshape(BLOCK * n_g, -1),
-        np.array(powers),
-        np.concatenate([push.ravel() for push in pushes]),
-        np.concatenate(finer),
-        np.einsum("gn,knm->gkm", rows, taylor).reshape(-1, at.size),
-        np.abs(rows) @ (np.eye(at.size) + np.abs(A) + np.abs(A) @ np.abs(A) / 2),
+        _padded(ahead.reshape(-1, at.n_p), (BLOCK + 1) * n_g),
+        _padded(pushed.reshape(len(rows) * (BLOCK + 1), -1), (BLOCK + 1) * n_g),
+        steps.powers,
+        pushes_of(steps),
+        _padded(np.concatenate(finer), (n_sub + 1) * n_g),
+        _padded(taylor[:, : len(rows)].transpose(1, 0, 2).reshape(-1, at.size), (DEGREE + 1) * n_g),
+        _padded(np.abs(rows) + changed + changed @ size / 2, n_g),
         np.array(parts),
-        taylor.reshape(-1, at.size),
-        np.ascontiguousarray(refresh),
+        taylor[1:, len(rows) :].reshape(-1, at.size),
+        np.ascontiguousarray(refresh[: at.n_p]),
+        np.array([len(rows), *own_guards, *[0] * (n_g - len(rows))]),
     )
 
 
-def push_offsets(n_p: int, n_u: int) -> NDArray[np.int64]:
-    """Beginnings of the levels in the flat array ``pushes`` of a table."""
-    sizes = [n_p * ((1 << level) + 1) * n_u for level in range(round(math.log2(BLOCK)) + 1)]
-    return np.cumsum([0, *sizes])[:-1]
+def table_steps(tables: Sequence[NDArray[Any]], number: int, at: Layout) -> StepMatrices:
+    """Matrices of steps out of the stacked tables of contact states, of the one with a number."""
+    powers, pushes = (tables[FIELDS.index(name)][number] for name in ("powers", "pushes"))
+    first, last = np.split(pushes[: 2 * at.n_p * at.n_u].reshape(at.n_p, 2 * at.n_u), 2, axis=1)
+    return StepMatrices(powers, first, last)
+
+
+def changing_guards(guards: FloatArray, at: Layout) -> NDArray[np.int64]:
+    """Numbers of the guards that a motion changes, at least one."""
+    one = np.eye(at.size)[at.one]
+    found = np.flatnonzero((guards != one).any(axis=1))
+    return found if len(found) else np.zeros(1, dtype=np.int64)
+
+
+def taylor_rows(rows: FloatArray, A: FloatArray) -> FloatArray:
+    """Rows (DEGREE + 1, n_rows, N) of the Taylor coefficients of rows (n_rows, N) over z."""
+    terms = [rows]
+    for k in range(1, DEGREE + 1):
+        terms.append(terms[-1] @ A / k)
+    return np.array(terms)
+
+
+def _padded(rows: FloatArray, count: int) -> FloatArray:
+    """Rows with zeros below, ``count`` in all, so that the tables of all contact states are of one size."""
+    found = np.zeros((count, rows.shape[1]))
+    found[: len(rows)] = rows
+    return found

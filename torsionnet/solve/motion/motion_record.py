@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import linalg
 
 from torsionnet.assembly.functionals import Functional
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.model.channels import Input
 from torsionnet.solve.motion.contact_states import Contact, ContactStates
-from torsionnet.solve.motion.march_tables import BLOCK, in_steps, rows_along
+from torsionnet.solve.motion.march_tables import in_steps
 from torsionnet.solve.motion.read_rows import reading_plan, reading_rows
+from torsionnet.solve.motion.step_matrices import BLOCK, rows_along
 
 COLUMNS = 256
 """Number of stretches worked on at once, enough for products of matrices at full speed."""
@@ -47,15 +48,18 @@ class Stretches:
     def nbytes(self) -> int:
         return self.numbers.nbytes + self.times.nbytes + self.starts.nbytes
 
+    def chosen(self, which: NDArray[Any]) -> Stretches:
+        """Stretches of a mask or of numbers."""
+        return Stretches(self.contacts, self.numbers[which], self.times[which], self.starts[which])
+
     def alike(self) -> Iterator[tuple[Contact, bool, Stretches]]:
         """Stretches by contact state, whole steps (True) apart from parts of steps, a few hundred at a time."""
-        for number in np.unique(self.numbers[:, 0]).tolist():
-            for whole in (True, False):
-                own = np.flatnonzero((self.numbers[:, 0] == number) & ((self.numbers[:, 2] > 0) == whole))
-                for first in range(0, len(own), COLUMNS):
-                    few = own[first : first + COLUMNS]
-                    chosen = Stretches(self.contacts, self.numbers[few], self.times[few], self.starts[few])
-                    yield self.contacts[number], whole, chosen
+        kinds = 2 * self.numbers[:, 0] + (self.numbers[:, 2] > 0)
+        order = np.argsort(kinds, kind="stable")
+        for own in np.split(order, np.flatnonzero(np.diff(kinds[order])) + 1):
+            for first in range(0, len(own), COLUMNS):
+                few = self.chosen(own[first : first + COLUMNS])
+                yield self.contacts[few.numbers[0, 0]], bool(few.numbers[0, 2] > 0), few
 
     def along(self, rows: tuple[FloatArray, FloatArray], drive: FloatArray) -> FloatArray:
         """Values (BLOCK, n_rows, n) of rows at and between grid points along whole steps, see :func:`.rows_along`."""
@@ -90,20 +94,24 @@ class MotionRecord:
 
     def add(self, stretches: Stretches) -> None:
         """Read stretches of motion at the samples from their beginnings on, without their ends."""
-        for contact, whole, few in stretches.alike():
-            at_once, along = self._rows_of(contact)
+        n, k = stretches.numbers, self.refinement
+        to_sample = -n[:, 1] % k  # steps to the next sample
+        whole = n[:, 2] > 0
+        holds_one = np.where(whole, to_sample < n[:, 2], (to_sample == 0) & (stretches.times[:, 0] == 0))
+        for contact, steps, few in stretches.chosen(holds_one).alike():
+            at_once, (ahead, pushed) = self._rows_of(contact)
             i = few.numbers[:, 1]
-            if whole:
-                places = i + np.arange(BLOCK)[:, None]
-                sampled = (np.arange(BLOCK)[:, None] < few.numbers[:, 2]) & (places % self.refinement == 0)
-                if sampled.any():
-                    which, column = np.nonzero(sampled)
-                    read = few.along(along, self.drive)[which, :, column].T
-                    self.values[:, places[which, column] // self.refinement] = read
-            else:
-                sampled = (few.times[:, 0] == 0) & (i % self.refinement == 0)
-                read = (at_once @ few.whole_states(self.drive))[:, sampled]
-                self.values[:, i[sampled] // self.refinement] = read
+            if not steps:
+                self.values[:, i // k] = at_once @ few.whole_states(self.drive)
+                continue
+            first = -i % k
+            for offset in np.unique(first).tolist():
+                own = few.chosen(first == offset)
+                read = own.along((ahead[offset::k], pushed[offset::k]), self.drive)
+                inside = np.arange(offset, BLOCK, k)[:, None] < own.numbers[:, 2]
+                which, column = np.nonzero(inside)
+                places = (own.numbers[:, 1] + offset) // k
+                self.values[:, places[column] + which] = read.transpose(1, 0, 2)[:, inside]
 
     def add_last(self, contact: Contact, z: FloatArray) -> None:
         """Read the state z at the last sample."""
@@ -114,8 +122,7 @@ class MotionRecord:
             if len(self._rows) >= MOST_KEPT:
                 self._rows.clear()
             states, at = self.states, self.states.at
-            form, units = states.form(contact), in_steps(at, states.h)
-            rows = reading_rows(states.plant, self.readings, self.inputs, form, at, self.plan) * units
-            whole = np.asarray(linalg.expm(states.h * form.A * units / units[:, None]))
-            self._rows[contact] = rows, rows_along(rows, whole, at, BLOCK)
+            form = states.form(contact)
+            rows = reading_rows(states.plant, self.readings, self.inputs, form, at, self.plan) * in_steps(at, states.h)
+            self._rows[contact] = rows, rows_along(rows, states.steps(contact), at)
         return self._rows[contact]

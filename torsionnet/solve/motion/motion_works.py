@@ -11,10 +11,11 @@ from scipy import linalg
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.solve.motion.contact_form import ContactForm
 from torsionnet.solve.motion.contact_states import Contact, ContactStates, rates_of
-from torsionnet.solve.motion.march_tables import BLOCK, in_steps, rows_along
-from torsionnet.solve.motion.marching import DEGREE
+from torsionnet.solve.motion.guard_polynomials import DEGREE
+from torsionnet.solve.motion.march_tables import in_steps
 from torsionnet.solve.motion.motion_plant import PlacedLaw
 from torsionnet.solve.motion.motion_record import MOST_KEPT, Stretches
+from torsionnet.solve.motion.step_matrices import BLOCK, rows_along, step_matrices
 
 WORK_TOLERANCE = 1e-10
 """Share by which quadrature may miss the work of the fastest vibration within a step; slower ones it misses by less."""
@@ -151,7 +152,7 @@ class Works:
         taylor = [work.rows]
         for k in range(1, DEGREE + 1):
             taylor.append(taylor[-1] @ A / k)
-        along = rows_along(inside, np.asarray(linalg.expm(A)), at, BLOCK)
+        along = rows_along(inside, step_matrices(np.asarray(linalg.expm(A)), at), at)
         return _Tables(work, nodes, along, np.array(taylor), np.asarray(linalg.expm(A / self.n_sub)))
 
     def _over_steps(self, tables: _Tables, few: Stretches) -> FloatArray:

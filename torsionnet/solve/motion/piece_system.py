@@ -7,37 +7,25 @@ or to slip, the motion is continued in the next contact state; such events are l
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.functionals import Functional
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import MissingExtraError, SolveError, UsageError, did_you_mean
-from torsionnet.model.channels import Input
+from torsionnet.core.errors import MissingExtraError, SolveError
 from torsionnet.response.motion.energy_balance import DeferredBalance, EnergyBalance
 from torsionnet.response.motion.motion_event import MotionEvent
-from torsionnet.response.motion.motion_start import MotionStart
 from torsionnet.solve.motion import marching
-from torsionnet.solve.motion.contact_form import Drive, Layout
-from torsionnet.solve.motion.contact_states import Contact, ContactStates, FinerStepError, rates_of
-from torsionnet.solve.motion.march_tables import BLOCK, MOST_TURN, in_steps, push_offsets
+from torsionnet.solve.motion.contact_states import Contact, ContactStates
+from torsionnet.solve.motion.march_tables import in_steps
 from torsionnet.solve.motion.motion_over_time import MotionOverTime
-from torsionnet.solve.motion.motion_plant import MotionPlant
 from torsionnet.solve.motion.motion_record import MotionRecord, Stretches
+from torsionnet.solve.motion.motion_steps import with_torques
 from torsionnet.solve.motion.motion_works import Works, stored_energy
-from torsionnet.solve.motion.phases import LawPhases, law_phases
+from torsionnet.solve.motion.start_state import relative_state
+from torsionnet.solve.motion.step_matrices import push_offsets
 
-LONGEST_TURN = 1.0
-"""Angle in rad that the fastest vibration may turn in a step: between two looks at the guards it then makes one turning
-point at most."""
-MOST_SUBSTEPS = 64
-"""Most points of the finer grid in a step, which bounds the memory of the tables: poles quicker than all vibrations, as
-of strong dampers, shorten the step beyond that."""
-MOST_STEPS = 100_000_000
-"""Most steps of a motion, some minutes of work."""
 STORM_WINDOW, MOST_EVENTS = 64, 2_000
 """Steps of a window of time and most events in it. The fastest vibration makes ten turns in the window; a contact that
 it closes and opens needs 20 events, and ten laws with three pieces on each side 1200. More events only come
@@ -49,149 +37,6 @@ MOST_BYTES_KEPT = 50_000_000
 """Most memory in bytes of stretches of motion whose works wait until somebody asks for them."""
 LISTED = 8192
 """Number of stretches and events of a motion listed before they are read."""
-
-
-def simulate_motion(
-    plant: MotionPlant,
-    readings: Sequence[Functional],
-    inputs: Sequence[Input],
-    torques: FloatArray,
-    sampling_rate: float,
-    *,
-    start: MotionStart | None = None,
-    refinement: int = 1,
-) -> MotionOverTime:
-    """Motion of a plant with laws of straight pieces under torques (n_in, n) in N m, straight between samples.
-
-    Parameters
-    ----------
-    plant : MotionPlant
-    readings : sequence of Functional
-        Of the drivetrain of the plant.
-    inputs : sequence of Input
-        Where the torques act.
-    torques : (n_in, n) array
-        N m.
-    sampling_rate : float
-        Hz.
-    start : MotionStart, optional
-        Default: rest.
-    refinement : int
-        The steps are so many times shorter than they need be, to see how much that changes.
-
-    Raises
-    ------
-    UsageError
-        Laws of other kinds, parts that stick in a loop, massless nodes whose motion nothing fixes.
-    SolveError
-        Too many events, or a row that leaves its curve.
-    """
-    laws = [law_phases(one.owner, one.law) for one in plant.laws]
-    columns = np.array([plant.assembly.rows_of(channel.row)[0] for channel in inputs]).T
-    drive = Drive(columns, tuple(-1 for _ in laws), 0, np.zeros((0, 0)), np.zeros((columns.shape[1], 0)))
-    n_c = sum(len(one.F) for one in plant.actions)
-    at = Layout(len(columns), n_c, 0, drive.n_u)
-    states = ContactStates(plant, laws, drive, at, relative=True)
-    z0 = start_state(plant, at, start or MotionStart())
-    z0[at.u] = torques[:, 0]
-    rates = first_rates(states, laws)
-    while True:
-        try:
-            return _run(states, readings, inputs, torques, 1 / sampling_rate, z0, rates, refinement)
-        except FinerStepError as finer:
-            rates = (max(rates[0], finer.rates[0]), max(rates[1], finer.rates[1]))
-
-
-def start_state(plant: MotionPlant, at: Layout, start: MotionStart) -> FloatArray:
-    """State z (N,) in SI units of given angles and speeds of nodes.
-
-    Raises
-    ------
-    UsageError
-        Unknown nodes, or nodes that rigid connections tie to others with another motion.
-    """
-    assembly = plant.assembly
-    for name in (*start.angles, *start.speeds):
-        if name not in assembly.node_index:
-            raise UsageError(f'no node is named "{name}"{did_you_mean(name, assembly.nodes)}')
-    z = np.zeros(at.size)
-    z[at.one] = 1.0
-    for place, given in ((at.q, start.angles), (at.v, start.speeds)):
-        if not given:
-            continue
-        # nodes not named follow those tied to them; free ones stand
-        named = [assembly.node_index[name] for name in given]
-        wanted = np.array([float(value) for value in given.values()])
-        rows = assembly.T[named]
-        found = np.linalg.lstsq(rows, wanted, rcond=None)[0]
-        if np.abs(rows @ found - wanted).max() > 1e-9 * np.abs(wanted).max(initial=1e-300):
-            names = ", ".join(given)
-            raise UsageError(f"{names} cannot start with these angles or speeds: rigid connections tie them")
-        z[place] = found
-    return z
-
-
-def relative_state(plant: MotionPlant, at: Layout, z: FloatArray) -> FloatArray:
-    """State z with coordinates counted from those that turn with the whole, from one with all angles."""
-    found = z.copy()
-    for pivot, column in plant.turning:
-        for place in (at.q, at.v):
-            others = np.where(np.arange(at.n_q) == pivot, 0.0, column)
-            found[place] -= others * z[place][pivot]
-    return found
-
-
-def first_rates(states: ContactStates, laws: Sequence[LawPhases]) -> tuple[float, float]:
-    """Largest frequency and pole in rad/s with all laws at their stiffest and most damped pieces."""
-    contact: list[int] = []
-    for law in laws:
-        slopes = [number for number, phase in enumerate(law.phases) if phase.kind == "slope"]
-        contact.append(max(slopes, key=lambda number: (law.phases[number].stiffness, law.phases[number].damping)))
-    try:
-        return rates_of(states.form(tuple(contact)))
-    except UsageError:  # massless parts that only other contact states fix
-        return 0.0, 0.0
-
-
-def _run(
-    states: ContactStates, readings: Sequence[Functional], inputs: Sequence[Input], torques: FloatArray, step: float,
-    z0: FloatArray, rates: tuple[float, float], refinement: int,
-) -> MotionOverTime:  # fmt: skip
-    n = torques.shape[1]
-    k, n_sub = steps_of(rates, step, n, refinement)
-    states.with_steps(step / k, n_sub)
-    run = PieceMotion(states, _grid(torques, k), k, (n - 1) * k)
-    record = MotionRecord(states, readings, inputs, n, k, run.drive)
-    return run.whole(z0, record)
-
-
-def steps_of(rates: tuple[float, float], step: float, n: int, refinement: int = 1) -> tuple[int, int]:
-    """Number of steps in a sampling interval of ``step`` seconds, and points of the finer grid in a step.
-
-    ``rates`` are the fastest vibration and the largest pole in rad/s, ``n`` is the number of samples.
-
-    Raises
-    ------
-    UsageError
-        The motion needs too many steps.
-    """
-    turning, largest = rates
-    most = MOST_SUBSTEPS * MOST_TURN
-    k = refinement * max(1, math.ceil(step * turning / LONGEST_TURN), math.ceil(step * largest / most))
-    if k * n > MOST_STEPS:
-        text = f"the fastest motion, {largest:.3g} rad/s, needs {k * n:.2g} steps over {n * step:.3g} s"
-        raise UsageError(f"{text}; simulate a shorter time, or leave out what is so stiff")
-    n_sub = 4
-    while n_sub * MOST_TURN < largest * step / k and n_sub < MOST_SUBSTEPS:
-        n_sub *= 2
-    return k, n_sub
-
-
-def _grid(torques: FloatArray, k: int) -> FloatArray:
-    """Torques (n_points, n_u) at grid points, k to a sample, and as far beyond the end as a block reaches."""
-    n = torques.shape[1]
-    places = np.minimum(np.arange((n - 1) * k + BLOCK + 2) / k, n - 1)
-    return np.ascontiguousarray(np.array([np.interp(places, np.arange(n), one) for one in torques]).T)
 
 
 class PieceMotion:
@@ -231,8 +76,8 @@ class PieceMotion:
         f = 0.0
         while True:
             reason, f, guard = march(
-                state, f, p, flat, at.n_u, states.n_sub, tuple(states.tables), states.following, offsets,
-                numbers, times, starts, event_numbers, event_times, storm,
+                state, f, p, flat, at.n_u, states.n_sub, at.n_q, tuple(states.tables[:-1]), states.tables[-1],
+                states.following, offsets, (numbers, times, starts), event_numbers, event_times, storm,
             )  # fmt: skip
             if reason == marching.STORM:
                 self._refuse_storm(event_numbers[: state[4]], int(state[1]), f)
@@ -291,7 +136,7 @@ class PieceMotion:
         return found
 
     def _z(self, p: FloatArray, i: int, f: float) -> FloatArray:
-        return np.asarray(marching.with_torques(p, i, f, self.states.at.n_u, self.drive.ravel()))
+        return np.asarray(with_torques(p, i, f, self.states.at.n_u, self.drive.ravel()))
 
     def _refreshed(self, contact: Contact, z: FloatArray) -> FloatArray:
         units = in_steps(self.states.at, self.states.h)

@@ -12,8 +12,9 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input
 from torsionnet.solve.dynamic_stiffness.state_space import action_share
-from torsionnet.solve.motion.contact_form import ContactForm, Layout
+from torsionnet.solve.motion.contact_form import ContactForm
 from torsionnet.solve.motion.motion_plant import MotionPlant, PlacedLaw
+from torsionnet.solve.motion.state_layout import Layout
 
 
 @dataclass(frozen=True, eq=False)

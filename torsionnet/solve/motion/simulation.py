@@ -17,17 +17,17 @@ from torsionnet.model.scenarios.time_history import SAMPLE_SLACK, TimeHistory, c
 from torsionnet.response.motion.motion_start import MotionStart
 from torsionnet.response.recording import Recording, is_rate
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
-from torsionnet.solve.motion.contact_form import Layout
 from torsionnet.solve.motion.contact_states import Contact
 from torsionnet.solve.motion.driven_pieces import simulate_pieces
 from torsionnet.solve.motion.driving import Driving
 from torsionnet.solve.motion.finer_run import agreement_note
 from torsionnet.solve.motion.motion_over_time import MotionOverTime
 from torsionnet.solve.motion.motion_plant import has_laws_of_motion, motion_plant
-from torsionnet.solve.motion.piece_system import start_state
 from torsionnet.solve.motion.smooth_laws import Scale, SplitPlant, split_plant
 from torsionnet.solve.motion.smooth_system import RELATIVE, simulate_smooth
+from torsionnet.solve.motion.start_state import start_state
 from torsionnet.solve.motion.starting import nodes_of, steady_start
+from torsionnet.solve.motion.state_layout import Layout
 from torsionnet.solve.running.simulate import driven_request, motion_signals, sampled_torques
 from torsionnet.solve.running.simulate import simulate as simulate_linear
 

@@ -9,8 +9,9 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
-from torsionnet.solve.motion.contact_form import ContactForm, Layout
+from torsionnet.solve.motion.contact_form import ContactForm
 from torsionnet.solve.motion.smooth_laws import SmoothLaw
+from torsionnet.solve.motion.state_layout import Layout
 
 LEAST_SINGULAR = 0.5
 """Singular value that parts the motions of the refresh, a projection whose others are 1 or more, from rounding."""

@@ -19,17 +19,17 @@ from torsionnet.core.errors import SolveError, TorsionnetError
 from torsionnet.model.channels import Input
 from torsionnet.response.motion.energy_balance import EnergyBalance
 from torsionnet.response.motion.motion_event import MotionEvent
-from torsionnet.solve.motion.contact_form import Drive, Layout
 from torsionnet.solve.motion.contact_states import Contact, ContactStates
 from torsionnet.solve.motion.driving import Driving, Stretch
 from torsionnet.solve.motion.guard_roots import first_event, nodes
 from torsionnet.solve.motion.march_tables import guard_rows, in_steps
 from torsionnet.solve.motion.motion_over_time import MotionOverTime
 from torsionnet.solve.motion.motion_plant import LawRow, PlacedLaw
-from torsionnet.solve.motion.piece_system import relative_state
 from torsionnet.solve.motion.read_rows import reading_rows
 from torsionnet.solve.motion.smooth_form import SmoothForm, smooth_form
 from torsionnet.solve.motion.smooth_laws import SmoothLaw, SplitPlant
+from torsionnet.solve.motion.start_state import relative_state
+from torsionnet.solve.motion.state_layout import Drive, Layout
 
 RELATIVE, ABSOLUTE = 1e-11, 1e-13
 """Tolerances of the Runge-Kutta method in a step, relative and in rad and rad/s: its twists are differences of angles

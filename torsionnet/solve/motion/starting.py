@@ -18,10 +18,10 @@ from torsionnet.model.motion_balance.balanced_state import BalancedState
 from torsionnet.model.motion_laws.piece_curve import PieceCurve
 from torsionnet.model.speeds import mean_speeds
 from torsionnet.model.torque_places import torque_place
-from torsionnet.solve.motion.contact_form import Layout
 from torsionnet.solve.motion.contact_states import Contact
 from torsionnet.solve.motion.motion_plant import LawRow, MotionPlant, PlacedLaw
 from torsionnet.solve.motion.smooth_laws import SplitPlant
+from torsionnet.solve.motion.state_layout import Layout
 
 SAME = 1e-9
 """Share by which torques of an operating point and those at the start may differ and count as the same."""
