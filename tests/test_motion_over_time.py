@@ -153,7 +153,7 @@ def test_gear_pair_has_two_motions(start, speed, low, high):
 
 
 def test_contact_with_damping_pushes_but_never_pulls():
-    inertia, b, k, c, n = 0.02, 0.01, 3e3, 5.0, 1001
+    inertia, b, k, c, n = 0.02, 0.01, 3e3, 5.0, 351
     mesh = tn.Clearance("mesh", nodes=("a", "ground"), gap=2 * b, stiffness=k, damping=c)
     t = np.arange(n) * 1e-3
     torque = 2 + 9 * np.sin(2 * math.pi * 11 * t)
@@ -173,11 +173,11 @@ def test_contact_with_damping_pushes_but_never_pulls():
         state = solve_ivp(rates, (0, 1e-3), state, "DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
         found.append(state[0])
     assert {event.what for event in record.events} == {"closes", "opens"}
-    assert len(record.events) > 30
+    assert len(record.events) > 10
     assert record["a"].values == pytest.approx(np.array(found), abs=2e-9)
     assert (record["torque(mesh)"].values * record["a"].values >= 0).all()
     energy = record.energy
-    assert energy.dissipated["mesh"] > 0.1
+    assert energy.dissipated["mesh"] > 0.03
     assert abs(energy.left_over) < 1e-10 * energy.supplied
 
 

@@ -23,7 +23,7 @@ def compared(seed, most, seconds):
     """Largest differences to CVODE and to a motion from a start changed by rounding, as shares of the largest angle."""
     plant = moving_plant(seed, most)
     times = np.linspace(0, seconds, round(1000 * seconds) + 1)
-    picked = np.arange(0, len(times), 50)
+    picked = np.arange(0, len(times), 20)
     reference = reference_motion(plant.drivetrain, plant.functions(), times[picked], speeds=plant.speeds)
     nodes = [node for node in reference.nodes if node.startswith("n")]
     wanted = np.array([reference.angle(node) for node in nodes]).T
@@ -33,9 +33,9 @@ def compared(seed, most, seconds):
     return np.abs(found[picked] - wanted).max() / scale, np.abs(found - moved).max() / scale, reference
 
 
-@pytest.mark.parametrize("seed", [3, 6])
+@pytest.mark.parametrize("seed", [3, 6, 7])
 def test_a_few_inertias(seed):
-    apart, _, reference = compared(seed, 3, 0.2)
+    apart, _, reference = compared(seed, 3, 0.1)
     assert len(reference.events) >= 3
     assert apart < 1e-10
 

@@ -6,6 +6,7 @@ compiled twins of them that call each other.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 from collections.abc import Callable
 from pathlib import Path
@@ -128,5 +129,11 @@ def _compiled() -> Callable[..., tuple[int, float, int]]:
     return names["march"]  # type: ignore[no-any-return]
 
 
-march = _compiled()
-"""Compiled twin of :func:`.marching.march`."""
+_compiled_march = _compiled()
+
+
+def march(*arguments: Any) -> tuple[int, float, int]:
+    """March of a motion by the compiled twin of :func:`.marching.march`, or by itself where numba cannot compile it."""
+    with contextlib.suppress(numba.core.errors.NumbaError):  # before anything is changed
+        return _compiled_march(*arguments)
+    return marching.march(*arguments)

@@ -26,7 +26,7 @@ from torsionnet.solve.dynamic_stiffness.state_space import (
     reduced_matrices,
 )
 from torsionnet.solve.motion.held_motions import DEPENDENT, Held, held_motions
-from torsionnet.solve.motion.motion_plant import MotionPlant, PlacedLaw
+from torsionnet.solve.motion.motion_plant import MotionPlant
 from torsionnet.solve.motion.phases import LawPhases, Phase
 from torsionnet.solve.motion.state_layout import Drive, Layout
 
@@ -76,7 +76,7 @@ def contact_form(plant: MotionPlant, laws: Sequence[LawPhases], contact: Sequenc
         Rows held in a loop, or no unique motion of what has no inertia.
     """
     phases = [one.phases[number] for one, number in zip(laws, contact, strict=True)]
-    system, places = _system(plant, phases)
+    system = plant.linear
     rows = np.array([one.row for one in plant.laws]).reshape(len(phases), system.n_coordinates)
     holds = [number for number, phase in enumerate(phases) if phase.kind == "hold"]
     held = held_motions(rows[holds], [laws[number].owner for number in holds])
@@ -88,7 +88,7 @@ def contact_form(plant: MotionPlant, laws: Sequence[LawPhases], contact: Sequenc
             for matrix, value in zip((M, C, K), one.at_once[::-1], strict=True)
         )
     loads = _loads(plant, rows, phases, laws, drive, K, C, held)
-    form, heavy, basis = _form(plant, system, places, held, loads)
+    form, heavy, basis = _form(plant, holds, _coefficients(plant, phases), held, loads)
     return _over_z(plant, _Parts(phases, laws, holds, held, form, heavy, basis, (M, C, K), rows, drive))
 
 
@@ -106,18 +106,13 @@ class _Parts:
     drive: Drive
 
 
-def _system(plant: MotionPlant, phases: Sequence[Phase]) -> tuple[RowSystem, FloatArray]:
-    """System of the linear laws alone, and the coefficients (2, n_laws) of all laws with the slopes of the phases."""
-    whole = plant.assembly.system
-    numbers = [one.number for one in plant.laws]
-    placed = [number for number, law in enumerate(plant.assembly.laws) if isinstance(law, PlacedLaw)]
-    stiffness, damping = whole.stiffness.copy(), whole.damping.copy()
-    stiffness[placed] = damping[placed] = 0.0
-    linear = RowSystem(whole.law_rows, whole.inertia.copy(), damping.copy(), stiffness.copy(), actions=whole.actions)
-    for number, phase in zip(numbers, phases, strict=True):
+def _coefficients(plant: MotionPlant, phases: Sequence[Phase]) -> FloatArray:
+    """Damping and stiffness (2, n_laws) of all laws, with the slopes of the phases."""
+    found = np.array([plant.linear.damping, plant.linear.stiffness])
+    for one, phase in zip(plant.laws, phases, strict=True):
         if phase.kind == "slope":
-            stiffness[number], damping[number] = phase.stiffness, phase.damping
-    return linear, np.array([damping, stiffness])
+            found[:, one.number] = phase.damping, phase.stiffness
+    return found
 
 
 def _with_laws(matrix: FloatArray, rows: FloatArray, phases: Sequence[Phase], what: str) -> FloatArray:
@@ -149,18 +144,15 @@ def _loads(
 
 
 def _form(
-    plant: MotionPlant, linear: RowSystem, coefficients: FloatArray, held: Held, loads: FloatArray
+    plant: MotionPlant, holds: Sequence[int], coefficients: FloatArray, held: Held, loads: FloatArray
 ) -> tuple[StateSpaceForm, FloatArray, tuple[FloatArray, int, int]]:
     """State equations with q over the states, the heavy motions, and the basis of y with its counts of a and b."""
-    if held.Y.shape[1]:
-        dense = linear.rows @ held.Z
-        dense[np.abs(dense) <= NEGLIGIBLE_ENTRY * np.abs(linear.rows).max(axis=1, keepdims=True)] = 0.0
-        law_rows = Rows.of(dense)
-    else:
-        law_rows = linear.law_rows
+    linear = plant.linear
+    law_rows = plant.remembered(("rows", tuple(holds)), lambda: _rows_free(linear, held))
     system = RowSystem(law_rows, linear.inertia, coefficients[0].copy(), coefficients[1].copy())
+    key = "kinds", tuple(holds), (coefficients[0] != 0).tobytes()  # whatever the sizes of the dampings
+    kinds, basis = plant.remembered(key, lambda: _kinds(system))
     actions: list[LawStates] = [replace(one, row=one.row @ held.Z, sensed=one.sensed @ held.Z) for one in plant.actions]
-    kinds = motion_kinds(system)
     heavy, damped, static = kinds
     names = tuple("" for _ in range(2 * heavy.shape[1] + damped.shape[1]))
     try:
@@ -178,7 +170,22 @@ def _form(
     form = replace(reduced, X=held.Z @ reduced.X, U=U)
     if plant.actions:
         form = close_loops_in_states(form, plant.actions)
-    return form, heavy, (np.linalg.inv(np.hstack(kinds)), heavy.shape[1], damped.shape[1])
+    return form, heavy, (basis, heavy.shape[1], damped.shape[1])
+
+
+def _rows_free(linear: RowSystem, held: Held) -> Rows:
+    """Rows of all laws over the coordinates y that are left where rows are held."""
+    if not held.Y.shape[1]:
+        return linear.law_rows
+    dense = linear.rows @ held.Z
+    dense[np.abs(dense) <= NEGLIGIBLE_ENTRY * np.abs(linear.rows).max(axis=1, keepdims=True)] = 0.0
+    return Rows.of(dense)
+
+
+def _kinds(system: RowSystem) -> tuple[tuple[FloatArray, FloatArray, FloatArray], FloatArray]:
+    """Bases of the motions with inertia, damping and neither, and the inverse of all together."""
+    kinds = motion_kinds(system)
+    return kinds, np.linalg.inv(np.hstack(kinds))
 
 
 def _over_z(plant: MotionPlant, parts: _Parts) -> ContactForm:

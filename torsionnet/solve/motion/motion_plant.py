@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Hashable
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.rows import FloatArray
+from torsionnet.assembly.rows import FloatArray, RowSystem
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
 from torsionnet.model.elements import Element, Law, MotionLaw, Part, Values
 from torsionnet.solve.dynamic_stiffness.action_states import LawStates, law_states
 from torsionnet.solve.dynamic_stiffness.nullspace import null_space
+
+MOST_REMEMBERED = 256
+"""Most things remembered of a plant, which take some ten kB each for large drivetrains."""
 
 
 @dataclass(frozen=True)
@@ -69,11 +73,29 @@ class MotionPlant:
     drivetrain: AssembledModel
     laws: tuple[LawRow, ...]
     actions: tuple[LawStates, ...]
+    memo: dict[Hashable, Any] = field(default_factory=dict, init=False, compare=False, repr=False)
 
     @property
     def assembly(self) -> Assembly:
         """Assembly of the plant, in which placed laws stand for the laws of motion."""
         return self.drivetrain.assembly
+
+    @cached_property
+    def linear(self) -> RowSystem:
+        """System of the linear laws alone, with zeros in the places of the laws of motion."""
+        whole = self.assembly.system
+        placed = [number for number, law in enumerate(self.assembly.laws) if isinstance(law, PlacedLaw)]
+        stiffness, damping = whole.stiffness.copy(), whole.damping.copy()
+        stiffness[placed] = damping[placed] = 0.0
+        return RowSystem(whole.law_rows, whole.inertia.copy(), damping, stiffness, actions=whole.actions)
+
+    def remembered(self, key: Hashable, made: Callable[[], Any]) -> Any:
+        """What contact states of the plant share, made when it is first asked for."""
+        if key not in self.memo:
+            if len(self.memo) >= MOST_REMEMBERED:
+                self.memo.clear()
+            self.memo[key] = made()
+        return self.memo[key]
 
     @cached_property
     def turning(self) -> tuple[tuple[int, FloatArray], ...]:

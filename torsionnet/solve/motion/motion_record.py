@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,26 +47,35 @@ class Stretches:
     def nbytes(self) -> int:
         return self.numbers.nbytes + self.times.nbytes + self.starts.nbytes
 
-    def chosen(self, which: NDArray[Any]) -> Stretches:
-        """Stretches of a mask or of numbers."""
-        return Stretches(self.contacts, self.numbers[which], self.times[which], self.starts[which])
+    def groups(self, keys: NDArray[np.int64], among: NDArray[np.int64]) -> Iterator[Stretches]:
+        """Stretches of the numbers ``among`` of one key each, a few hundred at a time."""
+        order = among[np.argsort(keys[among], kind="stable")]
+        for own in np.split(order, np.flatnonzero(np.diff(keys[order])) + 1):
+            for first in range(0, len(own), COLUMNS):
+                few = own[first : first + COLUMNS]
+                yield Stretches(self.contacts, self.numbers[few], self.times[few], self.starts[few])
+
+    @property
+    def is_whole(self) -> NDArray[np.bool_]:
+        """Whether stretches are of whole steps, not of parts of steps."""
+        return np.asarray(self.numbers[:, 2] > 0)
+
+    @property
+    def kinds(self) -> NDArray[np.int64]:
+        """Numbers that differ where the contact state does, or whole steps from parts of steps."""
+        return 2 * self.numbers[:, 0] + self.is_whole
 
     def alike(self) -> Iterator[tuple[Contact, bool, Stretches]]:
         """Stretches by contact state, whole steps (True) apart from parts of steps, a few hundred at a time."""
-        kinds = 2 * self.numbers[:, 0] + (self.numbers[:, 2] > 0)
-        order = np.argsort(kinds, kind="stable")
-        for own in np.split(order, np.flatnonzero(np.diff(kinds[order])) + 1):
-            for first in range(0, len(own), COLUMNS):
-                few = self.chosen(own[first : first + COLUMNS])
-                yield self.contacts[few.numbers[0, 0]], bool(few.numbers[0, 2] > 0), few
+        for few in self.groups(self.kinds, np.arange(len(self.numbers))):
+            yield self.contacts[few.numbers[0, 0]], bool(few.is_whole[0]), few
 
     def along(self, rows: tuple[FloatArray, FloatArray], drive: FloatArray) -> FloatArray:
-        """Values (BLOCK, n_rows, n) of rows at and between grid points along whole steps, see :func:`.rows_along`."""
+        """Values (n, n_points, n_rows) at grid points or between along whole steps, see :func:`.rows_along`."""
         ahead, pushed = rows
-        places = self.numbers[:, 1, None] + np.arange(BLOCK + 1)
-        driven = drive[places].reshape(len(places), -1).T
-        found = ahead.reshape(-1, ahead.shape[2]) @ self.starts.T + pushed.reshape(-1, pushed.shape[2]) @ driven
-        return np.asarray(found.reshape(*ahead.shape[:2], len(places)))
+        driven = drive[self.numbers[:, 1, None] + np.arange(BLOCK + 1)].reshape(len(self.starts), -1)
+        found = self.starts @ ahead.reshape(-1, ahead.shape[2]).T + driven @ pushed.reshape(-1, pushed.shape[2]).T
+        return np.asarray(found.reshape(-1, *ahead.shape[:2]))
 
     def whole_states(self, drive: FloatArray) -> FloatArray:
         """States z (N, n) at the beginning."""
@@ -89,33 +97,34 @@ class MotionRecord:
         self.states, self.readings, self.inputs = states, readings, inputs
         self.refinement, self.drive = refinement, drive
         self.plan = reading_plan(states.plant, readings, inputs)
-        self.values = np.zeros((len(readings), n))
+        self.by_sample = np.zeros((n, len(readings)))
         self._rows: dict[Contact, tuple[FloatArray, tuple[FloatArray, FloatArray]]] = {}
+
+    @property
+    def values(self) -> FloatArray:
+        """Readings (n_out, n) at samples."""
+        return self.by_sample.T
 
     def add(self, stretches: Stretches) -> None:
         """Read stretches of motion at the samples from their beginnings on, without their ends."""
         n, k = stretches.numbers, self.refinement
-        to_sample = -n[:, 1] % k  # steps to the next sample
-        whole = n[:, 2] > 0
-        holds_one = np.where(whole, to_sample < n[:, 2], (to_sample == 0) & (stretches.times[:, 0] == 0))
-        for contact, steps, few in stretches.chosen(holds_one).alike():
-            at_once, (ahead, pushed) = self._rows_of(contact)
-            i = few.numbers[:, 1]
-            if not steps:
-                self.values[:, i // k] = at_once @ few.whole_states(self.drive)
-                continue
-            first = -i % k
-            for offset in np.unique(first).tolist():
-                own = few.chosen(first == offset)
-                read = own.along((ahead[offset::k], pushed[offset::k]), self.drive)
-                inside = np.arange(offset, BLOCK, k)[:, None] < own.numbers[:, 2]
-                which, column = np.nonzero(inside)
-                places = (own.numbers[:, 1] + offset) // k
-                self.values[:, places[column] + which] = read.transpose(1, 0, 2)[:, inside]
+        first = -n[:, 1] % k  # steps to the first sample
+        inside = np.where(stretches.is_whole, first < n[:, 2], (first == 0) & (stretches.times[:, 0] == 0))
+        for few in stretches.groups(k * stretches.kinds + first, np.flatnonzero(inside)):
+            at_once, (ahead, pushed) = self._rows_of(few.contacts[few.numbers[0, 0]])
+            begin = int(-few.numbers[0, 1] % k)
+            samples = (few.numbers[:, 1] + begin) // k
+            if few.is_whole[0]:
+                read = few.along((ahead[begin::k], pushed[begin::k]), self.drive)
+                reached = np.arange(begin, BLOCK, k) < few.numbers[:, 2, None]
+                which, further = np.nonzero(reached)
+                self.by_sample[samples[which] + further] = read[reached]
+            else:
+                self.by_sample[samples] = (at_once @ few.whole_states(self.drive)).T
 
     def add_last(self, contact: Contact, z: FloatArray) -> None:
         """Read the state z at the last sample."""
-        self.values[:, -1] = self._rows_of(contact)[0] @ z
+        self.by_sample[-1] = self._rows_of(contact)[0] @ z
 
     def _rows_of(self, contact: Contact) -> tuple[FloatArray, tuple[FloatArray, FloatArray]]:
         if contact not in self._rows:

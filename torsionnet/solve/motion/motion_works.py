@@ -156,10 +156,10 @@ class Works:
         return _Tables(work, nodes, along, np.array(taylor), np.asarray(linalg.expm(A / self.n_sub)))
 
     def _over_steps(self, tables: _Tables, few: Stretches) -> FloatArray:
-        values = few.along(tables.along, self.drive).reshape(BLOCK, tables.nodes, -1, len(few.numbers))
+        values = few.along(tables.along, self.drive).reshape(len(few.numbers), BLOCK, tables.nodes, -1)
         inside = (np.arange(BLOCK)[:, None] < few.numbers[:, 2]).astype(float)
         weights = gauss_points(tables.nodes)[1]
-        powers = tables.work.powers(values)
+        powers = tables.work.powers(np.ascontiguousarray(values.transpose(1, 2, 3, 0)))
         return np.asarray(np.einsum("spc,sc->p", np.tensordot(weights, powers, axes=(0, 1)), inside))
 
     def _over_parts(self, tables: _Tables, few: Stretches) -> FloatArray:

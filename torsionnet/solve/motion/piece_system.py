@@ -7,13 +7,14 @@ or to slip, the motion is continued in the next contact state; such events are l
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import MissingExtraError, SolveError
+from torsionnet.core.errors import SolveError
 from torsionnet.response.motion.energy_balance import DeferredBalance, EnergyBalance
 from torsionnet.response.motion.motion_event import MotionEvent
 from torsionnet.solve.motion import marching
@@ -31,8 +32,9 @@ STORM_WINDOW, MOST_EVENTS = 64, 2_000
 it closes and opens needs 20 events, and ten laws with three pieces on each side 1200. More events only come
 from contacts that close and open within ever shorter times."""
 STEPS_WORTH_COMPILING = 100_000
-"""Number of steps from which the march is compiled where numba is installed, since loading the compiled loop takes as
-long as 50 000 steps in numpy; shorter motions change over once their first list is full of events."""
+"""Number of steps from which the march is compiled where numba is installed: loading the compiled loop takes half a
+second, as 50 000 steps in numpy. Shorter motions change over where a list gets full of events before half their time,
+which takes a second. Only sizes decide, so that a result does not depend on what was simulated before."""
 MOST_BYTES_KEPT = 50_000_000
 """Most memory in bytes of stretches of motion whose works wait until somebody asks for them."""
 LISTED = 8192
@@ -95,7 +97,7 @@ class PieceMotion:
                 self._note(record, numbers[: state[3]], times[: state[3]], starts[: state[3]])
                 self._tell(event_numbers[: state[4]], event_times)
                 state[3] = state[4] = 0
-                if reason != marching.DONE:
+                if reason != marching.DONE and 2 * state[1] < self.last:
                     march = _compiled_march()
                 if states.is_large:
                     contact = states.contacts[state[0]]
@@ -171,9 +173,9 @@ class PieceMotion:
 
 
 def _compiled_march() -> Callable[..., tuple[int, float, int]]:
-    """March in a compiled loop where numba is installed, else that in numpy."""
-    try:
+    """March in a compiled loop where numba is installed and works, else that in numpy, which can do the same."""
+    with contextlib.suppress(Exception):
         from torsionnet.solve.motion.compiled_march import march
-    except MissingExtraError:
-        return marching.march
-    return march
+
+        return march
+    return marching.march
