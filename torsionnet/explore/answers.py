@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from torsionnet.explore.command_text import command_text
 from torsionnet.explore.over_speed import over_speed
 from torsionnet.explore.overlay import misfit
 from torsionnet.explore.page_numbers import CONVENTIONS_BY_ANGLE, json_numbers
+from torsionnet.explore.point_sliders import point_sliders
 from torsionnet.explore.session import Session
 from torsionnet.explore.sliders import sliders
 from torsionnet.explore.state import State
@@ -51,7 +53,23 @@ def answer(session: Session, state: State) -> dict[str, Any]:
         try:
             return _answer(session, state) | {"notes": notes}
         except TorsionnetError as error:
-            return {"refused": fault_texts(error)}
+            return {"refused": fault_texts(error), **_sliders_of_refused(session, state)}
+
+
+def _sliders_of_refused(session: Session, state: State) -> dict[str, Any]:
+    """Sliders of a state without results, as of an operating point out of balance; none of an impossible model."""
+    try:
+        return _sliders(session, state, session.model_for(state))
+    except TorsionnetError:
+        return {}
+
+
+def _sliders(session: Session, state: State, rig: Drivetrain) -> dict[str, Any]:
+    plain = session.model_in(state.choice)
+    return {
+        "parameters": [slider.to_data() for slider in sliders(plain, rig, state.values)],
+        "operating_point": [slider.to_data() for slider in point_sliders(plain, rig, state.values)],
+    }
 
 
 @contextmanager
@@ -72,21 +90,22 @@ def fault_texts(error: TorsionnetError) -> list[str]:
 
 
 def _where(path: tuple[str | int, ...]) -> str:
-    return f"{' '.join(map(str, path[1:]))}: " if len(path) > 1 else ""
+    named = ("operating point", *path[1:]) if path[:1] == ("operating_point",) else path[1:]
+    return f"{' '.join(map(str, named))}: " if named else ""
 
 
 def _answer(session: Session, state: State) -> dict[str, Any]:
-    plain, rig = session.model_in(state.choice), session.model_for(state)
+    rig = session.model_for(state)
     shown = session.with_defaults(state)
     modes = _modes(rig)
     return {
         "title": rig.title,
         "excitation": shown.excitation,
-        "parameters": [slider.to_data() for slider in sliders(plain, rig, state.values)],
+        **_sliders(session, state, rig),
         "modes": modes_data(modes),
         "cut": None,
         "findings": [fault.text for fault in rig.check() if fault.severity == "warning"],
-        "command": command_text(session, shown),
+        "command": command_text(session, replace(shown, values=session.given_values(shown))),
         **(_over_speed(session, rig, shown) if state.axis == "speed" else _over_frequency(session, rig, shown, modes)),
     }
 

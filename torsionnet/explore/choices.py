@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from torsionnet.core.errors import UsageError
+from torsionnet.core.errors import TorsionnetError, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.explore.over_speed import runs
 from torsionnet.model.channels import UNITS, Sensor
@@ -59,9 +59,12 @@ def default_pair(rig: Drivetrain, overlay: FrequencyResponse | None = None) -> R
         measured = ResponseChoice(overlay.outputs[0].name, overlay.inputs[0].name)
         if measured.output in {*rig.sensors, *rig.nodes} and measured.input in {*rig.inputs, *rig.sensors, *rig.nodes}:
             return measured
-    inputs, sensors = usable_channels(rig)
+    try:
+        inputs, sensors = usable_channels(rig)
+        moving = rig.assembly.kinematics.coordinates or rig.nodes
+    except TorsionnetError:  # an operating point out of balance, of which the page tells
+        inputs, sensors, moving = list(rig.inputs), list(rig.sensors), rig.nodes
     motions = [name for name in sensors if rig.sensors[name].quantity in MOTIONS]
-    moving = rig.assembly.kinematics.coordinates or rig.nodes
     return ResponseChoice([*motions, *sensors, *moving][0], [*inputs, *moving][0])
 
 

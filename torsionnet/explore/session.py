@@ -2,27 +2,37 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from torsionnet.core.errors import UsageError
+from torsionnet.core.entries.scalars import read_value
+from torsionnet.core.errors import TorsionnetError, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.explore.choices import ResponseChoice, choices, default_pair
 from torsionnet.explore.over_speed import runs
 from torsionnet.explore.overlay import overlay_data
+from torsionnet.explore.point_sliders import all_point_rows, point_rows, point_settings, with_balance
 from torsionnet.explore.state import State
 from torsionnet.loading import loads
 from torsionnet.model.configurations import parse_choice
 from torsionnet.model.files.decoding import decode
 from torsionnet.model.files.reader import find_model
 from torsionnet.model.files.value_editing import changed_text, place_of
-from torsionnet.response import FrequencyResponse
+from torsionnet.response import FrequencyResponse, Modes
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.solve.responses.grid import opening_range
 
+NO_POINT = (
+    "Laws of motion are linear at rest: give torques under operating_point: of the model, or start with "
+    '--set "operating_point.torque.NODE=200 N*m", to move them here.'
+)
+"""Words instead of sliders for the operating point of a model that has none."""
+BAND_WITHOUT_MODES = (1.0, 1000.0)
+"""Frequency band in Hz of a page whose operating point is out of balance; most torsional vibrations lie in it."""
 MOST_SURVEYED = 24
 """Number of configurations whose modes are calculated to find the first frequency band; each costs a solution."""
 
@@ -65,6 +75,8 @@ class Session:
     overlay_name: str = ""
     folder: Path | None = None
     measured: Path | None = None
+    point: Mapping[str, Any] = field(default_factory=dict)
+    """Operating point in place of that of the file."""
     _chosen: dict[str, Drivetrain] = field(default_factory=dict, repr=False)
 
     def model_in(self, choice: Mapping[str, str]) -> Drivetrain:
@@ -74,17 +86,31 @@ class Session:
             self._chosen[name] = self.base.configured(name) if name else self.base
         return self._chosen[name]
 
+    def values_of(self, state: State) -> dict[str, Any]:
+        """Values of a state, with the torques that follow others, without the sliders that its configuration hides."""
+        plain, values = self.model_in(state.choice), dict(state.values)
+        if not point_settings(values, plain):
+            return values
+        shown = {row.name for row in point_rows(plain)}
+        hidden = {row.name for row in all_point_rows(self.base)} - shown
+        return with_balance(plain, {name: value for name, value in values.items() if name not in hidden})
+
     def model_for(self, state: State) -> Drivetrain:
-        """Drivetrain in a state's configuration with its parameter values; UsageError for an expression as a value."""
-        changed = (
-            self.model_in(state.choice).configured(**state.values) if state.values else self.model_in(state.choice)
-        )
-        for name in state.values:
-            if changed.parameter_definitions[name].is_derived:
+        """Drivetrain in a state's configuration with its values; UsageError for an expression as a value."""
+        plain = self.model_in(state.choice)
+        values = self.values_of(state)
+        changed = plain.configured(**values) if values else plain
+        settings = point_settings(values, plain)
+        for name in values:
+            if read_value(settings[name]).names if name in settings else changed.parameter_definitions[name].is_derived:
                 raise UsageError(
                     f"{name}: expected a number with its unit; expressions of parameters belong in the model file"
                 )
         return changed
+
+    def given_values(self, state: State) -> dict[str, Any]:
+        """Values that differ from the file's: those of a state, and the operating point of the command line."""
+        return {**self.point, **self.values_of(state)}
 
     def with_defaults(self, state: State) -> State:
         """State of the page with the response and the excitation that an empty name stands for.
@@ -108,6 +134,7 @@ class Session:
             "parameters": [
                 {"name": name, "description": own.description} for name, own in self.base.parameter_definitions.items()
             ],
+            "operating_point": self._operating_point(),
             "axes": {axis: list(names) for axis, names in self.base.axes.items()},
             "choices": choices(self.base, self.pairs, self.over_speed),
             "runs": runs(self.base),
@@ -115,6 +142,12 @@ class Session:
             "overlay": self.overlay_name,
             "measured": self.measured.name if self.measured else "",
         }
+
+    def _operating_point(self) -> dict[str, Any]:
+        """Names and labels of sliders of the operating point in any configuration; words where there are none."""
+        rows = all_point_rows(self.base)
+        hint = "" if rows or self.base.definition.tangents is None else NO_POINT
+        return {"rows": [{"name": row.name, "label": row.label} for row in rows], "hint": hint}
 
     def overlay_for(self, state: State) -> dict[str, Any] | None:
         """Measured response of a state's output and input as JSON data in Hz, SI and degrees; None without one."""
@@ -132,7 +165,12 @@ class Session:
         A value that the configuration chosen sets is changed there, any other one in the table of parameters.
         """
         changed = self.model_for(state).parameter_definitions
-        changes = {place_of(self.base.definition, state.choice, name): changed[name].value for name in state.values}
+        changes = {
+            place_of(self.base.definition, state.choice, name): changed[name].value
+            if name in changed
+            else read_value(value)
+            for name, value in self.given_values(state).items()
+        }
         return changed_text(self.text, self.base.definition, changes, self.file, self.folder)
 
 
@@ -155,7 +193,8 @@ def open_session(
         A model file or the name of a library model.
     configuration : str
     settings : mapping, optional
-        Parameter -> value that the page begins with.
+        Parameter -> value that the page begins with; ``operating_point.torque.crank`` and so on take the place of
+        what the file says, so that the sliders begin there.
     pairs : sequence of ResponseChoice
         Responses to offer; the first one is shown.
     band : (float, float), optional
@@ -187,9 +226,13 @@ def open_session(
     base = loads(text, str(path), folder)
     test = None if overlay is None else _read_test(overlay)
     choice = parse_choice(configuration, base.definition.configurations) if configuration else {}
-    base.configured(configuration, **(settings or {}))  # refuses what is impossible before a page is opened
+    values = dict(settings or {})
+    point = point_settings(values, base)
+    base = base.configured(**point) if point else base
+    values = {key: value for key, value in values.items() if key not in point}
+    base.configured(configuration, **values)  # refuses what is impossible before a page is opened
     first = pairs[0] if pairs else default_pair(base, test)
-    start = State(choice, dict(settings or {}), first.output, first.input, band=band or _band(base))
+    start = State(choice, values, first.output, first.input, band=band or _band(base))
     if over_speed:
         start = replace(start, axis="speed", output=over_speed[0])
         found = base.order_response(list(over_speed))  # refuses a name that is none
@@ -200,7 +243,7 @@ def open_session(
     name = "" if overlay is None else Path(overlay).name
     session = Session(
         str(model), path.name, text, base, start, tuple(pairs), tuple(over_speed), test, name, folder,
-        None if measured is None else Path(measured),
+        None if measured is None else Path(measured), point,
     )  # fmt: skip
     for pair in pairs:
         asked = session.with_defaults(replace(start, output=pair.output, input=pair.input))
@@ -209,8 +252,12 @@ def open_session(
 
 
 def _band(base: Drivetrain) -> tuple[float, float]:
-    names = base.configurations[:MOST_SURVEYED]
-    return opening_range(base.modes(), *(base.configured(name).modes() for name in names))
+    """Frequencies in Hz that suit the modes of all configurations whose operating point is in balance."""
+    found: list[Modes] = []
+    for name in ("", *base.configurations[:MOST_SURVEYED]):
+        with contextlib.suppress(TorsionnetError):  # the page says why, once that configuration is chosen
+            found.append(base.configured(name).modes() if name else base.modes())
+    return opening_range(*found) if found else BAND_WITHOUT_MODES
 
 
 def _check_orders(path: str | os.PathLike[str], run: OrderResponse) -> None:

@@ -42,6 +42,8 @@ class Slider:
     expression : str
         Of a derived parameter, which follows others and has no slider, or what one follows with the operating point;
         else empty.
+    remark : str
+        Words beside the slider, as on a torque that follows another one.
     """
 
     name: str
@@ -56,6 +58,7 @@ class Slider:
     logarithmic: bool
     changed: bool
     expression: str
+    remark: str = ""
 
     def to_data(self) -> dict[str, Json]:
         return asdict(self)

@@ -29,6 +29,7 @@ from torsionnet.model.operating_point import OperatingPoint
 from torsionnet.model.operating_values import at_operating_point, with_operating_values, with_tangents
 from torsionnet.model.parameters import Parameter, resolve
 from torsionnet.model.parts.part_insertion import part_of, with_use
+from torsionnet.model.point_settings import is_point_setting, point_settings_of, with_point_settings
 from torsionnet.model.speeds import mean_speeds, total_ratio
 
 
@@ -222,7 +223,8 @@ class Model:
         **overrides
             Parameter values: SI numbers, quantities or expressions. A derived parameter given here loses its
             expression, and everything derived from it follows the new value. What is given here holds against every
-            configuration, also one chosen later.
+            configuration, also one chosen later. Entries of the operating point and the size of the load are given
+            like parameters, as ``**{"operating_point.torque.crank": "200 N*m"}`` or ``**{"load.power": "2 MW"}``.
 
         Raises
         ------
@@ -240,8 +242,16 @@ class Model:
         choice = dict(self._choice)
         if name:
             choice |= parse_choice(name, self._base.configurations)
+        own = {key: overrides.pop(key) for key in list(overrides) if self._sets_point(key)}
         values = read_overrides(overrides, self._base.parameters, self._base.configurations)
-        return self._changed(choice, replace(self._changes, parameters={**self._changes.parameters, **values}))
+        changes = replace(self._changes, parameters={**self._changes.parameters, **values})
+        changes = with_point_settings(changes, own, self._base)
+        if own:
+            self._require_places(changes.at or changes.operating_point)
+        return self._changed(choice, changes)
+
+    def _sets_point(self, name: str) -> bool:
+        return name not in self._base.parameters and is_point_setting(name)
 
     def with_entries_named(self, names: Iterable[str]) -> Self:
         """Copy of the model in which values of elements are parameters, so that they can vary as these do.
@@ -349,7 +359,7 @@ class Model:
         if not self._choice and self._changes == Overlay():
             return whole
         choice = ",".join(f"{axis}={alternative}" for axis, alternative in self._choice.items())
-        found = whole.configured(choice, **self._changes.parameters)
+        found = whole.configured(choice, **self._changes.parameters, **point_settings_of(self._changes))
         found = found.switched(on=self._changes.on, off=self._changes.off)
         at = self._changes.at
         return found if at is None else found.at_point(at)
@@ -372,15 +382,23 @@ class Model:
         ModelError
             Nodes that do not exist, or a place of a torque that is none.
         """
-        known = all_nodes(self._base.elements.values())
-        faults = [
-            unknown_name("node", node, known, ("operating_point", entry, node), on_key=True)
-            for entry, nodes in (("speed", point.speed), ("torque", point.loaded_nodes))
-            for node in nodes
-            if node not in known
-        ]
-        _refuse(faults, self.name)
+        self._require_places(point)
         return self._changed(self._choice, replace(self._changes, at=point))
+
+    def _require_places(self, point: OperatingPoint | None) -> None:
+        """Refuse an operating point with nodes that the model does not have."""
+        known = all_nodes(self._base.elements.values())
+        faults = (
+            [
+                unknown_name("node", node, known, ("operating_point", entry, node), on_key=True)
+                for entry, nodes in (("speed", point.speed), ("torque", point.loaded_nodes))
+                for node in nodes
+                if node not in known
+            ]
+            if point
+            else []
+        )
+        _refuse(faults, self.name)
 
     def with_operating_values(self, values: Mapping[str, float], speed: float | None = None) -> Self:
         """Copy of the model at another operating point, with these values in SI of the parameters that follow it.

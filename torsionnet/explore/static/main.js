@@ -51,7 +51,8 @@ const readout = makeReadout(at("curves").tBodies[0], at("at"), {
 const fillChooser = makeChooser(at("chooser"), model, change);
 const which = segments("Modes of", [["drivetrain", "drivetrain"], ["cut", "cut"]], (of) => change({ of }, { ask: false }));
 at("which").append(which.node);
-const sliders = makeSliders(at("sliders"), model.parameters.map(bare), changeValue);
+const sliders = makeSliders(at("sliders"), model.parameters.map(bare), model.operating_point.rows.map(bare), changeValue);
+at("point-hint").textContent = model.operating_point.hint;
 const request = newestOnly("answer", show, (error) => refuse([error.message]));
 byKeys(at("magnitude"), plots.plots, () => plots.plots().forEach((plot) => plot.setCursor({ left: -10, top: -10 })));
 
@@ -70,7 +71,7 @@ if (Object.keys(model.axes).length) at("plots").setAttribute("role", "tabpanel")
 change({});
 
 function bare(parameter) {
-  return { ...parameter, value: 1, default: 1, low: 0.1, high: 10, shown_unit: "", expression: "" };
+  return { ...parameter, value: 1, default: 1, low: 0.1, high: 10, shown_unit: "", expression: "", remark: "" };
 }
 
 function changeValue(name, value, time) {
@@ -110,11 +111,11 @@ function chooseTab(axis, name, time) {
 }
 
 function show(answer, asked, time) {
-  if (answer.refused) return refuse(answer.refused);
+  if (answer.refused) return refuse(answer.refused, answer);
   at("refused").hidden = true;
   sliders.fault("");
   last = { answer, asked };
-  sliders.fill(answer.parameters);
+  fillSliders(answer);
   fillChooser(state, answer);
   redraw();
   finish(time);
@@ -123,7 +124,12 @@ function show(answer, asked, time) {
   pins.refresh();
 }
 
-function refuse(reasons) {
+function fillSliders({ parameters, operating_point: point }) {
+  sliders.fill([...parameters, ...point]);
+}
+
+function refuse(reasons, answer = null) {
+  if (answer?.parameters) fillSliders(answer);
   at("refused").replaceChildren(...reasons.map((reason) => Object.assign(document.createElement("p"), { textContent: reason })));
   at("refused").hidden = false;
   sliders.fault(edited);
@@ -226,7 +232,7 @@ function readValues() {
 
 function pin() {
   if (!last || !canPin(state)) return;
-  const made = pinned(state, "as written");
+  const made = pinned(state, "as written", new Map(model.operating_point.rows.map(({ name, label }) => [name, label])));
   pins.keep(made, state, last.answer);
   change({ pins: [...state.pins, made] });
 }

@@ -4,8 +4,8 @@ import { ask } from "./api.js";
 import { unit } from "./numbers.js";
 import { question } from "./state.js";
 
-export function pinned(state, title) {
-  const changes = Object.entries(state.values).map(([name, value]) => `${name} = ${unit(String(value))}`);
+export function pinned(state, title, labels) {
+  const changes = Object.entries(state.values).map(([name, value]) => `${labels.get(name) ?? name} = ${unit(String(value))}`);
   const configuration = Object.values(state.choice).join(", ");
   const name = [configuration, ...changes].filter(Boolean).join(", ") || title;
   return { name: name.slice(0, 80), choice: { ...state.choice }, values: { ...state.values } };

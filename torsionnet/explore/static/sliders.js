@@ -4,34 +4,39 @@
 import { plain, short, symbol, unit } from "./numbers.js";
 import { STEPS, toPosition, toValue } from "./scale.js";
 
-export function makeSliders(place, parameters, change) {
-  const rows = new Map(parameters.map((one) => [one.name, makeRow(one, change)]));
+export function makeSliders(place, parameters, point, change) {
+  const rows = new Map([...point, ...parameters].map((one) => [one.name, makeRow(one, change)]));
   place.replaceChildren(...[...rows.values()].map((row) => row.node));
+  if (point.length && parameters.length) rows.get(parameters[0].name).node.classList.add("first");
   if (!rows.size) place.textContent = "The model has no parameters: name values under parameters: to move them here.";
   return {
-    fill: (now) => now.forEach((one) => fill(rows.get(one.name), one)),
+    fill: (now) => {
+      const given = new Map(now.map((one) => [one.name, one]));
+      rows.forEach((row, name) => (given.has(name) ? fill(row, given.get(name)) : (row.node.hidden = true)));
+    },
     fault: (name) => rows.forEach((row, own) => row.field.toggleAttribute("aria-invalid", own === name)),
   };
 }
 
 function makeRow(parameter, change) {
   const id = `parameter-${parameter.name}`;
+  const words = parameter.label ?? parameter.name;
   const node = element("div", "parameter");
   const label = element("label", "name");
   label.htmlFor = id;
-  label.append(symbol(parameter.name));
-  const description = element("span", "description", parameter.description);
-  description.title = parameter.description;
+  label.append(parameter.label ?? symbol(parameter.name));
+  const description = element("span", "description", parameter.description ?? "");
+  description.title = parameter.description ?? "";
   const field = element("input", "value");
   Object.assign(field, { id, type: "text", inputMode: "decimal", autocomplete: "off", spellcheck: false });
   const units = element("span", "unit");
   const slider = element("input", "slider");
   Object.assign(slider, { type: "range", min: 0, max: STEPS, step: 1, title: "Double-click: back to the file's value" });
-  slider.setAttribute("aria-label", `${parameter.name} ${parameter.description}`.trim());
+  slider.setAttribute("aria-label", `${words} ${parameter.description ?? ""}`.trim());
   const mark = element("span", "mark");
   const reset = element("button", "reset", "↺");
   Object.assign(reset, { type: "button", title: "Back to the file's value" });
-  reset.setAttribute("aria-label", `Reset ${parameter.name}`);
+  reset.setAttribute("aria-label", `Reset ${words}`);
   const track = element("div", "track");
   track.append(mark, slider);
   const derived = element("span", "derived");
@@ -66,6 +71,7 @@ function withUnit(text, parameter) {
 
 function fill(row, parameter) {
   row.now = parameter;
+  row.node.hidden = false;
   const derived = parameter.expression !== "";
   row.node.classList.toggle("is-derived", derived);
   row.node.classList.toggle("is-changed", parameter.changed);
@@ -73,7 +79,8 @@ function fill(row, parameter) {
   if (document.activeElement !== row.field || derived) row.field.value = plain(parameter.value);
   row.units.textContent = unit(parameter.shown_unit);
   row.reset.hidden = !parameter.changed;
-  row.derived.textContent = derived ? `= ${unit(parameter.expression)}` : "";
+  row.derived.textContent = derived ? `= ${unit(parameter.expression)}` : parameter.remark;
+  row.node.classList.toggle("has-remark", parameter.remark !== "");
   const position = toPosition(parameter.value, parameter);
   if (Number(row.slider.value) !== position) row.slider.value = position;
   row.slider.setAttribute("aria-valuetext", `${short(parameter.value)} ${parameter.shown_unit}`);

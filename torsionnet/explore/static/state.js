@@ -75,7 +75,7 @@ function readPin(text, model) {
 }
 
 function hasParameter(model, name) {
-  return model.parameters.some((one) => one.name === name);
+  return [...model.parameters, ...model.operating_point.rows].some((one) => one.name === name);
 }
 
 function pairs(texts) {

@@ -18,25 +18,41 @@ from torsionnet.model.files.quoting import scalar_text
 from torsionnet.model.files.reader import read_text
 from torsionnet.model.files.writer import dump
 from torsionnet.model.parts.authored_model import owner
+from torsionnet.model.point_settings import LOAD_SIZES, is_point_setting, with_point_settings
 
 _NOTHING = Overlay()
 
 
 @dataclass(frozen=True)
 class ValuePlace:
-    """Place of a parameter's value in a model, the table of parameters or an alternative."""
+    """Place of a parameter's value in a model, the table of parameters or an alternative.
+
+    Of a setting, as ``operating_point.torque.crank`` or ``load.power``, the place in its section or an alternative.
+    """
 
     parameter: str
     axis: str = ""
     alternative: str = ""
+    is_setting: bool = False
 
     def paths(self) -> tuple[Path, ...]:
         """Paths at which the value of the parameter may be written in a file; a single axis needs no name."""
         if not self.axis:
-            return (("parameters", self.parameter, "value"), ("parameters", self.parameter))
-        inner = (self.alternative, self.parameter)
+            return (
+                (self.entry,)
+                if self.is_setting
+                else (("parameters", *self.entry, "value"), ("parameters", *self.entry))
+            )
+        inner = (self.alternative, *self.entry)
         named: Path = ("configurations", self.axis, *inner)
         return (named, ("configurations", *inner)) if self.axis == DEFAULT_AXIS else (named,)
+
+    @property
+    def entry(self) -> tuple[str, ...]:
+        """Path of the value in its section, or in an alternative."""
+        if not self.is_setting or (self.axis and self.parameter in LOAD_SIZES):
+            return (self.parameter,)
+        return tuple(self.parameter.split(".", 2))
 
 
 def place_of(definition: Definition, choice: Mapping[str, str], parameter: str) -> ValuePlace:
@@ -48,24 +64,42 @@ def place_of(definition: Definition, choice: Mapping[str, str], parameter: str) 
     >>> place_of(tn.load("amt_rig").definition, {"gear": "V"}, "tau").alternative
     'V'
     """
+    setting = parameter not in definition.parameters and is_point_setting(parameter)
     for axis, alternatives in definition.configurations.items():  # no two of which set the same parameter
-        if parameter in alternatives.get(choice.get(axis, ""), _NOTHING).parameters:
-            return ValuePlace(parameter, axis, choice[axis])
-    return ValuePlace(parameter)
+        overlay = alternatives.get(choice.get(axis, ""), _NOTHING)
+        if _sets(overlay, parameter) if setting else parameter in overlay.parameters:
+            return ValuePlace(parameter, axis, choice[axis], setting)
+    return ValuePlace(parameter, is_setting=setting)
+
+
+def _sets(overlay: Overlay, name: str) -> bool:
+    """Whether an alternative gives an entry of the operating point or the load."""
+    if name in LOAD_SIZES:
+        return name in overlay.entries
+    _, entry, place = name.split(".", 2)
+    return overlay.operating_point is not None and place in getattr(overlay.operating_point, entry)
 
 
 def changed_definition(definition: Definition, changes: Mapping[ValuePlace, Expression]) -> Definition:
     """Definition of a model with other values of the parameters at some places."""
     parameters = dict(definition.parameters)
     axes = {axis: dict(alternatives) for axis, alternatives in definition.configurations.items()}
+    settings = Overlay()
     for place, value in changes.items():
-        if not place.axis:
+        if place.is_setting:
+            own = {place.parameter: plain_scalar(value)}
+            if place.axis:
+                alternatives = axes[place.axis]
+                alternatives[place.alternative] = with_point_settings(alternatives[place.alternative], own, definition)
+            else:
+                settings = with_point_settings(settings, own, definition)
+        elif not place.axis:
             parameters[place.parameter] = replace(parameters[place.parameter], value=value)
-            continue
-        overlay = axes[place.axis][place.alternative]
-        values = {**overlay.parameters, place.parameter: value}
-        axes[place.axis][place.alternative] = replace(overlay, parameters=values)
-    return replace(definition, parameters=parameters, configurations=axes)
+        else:
+            overlay = axes[place.axis][place.alternative]
+            values = {**overlay.parameters, place.parameter: value}
+            axes[place.axis][place.alternative] = replace(overlay, parameters=values)
+    return replace(definition, parameters=parameters, configurations=axes).with_overlay(settings)
 
 
 def changed_text(
@@ -146,7 +180,9 @@ def _node(document: LocatedDocument, path: Path) -> LocatedNode | None:
 def _in_use(place: ValuePlace, definition: Definition) -> Iterator[Path]:
     """Path of a part's parameter where a use of the part gives its value, for one copy and not for all."""
     found = (
-        None if definition.authored is None or place.axis else owner(definition.authored.authored.use, place.parameter)
+        None
+        if definition.authored is None or place.axis or place.is_setting
+        else owner(definition.authored.authored.use, place.parameter)
     )
     if found is not None and definition.authored is not None:
         name, index, own = found

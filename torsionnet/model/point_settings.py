@@ -1,0 +1,96 @@
+"""Settings that change the operating point or the load of a model, named as they stand in its file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
+from torsionnet.model.configurations import Overlay
+from torsionnet.model.definition import LOAD, Definition
+from torsionnet.model.operating_point import OperatingPoint
+
+POINT = "operating_point"
+TORQUE, SPEED = "torque", "speed"
+LOAD_SIZES = (f"{LOAD}.power", f"{LOAD}.{TORQUE}")
+"""Names of the settings that change how large a load with one absorber is."""
+FORMS = f"{POINT}.{TORQUE}.NODE, {POINT}.{SPEED}.NODE, {' or '.join(LOAD_SIZES)}"
+
+
+def is_point_setting(name: str) -> bool:
+    """Whether a name of a setting is that of an entry of the operating point or the load.
+
+    >>> is_point_setting("operating_point.torque.crank"), is_point_setting("k_1")
+    (True, False)
+    """
+    return name.partition(".")[0] in (POINT, LOAD) and "." in name
+
+
+def setting_name(entry: str, place: str) -> str:
+    """Name of the setting of a torque or speed at a place, as ``operating_point.torque.crank``."""
+    return f"{POINT}.{entry}.{place}"
+
+
+def with_point_settings(changes: Overlay, settings: Mapping[str, Any], definition: Definition) -> Overlay:
+    """Changes to a model with entries of its operating point and load put in; entries not named stay.
+
+    Raises
+    ------
+    UsageError
+        A name that is no entry of an operating point, or of the load that the model has.
+    ModelError
+        A value that is no torque, speed or power, or that follows parameters which do not exist.
+    """
+    if not settings:
+        return changes
+    given: dict[str, dict[str, Any]] = {SPEED: {}, TORQUE: {}}
+    entries: dict[str, Any] = {}
+    for name, value in settings.items():
+        section, entry, place = (*name.split(".", 2), "")[:3]
+        if section == POINT and entry in given and place:
+            given[entry][place] = value
+        elif name in LOAD_SIZES:
+            entries[name] = _load_size(name, value, definition)
+        else:
+            raise UsageError(f'"{name}" is no setting{did_you_mean(name, LOAD_SIZES)}; there are {FORMS}')
+    point, faults = OperatingPoint.read(given)
+    faults = [one.under(POINT) for one in faults]
+    if point is not None:
+        faults += [
+            Fault(f"follows {other}, which is no parameter of the model", (POINT, entry, place))
+            for entry in given
+            for place, value in getattr(point, entry).items()
+            for other in sorted(value.names - definition.parameters.keys())
+        ]
+    if faults or point is None:
+        raise ModelError(faults, definition.name)
+    changed = replace(changes, entries={**changes.entries, **entries})
+    if changes.at is not None:
+        return replace(changed, at=changes.at.with_overlay(point))
+    return replace(changed, operating_point=(changes.operating_point or OperatingPoint()).with_overlay(point))
+
+
+def point_settings_of(changes: Overlay) -> dict[str, Any]:
+    """Settings that make the changes of an operating point and a load, by name."""
+    point = changes.operating_point or OperatingPoint()
+    found = {
+        setting_name(entry, place): value for entry in (SPEED, TORQUE) for place, value in getattr(point, entry).items()
+    }
+    return {**found, **changes.entries}
+
+
+def _load_size(name: str, value: Any, definition: Definition) -> Any:
+    """Power or torque of the load as given; UsageError if the load of the model has no such entry."""
+    entry = name.partition(".")[2]
+    if definition.load is None:
+        raise UsageError(f"{name}: the model has no load:; its torques stand under {POINT}:")
+    if getattr(definition.load, entry) is None:
+        other = next((one for one in LOAD_SIZES if getattr(definition.load, one.partition(".")[2]) is not None), "")
+        hint = f"its size is {other}" if other else "it has several absorbers, or a table over speed"
+        raise UsageError(f"{name}: the load of the model has no {entry}; {hint}")
+    try:
+        replace(definition.load, **{entry: value})
+    except ModelError as error:
+        raise ModelError([one.under(LOAD) for one in error.faults], definition.name) from None
+    return value
