@@ -122,6 +122,12 @@ class TestSliders:
         assert "leave 18 N*m over" in found["refused"][0]
         assert rows(found)[WHEEL]["value"] == -8
         assert "refused" not in answer(session, State(values={CRANK: 20, WHEEL: -80}))
+        found = rows(answer(session, State(values={CRANK: 3})))
+        assert found[WHEEL]["value"] == pytest.approx(-12, rel=1e-11)
+
+    def test_what_rounding_leaves_over_stays(self):
+        found = rows(answer(opened(LINE.replace("-80", "-79")), State(values={CRANK: 40})))
+        assert found[WHEEL]["value"] == pytest.approx(-159, rel=1e-11)
 
     def test_a_configuration_out_of_balance_does_not_close_the_page(self):
         session = opened(LINE + GEARS.replace("-400", "-300"))
@@ -319,3 +325,24 @@ class TestSettings:
         part = tn.Drivetrain("p", [tn.Inertia("disc", node="a", inertia="power")], parameters={"power": 3}, ports=["a"])
         whole = tn.Drivetrain("w", [tn.Inertia("own", node="b", inertia=1)]).with_part("load", part, at={"a": "b"})
         assert whole.configured(**{"load.power": 5}).parameters["load.power"] == 5
+
+
+GAP = """torsionnet: 1
+name: pair
+elements:
+  engine: {type: inertia, node: crank, inertia: 0.15 kg*m^2}
+  mesh: {type: gear, nodes: [crank, wheel], ratio: 4, stiffness: 20 kN*m/rad, backlash: 0.5 deg}
+  vehicle: {type: inertia, node: wheel, inertia: 24 kg*m^2}
+"""
+
+
+def test_rigid_bodies_are_counted_with_the_teeth_pressed_together_under_torque():
+    loaded = GAP + "operating_point: {torque: {crank: 20 N*m, wheel: -80 N*m}}\n"
+    counted = [
+        [fault.message for fault in tn.loads(text).check() if "rigid" in fault.message] for text in (GAP, loaded)
+    ]
+    assert counted == [
+        ["the drivetrain can turn freely: 2 rigid-body modes"],
+        ["the drivetrain can turn freely: one rigid-body mode while torque presses mesh together"],
+    ]
+    assert [sum(kind == "rigid body" for kind in tn.loads(text).modes().kinds) for text in (GAP, loaded)] == [2, 1]

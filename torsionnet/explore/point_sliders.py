@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from torsionnet.core.errors import TorsionnetError
 from torsionnet.core.expressions import Expression
 from torsionnet.core.units import parse_unit
 from torsionnet.drivetrain import Drivetrain
@@ -99,7 +100,8 @@ def point_settings(values: Mapping[str, Any], rig: Drivetrain) -> dict[str, Any]
 def with_balance(plain: Drivetrain, values: Mapping[str, Any]) -> dict[str, Any]:
     """Values given by hand, with torques of the operating point that follow so that all stay in balance.
 
-    Torques that the file writes as expressions of parameters follow these instead.
+    Torques that the file writes as expressions of parameters follow these instead. What the file leaves over, by
+    rounding, stays over.
 
     Parameters
     ----------
@@ -117,14 +119,26 @@ def with_balance(plain: Drivetrain, values: Mapping[str, Any]) -> dict[str, Any]
     changed = plain.configured(**values)
     assert plain.definition.tangents is not None  # else there were no rows
     before, after = (_torques(rig) for rig in (plain, changed))
-    steps = {place: after[place] - before[place] for place in moved}
+    loose_before = {place: before[place] for place in loose}
+    if _is_balanced(plain):
+        steps = {place: after[place] - before[place] for place in moved}
+    else:  # nothing to keep: all torques together come into balance
+        steps = {**{place: after[place] for place in moved}, **loose_before}
     followed = followed_torques(
         law_network(changed.definition, changed.exact_values),
         plain.definition.tangents,
         steps,
-        {place: before[place] for place in loose},
+        loose_before,
     )
     return {**values, **{setting_name(TORQUE, place): _text(own[place], torque) for place, torque in followed.items()}}
+
+
+def _is_balanced(rig: Drivetrain) -> bool:
+    assert rig.definition.tangents is not None
+    try:
+        return bool(rig.definition.tangents.states)
+    except TorsionnetError:
+        return False
 
 
 def _torques(rig: Drivetrain) -> dict[str, float]:

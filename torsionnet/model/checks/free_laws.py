@@ -11,6 +11,7 @@ from torsionnet.model.definition import Definition
 from torsionnet.model.element_base.element import Element
 from torsionnet.model.elements import Constraint, Law, MotionLaw, Part, Values
 from torsionnet.model.kinematics import Kinematics, solve_kinematics
+from torsionnet.model.parameters import resolve
 
 
 def open_gaps(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
@@ -25,6 +26,17 @@ def open_gaps(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
         for element in definition.active
         if element.has_motion_laws and _is_open(element, value)
     ]
+
+
+def with_gaps_closed(definition: Definition, kinematics: Kinematics) -> tuple[Kinematics, tuple[str, ...]]:
+    """Kinematics of a drivetrain whose gaps are closed by torques, and the names of the elements that have these."""
+    value = Values(resolve(definition.parameters)[0])
+    closed = tuple(one.name for one in definition.active if one.has_motion_laws and _is_open(one, value))
+    if not closed:
+        return kinematics, ()
+    elements = {name: definition.elements[name].with_laws(ClosedParts(definition.elements[name])) for name in closed}
+    changed = replace(definition, elements={**definition.elements, **elements}, tangents=None)
+    return solve_kinematics(changed, value), closed
 
 
 def _is_open(element: Element, value: Values) -> bool:
@@ -67,3 +79,17 @@ class LooseParts:
     def __call__(self, value: Values) -> tuple[Part, ...]:
         whole = self.element.whole_parts(value)
         return tuple(Law(part.row) if isinstance(part, MotionLaw) else part for part in whole)
+
+
+@dataclass(frozen=True)
+class ClosedParts:
+    """Replacement of the method ``parts`` of an element, in which its gaps are closed; the stiffness does not count."""
+
+    element: Element
+
+    def __call__(self, value: Values) -> tuple[Part, ...]:
+        whole = self.element.whole_parts(value)
+        return tuple(
+            Law(part.row, stiffness=int(part.curve.over == "twist")) if isinstance(part, MotionLaw) else part
+            for part in whole
+        )

@@ -173,13 +173,22 @@ def idle_channels(definition: Definition, kinematics: Kinematics) -> list[Fault]
 
 
 def rigid_body_modes(definition: Definition, kinematics: Kinematics) -> list[Fault]:
-    """Note on the number of motions that no spring or controller resists."""
-    del definition
+    """Note on the number of motions that no spring or controller resists.
+
+    Under torques or a load gaps count as closed.
+    """
+    closed: tuple[str, ...] = ()
+    loaded = definition.load or definition.operating_point.torque
+    if loaded and any(one.has_motion_laws for one in definition.active):
+        from torsionnet.model.checks.free_laws import with_gaps_closed
+
+        kinematics, closed = with_gaps_closed(definition, kinematics)
     count = len(rigid_motions(kinematics)) - count_held_motions(kinematics)
     if not count:
         return []
     what = "one rigid-body mode" if count == 1 else f"{count} rigid-body modes"
-    return [Fault(f"the drivetrain can turn freely: {what}", (), "note")]
+    pressed = f" while torque presses {comma_list(closed)} together" if closed else ""
+    return [Fault(f"the drivetrain can turn freely: {what}{pressed}", (), "note")]
 
 
 def rigid_motions(kinematics: Kinematics) -> list[str]:
