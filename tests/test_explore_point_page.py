@@ -37,7 +37,7 @@ def field(found, name):
 
 def check(found, path, torque):
     """The curve is that of the library at the operating point."""
-    (curve,) = [one for one in drawn(found)[:1]]
+    curve = drawn(found)[0]
     rig = tn.load(path).at(torque={"crank": torque, "wheel": -RATIO * torque})
     expected = rig.frequency_response("crank", "crank", np.array(curve["frequencies"])).magnitude[:, 0, 0]
     np.testing.assert_allclose(curve["magnitude"], expected, rtol=1e-9)
