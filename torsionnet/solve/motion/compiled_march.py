@@ -68,10 +68,8 @@ def size_of(sizes: Any, z: Any) -> float:
 
 
 def moved(z: Any, rest: float, n_q: int, taylor: Any) -> Any:
-    """State z after less than the distance of two points of the finer grid, see :func:`.motion_steps.moved`."""
+    """State z at a place between two points of the finer grid, see :func:`.motion_steps.moved`."""
     n_moving = taylor.shape[0] // DEGREE
-    one = n_q + n_moving
-    n_u = (z.shape[0] - one - 1) // 2
     terms, found, power = np.dot(taylor, z), z.copy(), 1.0
     for k in range(n_q):
         found[k] += rest * z[n_q + k]
@@ -82,8 +80,6 @@ def moved(z: Any, rest: float, n_q: int, taylor: Any) -> Any:
             found[k] += risen * terms[first + k]
         for k in range(n_moving):
             found[n_q + k] += power * terms[first + k]
-    for k in range(n_u):
-        found[one + 1 + k] += rest * z[one + 1 + n_u + k]
     return found
 
 

@@ -58,6 +58,8 @@ def located(
 ) -> tuple[float, int, Any]:  # fmt: skip
     """Time of the first event within a part of a step, the place of its guard, and z there; (-1, -1, z) without one.
 
+    The torques in z need not be those there.
+
     ``finer`` gives the guards at the points of the finer grid, ``courses`` their Taylor coefficients, ``sizes`` the
     sizes of their terms.
     """

@@ -59,25 +59,22 @@ def passed_points(z: Any, place: int, n_sub: int, halves: Any) -> Any:
 
 
 def moved(z: Any, rest: float, n_q: int, taylor: Any) -> Any:
-    """State z after less than the distance of two points of the finer grid.
+    """State z after less than the distance of two points of the finer grid, with the torques from before.
 
     ``taylor`` gives the Taylor coefficients of all entries between the angles and the constant. Angles follow
-    from their rates, torques from their slopes.
+    from their rates.
     """
     n_moving = taylor.shape[0] // DEGREE
-    one = n_q + n_moving
-    n_u = (z.shape[0] - one - 1) // 2
     terms = np.dot(taylor, z).reshape(DEGREE, n_moving)
     powers = rest**EXPONENTS
     found = z.copy()
     found[:n_q] += rest * (z[n_q : 2 * n_q] + np.dot(powers / (EXPONENTS + 1.0), terms)[:n_q])
-    found[n_q:one] += np.dot(powers, terms)
-    found[one + 1 : one + 1 + n_u] += rest * z[one + 1 + n_u :]
+    found[n_q : n_q + n_moving] += np.dot(powers, terms)
     return found
 
 
 def passed(z: Any, part: float, n_sub: int, n_q: int, halves: Any, taylor: Any) -> Any:
-    """State z after a part of a step, from 0 to 1."""
+    """State z after a part of a step, from 0 to 1, in which torques need not be those there."""
     place = min(int(part * n_sub), n_sub)
     rest = part - place / n_sub
     z = passed_points(z, place, n_sub, halves)
