@@ -1,4 +1,4 @@
-"""Draw docs/images/explore.png and explore_speed.png: the explore page in headless Chromium.
+"""Draw the pictures docs/images/explore*.png: the explore page in headless Chromium.
 
 ``python docs/explore_picture.py`` needs playwright (dependency group ``test``) and an installed Chromium.
 """
@@ -20,6 +20,18 @@ from explore_pages import chromium, serving, visit  # noqa: E402
 from torsionnet.explore.choices import ResponseChoice  # noqa: E402
 
 PICTURE, OVER_SPEED = DOCS / "images" / "explore.png", DOCS / "images" / "explore_speed.png"
+POINT = DOCS / "images" / "explore_operating_point.png"
+LINE = """torsionnet: 1
+name: engine, flywheel in two stages, gear with backlash
+elements:
+  engine: {type: inertia, node: crank, inertia: 0.15 kg*m^2}
+  dmf: {type: spring, nodes: [crank, clutch], damping: 0.5, stages: [{stiffness: 460, to: 0.12 rad}, {stiffness: 1500}]}
+  disc: {type: inertia, node: clutch, inertia: 0.05 kg*m^2}
+  mesh: {type: gear, nodes: [clutch, wheel], ratio: 4, stiffness: 20 kN*m/rad, damping: 2, backlash: 0.5 deg}
+  vehicle: {type: inertia, node: wheel, inertia: 24 kg*m^2}
+operating_point: {torque: {crank: 200 N*m, wheel: -800 N*m}}
+"""
+"""The model on the page about laws of motion, under 200 N m."""
 SIZE = {"width": 1440, "height": 900}
 ESTIMATE = "--input T_T --output theta_1 --preset paper --from 0.5 --to 40"
 
@@ -59,6 +71,17 @@ def pin_and_soften_damper(found: Any) -> None:
     page.wait_for_timeout(1500)
 
 
+def pin_and_reduce_torque(found: Any) -> None:
+    """Prepare the explore page: the curve of the file pinned, a tenth of its torque."""
+    page = found.page
+    page.click("#pin")
+    with found.update():
+        page.locator("[id='parameter-operating_point.torque.crank']").fill("20")
+        page.keyboard.press("Enter")
+    page.evaluate("document.activeElement.blur()")
+    page.wait_for_timeout(300)
+
+
 def main() -> None:
     from playwright.sync_api import sync_playwright
 
@@ -77,6 +100,11 @@ def main() -> None:
         ):
             pin_and_soften_damper(found)
             found.page.screenshot(path=str(OVER_SPEED))
+        line = Path(folder) / "line.yaml"
+        line.write_text(LINE)
+        with serving(line) as server, visit(browser, server.address, viewport=SIZE) as found:
+            pin_and_reduce_torque(found)
+            found.page.screenshot(path=str(POINT))
         browser.close()
 
 

@@ -15,19 +15,30 @@ from torsionnet.model.elements import (
     Shaft,
     TabulatedSpring,
 )
+from torsionnet.model.motion_balance.law_network import keeps_own_point
 from torsionnet.report.document_tree import Cell, Listing, Math, Section, inlines
 from torsionnet.report.report_data import ReportData, is_damped
 from torsionnet.report.report_text import as_words, first_names, pair_latex, symbol_or_words
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from torsionnet.model.definition import Definition
     from torsionnet.model.elements import Element
 
+GEARED = (Gear, Planetary, Differential)
 MOST_NAMES = 6
 """Largest number of element names that a sentence on validity lists."""
 
 LINEAR = (
     "Linear: small torsional vibrations{about}. Backlash, clearances, friction that sticks, slipping clutches and "
     "stops are not in the model; where a gear unloads or a spring reaches another stage it does not hold."
+)
+SMALL = "Linear: small torsional vibrations{about}."
+LAWS = (
+    "Laws of motion ({names}) are linear about the operating point, each with its slope there. A vibration that opens a "
+    "gap, reaches another stage or makes friction slip is larger than these results hold for; a simulation over time "
+    "has the laws in full. Stops and gaps that no element describes are not in the model."
 )
 LUMPED = (
     "Lumped: what is no shaft from its dimensions is a disc or a spring between discs. It holds well below the first "
@@ -47,6 +58,10 @@ SHAFTS = (
 GEARS = (
     "Gears ({names}) transmit without play and without errors of the teeth, always in contact. What lies behind a "
     "stage counts with the square of its ratio: an error of 1 % in a ratio is one of 2 % there."
+)
+GEARS_WITH_BACKLASH = (
+    "Gears with backlash ({names}) transmit without errors of the teeth. What lies behind a stage counts with the "
+    "square of its ratio: an error of 1 % in a ratio is one of 2 % there."
 )
 CLAMPS = "Clamps ({names}) are rigid. A real support gives way, which lowers natural frequencies."
 COUPLINGS = "Rigid couplings ({names}) neither twist nor damp; their own resonances are taken to lie above the band."
@@ -69,7 +84,13 @@ def validity_section(subject: ReportData) -> Section:
 def _notes(subject: ReportData) -> Iterator[Cell]:
     model = subject.model
     loaded = any(model.mean_speeds.values()) or any(model.mean_torques.values())
-    yield LINEAR.format(about=" about the operating point" if loaded else "")
+    about = " about the operating point" if loaded else ""
+    laws = _named(subject, _follows_point)
+    if laws:
+        yield SMALL.format(about=about)
+        yield LAWS.format(names=laws)
+    else:
+        yield LINEAR.format(about=about)
     yield LUMPED
     yield from _about(subject, SHAFTS, Shaft)
     if any((case.drivetrain.assembly.system.damping > 0).any() for case in subject.cases):
@@ -78,7 +99,10 @@ def _notes(subject: ReportData) -> Iterator[Cell]:
         yield UNDAMPED
     yield from _about(subject, HYSTERETIC, HystereticSpring)
     yield from _about(subject, TABULATED, TabulatedSpring)
-    yield from _about(subject, GEARS, Gear, Planetary, Differential)
+    for text, lash in ((GEARS, False), (GEARS_WITH_BACKLASH, True)):
+        gears = _named(subject, lambda one, _, lash=lash: isinstance(one, GEARED) and one.has_motion_laws is lash)
+        if gears:
+            yield text.format(names=gears)
     yield from _about(subject, CLAMPS, Lock)
     yield from _about(subject, COUPLINGS, RigidCoupling)
     if subject.request.is_of_kind("responses"):
@@ -87,14 +111,25 @@ def _notes(subject: ReportData) -> Iterator[Cell]:
 
 def _about(subject: ReportData, text: str, *kinds: type[Element]) -> Iterator[str]:
     """Text on an assumption with the names of the elements of these types, if any is in a configuration."""
+    names = _named(subject, lambda element, _: isinstance(element, kinds))
+    if names:
+        yield text.format(names=names)
+
+
+def _named(subject: ReportData, fits: Callable[[Element, Definition], bool]) -> str:
+    """Names of the elements that fit, in any configuration, as a text; empty if there are none."""
     found = {
         name: None
         for case in subject.cases
         for name, element in case.drivetrain.elements.items()
-        if isinstance(element, kinds)
+        if fits(element, case.drivetrain.definition)
     }
-    if found:
-        yield text.format(names=first_names([as_words(name) for name in found], MOST_NAMES))
+    return first_names([as_words(name) for name in found], MOST_NAMES)
+
+
+def _follows_point(element: Element, definition: Definition) -> bool:
+    """Whether an element has laws of motion that are linear about the operating point of the model."""
+    return element.has_motion_laws and not keeps_own_point(element, definition)
 
 
 def _readings(subject: ReportData) -> Iterator[Cell]:
