@@ -36,8 +36,8 @@ LINEAR = (
 )
 SMALL = "Linear: small torsional vibrations{about}."
 LAWS = (
-    "Laws of motion ({names}) are linear about the operating point, each with its slope there. A vibration that opens a "
-    "gap, reaches another stage or makes friction slip is larger than these results hold for; a simulation over time "
+    "Laws of motion ({names}) are linear about the operating point, each with its slope there. A vibration that opens "
+    "a gap, reaches another stage or makes friction slip is larger than these results hold for; a simulation over time "
     "has the laws in full. Stops and gaps that no element describes are not in the model."
 )
 LUMPED = (
