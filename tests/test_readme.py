@@ -51,7 +51,7 @@ def test_fault_shown_in_the_readme_is_the_one_reported():
 
 
 def test_yaml_blocks_are_the_example_files_and_pass_check():
-    for text, name in zip(blocks("yaml"), ["model.yaml", "plant.yaml"], strict=True):
+    for text, name in zip(blocks("yaml"), ["model.yaml", "plant.yaml", "car.yaml"], strict=True):
         assert text == (FILES / name).read_text(encoding="utf-8")
         assert not [fault for fault in tn.load(FILES / name).check() if fault.severity != "note"]
 
