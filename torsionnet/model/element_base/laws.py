@@ -103,6 +103,7 @@ class MotionLaw:
 
     The torque is ``scale`` times that of ``curve``. A scenario may give ``scale`` over time under the name
     ``scaled_by``, as the clamp torque of a clutch; ``sensed`` are rows whose rates the curve follows besides its own.
+    With a time constant ``lag`` tau in s the torque T of the motion follows that of the curve, T + tau dT/dt = T_curve.
     """
 
     row: Row
@@ -110,6 +111,7 @@ class MotionLaw:
     scale: Any = 1
     scaled_by: str = ""
     sensed: tuple[Row, ...] = ()
+    lag: Any = 0
 
     def torque(self, twist: Any, rate: Any, *sensed: Any) -> Any:
         """Torque in N m against the motion at a twist gamma in rad, a rate in rad/s, and rates of sensed rows."""

@@ -46,7 +46,8 @@ class InductionMachine(Element):
     dashpot c in series with the spring c/tau. With rotor resistance and leakage alone tau = 1/(2 pi f s_k).
 
     T(s) is its law of motion in time, over the absolute speed of the rotor, whose field turns in the positive sense;
-    there it follows the speed without the lag. Where neither slip nor rated values say about which slip it works,
+    with a time constant its torque T_m follows as T_m + tau dT_m/dt = T(s), from zero where a simulation starts at
+    rest, as after switching on, and else from T(s) of the start. Where neither slip nor rated values say about which slip it works,
     linear results take that of the operating point, and without one that of the unloaded machine, s = 0. A torque
     below T_k stands at two slips, s and s_k^2/s, of which the larger is unstable under a constant torque.
 
@@ -136,7 +137,8 @@ class InductionMachine(Element):
         return self._parts_about(self._curve(value).slip(states[0].rate) if states else 0, value)
 
     def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
-        law = MotionLaw(difference(self.node, self.housing), self._curve(value))
+        lag = 0 if self.time_constant is None else value(self.time_constant)
+        law = MotionLaw(difference(self.node, self.housing), self._curve(value), lag=lag)
         held = [Constraint(difference(self.node, field)) for field in self.internal_nodes]
         return (law, *held, *self._rotor(value))
 

@@ -76,6 +76,10 @@ def simulate(
     if split.smooth:
         names = ", ".join(dict.fromkeys(one.owner for one in split.smooth))
         notes.append(f"the torques of {names} by a Runge-Kutta method to {RELATIVE:g} in each step")
+        late = ", ".join(f"{one.owner} with {one.lag:.6g} s" for one in split.smooth if one.lag)
+        if late:
+            text = "from that of its speed" if begun.settled else "from zero at the first sample, as after switching on"
+            notes.append(f"torque that follows its curve with a time constant, {text}: {late}")
     if check:
         finer = _solved(split, request, driving, begun, refinement=2)
         notes.append(agreement_note(motion.values, finer.values, sampling_rate))
@@ -123,11 +127,15 @@ def _driving(
 
 @dataclass(frozen=True, eq=False)
 class _Begun:
-    """State z in which a motion begins, the contact state where it is known, and both in words."""
+    """State z in which a motion begins, the contact state where it is known, and both in words.
+
+    ``settled`` says whether torques that lag behind their curve have reached it.
+    """
 
     z: FloatArray
     contact: Contact | None
     words: str
+    settled: bool = True
 
 
 def _begun(
@@ -143,7 +151,7 @@ def _begun(
     at = Layout(len(plant.assembly.system.M), sum(len(one.F) for one in plant.actions), 0, 0)
     given = start if isinstance(start, MotionStart) else MotionStart()
     words = "at rest before the first sample" if start == REST else "from a given state"
-    return _Begun(start_state(plant, at, given), None, words)
+    return _Begun(start_state(plant, at, given), None, words, settled=start != REST)
 
 
 def _even_size(split: SplitPlant, torques: Mapping[str, float]) -> float:
@@ -155,6 +163,6 @@ def _even_size(split: SplitPlant, torques: Mapping[str, float]) -> float:
 def _solved(
     split: SplitPlant, request: TransferRequest, driving: Driving, begun: _Begun, refinement: int = 1
 ) -> MotionOverTime:
-    solve = simulate_smooth if split.smooth else simulate_pieces
-    found = solve(split, request.outputs, request.excitations, driving, begun.z, begun.contact, refinement)
+    given = (split, request.outputs, request.excitations, driving, begun.z, begun.contact, refinement)
+    found = simulate_smooth(*given, settled=begun.settled) if split.smooth else simulate_pieces(*given)
     return replace(found, events=tuple(sorted(found.events, key=lambda event: event.time)))

@@ -65,9 +65,12 @@ def smooth_form(form: ContactForm, at: Layout, laws: Sequence[SmoothLaw], places
     rates = take @ form.A
     angles, speeds, _ = form.motion
     motions = tuple(np.vstack([one.row @ angles, one.row @ speeds, one.sensed @ speeds]) for one in laws)
+    prompt = [place for place, one in zip(places, laws, strict=True) if not one.lag]
     for one, rows in zip(laws, motions, strict=True):
         used = rows[1:] if one.over_rate else rows[:1]
-        at_once = np.hstack([used @ over_u[:, list(places)], used @ over_s[:, list(places)]])
+        if one.lag:
+            continue
+        at_once = np.hstack([used @ over_u[:, prompt], used @ over_s[:, prompt]])
         if np.abs(at_once).max(initial=0.0) > FEEDBACK * _size(form, at):
             text = "its torque acts where nothing has inertia, so that its motion follows from a curve alone"
             raise UsageError(f"{one.owner}: {text}; give the node an inertia")

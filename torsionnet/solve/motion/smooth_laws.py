@@ -41,6 +41,8 @@ class SmoothLaw:
         Number of the entry among the scales that scales the torque, -1 for none.
     held : int
         Number of the law of straight pieces that holds the row still where this one sticks, -1 for none.
+    lag : float
+        Time constant in s with which the torque follows the curve, 0 for none.
     """
 
     owner: str
@@ -50,6 +52,7 @@ class SmoothLaw:
     sensed: FloatArray
     scale: int = -1
     held: int = -1
+    lag: float = 0.0
 
     @property
     def over_rate(self) -> bool:
@@ -127,7 +130,7 @@ def split_plant(drivetrain: AssembledModel, plant: MotionPlant, scales: tuple[Sc
             pieces.append(replace(one, law=law))
             phases.append(_steps_alone(one.owner, law))
             scale_of.append(scale)
-        smooth.append(SmoothLaw(one.owner, law, one.number, one.row, sensed, scale, held))
+        smooth.append(SmoothLaw(one.owner, law, one.number, one.row, sensed, scale, held, float(law.lag)))
     return SplitPlant(replace(plant, laws=tuple(pieces)), tuple(phases), tuple(scale_of), tuple(smooth), scales)
 
 
