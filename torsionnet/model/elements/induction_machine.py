@@ -47,9 +47,9 @@ class InductionMachine(Element):
 
     T(s) is its law of motion in time, over the absolute speed of the rotor, whose field turns in the positive sense;
     with a time constant its torque T_m follows as T_m + tau dT_m/dt = T(s), from zero where a simulation starts at
-    rest, as after switching on, and else from T(s) of the start. Where neither slip nor rated values say about which slip it works,
-    linear results take that of the operating point, and without one that of the unloaded machine, s = 0. A torque
-    below T_k stands at two slips, s and s_k^2/s, of which the larger is unstable under a constant torque.
+    rest, as after switching on, and else from T(s) of the start. Where neither slip nor rated values say about which
+    slip it works, linear results take that of the operating point, and without one that of the unloaded machine, s = 0.
+    A torque below T_k stands at two slips, s and s_k^2/s, of which the larger is unstable under a constant torque.
 
     Examples
     --------

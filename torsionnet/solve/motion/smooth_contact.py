@@ -10,7 +10,7 @@ import numpy as np
 from torsionnet.assembly.functionals import Functional
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.model.channels import Input
-from torsionnet.solve.motion.contact_form import ContactForm, Layout
+from torsionnet.solve.motion.contact_form import ContactForm
 from torsionnet.solve.motion.contact_states import Contact, ContactStates
 from torsionnet.solve.motion.march_tables import guard_rows
 from torsionnet.solve.motion.motion_plant import LawRow, PlacedLaw
