@@ -134,7 +134,8 @@ class _DrivenMarch:
         driving, at = self.driving, self.states.at
         found = MotionOverTime(np.zeros((len(self.readings), driving.n)), (), EnergyBalance(0.0, 0.0))
         k, n_sub = steps_of(rates, 1 / driving.rate, driving.n, refinement)
-        length = 0.0
+        length = jumped = 0.0
+        energy: float | None = None
         parts: list[MotionOverTime] = []
         for stretch in self.stretches or [driving.straight(0.0, 0.0)]:
             for run in self._runs(stretch):
@@ -151,6 +152,9 @@ class _DrivenMarch:
                 z[at.w] = self.generators.at(stretch, run.start)
                 parts.append(motion.whole(z, record, contact))
                 z, contact = motion.end, motion.contact
+                if energy is not None:  # a torque that jumps moves at once what has no inertia
+                    jumped += motion.energies[0] - energy
+                energy = motion.energies[1]
                 if run.sample >= 0:
                     last = 1 if run.alone else run.n + 1
                     found.values[:, run.sample : run.sample + last] = parts[-1].values[:, :last]
@@ -159,7 +163,7 @@ class _DrivenMarch:
                     if abs((run.start + run.interval) * driving.rate - number) < SAMPLE_SLACK:
                         found.values[:, number] = parts[-1].values[:, -1]
         events = tuple(event for part in parts for event in part.events)
-        balances = [part.energy for part in parts]
+        balances = [*(part.energy for part in parts), EnergyBalance(jumped, jumped)]
         return MotionOverTime(found.values, events, DeferredBalance(lambda: added_up(balances)))
 
     def _runs(self, stretch: Stretch) -> Iterator[_Run]:

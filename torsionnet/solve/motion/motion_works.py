@@ -11,6 +11,7 @@ from scipy import linalg
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.solve.motion.contact_form import ContactForm
 from torsionnet.solve.motion.contact_states import Contact, ContactStates, rates_of
+from torsionnet.solve.motion.event_losses import EventLosses
 from torsionnet.solve.motion.guard_polynomials import DEGREE
 from torsionnet.solve.motion.march_tables import in_steps
 from torsionnet.solve.motion.motion_plant import PlacedLaw
@@ -20,8 +21,8 @@ from torsionnet.solve.motion.step_matrices import BLOCK, rows_along, step_matric
 WORK_TOLERANCE = 1e-10
 """Share by which quadrature may miss the work of the fastest vibration within a step; slower ones it misses by less."""
 FEWEST_NODES, MOST_NODES = 3, 10
-"""Fewest and most Gauss points in a step, of which three integrate exactly what is left of the energy of a loose
-contact, of the fifth degree in time under a straight torque."""
+"""Fewest and most Gauss points in a step or a part of it, of which three integrate exactly what is left of the energy
+of a loose contact, of the fifth degree in time under a straight torque."""
 NODES_IN_PART = 4
 """Number of Gauss points in a part of a step, in which nothing turns by more than 0.25 rad: four points miss
 5.6e-10 (2 0.25)^8 = 2e-12 of what a vibration loses."""
@@ -81,38 +82,32 @@ def work_rows(states: ContactStates, contact: Contact, form: ContactForm, h: flo
     )
 
 
-def stored_energy(states: ContactStates, contact: Contact, z: FloatArray) -> float:
-    """Kinetic energy and energy stored in springs in J at a state z, which counts time in steps."""
-    plant, at = states.plant, states.at
-    form = states.form(contact)
-    whole = form.refresh @ (z * in_steps(at, states.h))
-    system, (position, speed, _) = plant.assembly.system, form.motion
-    twists, rates = (system.rows @ position) @ whole, system.rows @ (speed @ whole)
-    linear = np.array([not isinstance(law, PlacedLaw) for law in plant.assembly.laws], dtype=bool)
-    found = 0.5 * float(system.inertia @ rates**2 + system.stiffness[linear] @ twists[linear] ** 2)
-    own = form.twists @ whole
-    return found + sum(float(one.law.energy(float(twist))) for one, twist in zip(plant.laws, own, strict=True))
-
-
-def gauss_points(count: int) -> tuple[FloatArray, FloatArray]:
-    """Places and weights of Gauss points from 0 to 1."""
+def gauss_points(count: int, parts: int = 1) -> tuple[FloatArray, FloatArray]:
+    """Places and weights of Gauss points from 0 to 1, so many in each of so many equal parts."""
     places, weights = np.polynomial.legendre.leggauss(count)
-    return (places + 1) / 2, weights / 2
+    begins = np.arange(parts)[:, None]
+    return ((begins + (places + 1) / 2) / parts).ravel(), np.tile(weights / (2 * parts), parts)
 
 
-def node_count(turn: float) -> int:
-    """Number of Gauss points in a step in which the fastest vibration turns, or decays, by an angle in rad."""
-    for count in range(FEWEST_NODES, MOST_NODES):
-        size = math.factorial(count) ** 4 / ((2 * count + 1) * math.factorial(2 * count) ** 3)
-        if size * (2 * turn) ** (2 * count) < WORK_TOLERANCE:
-            return count
-    return MOST_NODES
+def node_count(turn: float) -> tuple[int, int]:
+    """Number of Gauss points, and of parts of a step, in which the fastest vibration turns, or decays, by so many rad.
+
+    >>> node_count(1.0), node_count(16.0)
+    ((6, 1), (10, 4))
+    """
+    parts = 1
+    while True:
+        for count in range(FEWEST_NODES, MOST_NODES + 1):
+            size = math.factorial(count) ** 4 / ((2 * count + 1) * math.factorial(2 * count) ** 3)
+            if size * (2 * turn / parts) ** (2 * count) < WORK_TOLERANCE:
+                return count, parts
+        parts += 1
 
 
 @dataclass(frozen=True, eq=False)
 class _Tables:
     work: WorkRows
-    nodes: int
+    weights: FloatArray
     along: tuple[FloatArray, FloatArray]
     taylor: FloatArray
     finest: FloatArray
@@ -125,10 +120,13 @@ class Works:
         self.states, self.drive = states, drive
         self.h, self.n_sub = states.h, states.n_sub
         self.found: dict[str, float] = {}
+        self.losses = EventLosses(states, drive)
         self._tables: dict[Contact, _Tables] = {}
 
     def add(self, stretches: Stretches) -> None:
-        """Add the works along stretches of motion."""
+        """Add the works along stretches of motion, and what is lost at events between them."""
+        for owner, value in self.losses.between(stretches):
+            self.found[owner] = self.found.get(owner, 0.0) + value
         for contact, whole, few in stretches.alike():
             tables = self._tables_of(contact)
             sums = self._over_steps(tables, few) if whole else self._over_parts(tables, few)
@@ -147,20 +145,19 @@ class Works:
         form, units = self.states.form(contact), in_steps(at, self.h)
         A = self.h * form.A * units / units[:, None]
         work = work_rows(self.states, contact, form, self.h)
-        nodes = node_count(max(rates_of(form)) * self.h)
-        inside = np.vstack([work.rows @ linalg.expm(place * A) for place in gauss_points(nodes)[0]])
+        places, weights = gauss_points(*node_count(max(rates_of(form)) * self.h))
+        inside = np.vstack([work.rows @ linalg.expm(place * A) for place in places])
         taylor = [work.rows]
         for k in range(1, DEGREE + 1):
             taylor.append(taylor[-1] @ A / k)
         along = rows_along(inside, step_matrices(np.asarray(linalg.expm(A)), at), at)
-        return _Tables(work, nodes, along, np.array(taylor), np.asarray(linalg.expm(A / self.n_sub)))
+        return _Tables(work, weights, along, np.array(taylor), np.asarray(linalg.expm(A / self.n_sub)))
 
     def _over_steps(self, tables: _Tables, few: Stretches) -> FloatArray:
-        values = few.along(tables.along, self.drive).reshape(len(few.numbers), BLOCK, tables.nodes, -1)
+        values = few.along(tables.along, self.drive).reshape(len(few.numbers), BLOCK, len(tables.weights), -1)
         inside = (np.arange(BLOCK)[:, None] < few.numbers[:, 2]).astype(float)
-        weights = gauss_points(tables.nodes)[1]
         powers = tables.work.powers(np.ascontiguousarray(values.transpose(1, 2, 3, 0)))
-        return np.asarray(np.einsum("spc,sc->p", np.tensordot(weights, powers, axes=(0, 1)), inside))
+        return np.asarray(np.einsum("spc,sc->p", np.tensordot(tables.weights, powers, axes=(0, 1)), inside))
 
     def _over_parts(self, tables: _Tables, few: Stretches) -> FloatArray:
         z, lengths = few.whole_states(self.drive), few.times[:, 1]

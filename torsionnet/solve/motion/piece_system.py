@@ -20,10 +20,11 @@ from torsionnet.response.motion.motion_event import MotionEvent
 from torsionnet.solve.motion import marching
 from torsionnet.solve.motion.contact_states import Contact, ContactStates
 from torsionnet.solve.motion.march_tables import in_steps
+from torsionnet.solve.motion.motion_energy import stored_energy
 from torsionnet.solve.motion.motion_over_time import MotionOverTime
 from torsionnet.solve.motion.motion_record import MotionRecord, Stretches
 from torsionnet.solve.motion.motion_steps import with_torques
-from torsionnet.solve.motion.motion_works import Works, stored_energy
+from torsionnet.solve.motion.motion_works import Works
 from torsionnet.solve.motion.start_state import relative_state
 from torsionnet.solve.motion.step_matrices import push_offsets
 
@@ -45,11 +46,13 @@ class PieceMotion:
     """Motion under way: contact state, grid point, part of the step, state p and the lists of the march.
 
     ``drive`` (last + BLOCK + 2, n_u) are torques and scales at the grid points, k of them to a sample, from the time
-    ``begins`` in s on. ``end`` is the state z in SI units at the end, and ``contact`` the contact state there.
+    ``begins`` in s on. ``end`` is the state z in SI units at the end, ``contact`` the contact state there, and
+    ``energies`` are those stored in J at the beginning and at the end.
     """
 
     end: FloatArray
     contact: Contact
+    energies: tuple[float, float]
 
     def __init__(self, states: ContactStates, drive: FloatArray, k: int, last: int, begins: float = 0.0) -> None:
         self.states, self.k, self.last, self.begins = states, k, last, begins
@@ -73,6 +76,7 @@ class PieceMotion:
         z0[at.slope] = flat[at.n_u : 2 * at.n_u] - flat[: at.n_u]
         p = self._refreshed(contact, z0)[: at.n_p].copy()
         energy = stored_energy(states, contact, self._z(p, 0, 0.0))
+        self.kept.append(_standing(contact, 0, p))
         march = _compiled_march() if self.last >= STEPS_WORTH_COMPILING else marching.march
         state = np.array([states.number(contact), 0, self.last, 0, 0], dtype=np.int64)
         f = 0.0
@@ -108,7 +112,9 @@ class PieceMotion:
         contact, z = states.contacts[state[0]], self._z(p, self.last, 0.0)
         record.add_last(contact, z)
         self.end, self.contact = self._in_angles(contact, z), contact
-        stored = stored_energy(states, contact, z) - energy
+        self.kept.append(_standing(contact, self.last, p))
+        self.energies = energy, stored_energy(states, contact, z)
+        stored = self.energies[1] - energy
         return MotionOverTime(record.values, tuple(self.events), DeferredBalance(lambda: self._balance(stored)))
 
     def _note(self, record: MotionRecord, numbers: NDArray[np.int64], times: FloatArray, starts: FloatArray) -> None:
@@ -170,6 +176,11 @@ class PieceMotion:
         raise SolveError(
             f"{text}, without an end to be seen; give the contact or the friction a stiffness or a damping"
         )
+
+
+def _standing(contact: Contact, i: int, p: FloatArray) -> Stretches:
+    """Stretch without length at a grid point, which says in which contact state a motion begins or ends there."""
+    return Stretches([contact], np.array([[0, i, 0]], dtype=np.int64), np.zeros((1, 2)), p[None].copy())
 
 
 def _compiled_march() -> Callable[..., tuple[int, float, int]]:

@@ -24,11 +24,11 @@ from torsionnet.solve.motion.event_losses import losing_law
 from torsionnet.solve.motion.guard_roots import first_event, nodes
 from torsionnet.solve.motion.march_tables import in_steps
 from torsionnet.solve.motion.motion_over_time import MotionOverTime
-from torsionnet.solve.motion.start_state import relative_state
 from torsionnet.solve.motion.smooth_contact import SmoothContact
 from torsionnet.solve.motion.smooth_laws import SplitPlant
 from torsionnet.solve.motion.smooth_method import RELATIVE, SmoothMethod
 from torsionnet.solve.motion.smooth_plant import SmoothPlant
+from torsionnet.solve.motion.start_state import relative_state
 
 STORM_WINDOW, MOST_EVENTS = 64.0, 2_000
 """Angle in rad that the fastest vibration turns in a window, and most events in it: as in :mod:`.piece_system`."""
