@@ -255,6 +255,8 @@ class Drivetrain(RunningMachinery, AttributeHints):
 
             if inputs is not None:
                 raise UsageError("a scenario brings its own torques; leave out inputs, or the scenario")
+            if duration is not None:
+                raise UsageError("a scenario has a duration of its own; leave out duration, or change the scenario")
             return run_scenario(self, scenario, outputs, start=start, sampling_rate=sampling_rate, check=check)
         from torsionnet.solve.motion.simulation import simulate
 

@@ -33,7 +33,8 @@ class GridGenerator(Element):
     change of speed, both per unit. Alone on an infinite bus (the grid is ground) it swings at
     f_n = sqrt(K_s omega_0/(2 H))/(2 pi) with the damping ratio K_D/(2 sqrt(2 H K_s omega_0)) (P. Kundur, Power System
     Stability and Control, chapter 12). Instead of K_s: K_s = sqrt((E V/X)^2 - P^2), which is E V cos(delta)/X, of the
-    voltage E behind the reactance X to a bus of voltage V at the power P, all per unit.
+    voltage E behind the reactance X to a bus of voltage V at the power P, all per unit. It stays linear in time;
+    a synchronous machine with its pull-out torque follows the sine of the load angle.
 
     Examples
     --------
@@ -72,6 +73,11 @@ class GridGenerator(Element):
         PhysicalQuantity("damping torque per change of speed, both per unit", "1", "K_D"), 0
     )
     grid: str = entry(NodeName("the grid: ground is an infinite bus; else a node that turns at its speed"), "ground")
+
+    @property
+    def has_own_working_point(self) -> bool:
+        """Whether the generator is linear about the power in its entries, in time too."""
+        return self.power is not None
 
     def contradictions(self) -> list[Fault]:
         if self.node == self.grid:

@@ -167,9 +167,10 @@ def _refuse(assembly: Assembly) -> None:
     delayed = {one.owner for one in system.actions if one.delay}
     if over_frequency:
         names = ", ".join(sorted(over_frequency))
-        text = "depends on frequency and cannot move in time beside laws of motion; give a stiffness and a damping"
-        raise UsageError(f"{names}: {text}, or use at() for small motion about an operating point")
+        text = "depends on frequency and cannot move in time beside laws of motion, nor from a given start"
+        advice = "give a stiffness and a damping, or use at() for small motion about an operating point"
+        raise UsageError(f"{names}: {text}; {advice}")
     if delayed:
         names = ", ".join(sorted(delayed))
-        text = "a delay cannot act in time beside laws of motion; leave it out, or use at() for small motion"
-        raise UsageError(f"{names}: {text} about an operating point")
+        text = "a delay cannot act in time beside laws of motion, nor from a given start"
+        raise UsageError(f"{names}: {text}; leave it out, or use at() for small motion about an operating point")

@@ -25,6 +25,7 @@ from torsionnet.response.recording import Recording
 from torsionnet.solve.dynamic_stiffness.state_space import active_channels
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.solve.modes.modes import natural_modes
+from torsionnet.solve.motion.driving_request import MOST_SAMPLES
 from torsionnet.solve.motion.motion_plant import has_laws_of_motion
 from torsionnet.solve.motion.simulation import NOTHING_TO_CHECK, simulate
 from torsionnet.solve.running.exact_courses import exact_response
@@ -37,8 +38,6 @@ samples of a scenario at least, as a picture shows."""
 MOST_DEFAULT_SAMPLES = 200_000
 """Most samples that a scenario has unless its rate is given: vibrations so fast that 100 samples in their period are
 more are seldom what a scenario is about."""
-MOST_SAMPLES = 20_000_000
-"""Most samples of a scenario, some hundred MB for each output."""
 
 
 @dataclass(frozen=True, eq=False)

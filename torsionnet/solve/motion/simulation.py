@@ -4,22 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor
-from torsionnet.model.scenarios.time_history import SAMPLE_SLACK, TimeHistory, constant
+from torsionnet.model.scenarios.time_history import TimeHistory, constant
 from torsionnet.response.motion.motion_start import MotionStart
-from torsionnet.response.recording import Recording, is_rate
+from torsionnet.response.recording import Recording
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.solve.motion.contact_states import Contact
 from torsionnet.solve.motion.driven_pieces import simulate_pieces
 from torsionnet.solve.motion.driving import Driving
+from torsionnet.solve.motion.driving_request import Torque, driving_of, require_request
 from torsionnet.solve.motion.finer_run import agreement_note
 from torsionnet.solve.motion.motion_over_time import MotionOverTime
 from torsionnet.solve.motion.motion_plant import has_laws_of_motion, motion_plant
@@ -28,7 +27,7 @@ from torsionnet.solve.motion.smooth_system import RELATIVE, simulate_smooth
 from torsionnet.solve.motion.start_state import start_state
 from torsionnet.solve.motion.starting import nodes_of, steady_start
 from torsionnet.solve.motion.state_layout import Layout
-from torsionnet.solve.running.simulate import driven_request, motion_signals, sampled_torques
+from torsionnet.solve.running.simulate import driven_request, motion_signals
 from torsionnet.solve.running.simulate import simulate as simulate_linear
 
 REST, OPERATING_POINT = "rest", "operating_point"
@@ -36,8 +35,6 @@ NOTHING_TO_CHECK = "linear: exact at all samples, whatever the step"
 """Note on a simulation of a linear drivetrain that is to be checked with a shorter step."""
 EVEN = 1e-9
 """Share of the torque over the inertia by which a start counts as accelerating."""
-
-Torque: TypeAlias = ArrayLike | TimeHistory
 
 
 def simulate(
@@ -56,17 +53,16 @@ def simulate(
     See :meth:`torsionnet.Drivetrain.simulate`. ``scales`` are what scales the torques of elements over time, by element
     and name, as ``("clutch", "clamp")``.
     """
-    if isinstance(start, str) and start not in (REST, OPERATING_POINT):
+    if not isinstance(start, MotionStart) and start not in (REST, OPERATING_POINT):
         text = f'a simulation starts from "{REST}", from the "{OPERATING_POINT}" or from a MotionStart'
         raise UsageError(f'{text}, got "{start}"')
+    require_request(inputs, sampling_rate, duration)
     sampled = not scales and not any(isinstance(one, TimeHistory) for one in inputs.values())
     if sampled and start == REST and not has_laws_of_motion(drivetrain):
         record = simulate_linear(drivetrain, outputs, inputs, sampling_rate)  # type: ignore[arg-type]
         return record.with_notes(NOTHING_TO_CHECK) if check else record
-    if not is_rate(sampling_rate):
-        raise UsageError(f"the sampling rate must be a positive number of Hz, got {sampling_rate}")
     whole = _with_mean_torques(drivetrain, inputs) if start == OPERATING_POINT else dict(inputs)
-    driving, torques = _driving(whole, sampling_rate, duration, scales or {})
+    driving, torques = driving_of(whole, sampling_rate, duration, scales or {})
     plant = motion_plant(drivetrain)
     request = driven_request(plant.drivetrain, outputs, whole)  # type: ignore[arg-type]
     split = split_plant(drivetrain, plant, tuple(scales or {}))
@@ -80,6 +76,7 @@ def simulate(
         if late:
             text = "from that of its speed" if begun.settled else "from zero at the first sample, as after switching on"
             notes.append(f"torque that follows its curve with a time constant, {text}: {late}")
+    notes += _linear_notes(drivetrain)
     if check:
         finer = _solved(split, request, driving, begun, refinement=2)
         notes.append(agreement_note(motion.values, finer.values, sampling_rate))
@@ -89,40 +86,18 @@ def simulate(
     )
 
 
+def _linear_notes(drivetrain: AssembledModel) -> list[str]:
+    """Note on elements that have no law of motion but are linear about a working point in their entries."""
+    elements = drivetrain.definition.switched_on
+    names = [one.name for one in elements if one.has_own_working_point and not one.has_motion_laws]
+    return [f"linear about the working point in its entries: {name}" for name in names]
+
+
 def _with_mean_torques(drivetrain: AssembledModel, inputs: Mapping[str, Torque]) -> dict[str, Torque]:
     """Inputs with the mean torques of the operating point on all other nodes."""
     driven = {nodes_of(drivetrain, place) for place in inputs}
     means = {node: torque for node, torque in drivetrain.mean_torques.items() if torque and node in drivetrain.nodes}
     return {**inputs, **{node: constant(torque) for node, torque in means.items() if (node,) not in driven}}
-
-
-def _driving(
-    inputs: Mapping[str, Torque], rate: float, duration: float | None, scales: Mapping[Scale, TimeHistory]
-) -> tuple[Driving, FloatArray]:
-    """Torques and scales over time, and the torques (n_in, n) at the samples.
-
-    Raises
-    ------
-    UsageError
-        Unlike lengths, numbers that are not finite, or histories without a duration.
-    """
-    listed = {name: one for name, one in inputs.items() if not isinstance(one, TimeHistory)}
-    arrays = dict(zip(listed, sampled_torques(listed), strict=True)) if listed or not inputs else {}
-    lengths = {len(one) for one in arrays.values()}
-    if duration is not None:
-        lengths.add(int(np.floor(duration * rate + SAMPLE_SLACK)) + 1)
-    if len(lengths) != 1:
-        if not lengths:
-            raise UsageError("torques as histories have no end: give the duration in s")
-        text = " and ".join(map(str, sorted(lengths)))
-        raise UsageError(f"the torques have {text} samples; give lists of one length, that of the duration")
-    (n,) = lengths
-    entries = [arrays.get(name, one) for name, one in inputs.items()]
-    driving = Driving((*entries, *scales.values()), rate, n)
-    torques = np.array([one.samples(rate, n) if isinstance(one, TimeHistory) else one for one in entries])
-    if not np.isfinite(torques).all():
-        raise UsageError("the torques of a simulation are finite numbers in N m")
-    return driving, torques
 
 
 @dataclass(frozen=True, eq=False)

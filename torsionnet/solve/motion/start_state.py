@@ -17,7 +17,7 @@ def start_state(plant: MotionPlant, at: Layout, start: MotionStart) -> FloatArra
     Raises
     ------
     UsageError
-        Unknown nodes, or nodes that rigid connections tie to others with another motion.
+        Unknown nodes, numbers that are not finite, or nodes that rigid connections tie to others with another motion.
     """
     assembly = plant.assembly
     for name in (*start.angles, *start.speeds):
@@ -30,7 +30,7 @@ def start_state(plant: MotionPlant, at: Layout, start: MotionStart) -> FloatArra
             continue
         # nodes not named follow those tied to them; free ones stand
         named = [assembly.node_index[name] for name in given]
-        wanted = np.array([float(value) for value in given.values()])
+        wanted = np.array([_number(name, value) for name, value in given.items()])
         rows = assembly.T[named]
         found = np.linalg.lstsq(rows, wanted, rcond=None)[0]
         if np.abs(rows @ found - wanted).max() > 1e-9 * np.abs(wanted).max(initial=1e-300):
@@ -38,6 +38,12 @@ def start_state(plant: MotionPlant, at: Layout, start: MotionStart) -> FloatArra
             raise UsageError(f"{names} cannot start with these angles or speeds: rigid connections tie them")
         z[place] = found
     return z
+
+
+def _number(name: str, value: float) -> float:
+    if not (isinstance(value, int | float | np.number) and np.isfinite(value)):
+        raise UsageError(f"a motion starts with finite angles in rad and speeds in rad/s; that of {name} is {value}")
+    return float(value)
 
 
 def relative_state(plant: MotionPlant, at: Layout, z: FloatArray) -> FloatArray:
