@@ -227,3 +227,24 @@ def test_generator_on_a_grid_is_noted_as_linear_in_time():
     rig = tn.Drivetrain("set", [generator, tn.Friction("rub", nodes=("a", "ground"), torque=1)])
     record = rig.simulate("angle(a)", {"a": np.zeros(3)}, 100)
     assert "linear about the working point in its entries: gen" in record.notes
+
+
+def test_operating_point_without_torque_on_a_loaded_model_starts_unloaded():
+    spring = tn.Spring("s", nodes=("a", "ground"), stages=[{"stiffness": 400, "to": "0.1 rad"}, {"stiffness": 2000}])
+    rig = tn.Drivetrain("held", [tn.Inertia("rotor", node="a", inertia=2.0), spring]).at(torque={"a": "70 N*m"})
+    record = rig.simulate("angle(a)", {"a": np.zeros(11)}, 100, start="operating_point")
+    assert np.abs(record["angle(a)"].values).max() < 1e-12
+
+
+def test_integrators_start_from_zero_and_say_so():
+    rig = tn.Drivetrain(
+        "governed",
+        [
+            tn.Inertia("rotor", node="a", inertia=2.0),
+            tn.Friction("rub", nodes=("a", "ground"), torque=1),
+            tn.Controller("governor", sense={"angle": "a"}, act="a", law={"numerator": [-1], "denominator": [0, 1]}),
+        ],
+    )
+    record = rig.simulate("angle(a)", {"a": np.full(11, 0.5)}, 100, start="operating_point")
+    assert "the integrators of governor start from zero" in record.notes[0]
+    assert np.abs(record["angle(a)"].values).max() < 1e-12

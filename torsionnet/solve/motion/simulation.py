@@ -122,6 +122,8 @@ def _begun(
         words = "from its operating point under the torques at the first sample"
         if np.abs(steady.accelerations).max(initial=0.0) > EVEN * _even_size(split, torques):
             words += ", which are not in balance: it begins in steady acceleration, without vibration"
+        if steady.integrating:
+            words += f"; the integrators of {', '.join(steady.integrating)} start from zero"
         return _Begun(steady.z, steady.contact, words)
     at = Layout(len(plant.assembly.system.M), sum(len(one.F) for one in plant.actions), 0, 0)
     given = start if isinstance(start, MotionStart) else MotionStart()

@@ -18,6 +18,7 @@ from torsionnet.model.motion_balance.balanced_state import BalancedState
 from torsionnet.model.motion_laws.piece_curve import PieceCurve
 from torsionnet.model.speeds import mean_speeds
 from torsionnet.model.torque_places import torque_place
+from torsionnet.solve.dynamic_stiffness.action_states import LawStates
 from torsionnet.solve.motion.contact_states import Contact
 from torsionnet.solve.motion.motion_plant import LawRow, MotionPlant, PlacedLaw
 from torsionnet.solve.motion.smooth_laws import SplitPlant
@@ -33,12 +34,14 @@ FREE = 1e-9
 class SteadyStart:
     """State z (2 n_q + n_c + 1,) in SI units in which a motion starts, and the contact state where it is known.
 
-    ``accelerations`` (n_q,) in rad/s^2 are those of torques that are not in balance.
+    ``accelerations`` (n_q,) in rad/s^2 are those of torques that are not in balance. ``integrating`` are controllers
+    with an integrator, whose torque a balance leaves open: they start from zero.
     """
 
     z: FloatArray
     contact: Contact | None
     accelerations: FloatArray
+    integrating: tuple[str, ...] = ()
 
 
 def steady_start(drivetrain: AssembledModel, split: SplitPlant, torques: Mapping[str, float]) -> SteadyStart:
@@ -69,7 +72,8 @@ def steady_start(drivetrain: AssembledModel, split: SplitPlant, torques: Mapping
     q, accelerations, controllers = _angles(plant, rows, known, forces, v)
     z = np.zeros(at.n_p)
     z[at.q], z[at.v], z[at.controllers], z[at.one] = q, v, controllers, 1.0
-    return SteadyStart(z, _contact(split, known), accelerations)
+    integrating = tuple(one.action.owner for one in plant.actions if _integrates(one))
+    return SteadyStart(z, _contact(split, known), accelerations, integrating)
 
 
 def nodes_of(drivetrain: AssembledModel, place: str) -> tuple[str, ...]:
@@ -92,7 +96,7 @@ def _balanced(
     if tangents is None:
         return None
     asked = {place: torque for place, torque in places.items() if torque}
-    if _same(drivetrain.mean_torques, asked) or not asked:
+    if _same(drivetrain.mean_torques, asked):
         return tangents.state
     try:
         return _state_under(drivetrain, asked)
@@ -221,14 +225,18 @@ def _angles(
     return q, free @ found[len(v) :] * (size / scale), np.concatenate([np.zeros(0), *controllers])
 
 
-def _settled(action: Any, rate: float) -> tuple[float, float, Any]:
+def _integrates(action: LawStates) -> bool:
+    return bool(len(action.F)) and bool(np.linalg.cond(action.F) > 1 / FREE)
+
+
+def _settled(action: LawStates, rate: float) -> tuple[float, float, Any]:
     """Torque gain y + offset of a controller in steady motion at a rate in rad/s, and its states over the angle y.
 
     One with an integrator has no such states; it starts from zero.
     """
     P, F, G, H = action.at_once, action.F, action.G, action.H
     n = len(F)
-    if not n or np.linalg.cond(F) > 1 / FREE:
+    if not n or _integrates(action):
         return float(P[0]), float(P[1]) * rate, lambda y: np.zeros(n)  # noqa: ARG005
     along = -np.linalg.solve(F, G[:, 0])
     moved = np.linalg.solve(F, along * rate - G[:, 1] * rate)
