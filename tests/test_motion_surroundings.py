@@ -242,7 +242,7 @@ def test_integrators_start_from_zero_and_say_so():
         [
             tn.Inertia("rotor", node="a", inertia=2.0),
             tn.Friction("rub", nodes=("a", "ground"), torque=1),
-            tn.Controller("governor", sense={"angle": "a"}, act="a", law={"numerator": [-1], "denominator": [0, 1]}),
+            tn.Controller("governor", sense={"angle": "a"}, act="a", law={"i": -1}),
         ],
     )
     record = rig.simulate("angle(a)", {"a": np.full(11, 0.5)}, 100, start="operating_point")
