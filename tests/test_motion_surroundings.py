@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import torsionnet as tn
-from torsionnet.core.errors import UsageError
+from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.model.scenarios.time_history import HistoryPiece, TimeHistory, constant
 from torsionnet.response import MotionStart
 from torsionnet.solve.motion.smooth_method import SmoothMethod
@@ -248,3 +248,13 @@ def test_integrators_start_from_zero_and_say_so():
     record = rig.simulate("angle(a)", {"a": np.full(11, 0.5)}, 100, start="operating_point")
     assert "the integrators of governor start from zero" in record.notes[0]
     assert np.abs(record["angle(a)"].values).max() < 1e-12
+
+
+@pytest.mark.parametrize("law", ["friction", "softening"])
+def test_motion_that_grows_beyond_all_numbers_is_told(law):
+    more = {"friction": tn.Friction("rub", nodes=("a", "ground"), torque=1),
+            "softening": tn.Spring("soft", nodes=("a", "ground"), stiffness=1, cubic=-50)}[law]  # fmt: skip
+    driven = [tn.Controller("feed", sense={"velocity": "a"}, act="a", law=900)] if law == "friction" else []
+    rig = tn.Drivetrain("unstable", [tn.Inertia("rotor", node="a", inertia=1.0), more, *driven])
+    with pytest.raises(SolveError, match="grows beyond all numbers|cannot be followed"):
+        rig.simulate("angle(a)", {"a": np.full(11, 20.0)}, 5)

@@ -9,7 +9,7 @@ import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import UsageError
+from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.model.scenarios.time_history import TimeHistory, constant
 from torsionnet.response.motion.motion_start import MotionStart
@@ -23,7 +23,7 @@ from torsionnet.solve.motion.finer_run import agreement_note
 from torsionnet.solve.motion.motion_over_time import MotionOverTime
 from torsionnet.solve.motion.motion_plant import has_laws_of_motion, motion_plant
 from torsionnet.solve.motion.smooth_laws import Scale, SplitPlant, split_plant
-from torsionnet.solve.motion.smooth_system import RELATIVE, simulate_smooth
+from torsionnet.solve.motion.smooth_system import BEYOND, RELATIVE, simulate_smooth
 from torsionnet.solve.motion.start_state import start_state
 from torsionnet.solve.motion.starting import nodes_of, steady_start
 from torsionnet.solve.motion.state_layout import Layout
@@ -141,5 +141,9 @@ def _solved(
     split: SplitPlant, request: TransferRequest, driving: Driving, begun: _Begun, refinement: int = 1
 ) -> MotionOverTime:
     given = (split, request.outputs, request.excitations, driving, begun.z, begun.contact, refinement)
-    found = simulate_smooth(*given, settled=begun.settled) if split.smooth else simulate_pieces(*given)
+    with np.errstate(over="ignore", invalid="ignore"):
+        found = simulate_smooth(*given, settled=begun.settled) if split.smooth else simulate_pieces(*given)
+    lost = np.flatnonzero(~np.isfinite(found.values).all(axis=0))
+    if len(lost):
+        raise SolveError(f"after {max(int(lost[0]) - 1, 0) / driving.rate:.6g} s {BEYOND}")
     return replace(found, events=tuple(sorted(found.events, key=lambda event: event.time)))

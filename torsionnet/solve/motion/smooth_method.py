@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
+from torsionnet.solve.motion.contact_states import Contact
 from torsionnet.solve.motion.driving import Stretch
 from torsionnet.solve.motion.smooth_contact import SmoothContact
 from torsionnet.solve.motion.smooth_plant import SmoothPlant
@@ -35,13 +36,17 @@ class SmoothMethod:
         self.tolerances = {"rtol": max(RELATIVE / tighter, ROUNDING), "atol": ABSOLUTE / tighter}
         self.turning = 1 / max(plant.driving.duration, 1e-300)
         self.stiff = False
+        self._stiff_in: dict[Contact, bool] = {}
         self.steps, self.looked = 0, -STEPS_BETWEEN_LOOKS
         self.size: float | None = None
 
     def entered(self, now: SmoothContact) -> None:
-        """Look at the motion anew in another contact state."""
+        """Take the method of a contact state that is known, and look at the motion in a new one."""
         self.turning = max(self.turning, now.turning)
-        self.looked = self.steps - STEPS_BETWEEN_LOOKS
+        if now.contact in self._stiff_in:
+            self.stiff = self._stiff_in[now.contact]
+        else:
+            self.looked = self.steps - STEPS_BETWEEN_LOOKS
 
     def solver(self, now: SmoothContact, stretch: Stretch, time: float, y: FloatArray) -> Any:
         """Solver from a time in s and states y to the end of a stretch."""
@@ -49,7 +54,7 @@ class SmoothMethod:
 
         right = self.plant.right_side(now, stretch)
         if self.steps - self.looked >= STEPS_BETWEEN_LOOKS:
-            self._look(right, time, y)
+            self._look(now, right, time, y)
         first = None if self.size is None else min(self.size, stretch.end - time)
         method = Radau if self.stiff else DOP853
         return method(right, time, y, stretch.end, first_step=first, **self.tolerances)
@@ -61,14 +66,16 @@ class SmoothMethod:
         if self.steps - self.looked < STEPS_BETWEEN_LOOKS or solver.status != "running":
             return False
         before = self.stiff
-        self._look(self.plant.right_side(now, stretch), solver.t, solver.y)
+        self._look(now, self.plant.right_side(now, stretch), solver.t, solver.y)
         return before != self.stiff
 
-    def _look(self, right: Any, time: float, y: FloatArray) -> None:
+    def _look(self, now: SmoothContact, right: Any, time: float, y: FloatArray) -> None:
         self.looked = self.steps
-        poles = np.linalg.eigvals(slopes_of(right, time, y)) if len(y) else np.zeros(0)
+        slopes = slopes_of(right, time, y)
+        poles = np.linalg.eigvals(slopes) if len(y) and np.isfinite(slopes).all() else np.zeros(0)
         self.turning = max(self.turning, float(np.abs(poles.imag).max(initial=0.0)))
         self.stiff = float(np.abs(poles.real).max(initial=0.0)) > STIFF * self.turning
+        self._stiff_in[now.contact] = self.stiff
 
 
 def slopes_of(right: Any, time: float, y: FloatArray) -> FloatArray:

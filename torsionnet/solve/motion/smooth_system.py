@@ -32,12 +32,14 @@ from torsionnet.solve.motion.start_state import relative_state
 
 STORM_WINDOW, MOST_EVENTS = 64.0, 2_000
 """Angle in rad that the fastest vibration turns in a window, and most events in it: as in :mod:`.piece_system`."""
-MOST_STEPS = 2_000_000
-"""Most steps of the Runge-Kutta method, some ten minutes of work."""
+MOST_STEPS, STEPS_BETWEEN_LOOKS = 2_000_000, 20_000
+"""Most steps of the Runge-Kutta method, some ten minutes of work, and steps after which those to come are estimated."""
 BOUNCE_STEP = 0.1
 """Angle in rad of the fastest vibration in the step that says how short a flight may be, see :mod:`.contact_states`."""
 
-__all__ = ["RELATIVE", "simulate_smooth"]
+BEYOND = "the motion grows beyond all numbers; something drives it, as a controller or a spring that softens"
+
+__all__ = ["BEYOND", "RELATIVE", "simulate_smooth"]
 
 
 def simulate_smooth(
@@ -92,6 +94,7 @@ class _SmoothMotion:
         self.recent: deque[float] = deque(maxlen=MOST_EVENTS)
         self.values = np.zeros((len(plant.readings), plant.driving.n))
         self.sample, self.steps = 0, 0
+        self.looked = 0.0
 
     def whole(self, z0: FloatArray, contact: Contact | None, *, settled: bool) -> MotionOverTime:
         """Motion from a state z0 to the last sample."""
@@ -123,6 +126,8 @@ class _SmoothMotion:
             try:
                 solver = self.method.solver(now, stretch, time, y)
                 time, now, y = self._until_event(solver, stretch, now)
+            except OverflowError as error:
+                raise SolveError(f"after {time:.6g} s {BEYOND}") from error
             except (ArithmeticError, ValueError) as error:
                 if isinstance(error, TorsionnetError):
                     raise
@@ -137,7 +142,7 @@ class _SmoothMotion:
             start = solver.t
             self.steps += 1
             message = solver.step()
-            if solver.status == "failed" or self.steps > MOST_STEPS:
+            if solver.status == "failed" or self._is_too_long(solver.t):
                 text = "the motion cannot be followed" if message else "the motion needs too many steps"
                 owner = plant.quickest(now, plant.whole(now, solver.t, solver.y, stretch))
                 raise SolveError(f"at {solver.t:.6g} s {text}; look at the torque and the motion of {owner} there")
@@ -145,8 +150,7 @@ class _SmoothMotion:
             places, weights, _ = nodes()
             Z = plant.whole_states(now, course, start + places * (end - start), stretch)
             if not np.isfinite(Z).all():
-                owner = plant.quickest(now, Z[:, 0])
-                raise SolveError(f"at {start:.6g} s the motion grows beyond all bounds; look at {owner} there")
+                raise SolveError(f"after {start:.6g} s {BEYOND}")
             self._require_range(now, Z, start, end)
             guards = now.guards @ Z
             sizes = (np.abs(now.guards) @ np.abs(Z)).max(axis=1)
@@ -170,6 +174,14 @@ class _SmoothMotion:
                 self._read(now, course, at, stretch)
             return at, *self._event(now, which, course(at), at, stretch)
         return solver.t, now, solver.y
+
+    def _is_too_long(self, time: float) -> bool:
+        """Whether the rest of the motion needs too many steps if these stay as long as the last ones."""
+        if self.steps % STEPS_BETWEEN_LOOKS:
+            return False
+        passed, self.looked = time - self.looked, time
+        left = (self.driving.duration - time) * STEPS_BETWEEN_LOOKS
+        return self.steps + left / max(passed, 1e-300) > MOST_STEPS
 
     def _event(
         self, now: SmoothContact, guard: int, y: FloatArray, time: float, stretch: Stretch
