@@ -66,13 +66,16 @@ def test_lagging_machine_at_its_operating_point_stands_still_and_swings_as_its_t
 def test_propeller_and_load_of_constant_power_follow_their_closed_forms():
     torque, inertia, speed = 500.0, 3.0, 40.0
     screw = tn.Propeller("screw", node="p", inertia=inertia, exponent=2, torque=200, speed=20)
-    record = tn.Drivetrain("boat", [screw]).simulate("velocity(p)", {"p": np.full(31, torque)}, 20)
+    record = tn.Drivetrain("boat", [screw]).simulate("velocity(p)", {"p": np.full(31, torque)}, 20, start=MotionStart())
     steady = 20 * np.sqrt(torque / 200)
     times = np.arange(31) / 20
     exact = steady * np.tanh(torque * times / (inertia * steady))
     assert record["velocity(p)"].values == pytest.approx(exact, rel=1e-10, abs=1e-12)
-    long = tn.Drivetrain("boat", [screw]).simulate("velocity(p)", {"p": np.full(2, torque)}, 0.2)
+    long = tn.Drivetrain("boat", [screw]).simulate("velocity(p)", {"p": np.full(2, torque)}, 0.2, start=MotionStart())
     assert long["velocity(p)"].values[-1] == pytest.approx(steady, rel=1e-9)
+    linear = tn.Drivetrain("boat", [screw]).simulate("velocity(p)", {"p": np.full(2, torque)}, 0.2)
+    assert linear["velocity(p)"].values[-1] == pytest.approx(500 / (2 * 200 / 20), rel=1e-6)
+    assert any("linear about the working point in its entries: screw" in note for note in linear.notes)
     taken = tn.ConstantPowerLoad("load", node="p", power=2e3)
     rig = tn.Drivetrain("drawn", [tn.Inertia("rotor", node="p", inertia=inertia), taken])
     record = rig.simulate("velocity(p)", {"p": np.zeros(11)}, 20, start=MotionStart(speeds={"p": speed}))
@@ -108,7 +111,9 @@ def test_long_run_over_a_fluid_coupling_ends_at_its_operating_point():
     rig = tn.Drivetrain("drive", [fluid, tn.Inertia("engine", node="p", inertia=0.5), screw])
     record = rig.simulate(["velocity(p)", "velocity(t)"], {"p": np.full(2, 220.0)}, 1 / 12)
     turbine = 100 * np.sqrt(220 / 200)
-    pump = next(w for w in np.roots([1 / 150**2 * 3000, -3000 / 150**2 * turbine, -220.0]).real if w > turbine)
+    # on the first row the pump takes (900 - 6000/9 nu) (w/150)^2
+    pump = max(np.roots([900, -6000 / 9 * turbine, -220.0 * 150**2]).real)
+    assert turbine / pump < 0.9
     assert record["velocity(t)"].values[-1] == pytest.approx(turbine, rel=1e-8)
     assert record["velocity(p)"].values[-1] == pytest.approx(pump, rel=1e-8)
 
@@ -131,14 +136,14 @@ def test_stiff_motion_takes_the_implicit_method_and_follows_lsoda(monkeypatch):
             tn.Spring("s", nodes=("a", "ground"), stiffness=4.0, cubic=3.0),
         ],
     )
-    record = rig.simulate("angle(a)", {"b": np.full(11, 2.0)}, 10, start=MotionStart(angles={"a": 0.5}))
+    record = rig.simulate("angle(a)", {"b": np.full(11, 2.0)}, 50, start=MotionStart(angles={"a": 0.5}))
 
     def rates(_, y):
         a, va, vb = y
         film = va - vb
         return [va, -film - 4 * a - 3 * a**3, (2 + film) / 1e-4]
 
-    exact = solve_ivp(rates, (0, 1), [0.5, 0, 0], "LSODA", rtol=1e-11, atol=1e-13, t_eval=np.arange(11) / 10).y[0]
+    exact = solve_ivp(rates, (0, 0.2), [0.5, 0, 0], "LSODA", rtol=1e-11, atol=1e-13, t_eval=np.arange(11) / 50).y[0]
     assert any(used)
     assert record["angle(a)"].values == pytest.approx(exact, abs=1e-8)
     assert abs(record.energy.left_over) < 1e-8 * record.energy.supplied
@@ -155,13 +160,13 @@ def test_spring_behind_friction_gives_heat_where_friction_lets_go(cubic):
     if cubic:
         elements += [
             tn.Inertia("far", node="b", inertia=1),
-            tn.Spring("s", nodes=("b", "ground"), stiffness=1, cubic=cubic),
+            tn.Spring("s", nodes=("a", "b"), stiffness=1, cubic=cubic),
         ]
     rig = tn.Drivetrain("belt", elements)
     record = rig.simulate("angle(a)", {"a": np.zeros(11)}, 100, start=MotionStart(speeds={"a": speed}))
     slid = speed * 0.1 - 20 / k
     assert [event.what for event in record.events] == ["slips"]
-    assert record.energy.dissipated["rub"] == pytest.approx(20 * slid + (30 - 20) ** 2 / (2 * k), rel=1e-6)
+    assert record.energy.dissipated["rub"] == pytest.approx(20 * slid + (30 - 20) ** 2 / (2 * k), rel=3e-6)
     assert abs(record.energy.left_over) < 1e-9 * record.energy.dissipated["rub"]
 
 

@@ -60,7 +60,9 @@ def simulate(
     sampled = not scales and not any(isinstance(one, TimeHistory) for one in inputs.values())
     if sampled and start == REST and not has_laws_of_motion(drivetrain):
         record = simulate_linear(drivetrain, outputs, inputs, sampling_rate)  # type: ignore[arg-type]
-        return record.with_notes(NOTHING_TO_CHECK) if check else record
+        notes = [f"{text}; its law acts in full beside other laws, or from a given start" for text in
+                 _linear_notes(drivetrain, laws=True)]  # fmt: skip
+        return record.with_notes(*notes, *([NOTHING_TO_CHECK] if check else []))
     whole = _with_mean_torques(drivetrain, inputs) if start == OPERATING_POINT else dict(inputs)
     driving, torques = driving_of(whole, sampling_rate, duration, scales or {})
     plant = motion_plant(drivetrain)
@@ -76,7 +78,7 @@ def simulate(
         if late:
             text = "from that of its speed" if begun.settled else "from zero at the first sample, as after switching on"
             notes.append(f"torque that follows its curve with a time constant, {text}: {late}")
-    notes += _linear_notes(drivetrain)
+    notes += _linear_notes(drivetrain, laws=False)
     if check:
         finer = _solved(split, request, driving, begun, refinement=2)
         notes.append(agreement_note(motion.values, finer.values, sampling_rate))
@@ -86,10 +88,10 @@ def simulate(
     )
 
 
-def _linear_notes(drivetrain: AssembledModel) -> list[str]:
-    """Note on elements that have no law of motion but are linear about a working point in their entries."""
+def _linear_notes(drivetrain: AssembledModel, *, laws: bool) -> list[str]:
+    """Notes on elements that are linear about a working point in their entries, of those with or without laws."""
     elements = drivetrain.definition.switched_on
-    names = [one.name for one in elements if one.has_own_working_point and not one.has_motion_laws]
+    names = [one.name for one in elements if one.has_own_working_point and one.has_motion_laws == laws]
     return [f"linear about the working point in its entries: {name}" for name in names]
 
 
