@@ -48,6 +48,7 @@ class GridGenerator(Element):
     kind: ClassVar[str] = "grid_generator"
     glyph: ClassVar[str] = "machine"
     sign: ClassVar[str] = "positive when the drivetrain drives the rotor in the positive sense"
+    working_point: ClassVar[tuple[str, ...]] = ("power",)
 
     node: str = entry(NodeName("the node of the rotor", allow_ground=False))
     rated_power: Expression = entry(PhysicalQuantity("power that is 1 per unit", "power", "S", exclusive=True))
@@ -73,11 +74,6 @@ class GridGenerator(Element):
         PhysicalQuantity("damping torque per change of speed, both per unit", "1", "K_D"), 0
     )
     grid: str = entry(NodeName("the grid: ground is an infinite bus; else a node that turns at its speed"), "ground")
-
-    @property
-    def has_own_working_point(self) -> bool:
-        """Whether the generator is linear about the power in its entries, in time too."""
-        return self.power is not None
 
     def contradictions(self) -> list[Fault]:
         if self.node == self.grid:

@@ -91,7 +91,8 @@ def simulate(
 def _linear_notes(drivetrain: AssembledModel, *, laws: bool) -> list[str]:
     """Notes on elements that are linear about a working point in their entries, of those with or without laws."""
     elements = drivetrain.definition.switched_on
-    names = [one.name for one in elements if one.has_own_working_point and one.has_motion_laws == laws]
+    given = [one for one in elements if any(getattr(one, entry) is not None for entry in one.working_point)]
+    names = [one.name for one in given if one.has_motion_laws == laws and (one.has_own_working_point or not laws)]
     return [f"linear about the working point in its entries: {name}" for name in names]
 
 
