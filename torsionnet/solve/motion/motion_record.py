@@ -52,8 +52,11 @@ class Stretches:
         order = among[np.argsort(keys[among], kind="stable")]
         for own in np.split(order, np.flatnonzero(np.diff(keys[order])) + 1):
             for first in range(0, len(own), COLUMNS):
-                few = own[first : first + COLUMNS]
-                yield Stretches(self.contacts, self.numbers[few], self.times[few], self.starts[few])
+                yield self.chosen(own[first : first + COLUMNS])
+
+    def chosen(self, which: NDArray[np.int64]) -> Stretches:
+        """Stretches of some numbers."""
+        return Stretches(self.contacts, self.numbers[which], self.times[which], self.starts[which])
 
     @property
     def is_whole(self) -> NDArray[np.bool_]:
