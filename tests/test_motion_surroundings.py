@@ -8,7 +8,7 @@ import torsionnet as tn
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.model.scenarios.time_history import HistoryPiece, TimeHistory, constant
 from torsionnet.response import MotionStart
-from torsionnet.solve.motion.smooth_method import SmoothMethod
+from torsionnet.solve.motion.smooth.smooth_method import SmoothMethod
 
 
 def motor(**entries):

@@ -22,8 +22,8 @@ from torsionnet.solve.motion.driving_request import Torque, driving_of, require_
 from torsionnet.solve.motion.finer_run import agreement_note
 from torsionnet.solve.motion.motion_over_time import MotionOverTime
 from torsionnet.solve.motion.motion_plant import has_laws_of_motion, motion_plant
+from torsionnet.solve.motion.smooth.smooth_system import BEYOND, RELATIVE, simulate_smooth
 from torsionnet.solve.motion.smooth_laws import Scale, SplitPlant, split_plant
-from torsionnet.solve.motion.smooth_system import BEYOND, RELATIVE, simulate_smooth
 from torsionnet.solve.motion.start_state import start_state
 from torsionnet.solve.motion.starting import nodes_of, steady_start
 from torsionnet.solve.motion.state_layout import Layout

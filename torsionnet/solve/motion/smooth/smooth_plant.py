@@ -16,7 +16,7 @@ from torsionnet.model.channels import Input
 from torsionnet.solve.motion.contact_states import Contact, ContactStates
 from torsionnet.solve.motion.driving import Driving, Stretch
 from torsionnet.solve.motion.motion_plant import PlacedLaw
-from torsionnet.solve.motion.smooth_contact import SmoothContact, smooth_contact
+from torsionnet.solve.motion.smooth.smooth_contact import SmoothContact, smooth_contact
 from torsionnet.solve.motion.smooth_laws import SmoothLaw, SplitPlant
 from torsionnet.solve.motion.state_layout import Drive, Layout
 

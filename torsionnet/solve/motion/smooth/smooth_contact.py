@@ -15,7 +15,7 @@ from torsionnet.solve.motion.contact_states import Contact, ContactStates
 from torsionnet.solve.motion.march_tables import guard_rows
 from torsionnet.solve.motion.motion_plant import LawRow, PlacedLaw
 from torsionnet.solve.motion.read_rows import reading_rows
-from torsionnet.solve.motion.smooth_form import SmoothForm, smooth_form
+from torsionnet.solve.motion.smooth.smooth_form import SmoothForm, smooth_form
 from torsionnet.solve.motion.smooth_laws import SmoothLaw
 
 

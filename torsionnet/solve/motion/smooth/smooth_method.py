@@ -9,8 +9,8 @@ import numpy as np
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.solve.motion.contact_states import Contact
 from torsionnet.solve.motion.driving import Stretch
-from torsionnet.solve.motion.smooth_contact import SmoothContact
-from torsionnet.solve.motion.smooth_plant import SmoothPlant
+from torsionnet.solve.motion.smooth.smooth_contact import SmoothContact
+from torsionnet.solve.motion.smooth.smooth_plant import SmoothPlant
 
 RELATIVE, ABSOLUTE = 1e-11, 1e-13
 """Tolerances of the Runge-Kutta method in a step, relative and in rad and rad/s: its twists are differences of angles

@@ -21,13 +21,13 @@ from torsionnet.response.motion.motion_event import MotionEvent
 from torsionnet.solve.motion.contact_states import Contact
 from torsionnet.solve.motion.driving import Driving, Stretch
 from torsionnet.solve.motion.event_losses import losing_law
-from torsionnet.solve.motion.guard_roots import first_event, nodes
 from torsionnet.solve.motion.march_tables import in_steps
 from torsionnet.solve.motion.motion_over_time import MotionOverTime
-from torsionnet.solve.motion.smooth_contact import SmoothContact
+from torsionnet.solve.motion.smooth.guard_roots import first_event, nodes
+from torsionnet.solve.motion.smooth.smooth_contact import SmoothContact
+from torsionnet.solve.motion.smooth.smooth_method import RELATIVE, SmoothMethod
+from torsionnet.solve.motion.smooth.smooth_plant import SmoothPlant
 from torsionnet.solve.motion.smooth_laws import SplitPlant
-from torsionnet.solve.motion.smooth_method import RELATIVE, SmoothMethod
-from torsionnet.solve.motion.smooth_plant import SmoothPlant
 from torsionnet.solve.motion.start_state import relative_state
 
 STORM_WINDOW, MOST_EVENTS = 64.0, 2_000
