@@ -16,7 +16,6 @@ from torsionnet.model.elements import Constraint, Law, Values
 from torsionnet.model.elimination import reduce_rows
 from torsionnet.model.kinematics import UNIT, exact_row, owned_parts
 from torsionnet.model.load.external_torques import ExternalTorques
-from torsionnet.model.motion_balance.operating_notes import law_notes
 from torsionnet.model.parameters import VIBRATORY_TORQUE, Parameter, resolve
 from torsionnet.model.readings import port_of
 
@@ -144,12 +143,20 @@ def operating_speed_notes(external: ExternalTorques) -> tuple[str, ...]:
 
     Empty if no parameter follows the operating point, and there are no laws of motion.
     """
-    following, notes = external.definition.following, law_notes(external.definition)
+    following, notes = external.definition.following, _law_notes(external.definition)
     if not following:
         return notes
     where = f"{external.reference} at {external.operating_speed * RPM:.6g} rpm"
     names = ", ".join(following)
     return (f"natural frequencies and damping ratios hold with {where}: {names} follow the operating point", *notes)
+
+
+def _law_notes(definition: Definition) -> tuple[str, ...]:
+    if definition.tangents is None:
+        return ()
+    from torsionnet.model.motion_balance.operating_notes import law_notes  # few models have laws of motion
+
+    return law_notes(definition)
 
 
 def torque_per_node(definition: Definition, values: Mapping[str, Any], name: str) -> dict[str, float]:

@@ -29,7 +29,6 @@ from torsionnet.model.element_base.laws import (
 )
 from torsionnet.model.element_base.nodes import NodeName, NodePair
 from torsionnet.model.element_base.teeth import Teeth
-from torsionnet.model.motion_laws.spring_curves import clearance_curve
 
 MESH_STIFFNESS = PhysicalQuantity(
     "mesh stiffness referred to the first node; none: rigid", "stiffness", "k", exclusive=True
@@ -54,6 +53,8 @@ def _mesh(row: Row, element: Any, value: Values) -> WholePart:
     stiffness = value(element.stiffness)
     damping = viscous(element.damping, stiffness, value)
     if element.backlash is not None:
+        from torsionnet.model.motion_laws.spring_curves import clearance_curve  # few gears have a backlash
+
         return MotionLaw(row, clearance_curve(value(element.backlash), stiffness, damping))
     return Law(row, stiffness=stiffness, damping=damping)
 

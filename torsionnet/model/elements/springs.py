@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.alternatives import given_entries, one_at_most
@@ -21,10 +21,9 @@ from torsionnet.model.element_base.laws import Law, MotionLaw, Part, Values, Who
 from torsionnet.model.element_base.nodes import NodePair
 from torsionnet.model.element_base.round_section import section_faults
 from torsionnet.model.element_base.spring_stages import SpringStage, SpringStages
-from torsionnet.model.element_base.torque_curve import AT_REST
-from torsionnet.model.motion_laws.cubic_curve import CubicCurve
-from torsionnet.model.motion_laws.piece_curve import PieceCurve
-from torsionnet.model.motion_laws.spring_curves import stage_curve, twist_table_curve
+
+if TYPE_CHECKING:
+    from torsionnet.model.element_base.torque_curve import TorqueCurve
 
 NODE_PAIR_DESCRIPTION = "the two nodes it connects, one may be ground; twist is the angle of the first minus the second"
 OUTER_DIAMETER = PhysicalQuantity(
@@ -121,16 +120,23 @@ class Spring(Element):
         damping = viscous(self.damping, self._stiffness_at_rest(curve), value)
         return (MotionLaw(row, curve), *([Law(row, damping=damping)] if damping != 0 else []))
 
-    def _curve(self, value: Values) -> PieceCurve | CubicCurve:
+    def _curve(self, value: Values) -> TorqueCurve:
+        # few springs have a law of motion, and commands on linear models start faster without
         if self.cubic is not None:
+            from torsionnet.model.motion_laws.cubic_curve import CubicCurve
+
             return CubicCurve(value(self.stiffness), value(self.cubic))
+        from torsionnet.model.motion_laws.spring_curves import stage_curve, twist_table_curve
+
         if self.stages:
             return stage_curve(self.stages, value.algebra.number)
         return twist_table_curve(not_none(self.torque_over_twist), value.algebra.number)
 
     @staticmethod
-    def _stiffness_at_rest(curve: PieceCurve | CubicCurve) -> Any:
+    def _stiffness_at_rest(curve: TorqueCurve) -> Any:
         """Slope of the torque without twist, to which a measure of damping refers."""
+        from torsionnet.model.element_base.torque_curve import AT_REST
+
         return curve.slopes(AT_REST)[0]
 
     @property
