@@ -87,13 +87,15 @@ class Drivetrain(RunningMachinery, AttributeHints):
     @cached_property
     def _operating_faults(self) -> tuple[Fault, ...]:
         """Faults of an operating point at which laws of motion are not in balance, as a torque beyond a last stage."""
-        from torsionnet.core.errors import ModelError
+        from torsionnet.core.errors import Fault, ModelError, TorsionnetError
 
         tangents = self.definition.tangents
         try:
             _ = None if tangents is None else tangents.state
         except ModelError as error:
             return error.faults
+        except TorsionnetError as error:
+            return (Fault(str(error), ("operating_point",)),)
         return ()
 
     @cached_property

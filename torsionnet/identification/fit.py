@@ -78,6 +78,10 @@ class Fit(FitResult):
         return dump_fit(self, path)
 
 
+ABOUT_FITTED = "laws of motion are linear about the operating point that the drivetrain has with the fitted values"
+"""Note of a fit of a drivetrain with laws of motion."""
+
+
 def make_fit(
     model: Drivetrain, problem: FitProblem, found: LeastSquaresSolution, loss: str, lack: LackOfFit | None = None
 ) -> Fit:
@@ -165,7 +169,9 @@ def _notes(problem: FitProblem, loss: str, factor: float, *, scaled: bool) -> tu
     by = ", by which the errors are scaled" if scaled else ""
     robust = "" if loss == "linear" else f", robust loss {loss}"
     first = f"from {', '.join(labels)}{robust}; reduced chi squared {factor:.3g}{by}"
-    return (first, *filter(None, (block.remark for block in problem.blocks)), *unnamed_configurations(problem))
+    remarks = (*filter(None, (block.remark for block in problem.blocks)), *unnamed_configurations(problem))
+    has_laws = any(block.response.drivetrain.definition.tangents is not None for block in problem.blocks)
+    return (first, *remarks, *([ABOUT_FITTED] if has_laws else []))
 
 
 def unnamed_configurations(problem: FitProblem) -> tuple[str, ...]:

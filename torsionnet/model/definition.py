@@ -57,6 +57,10 @@ class Tangents(Protocol):
     def is_loaded(self) -> bool:
         """Whether torques or speeds are given."""
 
+    @property
+    def given_speeds(self) -> Mapping[str, float]:
+        """Mean speed in rad/s by node of those that are given."""
+
     def depends_on(self, names: frozenset[str]) -> bool:
         """Whether the state may change with some parameters."""
 

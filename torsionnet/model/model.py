@@ -407,7 +407,7 @@ class Model:
         """
         new = type(self).__new__(type(self))
         definition = with_operating_values(self._definition, values)
-        if speed is not None:
+        if speed is not None or (values and definition.tangents is not None):
             definition = with_tangents(definition, speed)
         new.__setstate__(_state(definition, self._base, self._choice, self._changes, self._findings))
         return new

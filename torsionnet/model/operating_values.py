@@ -127,13 +127,15 @@ def at_operating_point(definition: Definition) -> Definition:
 def with_tangents(definition: Definition, speed: float | None = None) -> Definition:
     """Definition of a model whose laws of motion are linear about the operating point, worked out when first used.
 
-    ``speed`` in rad/s is that of the reference node of a load, by default that of the operating point. Without laws of
-    motion the definition is unchanged.
+    ``speed`` in rad/s is that of the reference node of a load, by default the one of tangents that are there, else that
+    of the operating point. Without laws of motion the definition is unchanged.
     """
     if not any(one.enabled and one.has_motion_laws for one in definition.elements.values()):
         return definition
     from torsionnet.model.motion_balance.operating_balance import OperatingBalance  # few models have laws of motion
 
+    if definition.tangents is not None and speed is None:
+        return replace(definition, tangents=definition.tangents.of(definition))
     plain = definition if definition.tangents is None else replace(definition, tangents=None)
     return replace(plain, tangents=OperatingBalance(plain, speed))
 

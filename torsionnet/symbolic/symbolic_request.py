@@ -10,6 +10,7 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import UsageError
 from torsionnet.core.memo import Memo
 from torsionnet.model.channels import Input, Sensor
+from torsionnet.model.motion_balance.operating_notes import symbol_notes
 from torsionnet.model.readings import port_of
 from torsionnet.response import Channel
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, resolve_request
@@ -77,7 +78,8 @@ def resolve(
     seen = _mechanism(drivetrain, sensors, referred_to, memo)
     reading, *measured = (parts_of(seen, sensor) for sensor in sensors)
     channels = (request.outputs[0].channel, request.measured[0].channel)
-    whole = SymbolicRequest(seen, reading, None, load, 1, channels, request.notes)
+    notes = (*request.notes, *symbol_notes(drivetrain.definition))
+    whole = SymbolicRequest(seen, reading, None, load, 1, channels, notes)
     if not measured:
         return whole
     if vanishes(seen.numerator(measured[0], load)):

@@ -341,7 +341,7 @@ def _responses(
         text = f"an excitation imposes the twist of {comma_list(twisted)}, of which fits have no derivatives"
         raise UsageError(f"{text}; switch that excitation off for the fit")
     settled = settled_values(request) if rig.definition.following else {}
-    for one, places in drivetrains_at_speeds(rig, request.reference, request.speeds, settled):
+    for one, places in drivetrains_at_speeds(rig, request.reference, request.speeds, settled, apart=True):
         mine = np.flatnonzero(np.isin(pairs.speed, places))
         if len(mine):
             frequencies, where = np.unique(np.abs(pairs.hertz[mine]), return_inverse=True)

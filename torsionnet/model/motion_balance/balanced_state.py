@@ -27,6 +27,8 @@ class BalancedState:
     is_stable : bool
         Whether speeds return after a small disturbance.
     notes : tuple of str
+    sticking : int
+        Number of laws that stick.
     """
 
     speeds: Mapping[str, float]
@@ -36,6 +38,7 @@ class BalancedState:
     acting: Mapping[str, float] = field(default_factory=dict)
     is_stable: bool = True
     notes: tuple[str, ...] = ()
+    sticking: int = 0
 
     @property
     def tangent_key(self) -> tuple[object, ...]:

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from torsionnet.model.definition import Definition
     from torsionnet.model.motion_balance.steady_speeds import SteadySpeeds
 
+SAME_SPEED = 1e-9
+"""Share of the largest speed by which slips may differ from those that given speeds ask for: more than rounding."""
 MOST_LISTED = 4
 """Largest number of operating points that a message lists."""
 
@@ -62,7 +64,7 @@ class OperatingBalance:
 
     @cached_property
     def state(self) -> BalancedState:
-        """State of all laws of motion: of several the stable one nearest to the speeds that are given.
+        """State of all laws of motion: of several the stable one nearest to given speeds, else that which sticks.
 
         Raises
         ------
@@ -163,8 +165,16 @@ class OperatingBalance:
 
         given = {node: speed for node, speed in self.given_speeds.items() if node in network.order}
         motions = steady_speeds(network, external, given, self.definition.name)
-        for motion in sorted(motions, key=lambda one: one.distance) if given else motions:
-            yield self._balanced(motion, external)
+        refused: list[ModelError] = []
+        for motion in sorted(motions, key=lambda one: (one.distance, -one.sticking)) if given else motions:
+            try:
+                state = self._balanced(motion, external)
+            except ModelError as error:  # as where the slip of one balance lies beyond a table
+                refused.append(error)
+            else:
+                yield state
+        if len(refused) == len(motions):
+            raise refused[0]
 
     def _balanced(self, motion: SteadySpeeds, external: Mapping[str, float]) -> BalancedState:
         """State of all laws with steady speeds, whose torques twist the springs."""
@@ -200,8 +210,15 @@ class OperatingBalance:
             for node, torque in motion.left_over.items()
             if abs(torque) > 1e-9 * size and abs(torque) > 0
         )
+        if motion.distance > SAME_SPEED * max(map(abs, motion.speeds.values()), default=0.0):
+            notes += tuple(
+                f"the speeds given are not in balance with the torques: {owner} slips at {rate:.6g} rad/s"
+                for owner, rate in motion.slipping.items()
+            )
         outer = {node: float(torque) for node, torque in slipping.items()}
-        return BalancedState(motion.speeds, states, torques, dict(external), outer, motion.is_stable, notes)
+        return BalancedState(
+            motion.speeds, states, torques, dict(external), outer, motion.is_stable, notes, motion.sticking
+        )
 
     def _state_at(self, one: PlacedMotionLaw, torque: Any) -> MotionState:
         """State of a law over the twist at a torque in N m; of several the one nearest to rest that holds."""
@@ -224,13 +241,23 @@ class OperatingBalance:
             raise ModelError(faults, self.definition.name)
 
     def _chosen(self, found: Sequence[BalancedState]) -> BalancedState:
+        """Of several points the stable one, of these the nearest to given speeds, else that in which most laws stick.
+
+        Friction that sticks keeps doing so until something makes it slip.
+        """
         stable = [one for one in found if one.is_stable]
         if not stable:
             return found[0]
-        if len(stable) == 1 or any(self.given_speeds.values()):
+        if any(self.given_speeds.values()):
             return stable[0]
-        listed = "; ".join(map(self._speeds_text, stable[:MOST_LISTED]))
-        text = f"{len(stable)} stable operating points are in balance: {listed}; choose one with speed={{node: value}}"
+        most = max(one.sticking for one in stable)
+        sticking = [one for one in stable if one.sticking == most]
+        if len(sticking) == 1:
+            return sticking[0]
+        listed = "; ".join(map(self._speeds_text, sticking[:MOST_LISTED]))
+        text = (
+            f"{len(sticking)} stable operating points are in balance: {listed}; choose one with speed={{node: value}}"
+        )
         raise ModelError([Fault(text, ("operating_point", "speed"))], self.definition.name)
 
     def _speeds_text(self, one: BalancedState) -> str:

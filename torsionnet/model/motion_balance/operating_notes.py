@@ -41,8 +41,25 @@ def law_notes(definition: Definition) -> tuple[str, ...]:
     return (f"operating point{at}: {comma_list(found, MOST_NAMED)}", *state.notes, *_choice(definition))
 
 
+def running_notes(definition: Definition) -> tuple[str, ...]:
+    """Notes on the operating points of laws of motion in results over speed; none for a model without such laws."""
+    notes = law_notes(definition)
+    if notes and definition.load is not None:
+        notes = (*notes, "at every speed laws of motion are linear under the load there")
+    return notes
+
+
+def symbol_notes(definition: Definition) -> tuple[str, ...]:
+    """Notes on the operating point about which formulas hold; none for a model without laws of motion."""
+    notes = law_notes(definition)
+    if notes and definition.tangents is not None and definition.tangents.is_loaded:
+        notes = (*notes, "the formula has the mean twists and slips of this point as numbers; values that move the "
+                         "point need a formula of their own")  # fmt: skip
+    return notes
+
+
 def _state_text(law: MotionLaw, state: MotionState, torque: float) -> str:
-    holds = law.curve.holds(state)
+    holds, torque = law.curve.holds(state), torque + 0.0  # no -0
     if law.curve.over == "rate":
         return f"sticks at {torque:.6g} N*m" if holds else f"slips at {state.rate:.6g} rad/s, {torque:.6g} N*m"
     if not holds and not torque and law.curve.slopes(state)[0] == 0:
@@ -56,7 +73,10 @@ def _choice(definition: Definition) -> Iterator[str]:
     state, states = definition.tangents.state, definition.tangents.states
     if len(states) > 1:
         stable = sum(one.is_stable for one in states)
-        chosen = "this is the stable one nearest to the speeds given" if state.is_stable else "this one is not"
+        by_speed = any(definition.tangents.given_speeds.values())
+        which = "nearest to the speeds given" if by_speed else "in which most friction sticks"
+        several = "this is the one" if stable == 1 else f"this is the one of them {which}"
+        chosen = several if state.is_stable else "this one is not"
         yield f"{len(states)} operating points are in balance, {stable} of them stable; {chosen}{_at(definition)}"
     elif not state.is_stable:
         yield f"the operating point is unstable: speeds move away from it{_at(definition)}"

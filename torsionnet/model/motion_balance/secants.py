@@ -65,6 +65,11 @@ class Secants:
         """Whether torques or speeds are given, which they are."""
         return True
 
+    @property
+    def given_speeds(self) -> Mapping[str, float]:
+        """Empty mapping: the state is given, and no speed chooses it."""
+        return {}
+
     def depends_on(self, names: frozenset[str]) -> bool:
         """Whether the state may change with parameters: it is given."""
         del names

@@ -9,39 +9,38 @@ between the corners of the curves.
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.errors import Fault, ModelError
-from torsionnet.core.units import RPM
-from torsionnet.model.element_base.torque_curve import AT_REST, MotionState
-from torsionnet.model.elements import MotionLaw
 from torsionnet.model.kinematics import exact_row
 from torsionnet.model.load.external_torques import UNBALANCED_SHARE
 from torsionnet.model.motion_balance.law_network import LawNetwork, PlacedMotionLaw
-from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve
+from torsionnet.model.motion_balance.rate_states import (
+    LawSpeed,
+    beyond_reach,
+    roots_along,
+    shared_by_sticking,
+    state_at,
+    states_at_speed,
+    states_of_rate,
+    sticks,
+    torque_at,
+)
+from torsionnet.model.motion_balance.steady_stability import ZERO_SHARE, null_space, returns_to_speeds
 
 FloatArray = NDArray[np.float64]
 
-ZERO_SHARE = 1e-9
-"""Size of a number over those that it was made of below which it counts as zero."""
-SLOWEST, FASTEST, PLACES = 1e-6, 1e5, 240
-"""Rates in rad/s, and how many of them on either side of zero, between which roots of smooth curves are bracketed."""
-BETWEEN = 40
-"""Number of places from one corner of smooth curves to the next: sums of curves have more extremes than these."""
-
-
-@dataclass(frozen=True)
-class LawSpeed:
-    """State of a law over the rate, its torque in N m, and whether that torque acts besides those from outside."""
-
-    state: MotionState
-    torque: float
-    counts: bool = True
+DIGITS = 14
+"""Number of digits of torques from equilibrium: rounding beyond them would carry one as large as that of sticking, or
+as the breakdown torque, past it."""
+MOST_COMBINATIONS = 100
+"""Largest number of combinations of states of laws that are listed: each costs a balance of the twists."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +56,20 @@ class SteadySpeeds:
     left_over: Mapping[str, float]
     distance: float = 0.0
     """Distance in rad/s of the rates from those that the given speeds ask for."""
+
+    @property
+    def sticking(self) -> int:
+        """Number of laws that stick."""
+        return sum(map(_holds, self.laws.items()))
+
+    @property
+    def slipping(self) -> dict[str, float]:
+        """Slip in rad/s by element of friction that slips."""
+        return {
+            one.owner: speed.state.rate
+            for one, speed in self.laws.items()
+            if sticks(one.law) and not one.law.curve.holds(speed.state)
+        }
 
 
 def steady_speeds(
@@ -127,10 +140,11 @@ class _Motions:
         )
         left = [one for one in self.rows if one not in fixed]
         if not left:
-            return [self._motion(fixed, self._require_balance(torques))]
+            return [self._motion(fixed, self._require_balance(torques, fixed))]
         rows = np.array([self.rows[one] for one in left])
-        needed, *_ = np.linalg.lstsq(rows.T, torques, rcond=None)
-        over = self._require_balance(torques - rows.T @ needed)
+        least, *_ = np.linalg.lstsq(rows.T, torques, rcond=None)
+        needed = np.array([float(f"{torque:.{DIGITS}g}") for torque in least.tolist()])
+        over = self._require_balance(torques - rows.T @ needed, fixed)
         return [self._motion({**fixed, **one}, over) for one in self._solutions(left, rows, needed)]
 
     def _fixed(self) -> Iterator[tuple[PlacedMotionLaw, LawSpeed]]:
@@ -139,14 +153,14 @@ class _Motions:
         for one, row in self.rows.items():
             rate = float(row @ self.asked)
             if not row.any():
-                yield one, LawSpeed(_state_at(one.law, 0.0), 0.0 if _sticks(one.law) else _torque(one.law, 0.0))
-            elif self._is_asked(row) and (rate or not _sticks(one.law)):
+                yield one, LawSpeed(state_at(one.law, 0.0), 0.0 if sticks(one.law) else torque_at(one.law, 0.0))
+            elif self._is_asked(row) and (rate or not sticks(one.law)):
                 own = [torque for node, torque in self.external.items() if torque and set(one.law.row) == {node}]
-                if own and balanced and not _sticks(one.law):  # the torque stated there is that of the law
+                if own and balanced and not sticks(one.law):  # the torque stated there is that of the law
                     share = float(next(iter(one.law.row.values())))
-                    yield one, LawSpeed(_state_at(one.law, rate, self._sensed(one)), -own[0] / share, counts=False)
-                elif _sticks(one.law) or one.law.sensed or not any(self.external.values()):
-                    state = _state_at(one.law, rate, self._sensed(one))
+                    yield one, LawSpeed(state_at(one.law, rate, self._sensed(one)), -own[0] / share, counts=False)
+                elif sticks(one.law) or one.law.sensed or not any(self.external.values()):
+                    state = state_at(one.law, rate, self._sensed(one))
                     yield one, LawSpeed(state, float(one.law.torque(0.0, rate, *state.sensed)))
 
     def _sensed(self, one: PlacedMotionLaw) -> tuple[float, ...]:
@@ -158,16 +172,21 @@ class _Motions:
     def _is_balanced(self, torques: FloatArray) -> bool:
         return bool((np.abs(torques) <= UNBALANCED_SHARE * self.sizes + ZERO_SHARE * self.sizes.max(initial=0.0)).all())
 
-    def _require_balance(self, left_over: FloatArray) -> FloatArray:
+    def _require_balance(self, left_over: FloatArray, fixed: Mapping[PlacedMotionLaw, LawSpeed]) -> FloatArray:
         """Torques that are left over, unless the torques from outside are out of balance with and without the laws."""
         if self._is_balanced(left_over) or self._is_balanced(self.torques):
             return left_over
         worst = int(np.argmax(np.abs(left_over)))
         name = self.network.free_motions[worst]
-        acting = ", ".join(f"{node} {torque:.6g} N*m" for node, torque in self.external.items() if torque)
+        acting = [f"{node} {torque:.6g} N*m" for node, torque in self.external.items() if torque]
+        acting += [
+            f"{one.owner} {speed.torque:.6g} N*m against its slip of {speed.state.rate:.6g} rad/s"
+            for one, speed in fixed.items()
+            if speed.torque and speed.counts
+        ]
         text = (
-            f"the mean torques ({acting}) leave {float(left_over[worst]):.4g} N*m over at the speed of {name}, which "
-            f"nothing takes{self._advice(worst, float(left_over[worst]))}"
+            f"the mean torques ({', '.join(acting)}) leave {float(left_over[worst]):.4g} N*m over at the speed of "
+            f"{name}, which nothing takes{self._advice(worst, float(left_over[worst]))}"
         )
         raise ModelError([Fault(text, ("operating_point", "torque"), on_key=True)], self.title)
 
@@ -190,7 +209,7 @@ class _Motions:
             if one.law.sensed:
                 text = "its torque follows the speeds of its nodes; give these as speed={node: value, ...}"
                 raise ModelError([Fault(text, ("elements", one.owner))], self.title)
-        shared = _null_space(rows.T)
+        shared = null_space(rows.T)
         alone = [number for number in range(len(left)) if np.abs(shared[number]).max(initial=0.0) < ZERO_SHARE]
         others = [number for number in range(len(left)) if number not in alone]
         choices: list[list[dict[PlacedMotionLaw, LawSpeed]]] = []
@@ -198,39 +217,48 @@ class _Motions:
             one, torque = left[number], float(needed[number])
             states = states_of_rate(one.law, torque)
             if not states:
-                raise ModelError([Fault(_beyond(one.law, torque), ("elements", one.owner))], self.title)
+                raise ModelError([Fault(beyond_reach(one.law, torque), ("elements", one.owner))], self.title)
             choices.append([{one: LawSpeed(state, torque)} for state in states])
         if others:
             some = [left[number] for number in others]
             together = rows[others].T @ needed[others]
             choices.append(list(self._together(some, rows[others], together)))
+        if math.prod(map(len, choices)) > MOST_COMBINATIONS:
+            choices = [[one for one in some if any(map(_holds, one.items()))] or some for some in choices]
+        if math.prod(map(len, choices)) > MOST_COMBINATIONS:
+            names = ", ".join(dict.fromkeys(one.owner for one in left))
+            text = (
+                f"{names} have {math.prod(map(len, choices))} balances together; give speeds as speed={{node: value}}"
+            )
+            raise ModelError([Fault(text, ("operating_point", "speed"))], self.title)
         for some_states in itertools.product(*choices):
             yield {one: speed for part in some_states for one, speed in part.items()}
 
     def _together(
         self, laws: Sequence[PlacedMotionLaw], rows: FloatArray, torques: FloatArray
     ) -> Iterator[dict[PlacedMotionLaw, LawSpeed]]:
-        """States of laws that share a torque: along one motion all of them, else those near the speeds asked for."""
+        """States of laws that share a torque: along one motion all of them, else those that stick."""
         names = ", ".join(dict.fromkeys(one.owner for one in laws))
-        if all(_sticks(one.law) for one in laws):
-            needed, *_ = np.linalg.lstsq(rows.T, torques, rcond=None)
-            found = [_stuck(one.law, torque) for one, torque in zip(laws, needed.tolist(), strict=True)]
-            if None not in found:
-                yield {one: state for one, state in zip(laws, found, strict=True) if state is not None}
-                return
         if np.linalg.matrix_rank(rows) > 1:
-            text = f"{names} share the mean torques at more than one speed; give these as speed={{node: value, ...}}"
-            raise ModelError([Fault(text, ("elements", laws[0].owner))], self.title)
+            held = shared_by_sticking([one.law for one in laws], rows, torques)
+            if held is None or not all(sticks(one.law) for one in laws):
+                text = (
+                    f"{names} share the mean torques at more than one speed; give these as speed={{node: value, ...}}"
+                )
+                raise ModelError([Fault(text, ("elements", laws[0].owner))], self.title)
+            yield {one: LawSpeed(state_at(one.law, 0.0), torque) for one, torque in zip(laws, held, strict=True)}
+            return
         motion = rows[int(np.argmax(np.abs(rows).max(axis=1)))]
         motion = motion / np.linalg.norm(motion)
         factors, wanted = (rows @ motion).tolist(), float(torques @ motion)
-        found_any = False
-        for speed in _roots([one.law for one in laws], factors, wanted):
-            found_any = True
-            yield _states_at_speed(laws, factors, wanted, speed)
-        if not found_any:
+        found = [
+            states_at_speed(laws, factors, wanted, speed)
+            for speed in roots_along([one.law for one in laws], factors, wanted)
+        ]
+        if not found:
             text = f"the mean torques leave {wanted:.4g} N*m for {names}, which no speed of them gives"
             raise ModelError([Fault(text, ("elements", laws[0].owner))], self.title)
+        yield from [states for states in found if not any(map(_is_beyond, states.items()))] or found
 
     def _motion(self, laws: Mapping[PlacedMotionLaw, LawSpeed], left_over: FloatArray) -> SteadySpeeds:
         solved = [one for one in laws if self.rows[one].any()]
@@ -247,167 +275,14 @@ class _Motions:
         asked = [number for number, row in enumerate(rows) if self._is_asked(row)]
         distance = float(np.abs(rows[asked] @ self.asked - rates[asked]).max(initial=0.0))
         over = dict(zip(self.network.free_motions, left_over.tolist(), strict=True))
-        return SteadySpeeds(speeds, laws, self._is_stable(laws), over, distance)
-
-    def _is_stable(self, laws: Mapping[PlacedMotionLaw, LawSpeed]) -> bool:
-        """Whether the free motions, with the inertias that follow them, return to their speeds."""
-        n = len(self.torques)
-        inertia, damping = np.zeros((n, n)), np.zeros((n, n))
-        for _, law in self.network.linear:
-            if law.inertia != 0:
-                row = self._row(law.row)
-                inertia += float(law.inertia) * np.outer(row, row)
-        stuck = []
-        for one, speed in laws.items():
-            if one.law.curve.holds(speed.state):
-                stuck.append(self.rows[one])
-            else:
-                slope = float(one.law.scale) * float(one.law.curve.slopes(speed.state)[1])
-                damping += slope * np.outer(self.rows[one], self.rows[one])
-        moving = _null_space(np.array(stuck).reshape(len(stuck), n))
-        inertia, damping = moving.T @ inertia @ moving, moving.T @ damping @ moving
-        if not damping.size or not damping.any():
-            return True
-        if np.linalg.matrix_rank(inertia) < len(inertia):
-            inertia = np.eye(len(inertia))
-        rates = np.linalg.eigvals(np.linalg.solve(inertia, damping)).real
-        return bool(rates.min() >= -ZERO_SHARE * np.abs(rates).max())
-
-    def _row(self, row: Mapping[str, Any]) -> FloatArray:
-        found = self.network.free.in_floats(exact_row(row))
-        return np.array([found.get(name, 0.0) for name in self.network.free_motions])
+        return SteadySpeeds(speeds, laws, returns_to_speeds(self.network, self.rows, laws), over, distance)
 
 
-def _null_space(matrix: FloatArray) -> FloatArray:
-    """Orthonormal columns (n, n_null) of the null space of a matrix (m, n)."""
-    if not matrix.shape[0]:
-        return np.eye(matrix.shape[1])
-    _, sizes, right = np.linalg.svd(matrix)
-    rank = int((sizes > ZERO_SHARE * sizes.max(initial=0.0)).sum())
-    return np.asarray(right[rank:].T)
+def _holds(pair: tuple[PlacedMotionLaw, LawSpeed]) -> bool:
+    return pair[0].law.curve.holds(pair[1].state)
 
 
-def _sticks(law: MotionLaw) -> bool:
-    """Whether the law is friction, which holds its row still up to some torque."""
-    return law.curve.holds(AT_REST)
-
-
-def _torque(law: MotionLaw, rate: float) -> float:
-    return float(law.torque(0.0, rate, *([0.0] * len(law.sensed))))
-
-
-def _state_at(law: MotionLaw, rate: float, sensed: tuple[float, ...] = ()) -> MotionState:
-    number = law.curve.number_at(0.0, rate) if isinstance(law.curve, PieceCurve) else None
-    return MotionState(0.0, rate, sensed or (0.0,) * len(law.sensed), number)
-
-
-def _stuck(law: MotionLaw, torque: float) -> LawSpeed | None:
-    """State of a friction that sticks under a torque in N m, or None where the torque makes it slip."""
-    for number, piece in enumerate(law.curve.pieces if isinstance(law.curve, PieceCurve) else ()):
-        if isinstance(piece, Hold) and piece.at == 0:
-            low, high = float(law.scale) * float(piece.low), float(law.scale) * float(piece.high)
-            return LawSpeed(MotionState(piece=number), torque) if low <= torque <= high else None
-    return None
-
-
-def states_of_rate(law: MotionLaw, torque: float) -> list[MotionState]:
-    """States at which a law over the rate gives a torque in N m, by rising rate; of friction that sticks only that."""
-    if not law.scale:
-        return [] if torque else [AT_REST]
-    found = law.curve.states_at(torque / law.scale)
-    if found is None:
-        rates = _roots([law], [1.0], torque)
-        found = tuple(_state_at(law, rate) for rate in rates)
-    holding = [state for state in found if law.curve.holds(state)]
-    return holding or list(found)
-
-
-def _roots(laws: Sequence[MotionLaw], factors: Sequence[float], wanted: float) -> list[float]:
-    """Speeds in rad/s at which torques of laws along one motion add up to the torque wanted, sum_l a_l T_l(a_l w)."""
-    from scipy.optimize import brentq
-
-    def over(speed: float) -> float:
-        return sum(factor * _torque(law, factor * speed) for law, factor in zip(laws, factors, strict=True)) - wanted
-
-    places = {0.0}
-    for law, factor in zip(laws, factors, strict=True):
-        places |= {float(corner) / factor for corner in law.curve.corners()}
-    if not all(isinstance(law.curve, PieceCurve) for law in laws):
-        for low, high in itertools.pairwise(sorted(places)):
-            places |= set(np.linspace(low, high, BETWEEN).tolist())
-        places |= {sign * one for one in np.geomspace(SLOWEST, FASTEST, PLACES).tolist() for sign in (-1, 1)}
-    ordered = sorted(places)
-    reach = 1e3 * max(1.0, *map(abs, ordered))
-    found: list[float] = []
-    for low, high in itertools.pairwise((-reach, *ordered, reach)):
-        inside = 1e-12 * (high - low)
-        start, end = over(low + inside), over(high - inside)
-        if start == 0:
-            found.append(low + inside)
-        if start * end < 0:
-            found.append(float(brentq(over, low + inside, high - inside, xtol=1e-300, rtol=1e-14)))
-    for place in ordered:  # at a step the torque takes every value between those beside it
-        low, high = _range_at(laws, factors, place)
-        if low <= wanted <= high and not any(_is_near(place, one) for one in found):
-            found.append(place)
-    return sorted(found)
-
-
-def _is_near(one: float, other: float) -> bool:
-    return abs(one - other) <= ZERO_SHARE * max(abs(one), abs(other), SLOWEST)
-
-
-def _range_at(laws: Sequence[MotionLaw], factors: Sequence[float], speed: float) -> tuple[float, float]:
-    """Range of torques in N m that laws may take together at a speed in rad/s."""
-    low = high = 0.0
-    for law, factor in zip(laws, factors, strict=True):
-        held = [
-            piece
-            for piece in (law.curve.pieces if isinstance(law.curve, PieceCurve) else ())
-            if isinstance(piece, Hold) and _is_near(float(piece.at), factor * speed)
-        ]
-        if held:
-            ends = sorted(factor * float(law.scale) * float(end) for end in (held[0].low, held[0].high))
-            low, high = low + ends[0], high + ends[1]
-        else:
-            low += factor * _torque(law, factor * speed)
-            high += factor * _torque(law, factor * speed)
-    return low, high
-
-
-def _states_at_speed(
-    laws: Sequence[PlacedMotionLaw], factors: Sequence[float], wanted: float, speed: float
-) -> dict[PlacedMotionLaw, LawSpeed]:
-    """States of laws at a speed in rad/s; those that stick share what the others leave by their ranges."""
-    found = {
-        one: LawSpeed(state := _state_at(one.law, factor * speed), float(one.law.torque(0.0, state.rate)))
-        for one, factor in zip(laws, factors, strict=True)
-    }
-    held = [one for one in laws if one.law.curve.holds(found[one].state)]
-    if held:
-        by = dict(zip(laws, factors, strict=True))
-        rest = wanted - sum(by[one] * found[one].torque for one in laws if one not in held)
-        size = sum(by[one] ** 2 for one in held)
-        for one in held:
-            found[one] = replace(found[one], torque=rest * by[one] / size)
-    return found
-
-
-def _beyond(law: MotionLaw, torque: float) -> str:
-    """Message that no rate gives a torque in N m, with the largest and smallest torque of the law."""
-    places = [float(corner) for corner in law.curve.corners()] or [
-        sign * one for one in np.geomspace(SLOWEST, FASTEST, PLACES).tolist() for sign in (-1, 1)
-    ]
-    torques = [_torque(law, place) for place in places] + [0.0]
-    for piece in law.curve.pieces if isinstance(law.curve, PieceCurve) else ():
-        if isinstance(piece, Hold):
-            torques += [float(law.scale) * float(piece.low), float(law.scale) * float(piece.high)]
-    return (
-        f"the mean torques ask it for {torque:.6g} N*m, and it gives from {min(torques):.6g} to {max(torques):.6g} "
-        "N*m; there is no steady speed: reduce the torque"
-    )
-
-
-def shown_speed(speed: float) -> str:
-    """Text of a speed in rad/s, in rpm."""
-    return f"{speed * RPM:.6g} rpm"
+def _is_beyond(pair: tuple[PlacedMotionLaw, LawSpeed]) -> bool:
+    """Whether a state lies beyond an end of its curve."""
+    state = pair[1].state
+    return bool(pair[0].law.curve.left(state.twist, state.rate, *state.sensed))

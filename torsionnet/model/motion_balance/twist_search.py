@@ -8,7 +8,7 @@ proves them: of a convex energy there is one minimum.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -22,6 +22,14 @@ from torsionnet.model.elements import Law, MotionLaw
 from torsionnet.model.kinematics import exact_row
 from torsionnet.model.motion_balance.law_network import LawNetwork
 from torsionnet.model.motion_balance.monotone_graph import MonotoneGraph, monotone_graph
+from torsionnet.model.motion_balance.twist_matrices import (
+    SMALL_RESIDUAL,
+    bordered,
+    gram,
+    least_solution,
+    row_matrix,
+    solution,
+)
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope
 
 FloatArray = NDArray[np.float64]
@@ -36,15 +44,11 @@ SETTLED = 1e-12
 """Change of the twists, over the largest, at which Newton's method on smooth curves ends."""
 SLACK = 1e-9
 """Share of a bound of a piece by which rounding may carry a solution beyond it."""
-SMALL_RESIDUAL = 1e-10
-"""Size of the residual torques over the torques that act at which the search ends."""
 ROUNDED = 4e-15
 """Rounding of twists over the largest angle, which the stiffest law turns into a residual torque, and of torques over
 the largest at a corner, of which the lines are made: some units of the last digit."""
 LEAST_SLOPE = 1e-9
 """Stiffness that gives level pieces a direction, over the largest one of the law."""
-DENSE_COORDINATES = 400
-"""Number of coordinates from which sparse matrices are quicker."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,13 +110,13 @@ class _Search:
                 if name in place:
                     torques[place[name]] += share * torque
         springs = [law for _, law in network.elastic]
-        rows = _matrix([network.reduction.in_floats(exact_row(law.row)) for law in springs], place)
+        rows = row_matrix([network.reduction.in_floats(exact_row(law.row)) for law in springs], place)
         sizes = np.array([_stiffness_at_rest(law) for law in springs])
         laws = [one.law for one in network.over_twist]
-        own = _matrix([network.reduction.in_floats(exact_row(law.row)) for law in laws], place)
+        own = row_matrix([network.reduction.in_floats(exact_row(law.row)) for law in laws], place)
         graphs = tuple(monotone_graph(one.rounded, ramp) for one in network.over_twist)
         floors = np.array([LEAST_SLOPE * (graph.stiffest or 1.0) for graph in graphs])
-        return cls(_gram(rows, sizes), own, torques, graphs, floors)
+        return cls(gram(rows, sizes), own, torques, graphs, floors)
 
     def _laws(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Torques in N m and slopes in N m/rad of all laws."""
@@ -134,7 +138,7 @@ class _Search:
         for _ in range(MOST_STEPS):
             if np.abs(residual).max(initial=0.0) <= none:
                 return q
-            step = _solved(self.stiffness + _gram(self.rows, np.maximum(slopes, self.floors)), residual)
+            step = solution(self.stiffness + gram(self.rows, np.maximum(slopes, self.floors)), residual)
             if not np.isfinite(step).all():
                 return None
             after = self._left(q + step, load)
@@ -177,9 +181,9 @@ class _Search:
         for _ in range(MOST_STEPS):
             lines = [_line(*one) for one in zip(self.graphs, pieces, twists.tolist(), strict=True)]
             begun, slopes = (np.array([line[part] for line in lines]) for part in (0, 1))
-            matrix = _bordered(self.stiffness + _gram(rows, slopes), rows[held])
+            matrix = bordered(self.stiffness + gram(rows, slopes), rows[held])
             right = np.concatenate([self.torques - rows.T @ begun, places])
-            found = _least(matrix, right)
+            found = least_solution(matrix, right)
             size = (abs(matrix) @ np.abs(found) + np.abs(right)).max(initial=0.0)
             if not np.abs(matrix @ found - right).max(initial=0.0) <= SMALL_RESIDUAL * size:
                 return None
@@ -208,34 +212,6 @@ def _line(graph: MonotoneGraph, piece: Slope | Hold | None, twist: float) -> tup
     return torque - slope * twist, slope
 
 
-def _bordered(stiffness: Any, rows: Any) -> Any:
-    """Matrix [[K, B^T], [B, 0]] of coordinates under constraints on the rows B."""
-    if isinstance(stiffness, np.ndarray):
-        m = len(rows)
-        return np.block([[stiffness, rows.T], [rows, np.zeros((m, m))]]) if m else stiffness
-    from scipy import sparse
-
-    return sparse.block_array([[stiffness, rows.T], [rows, None]]).tocsc() if rows.shape[0] else stiffness
-
-
-def _least(matrix: Any, right: FloatArray) -> FloatArray:
-    """Solution of a system of equations, of a dense one the shortest where level pieces leave it open."""
-    if not isinstance(matrix, np.ndarray):
-        from scipy.sparse.linalg import splu
-
-        try:
-            return np.asarray(splu(matrix).solve(right))
-        except RuntimeError:  # singular
-            return np.full(len(right), np.nan)
-    try:
-        found = np.linalg.solve(matrix, right)
-    except np.linalg.LinAlgError:
-        found = np.full(len(right), np.nan)
-    if np.abs(matrix @ found - right).max(initial=0.0) <= SMALL_RESIDUAL * np.abs(right).max(initial=0.0):
-        return np.asarray(found)
-    return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-14)[0])
-
-
 def _is_within(law: MotionLaw, piece: Slope | Hold | None, twist: float, torque: float) -> bool:
     """Whether a twist in rad, of a step the torque in N m, lies within a piece, but for rounding."""
     if piece is None:
@@ -255,45 +231,6 @@ def _is_within(law: MotionLaw, piece: Slope | Hold | None, twist: float, torque:
 def _stiffness_at_rest(law: Law) -> float:
     own = float(law.stiffness)
     return own + (float(law.table.kappa(np.zeros(1))[0].real) if law.table is not None else 0.0)
-
-
-def _matrix(rows: Sequence[Mapping[str, float]], place: Mapping[str, int]) -> Any:
-    """Rows over the coordinates, dense for few of these."""
-    entries = [
-        (number, place[name], share) for number, row in enumerate(rows) for name, share in row.items() if name in place
-    ]
-    shape = (len(rows), len(place))
-    if len(place) <= DENSE_COORDINATES:
-        dense = np.zeros(shape)
-        for number, column, share in entries:
-            dense[number, column] = share
-        return dense
-    from scipy import sparse
-
-    triples: Any = zip(*entries, strict=True) if entries else ((), (), ())
-    numbers, columns, shares = triples
-    placed: Any = (shares, (numbers, columns))
-    return sparse.csr_array(placed, shape=shape, dtype=float)
-
-
-def _gram(rows: Any, sizes: FloatArray) -> Any:
-    """Matrix sum_l size_l b_l b_l^T over the coordinates."""
-    if isinstance(rows, np.ndarray):
-        return rows.T @ (sizes[:, None] * rows)
-    from scipy import sparse
-
-    return sparse.csc_array(rows.T @ (sparse.diags_array(sizes) @ rows))
-
-
-def _solved(matrix: Any, right: FloatArray) -> FloatArray:
-    if isinstance(matrix, np.ndarray):
-        try:
-            return np.asarray(np.linalg.solve(matrix, right))
-        except np.linalg.LinAlgError:
-            return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0])
-    from scipy.sparse.linalg import splu
-
-    return np.asarray(splu(matrix.tocsc()).solve(right))
 
 
 def _zero(slope: Callable[[float], float]) -> float:

@@ -13,6 +13,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.model.elements import Values
 from torsionnet.model.elements.shaft import Shaft
+from torsionnet.model.motion_balance.operating_notes import law_notes
 from torsionnet.model.speeds import speeds_by_reference
 from torsionnet.response.holzer_table import HolzerBranch, HolzerLink, HolzerStation, HolzerTable
 from torsionnet.solve.modes.eigen import undamped_modes
@@ -61,7 +62,9 @@ def holzer_table(
     own = ratios.get(shaft) or 1.0
     walk = _HolzerWalk(drivetrain, balance, tree, {node: speed / own for node, speed in ratios.items() if speed})
     branches = tuple(walk.branches(order))
-    return HolzerTable(omega / (2 * math.pi), mode, shaft, branches, drivetrain.title, notes)
+    return HolzerTable(
+        omega / (2 * math.pi), mode, shaft, branches, drivetrain.title, (*notes, *law_notes(drivetrain.definition))
+    )
 
 
 def _trial_rate(at: float | None) -> float:

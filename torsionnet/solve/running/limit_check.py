@@ -24,6 +24,7 @@ from torsionnet.model.limits import Limit, limit_rules
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import LimitLine, merged_line
 from torsionnet.model.limits.subject import LimitSubject
+from torsionnet.model.motion_balance.operating_notes import running_notes
 from torsionnet.model.power_flow import power_flows, power_sensors
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.limits.limit_check import LimitCheck, listed_names
@@ -72,6 +73,7 @@ def check_limits(
     notes = [NO_CYCLE] * (run.revolutions is None) + [MISFIRING] * subject.misfiring + [*run.engine_notes]
     notes += lost_power_notes(drivetrain, float(run.speeds[-1])) if evidence.means else ()
     notes += [running] if (running := running_engines_text(drivetrain.definition.excitations)) else []
+    notes += running_notes(drivetrain.definition)
     return LimitCheck(
         run.speeds, run.reference, verdicts, tuple(map(str, run.lines)), drivetrain.title, drivetrain.configuration,
         subject.misfiring, tuple(notes), drivetrain.configurations, drivetrain.other_configurations,

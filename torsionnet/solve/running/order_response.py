@@ -17,7 +17,7 @@ from torsionnet.core.errors import UsageError, suggestion_or
 from torsionnet.model.channels import Input, Sensor, named_nodes
 from torsionnet.model.excitations import OrderExcitation, OrderTorques
 from torsionnet.model.excitations.engine_phases import unlocked_engines
-from torsionnet.model.motion_balance.operating_notes import law_notes
+from torsionnet.model.motion_balance.operating_notes import running_notes
 from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
@@ -61,9 +61,7 @@ def order_response(
     """
     request = OrderRequest.of(drivetrain, speeds, speed_of, excitations)
     found = _responses(request, outputs, settled_values(request))
-    notes = law_notes(drivetrain.definition)
-    if notes and drivetrain.definition.follows_speed:
-        notes = (*notes, "at every speed laws of motion are linear under the load there")
+    notes = running_notes(drivetrain.definition)
     return replace(found, notes=notes) if notes else found
 
 

@@ -19,6 +19,7 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input, Sensor
+from torsionnet.model.motion_balance.operating_notes import running_notes
 from torsionnet.model.viscous_equivalent import viscous_equivalent
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
@@ -87,8 +88,9 @@ def passage_response(
         model = viscous_equivalent(drivetrain, hertz)
         notes.append(f"hysteretic and tabulated stiffness: springs and dampers equal to it at {hertz:.4g} Hz, where "
                      f"steady vibration of {first} is largest")  # fmt: skip
-    if drivetrain.definition.follows_speed:
+    if drivetrain.definition.following:
         notes.append("parameters that follow the speed have their values at the speed of the moment")
+    notes += running_notes(drivetrain.definition)
     request = OrderRequest.of(model, grid, speed_of, acting)
     kept, left_out = lines_that_matter(steady, NEGLIGIBLE_ORDERS)
     lines = tuple(line for line, acts in zip(steady.lines, kept.tolist(), strict=True) if acts)

@@ -11,6 +11,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.round_section import section_fault
 from torsionnet.model.elements import GROUND, Constraint, Element, Law, Values
+from torsionnet.model.motion_balance.operating_notes import law_notes
 from torsionnet.response.static_state import ElementLoad, StaticState
 from torsionnet.solve.running.mean_response import external_torques, mean_response, reason_undetermined
 
@@ -32,9 +33,8 @@ def static_state(drivetrain: AssembledModel, speed: float | None = None) -> Stat
     known = dict(zip(map(str, sensors), found.values[0].tolist(), strict=True))
     loads = [_load(element, node, known, external.ratios.get(node), float(at[0])) for element, node in ports]
     acting = {node: float(one[0]) for node, one in torques.items()}
-    return StaticState(
-        reference, float(at[0]), acting, tuple(loads), drivetrain.title, (*found.notes, *dict.fromkeys(notes))
-    )
+    said = tuple(dict.fromkeys((*found.notes, *law_notes(drivetrain.definition), *notes)))
+    return StaticState(reference, float(at[0]), acting, tuple(loads), drivetrain.title, said)
 
 
 def _ports(element: Element, values: Mapping[str, Any]) -> list[str]:
