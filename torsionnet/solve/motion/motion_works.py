@@ -125,13 +125,13 @@ class Works:
 
     def add(self, stretches: Stretches) -> None:
         """Add the works along stretches of motion, and what is lost at events between them."""
-        for owner, value in self.losses.between(stretches):
-            self.found[owner] = self.found.get(owner, 0.0) + value
         for contact, whole, few in stretches.alike():
             tables = self._tables_of(contact)
             sums = self._over_steps(tables, few) if whole else self._over_parts(tables, few)
             for owner, value in zip(tables.work.owners, (self.h * tables.work.factors * sums).tolist(), strict=True):
                 self.found[owner] = self.found.get(owner, 0.0) + value
+        for owner, value in self.losses.between(stretches):
+            self.found[owner] = self.found.get(owner, 0.0) + value
 
     def _tables_of(self, contact: Contact) -> _Tables:
         if contact not in self._tables:
