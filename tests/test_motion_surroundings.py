@@ -5,6 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import torsionnet as tn
+from tests.random_motion_plants import moving_plant
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.model.scenarios.time_history import HistoryPiece, TimeHistory, constant
 from torsionnet.response import MotionStart
@@ -263,3 +264,35 @@ def test_motion_that_grows_beyond_all_numbers_is_told(law):
     rig = tn.Drivetrain("unstable", [tn.Inertia("rotor", node="a", inertia=1.0), more, *driven])
     with pytest.raises(SolveError, match=r"grows beyond all numbers|cannot be followed"):
         rig.simulate("angle(a)", {"a": np.full(11, 20.0)}, 5)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(10))
+def test_energies_of_random_plants_balance(seed):
+    plant = moving_plant(seed, 6)
+    times = np.linspace(0, 0.5, 501)
+    record = plant.drivetrain.simulate(
+        "angle(n0)", plant.samples(times), 1000.0, start=MotionStart(speeds=plant.speeds)
+    )
+    balance = record.energy
+    size = abs(balance.supplied) + abs(balance.stored) + sum(map(abs, balance.dissipated.values()))
+    assert abs(balance.left_over) < 1e-9 * size
+    assert min(balance.dissipated.values()) > -1e-9 * size
+
+
+def test_lists_and_histories_act_together_as_on_a_linear_plant():
+    masses = [tn.Inertia("one", node="a", inertia=0.5), tn.Inertia("two", node="b", inertia=0.8)]
+    shaft = [
+        tn.Spring("s", nodes=("a", "b"), stiffness=300, damping=0.4),
+        tn.Damper("d", nodes=("b", "ground"), damping=1),
+    ]
+    far = tn.Clearance("far", nodes=("a", "b"), gap=100, stiffness=1)
+    rough = np.random.default_rng(1).normal(size=61)
+    ramp = TimeHistory((HistoryPiece(0.0, 1.0, 4.0), HistoryPiece(0.4, 2.6, -3.0)))
+    wanted = ["angle(a)", "torque(s)", "twist(s)", "acceleration(b)"]
+    linear = tn.Drivetrain("linear", [*masses, *shaft]).simulate(wanted, {"a": rough, "b": ramp.samples(50, 61)}, 50)
+    for law in (far, tn.Spring("far", nodes=("a", "b"), stiffness=0, cubic="1e-12 N*m/rad^3")):
+        record = tn.Drivetrain("both", [*masses, *shaft, law]).simulate(wanted, {"a": rough, "b": ramp}, 50)
+        for name in wanted:
+            values = linear[name].values
+            assert record[name].values == pytest.approx(values, abs=1e-8 * np.abs(values).max())
