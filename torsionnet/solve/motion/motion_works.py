@@ -93,7 +93,7 @@ def node_count(turn: float) -> tuple[int, int]:
     """Number of Gauss points, and of parts of a step, in which the fastest vibration turns, or decays, by so many rad.
 
     >>> node_count(1.0), node_count(16.0)
-    ((6, 1), (10, 4))
+    ((6, 1), (9, 4))
     """
     parts = 1
     while True:

@@ -214,7 +214,7 @@ def _angles(
     free = _free_motions(plant, held)
     size = max(float(np.abs(K).max(initial=0.0)), 1.0)
     pushed = system.M @ free
-    scale = max(float(np.abs(pushed).max(initial=0.0)), 1e-300)
+    scale = float(np.abs(pushed).max(initial=0.0)) or 1.0
     above = np.hstack([K, pushed * (size / scale)])
     below = np.hstack([size * np.array(twisted).reshape(-1, len(v)), np.zeros((len(twisted), free.shape[1]))])
     found = np.linalg.lstsq(np.vstack([above, below]), np.array([*load, *(size * one for one in wanted)]), rcond=None)[
