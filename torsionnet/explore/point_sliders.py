@@ -89,7 +89,7 @@ def all_point_rows(rig: Drivetrain) -> list[PointRow]:
 
 
 def point_settings(values: Mapping[str, Any], rig: Drivetrain) -> dict[str, Any]:
-    """Those of the values given by hand that are entries of the operating point or the load."""
+    """Values given by hand, by name, that are entries of the operating point or the load."""
     return {
         name: value
         for name, value in values.items()

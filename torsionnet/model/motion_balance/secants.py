@@ -76,12 +76,12 @@ class Secants:
         return False
 
     def of(self, definition: Definition) -> Secants:
-        """These secants, as their state is given."""
+        """Same secants for any definition: their state is given."""
         del definition
         return self
 
     def with_values(self, values: Mapping[str, float]) -> Secants:
-        """These secants, as their state is given."""
+        """Same secants for any definition: their state is given."""
         del values
         return self
 

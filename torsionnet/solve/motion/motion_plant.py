@@ -90,7 +90,7 @@ class MotionPlant:
         return RowSystem(whole.law_rows, whole.inertia.copy(), damping, stiffness, actions=whole.actions)
 
     def remembered(self, key: Hashable, made: Callable[[], Any]) -> Any:
-        """What contact states of the plant share, made when it is first asked for."""
+        """Object that contact states of the plant share under a key, made when first asked for."""
         if key not in self.memo:
             if len(self.memo) >= MOST_REMEMBERED:
                 self.memo.clear()
