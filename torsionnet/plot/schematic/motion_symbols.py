@@ -29,7 +29,7 @@ def friction_symbol(element: Element) -> Glyph:
     leads = [Stroke(((start, 0), (middle - 3, 0)), "shaft"), Stroke(((middle + 3, 0), (middle + 18, 0)), "shaft")]
     plates = [Stroke(((x, -_HALF), (x, _HALF))) for x in (middle - 3, middle + 3)]
     hatches = [
-        Stroke(((middle - 3, y), (middle + 3, y + 4)), "thin") for y in (-_HALF, -_HALF + 5, -_HALF + 10, -_HALF + 15)
+        Stroke(((middle - 3, y), (middle + 3, y + 5)), "thin") for y in (-_HALF, -_HALF + 5, -_HALF + 10, -_HALF + 15)
     ]
     spring = [zigzag(0.0, start, 0.0)] if start else []
     return Glyph((*spring, *leads, *plates, *hatches), middle + 18, _HALF + 1)
