@@ -1,7 +1,6 @@
 """Laws of motion of springs, clearances, friction and backlash: torques, energies, tangents, and what is refused."""
 
 import math
-import re
 from dataclasses import replace
 from fractions import Fraction
 
@@ -15,7 +14,6 @@ from torsionnet.assembly.twin import TWINS, Twin
 from torsionnet.core.expressions import FLOAT
 from torsionnet.model.element_base.torque_curve import MotionState, ScaledCurve
 from torsionnet.model.elements import Constraint, Law, MotionLaw, Values
-from torsionnet.model.files.reader import read_text
 from torsionnet.model.motion_laws.cubic_curve import CubicCurve
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope, symmetric_curve
 from torsionnet.solve.sensitivity.dual import DUALS, Dual
@@ -248,6 +246,18 @@ def test_softening_spring_has_three_twists_for_a_torque():
     assert len(found) == 3
 
 
+def test_a_softening_spring_says_what_it_bears():
+    """100 x - 30 x^3 rises up to x = sqrt(100/90): 200/3 sqrt(10)/3 N m."""
+    rig = tn.Drivetrain(
+        "rig",
+        [tn.Inertia(node, node=node, inertia=1) for node in "ab"] + [tn.Spring("e", **ENDS, stiffness=100, cubic=-30)],
+    )
+    with pytest.raises(
+        tn.ModelError, match=r"is 71 N\*m, and no twist gives more than 70\.2728 N\*m; reduce the torque"
+    ):
+        rig.at(torque={"a": 71, "b": -71})
+
+
 def test_symmetric_curve_is_its_own_mirror_image():
     curve = symmetric_curve("twist", (Hold(0, -2, 2), Slope(2, 5, 0, 0, 1), Slope(-3, 10, 0, 1, None)))
     assert curve.scaled(-1) == curve
@@ -337,89 +347,6 @@ class TestReferred:
             assert (one.stiffness, one.damping) == pytest.approx((9 * given.stiffness, 9 * given.damping))
 
 
-MODEL = """\
-torsionnet: 1
-parameters: {{b: 0.2 deg, T_s: 10 N*m}}
-elements:
-  j: {{type: inertia, node: a, inertia: 2}}
-  {entries}
-  i: {{type: inertia, node: b, inertia: 3}}
-"""
-
-
-STAGE = "{stiffness: 9, to: 4 N*m}"
-RISING = "the torque of a spring does not fall with its twist; here from"
-FAULTS = [  # a mark stands where the fault is told, and the messages in their order
-    ("^e: {type: spring, nodes: [a, b]}", ["spring e needs stiffness: ", "; or stages, or torque_over_twist"]),
-    (
-        "e: {type: spring, nodes: [a, b], stiffness: 3, ^stages: [{stiffness: 3}], inner_diameter: ^3 mm}",
-        ["give stiffness or stages, not both", "inner_diameter needs outer_diameter too"],
-    ),
-    (
-        "e: {type: spring, nodes: [a, b], stages: [{stiffness: 3}], ^cubic: 4}",
-        ["cubic stands beside a stiffness, which may be 0"],
-    ),
-    (
-        f"e: {{type: spring, nodes: [a, b], stages: [{STAGE}, {{stiffness: 8, to: ^3 N*m}}, "
-        "{stiffness: 7, preload: 2 N*m, to: ^5 N*m}]}",
-        ["this one ends at 3 N*m, begun at 4 N*m", "this one ends at 5 N*m, begun at 5 N*m"],
-    ),
-    ("e: {type: spring, nodes: [a, b], stages: [{stiffness: ^0}]}", ["must be greater than 0"]),
-    (
-        "e: {type: spring, nodes: [a, b], torque_over_twist: [[-1, 3], ^[0, 2], ^[1, 1]]}",
-        [f"{RISING} 3 to 2", f"{RISING} 2 to 1"],
-    ),
-    (
-        "e: {type: spring, nodes: [a, b], torque_over_twist: [^[0.1, 3], [1, 4]]}",
-        ["rows begin at twist 0, and then hold"],
-    ),
-    (
-        "e: {type: spring, nodes: [a, b], torque_over_twist: [[0, ^-3], [1, 4]]}",
-        ["rows from twist 0 on hold both ways, so that the first torque must not be negative"],
-    ),
-    (
-        "e: {type: spring, nodes: [a, b], torque_over_twist: [[-1, 4], ^[1, 4]]}",
-        ["the torque of a spring rises with its twist"],
-    ),
-    (
-        "e: {type: clearance, nodes: [a, b], gap: ^0, stiffness: ^0, damping: ^-1}",
-        ["must be greater than 0", "must be greater than 0", "must not be less than 0"],
-    ),
-    ("e: {type: clearance, nodes: [a, b], gap: ^-b, stiffness: 5}", ["-b = -0.00349066: "]),
-    ("e: {type: clearance, nodes: [a, b], ^backlash: 1 deg, stiffness: 5}", ['did you mean "gap"?']),
-    ("e: {type: ^dead_zone, nodes: [a, b], gap: 1 deg, stiffness: 5}", ['did you mean "clearance"?']),
-    ("e: {type: ^coulomb, nodes: [a, b], torque: 5}", ['did you mean "friction"?']),
-    ("^e: {type: friction, nodes: [a, b]}", ["give torque or torque_over_slip, one of the two"]),
-    (
-        "e: {type: friction, nodes: [a, b], torque: 20 N*m, stick: ^19 N*m}",
-        ["friction holds at least the torque with which it slips, 20 N*m; here only 19 N*m"],
-    ),
-    (
-        "e: ^{type: friction, nodes: [a, b], torque: 20 N*m, stick: T_s}",
-        ["e cannot be calculated: friction holds at least the torque with which it slips"],
-    ),
-    (
-        "e: {type: friction, nodes: [a, b], torque_over_slip: [[^1, ^0], [3, 2]]}",
-        ["the rows begin at slip 0", "friction has a torque at slip 0"],
-    ),
-    ("e: {type: friction, nodes: [a, b], torque_over_slip: [[^-1, 2], [3, 2]]}", ["slip speed must not be negative"]),
-    ("e: {type: gear, nodes: [a, b], ratio: 2, backlash: ^1 deg}", ["teeth with backlash meet with a stiffness"]),
-    ("e: {type: gear, nodes: [a, b], ratio: 2, stiffness: 9, ^lash: 1 deg}", ['did you mean "backlash"?']),
-]
-
-
-@pytest.mark.parametrize(("entries", "said"), FAULTS)
-def test_bad_input_is_said_where_it_stands(entries, said):
-    text = MODEL.format(entries=entries.replace("^", ""))
-    _, found = read_text(text, "model.yaml")
-    wrong = [fault for fault in found if fault.severity == "error"]
-    marks = [place.start() - number for number, place in enumerate(re.finditer(r"\^", entries))]
-    assert [(fault.position.line, fault.position.column) for fault in wrong] == [(5, 3 + at) for at in marks]
-    shown = " ".join(fault.text for fault in wrong)
-    for words in said:
-        assert words in shown
-
-
 @pytest.mark.parametrize("kind", EVERY)
 def test_survives_the_way_through_a_file(kind, tmp_path):
     element = EVERY[kind]
@@ -429,44 +356,3 @@ def test_survives_the_way_through_a_file(kind, tmp_path):
     again = tn.load(tmp_path / "rig.yaml")
     assert again.definition.elements["e"] == element
     assert law_of(again.definition.elements["e"]) == law_of(element)
-
-
-def findings(*lines, more=""):
-    text = "torsionnet: 1\nelements:\n" + "".join(f"  {line}\n" for line in lines) + more
-    return [(fault.severity, fault.message) for fault in read_text(text, "model.yaml")[1]]
-
-
-class TestChecks:
-    MASSES = ("i: {type: inertia, node: a, inertia: 1}", "j: {type: inertia, node: b, inertia: 2}")
-
-    def test_a_gap_is_a_free_motion(self):
-        mesh = "mesh: {type: clearance, nodes: [a, b], gap: 1 deg, stiffness: 5}"
-        (free, gap) = findings(*self.MASSES, mesh)
-        assert free == ("note", "the drivetrain can turn freely: 2 rigid-body modes")
-        assert gap[0] == "note"
-        assert gap[1].startswith("mesh stands open in linear results")
-        loaded = findings(*self.MASSES, mesh, more="operating_point: {torque: {a: 9, b: -9}}\n")
-        assert not any("stands open" in text for _, text in loaded)
-
-    def test_a_torque_on_what_friction_holds_is_no_mistake(self):
-        """It moves where the friction slips; one on what a lock holds never does."""
-        rub = "rub: {type: friction, nodes: [b, ground], torque: 5}"
-        spring = "k: {type: spring, nodes: [a, b], stiffness: 9}"
-        given = "inputs: {T: {torque: b}}\n"
-        (found,) = findings(*self.MASSES, spring, rub, more=given)
-        assert found[0] == "note"
-        assert found[1].startswith('input T does nothing: "b" is locked, in linear results at an operating point where')
-        locked = findings(*self.MASSES, spring, rub, "lock: {type: lock, node: b}", more=given)
-        assert ("error", 'input T does nothing: "b" is locked') in locked
-
-    def test_friction_may_stand_between_shafts_of_other_speeds(self):
-        """Stuck, it locks the gears with which it closes a loop; slipping, it does not."""
-        gears = ("g: {type: gear, nodes: [a, b], ratio: 3}", "rub: {type: friction, nodes: [a, b], torque: 5}")
-        assert not [text for severity, text in findings(*self.MASSES, *gears) if severity == "error"]
-        rigid = (gears[0], "c: {type: rigid_coupling, nodes: [a, b]}")
-        assert [text for severity, text in findings(*self.MASSES, *rigid) if severity == "error"]
-
-    def test_a_plain_model_is_read_no_operating_value(self):
-        """Springs and friction have no entry at which their rows would be read."""
-        assert not SPRINGS["stages"].reads_off
-        assert not FRICTIONS["over slip"].reads_off

@@ -16,6 +16,7 @@ from torsionnet.core.errors import TorsionnetWarning, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.formats.mat import cell_array, mat_bytes
 from torsionnet.io.matrices import Matrices, matrices
+from torsionnet.io.unlinear_laws import refuse_laws_of_motion
 from torsionnet.solve.dynamic_stiffness.state_space import StateSpace, state_space
 
 MATRIX_MEANINGS = {
@@ -63,7 +64,8 @@ def to_matlab(drivetrain: Drivetrain) -> str:
     Raises
     ------
     UsageError
-        A stiffness that depends on frequency, or an input that imposes an angle.
+        A stiffness that depends on frequency, an input that imposes an angle, or laws of motion without an operating
+        point.
 
     Warns
     -----
@@ -76,6 +78,7 @@ def to_matlab(drivetrain: Drivetrain) -> str:
     >>> [line for line in to_matlab(tn.load("dmf_rig")).splitlines() if line.startswith("coordinates")]
     ["coordinates = {'motor', 'primary'};  % q"]
     """
+    refuse_laws_of_motion(drivetrain, "a script of matrices for Matlab")
     found = matrices(drivetrain)
     states, reason = _states(drivetrain)
     lines = [*_head(drivetrain), f"title = {_quoted(drivetrain.title)};"]
@@ -125,6 +128,7 @@ def write_matlab(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None:
 
 
 def _variables(drivetrain: Drivetrain) -> dict[str, Any]:
+    refuse_laws_of_motion(drivetrain, "a script of matrices for Matlab")
     found = matrices(drivetrain)
     states, _ = _states(drivetrain)
     content: dict[str, Any] = {"title": drivetrain.title}

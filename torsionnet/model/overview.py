@@ -19,6 +19,7 @@ from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.laws import Law
 from torsionnet.model.element_base.multiple_values import MultipleValues
+from torsionnet.model.element_base.quantity_rows import QuantityRows
 from torsionnet.model.element_base.quantity_table import TableByName
 from torsionnet.model.elements import Element, Values
 from torsionnet.model.given_values import given, in_words
@@ -123,11 +124,11 @@ def value_text(element: Element, spec: Spec[object], value: Any, rig: Model) -> 
             for number, (name, one) in enumerate(named)
             for piece in (", " if number else "", name, *value_text(element, spec.of, one, rig))
         )
+    if isinstance(spec, Characteristic | QuantityRows):
+        return (f"of {len(value)} rows",)
     entries = spec.expressions(value)
     if entries:
         return resolved(value, expected_unit(entries[0][2]), rig)
-    if isinstance(spec, Characteristic):
-        return (f"of {len(value)} rows",)
     if hasattr(value, "frequencies"):
         return (f"of {len(value.frequencies)} frequencies",)
     if isinstance(spec, Value):

@@ -23,6 +23,7 @@ from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.control_entries import ControlLawEntry
 from torsionnet.model.element_base.curves import LookupCurve
 from torsionnet.model.element_base.multiple_values import MultipleValues
+from torsionnet.model.element_base.quantity_rows import QuantityRows
 from torsionnet.model.element_base.spring_stages import SpringStages
 from torsionnet.model.element_base.stiffness_rows import TableEntry
 from torsionnet.model.element_base.teeth import Teeth
@@ -36,7 +37,7 @@ CONTINUED = r"(?:(?:[,;:]| in | of | at | for | \().*?)?"
 """Regular expression of what continues a sentence right behind a name that is inserted, or of nothing."""
 FEWEST_WORDS = 2
 """Number of words from which on an inserted text is a phrase of the report; names of a model are mostly one word."""
-REPORTED_ENTRIES = (QuantityKind, Value, Teeth, Count, OneOf, TableEntry, Characteristic, LookupCurve)
+REPORTED_ENTRIES = (QuantityKind, Value, Teeth, Count, OneOf, TableEntry, Characteristic, QuantityRows, LookupCurve)
 """Kinds of entries that a report on a model has a row for; an entry of several values has a row for each."""
 LIST_OF_TEXTS = 'the page "A report in your own words" lists them'
 """Words in error messages that say where all replaceable texts are listed."""

@@ -220,18 +220,24 @@ def check_structure(definition: Definition, values: Mapping[str, Any]) -> list[F
     faults = locked_channels(definition, kinematics)
     faults = faults if slipping is None else _stuck_channels(faults, locked_channels(definition, slipping))
     faults += [fault for check in CHECKS for fault in check(definition, kinematics)]
-    faults += unreachable_shafts(definition, values) + _open_gaps(definition, values)
+    faults += unreachable_shafts(definition, values) + _open_or_stuck(definition, values, slipping or kinematics)
     sound = all(fault.severity != "error" for fault in faults)
     return faults + _unfit_operation(definition, values, kinematics, sound=sound)
 
 
-def _open_gaps(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
-    """Notes on laws of motion that nothing presses together, in a model without an operating point."""
-    if definition.load or definition.operating_point or not any(one.has_motion_laws for one in definition.active):
-        return []
-    from torsionnet.model.checks.free_laws import open_gaps
+def _open_or_stuck(definition: Definition, values: Mapping[str, Any], kinematics: Kinematics) -> list[Fault]:
+    """Notes on laws of motion that stand open where no operating point presses them together, or stick.
 
-    return open_gaps(definition, values)
+    ``kinematics`` are those in which no friction sticks.
+    """
+    if not any(one.has_motion_laws for one in definition.active):
+        return []
+    from torsionnet.model.checks.free_laws import open_gaps, sticking_loops, stuck_friction
+
+    operated = bool(definition.load or definition.operating_point)
+    gaps = [] if operated else open_gaps(definition, values, kinematics)
+    stuck = stuck_friction(definition, values, kinematics, operated=operated)
+    return gaps + stuck + sticking_loops(definition, values, kinematics)
 
 
 def _while_it_slips(definition: Definition, values: Mapping[str, Any]) -> Kinematics | None:

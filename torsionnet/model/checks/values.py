@@ -181,6 +181,9 @@ def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:
         return []
     place = ("elements", element.name)
     try:
+        faults = element.value_faults(Values(numbers))
+        if faults:
+            return [fault.under("elements", element.name) for fault in faults]
         laws = [part for part in element.parts(Values(numbers)) if isinstance(part, Law)]
     except ZeroDivisionError:
         return [Fault(f"{element.name} cannot be calculated: something is divided by zero", place)]

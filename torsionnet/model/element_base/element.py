@@ -28,6 +28,7 @@ from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE, Catal
 from torsionnet.model.element_base.laws import Constraint, Law, MotionLaw, Part, Row, Values, WholePart
 from torsionnet.model.element_base.multiple_values import MultipleValues
 from torsionnet.model.element_base.nodes import NodeName, NodePair, ReferenceNode
+from torsionnet.model.element_base.quantity_group import QuantityGroup
 from torsionnet.model.element_base.torque_curve import AT_REST, MotionState
 
 if TYPE_CHECKING:
@@ -87,6 +88,8 @@ class Element(Declared):
     """Whether the laws of motion of the element were converted from another shaft, and not replaced otherwise."""
     working_point: ClassVar[tuple[str, ...]] = ()
     """Names of entries that name the working point of the element's laws of motion, about which it is then linear."""
+    when_stuck: ClassVar[str] = ""
+    """What to give where its friction should not make the element rigid in linear results; empty: it never does."""
 
     name: str
     description: str = entry(Text("free text for tables and reports"), "", kw_only=True)
@@ -170,6 +173,14 @@ class Element(Declared):
     @cache
     def _specs_of(cls, *kinds: type[Spec[object]]) -> tuple[tuple[str, Spec[object]], ...]:
         return tuple((name, spec) for name, spec in cls.specs() if isinstance(spec, kinds))
+
+    def value_faults(self, value: Values) -> list[Fault]:
+        """Faults of entries that contradict each other with the values of parameters, with their path in the element.
+
+        Those of plain numbers :meth:`contradictions` has told before.
+        """
+        del value
+        return []
 
     def parts(self, value: Values) -> tuple[Part, ...]:
         """Laws, constraints and actions of the element, with coefficients in the algebra of ``value``."""
@@ -340,9 +351,12 @@ class Element(Declared):
 
     def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
         """Path, specification, expression and dimension name of every expression in the element's entries."""
-        for name, spec in self._specs_of(QuantityKind, MultipleValues):
+        for name, spec in self._specs_of(QuantityKind, MultipleValues, QuantityGroup):
             value = getattr(self, name)
-            if value is not None:
+            if value is not None and isinstance(spec, QuantityGroup):
+                for subpath, of, expression, dimension in spec.quantities(value):
+                    yield (name, *subpath), of, expression, dimension
+            elif value is not None:
                 one = spec.of if isinstance(spec, MultipleValues) else spec
                 for subpath, expression, dimension in spec.expressions(value):
                     yield (name, *subpath), one, expression, dimension

@@ -32,6 +32,7 @@ from torsionnet.model.element_base.laws import (
     make_row,
 )
 from torsionnet.model.element_base.nodes import NodePair
+from torsionnet.model.element_base.quantity_rows import numbers_of
 from torsionnet.model.motion_laws.friction_curve import clutch_curve
 
 _SLIP = RowColumn("slip speed", "speed")
@@ -67,6 +68,7 @@ class Clutch(Element):
     glyph: ClassVar[str] = "coupling"
     may_feed: ClassVar[bool] = True
     working_point: ClassVar[tuple[str, ...]] = ("slip_speed",)
+    when_stuck: ClassVar[str] = "give slip_speed, or an operating point at which it slips"
 
     nodes: tuple[str, str] = entry(
         NodePair("the two nodes it connects, the driving one first; twist is first minus second")
@@ -147,7 +149,8 @@ class Clutch(Element):
     def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
         if not self.has_motion_laws:
             return self.parts(value)
-        row, curve = difference(self.nodes[0], self.disc), clutch_curve(self._table, value.algebra.number)
+        row = difference(self.nodes[0], self.disc)
+        curve = clutch_curve(numbers_of(self._table, value)).entered(value.algebra.number)
         if self.friction is None:
             faces = MotionLaw(row, curve)
         else:

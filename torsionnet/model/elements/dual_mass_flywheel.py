@@ -27,7 +27,10 @@ from torsionnet.model.element_base.laws import (
     make_row,
 )
 from torsionnet.model.element_base.nodes import NodePair
-from torsionnet.model.element_base.spring_stages import SpringStage, SpringStages, stage_at, stage_range, stage_torques
+from torsionnet.model.element_base.quantity_group import shown
+from torsionnet.model.element_base.spring_stage import SpringStage
+from torsionnet.model.element_base.spring_stages import SpringStages
+from torsionnet.model.element_base.stage_points import stage_at, stage_faults, stage_range, stage_torques
 from torsionnet.model.element_base.torque_curve import AT_REST, MotionState
 from torsionnet.model.motion_laws.friction_curve import friction_curve
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope
@@ -69,6 +72,7 @@ class DualMassFlywheel(Element):
     kind: ClassVar[str] = "dual_mass_flywheel"
     glyph: ClassVar[str] = "spring"
     working_point: ClassVar[tuple[str, ...]] = ("torque", "swing")
+    when_stuck: ClassVar[str] = "give swing, as 3 deg, the amplitude at which friction lets the springs move"
 
     nodes: tuple[str, str] = entry(
         NodePair("primary and secondary side; twist is the angle of the first minus the second")
@@ -109,12 +113,21 @@ class DualMassFlywheel(Element):
         wrong = one_exactly(self, "stiffness", "stages")
         if wrong:
             return wrong
+        if not isinstance(self.torque, Number) or not stage_range(self.stages):
+            return []
+        return self._torque_faults(Values({}))
+
+    def _torque_faults(self, value: Values) -> list[Fault]:
+        """Fault of a mean torque beyond the end of the last stage."""
+        if self.torque is None or stage_at(self.stages, value(self.torque), value) is not None:
+            return []
+        last = shown(None, stage_torques(self.stages, value)[-1])
+        return [Fault(f"the last stage ends at {last} N*m; leave out its end, or reduce the torque", ("torque",))]
+
+    def value_faults(self, value: Values) -> list[Fault]:
         if not self.stages:
             return []
-        if isinstance(self.torque, Number) and stage_at(self.stages, float(self.torque.value)) is None:
-            last = stage_torques(self.stages)[-1]
-            return [Fault(f"the last stage ends at {last:g} N*m; leave out its end, or reduce the torque", ("torque",))]
-        return []
+        return [fault.under("stages") for fault in stage_faults(self.stages, value)] or self._torque_faults(value)
 
     def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
         """Path, specification, expression and dimension of every expression in the flywheel's entries.
@@ -201,7 +214,7 @@ class DualMassFlywheel(Element):
 
     def _curve(self, value: Values) -> PieceCurve:
         """Curve of the springs in stages, shortened by the share of their coils that friction holds."""
-        curve, free = stage_curve(self.stages, value.algebra.number), 1 - value(self.blocked)
+        curve, free = stage_curve(self.stages, value), 1 - value(self.blocked)
 
         def shortened(piece: Slope | Hold) -> Slope | Hold:
             if isinstance(piece, Hold):
@@ -214,8 +227,8 @@ class DualMassFlywheel(Element):
     def _stiffness(self, value: Values) -> Any:
         if self.stiffness is not None:
             return value(self.stiffness)
-        stage = stage_at(self.stages, value(self.torque)) or self.stages[-1]  # checks say if it lies beyond
-        return value(Number(stage.stiffness))
+        stage = stage_at(self.stages, value(self.torque), value) or self.stages[-1]  # checks say if it lies beyond
+        return value(stage.stiffness)
 
     def _friction(self, value: Values) -> Any:
         if self.speed is None:

@@ -10,14 +10,22 @@ from torsionnet.core.entries.number_table import RowColumn
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Expression, Number
-from torsionnet.core.piecewise_linear import Rows
-from torsionnet.model.element_base.characteristic import Characteristic
+from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.laws import GROUND, Law, MotionLaw, Part, Row, Values, WholePart, difference
 from torsionnet.model.element_base.nodes import NodePair
+from torsionnet.model.element_base.quantity_group import shown
+from torsionnet.model.element_base.quantity_rows import (
+    ExpressionRows,
+    QuantityRows,
+    has_names,
+    numbers_of,
+    row_order_faults,
+)
 from torsionnet.model.motion_laws.friction_curve import friction_curve, slip_curve
 from torsionnet.model.motion_laws.piece_curve import PieceCurve
+
+SLIP_COLUMN = RowColumn("slip speed", "speed", negative=False)
 
 
 @register
@@ -47,6 +55,9 @@ class Friction(Element):
     kind: ClassVar[str] = "friction"
     glyph: ClassVar[str] = "friction"
     may_feed: ClassVar[bool] = True
+    when_stuck: ClassVar[str] = (
+        "give stiffness, of what yields before it slips, or an operating point at which it slips"
+    )
 
     nodes: tuple[str, str] = entry(
         NodePair("the two nodes it connects, one may be ground; twist is the angle of the first minus the second")
@@ -58,10 +69,10 @@ class Friction(Element):
         ),
         None,
     )
-    torque_over_slip: Rows | None = entry(
-        Characteristic(
+    torque_over_slip: ExpressionRows | None = entry(
+        QuantityRows(
             "instead of torque: rows [slip speed, torque] from slip zero on, which hold both ways",
-            (RowColumn("slip speed", "speed", negative=False), RowColumn("torque", "torque", negative=False)),
+            (SLIP_COLUMN, RowColumn("torque", "torque", negative=False)),
         ),
         None,
     )
@@ -71,16 +82,25 @@ class Friction(Element):
     )
 
     def contradictions(self) -> list[Fault]:
-        return (
-            one_exactly(self, "torque", "torque_over_slip") + _row_faults(self.torque_over_slip) + self._stick_faults()
-        )
+        faults = one_exactly(self, "torque", "torque_over_slip")
+        rows, stick = self.torque_over_slip or (), self.stick
+        given = rows if self.torque is None else ((self.torque,),)
+        if not has_names(rows):
+            faults += _row_faults(rows, Values({}))
+        if faults or stick is None or has_names(((stick,), *given)):
+            return faults
+        return self._stick_faults(Values({}))
 
-    def _stick_faults(self) -> list[Fault]:
-        rows = self.torque_over_slip
-        slipping = self.torque if not rows else rows[0][1]
-        if not isinstance(self.stick, Number) or not isinstance(slipping, Number) or self.stick.value >= slipping.value:
+    def value_faults(self, value: Values) -> list[Fault]:
+        return _row_faults(self.torque_over_slip or (), value) + self._stick_faults(value)
+
+    def _stick_faults(self, value: Values) -> list[Fault]:
+        """Fault of a torque that sticks below the one with which the friction begins to slip."""
+        slipping = self.torque if self.torque is not None else not_none(self.torque_over_slip)[0][1]
+        if self.stick is None or not value(self.stick) < value(slipping):
             return []
-        text = f"friction holds at least the torque with which it slips, {slipping}; here only {self.stick}"
+        held, moving = shown(self.stick, value(self.stick)), shown(slipping, value(slipping))
+        text = f"friction holds at least the torque with which it slips, {moving}; here only {held}"
         return [Fault(text, ("stick",))]
 
     @property
@@ -105,10 +125,9 @@ class Friction(Element):
     def _curve(self, value: Values) -> PieceCurve:
         stick: Any = None if self.stick is None else value(self.stick)
         if self.torque is None:
-            return slip_curve(not_none(self.torque_over_slip), value.algebra.number, stick)
+            curve = slip_curve(numbers_of(not_none(self.torque_over_slip), value), stick)
+            return curve.entered(value.algebra.number)
         torque = value(self.torque)
-        if stick is not None and stick < torque:
-            raise ArithmeticError("friction holds at least the torque with which it slips; stick is below it")
         return friction_curve(torque, torque if stick is None else stick)
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:
@@ -124,14 +143,16 @@ class Friction(Element):
         return None
 
 
-def _row_faults(rows: Rows | None) -> list[Fault]:
-    """Faults of rows [slip speed, torque] that do not begin at slip zero, or have no torque there."""
+def _row_faults(rows: ExpressionRows, value: Values) -> list[Fault]:
+    """Faults of rows [slip speed, torque] that do not rise, do not begin at slip zero, or have no torque there."""
     if not rows:
         return []
-    faults = []
-    if rows[0][0].value > 0:
-        faults.append(Fault("the rows begin at slip 0, where it sticks", ("torque_over_slip", 0, 0)))
-    if rows[0][1].value == 0:
+    name = "torque_over_slip"
+    faults = [fault.under(name) for fault in row_order_faults(SLIP_COLUMN, rows, value)]
+    slip, torque = rows[0]
+    if value(slip) > 0:
+        faults.append(Fault("the rows begin at slip 0, where it sticks", (name, 0, 0)))
+    if value(torque) == 0:
         text = "friction has a torque at slip 0; what grows from 0 with the slip alone is a damper"
-        faults.append(Fault(text, ("torque_over_slip", 0, 1)))
+        faults.append(Fault(text, (name, 0, 1)))
     return faults

@@ -13,14 +13,22 @@ from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression
-from torsionnet.core.piecewise_linear import Rows
-from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.damping_entries import DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.laws import Law, MotionLaw, Part, Values, WholePart, difference
 from torsionnet.model.element_base.nodes import NodePair
+from torsionnet.model.element_base.quantity_group import shown
+from torsionnet.model.element_base.quantity_rows import (
+    ExpressionRows,
+    QuantityRows,
+    has_names,
+    numbers_of,
+    row_order_faults,
+)
 from torsionnet.model.element_base.round_section import section_faults
-from torsionnet.model.element_base.spring_stages import SpringStage, SpringStages
+from torsionnet.model.element_base.spring_stage import SpringStage
+from torsionnet.model.element_base.spring_stages import SpringStages
+from torsionnet.model.element_base.stage_points import stage_faults
 
 if TYPE_CHECKING:
     from torsionnet.model.element_base.torque_curve import TorqueCurve
@@ -32,6 +40,7 @@ OUTER_DIAMETER = PhysicalQuantity(
 INNER_DIAMETER = PhysicalQuantity("inner diameter there", "length", "d")
 
 
+TWIST_COLUMN = RowColumn("twist", "angle")
 _WAYS = ("stiffness", "stages", "torque_over_twist")
 
 
@@ -83,8 +92,8 @@ class Spring(Element):
     stages: tuple[SpringStage, ...] = entry(
         SpringStages("instead: stages from zero torque on, each up to a torque or an angle"), None
     )
-    torque_over_twist: Rows | None = entry(
-        Characteristic("instead: rows [twist, torque]", (RowColumn("twist", "angle"), RowColumn("torque", "torque"))),
+    torque_over_twist: ExpressionRows | None = entry(
+        QuantityRows("instead: rows [twist, torque]", (TWIST_COLUMN, RowColumn("torque", "torque"))),
         None,
     )
 
@@ -93,7 +102,10 @@ class Spring(Element):
         faults += section_faults(self)
         if self.cubic is not None and self.stiffness is None:
             faults.append(Fault("cubic stands beside a stiffness, which may be 0", ("cubic",), on_key=True))
-        return faults + _row_faults(self.torque_over_twist)
+        elif self.cubic is not None and not has_names(((self.cubic, not_none(self.stiffness)),)):
+            faults += self._cubic_faults(Values({}))
+        rows = self.torque_over_twist
+        return faults if rows is None or has_names(rows) else faults + _row_faults(rows, Values({}))
 
     def _shapeless(self) -> Fault:
         """Fault of a spring that gives none of the forms of its torque."""
@@ -129,8 +141,9 @@ class Spring(Element):
         from torsionnet.model.motion_laws.spring_curves import stage_curve, twist_table_curve
 
         if self.stages:
-            return stage_curve(self.stages, value.algebra.number)
-        return twist_table_curve(not_none(self.torque_over_twist), value.algebra.number)
+            return stage_curve(self.stages, value)
+        rows = numbers_of(not_none(self.torque_over_twist), value)
+        return twist_table_curve(rows).entered(value.algebra.number)
 
     @staticmethod
     def _stiffness_at_rest(curve: TorqueCurve) -> Any:
@@ -138,6 +151,18 @@ class Spring(Element):
         from torsionnet.model.element_base.torque_curve import AT_REST
 
         return curve.slopes(AT_REST)[0]
+
+    def value_faults(self, value: Values) -> list[Fault]:
+        rows = self.torque_over_twist
+        faults = [fault.under("stages") for fault in stage_faults(self.stages, value)] + self._cubic_faults(value)
+        return faults if rows is None else faults + _row_faults(rows, value)
+
+    def _cubic_faults(self, value: Values) -> list[Fault]:
+        """Fault of a cubic spring that gives no torque against a small twist."""
+        if self.cubic is None or self.stiffness is None or value(self.stiffness) > 0 or value(self.cubic) > 0:
+            return []
+        text = "without a stiffness a spring needs a cubic above 0, else it gives no torque against its twist"
+        return [Fault(f"{text}; here {shown(self.cubic, value(self.cubic))}", ("cubic",))]
 
     @property
     def reads_off(self) -> bool:
@@ -148,25 +173,24 @@ class Spring(Element):
         return super().referral_fault if self.diameters is not None or self.stiffness is not None else None
 
 
-def _row_faults(rows: Rows | None) -> list[Fault]:
+def _row_faults(rows: ExpressionRows, value: Values) -> list[Fault]:
     """Faults of rows [twist, torque] that fall, are all level, or do not reach zero twist."""
-    if not rows:
-        return []
-    entry_name = "torque_over_twist"
-    faults = [
-        Fault(f"the torque of a spring does not fall with its twist; here from {low[1]} to {high[1]}", (entry_name, at))
-        for at, (low, high) in enumerate(pairwise(rows), 1)
-        if high[1].value < low[1].value
-    ]
-    first, last = rows[0], rows[-1]
-    if first[0].value > 0 or last[0].value < 0 or (first[0].value < 0 and last[0].value == 0):
+    name = "torque_over_twist"
+    faults = [fault.under(name) for fault in row_order_faults(TWIST_COLUMN, rows, value)]
+    numbers = numbers_of(rows, value)
+    for at, ((low, high), (_, given)) in enumerate(zip(pairwise(numbers), pairwise(rows), strict=True), 1):
+        if high[1] < low[1]:
+            fall = f"from {shown(rows[at - 1][1], low[1])} to {shown(given[1], high[1])}"
+            faults.append(Fault(f"the torque of a spring does not fall with its twist; here {fall}", (name, at)))
+    first, last = numbers[0], numbers[-1]
+    if first[0] > 0 or last[0] < 0 or (first[0] < 0 and last[0] == 0):
         text = "rows begin at twist 0, and then hold both ways, or go from a negative to a positive twist"
-        faults.append(Fault(text, (entry_name, 0)))
-    elif first[0].value == 0 and first[1].value < 0:
+        faults.append(Fault(text, (name, 0)))
+    elif first[0] == 0 and first[1] < 0:
         text = "rows from twist 0 on hold both ways, so that the first torque must not be negative"
-        faults.append(Fault(text, (entry_name, 0, 1)))
-    if not faults and first[1].value == last[1].value:
-        faults.append(Fault("the torque of a spring rises with its twist", (entry_name, len(rows) - 1)))
+        faults.append(Fault(text, (name, 0, 1)))
+    if not faults and first[1] == last[1]:
+        faults.append(Fault("the torque of a spring rises with its twist", (name, len(rows) - 1)))
     return faults
 
 

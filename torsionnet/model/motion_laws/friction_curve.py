@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from torsionnet.core.piecewise_linear import Rows
+from torsionnet.model.element_base.quantity_rows import NumberRows
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope, symmetric_curve
 
 
@@ -20,40 +18,37 @@ def friction_curve(torque: Any, stick: Any) -> PieceCurve:
     return symmetric_curve("rate", (Hold(0, -stick, stick), Slope(torque, lower=0)))
 
 
-def slip_curve(rows: Rows, number: Callable[[Fraction], Any], stick: Any = None) -> PieceCurve:
+def slip_curve(rows: NumberRows, stick: Any = None) -> PieceCurve:
     """Curve of friction by rows [slip speed, torque] from slip zero on, the same both ways, up to the last row.
 
     It sticks up to ``stick``, by default the torque at slip zero.
 
-    >>> from torsionnet.core.expressions import FLOAT, Number
-    >>> rows = tuple((Number(slip), Number(torque)) for slip, torque in ((0, 20), (10, 15)))
-    >>> slip_curve(rows, FLOAT.number).torque(0, -4)
+    >>> slip_curve(((0, 20.0), (10, 15.0))).torque(0, -4)
     -18.0
     """
-    above = _slopes(rows, number)
-    held = above[0].torque if stick is None else stick
+    above = _slopes(rows)
+    held = rows[0][1] if stick is None else stick
     return symmetric_curve("rate", (Hold(0, -held, held), *above))
 
 
-def clutch_curve(rows: Rows, number: Callable[[Fraction], Any]) -> PieceCurve:
+def clutch_curve(rows: NumberRows) -> PieceCurve:
     """Curve of the faces of a clutch by rows [slip speed, torque or friction coefficient], up to the last row.
 
     Rows from slip zero on hold both ways and stick up to the first of them; rows through negative slips hold as they
     are, without a step.
 
-    >>> from torsionnet.core.expressions import FLOAT, Number
-    >>> rows = tuple((Number(slip), Number(torque)) for slip, torque in ((0, 20), (10, 15)))
-    >>> clutch_curve(rows, FLOAT.number).torque(0, -4), clutch_curve(rows, FLOAT.number).pieces[1]
+    >>> curve = clutch_curve(((0, 20.0), (10, 15.0)))
+    >>> curve.torque(0, -4), curve.pieces[1]
     (-18.0, Hold(at=0, low=-20.0, high=20.0))
     """
-    slopes = _slopes(rows, number)
-    return symmetric_curve("rate", slopes) if rows[0][0].value == 0 else PieceCurve("rate", slopes)
+    slopes = _slopes(rows)
+    return symmetric_curve("rate", slopes) if rows[0][0] == 0 else PieceCurve("rate", slopes)
 
 
-def _slopes(rows: Rows, number: Callable[[Fraction], Any]) -> tuple[Slope, ...]:
+def _slopes(rows: NumberRows) -> tuple[Slope, ...]:
     """Straight pieces over the slip between rows [slip speed, torque]."""
     found = []
-    for (start, low), (end, high) in pairwise((row[0].value, row[1].value) for row in rows):
-        slope = Fraction(high - low) / (end - start)
-        found.append(Slope(number(low - slope * start), 0, number(slope), number(start), number(end)))
+    for (start, low), (end, high) in pairwise(rows):
+        slope = (high - low) / (end - start)
+        found.append(Slope(low - slope * start, 0, slope, start, end))
     return tuple(found)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import Any, Literal
 
 from torsionnet.model.element_base.torque_curve import MotionState, TorqueCurve
@@ -197,6 +199,18 @@ class PieceCurve(TorqueCurve):
             return None if at > piece.upper + slack else (piece.upper, piece.upper)
         return at, at
 
+    def entered(self, number: Callable[[Fraction], Any]) -> PieceCurve:
+        """Curve with its exact fractions brought into an algebra; what is of that algebra stays.
+
+        Slopes and corners of plain numbers so have the rounding error of one conversion.
+        """
+
+        def moved(piece: Slope | Hold) -> Slope | Hold:
+            exact = {key: number(one) for key, one in vars(piece).items() if isinstance(one, Fraction)}
+            return replace(piece, **exact)
+
+        return replace(self, pieces=tuple(moved(piece) for piece in self.pieces))
+
     def scaled(self, ratio: Any) -> PieceCurve:
         if not ratio < 0:
             return replace(self, pieces=tuple(piece.scaled(ratio) for piece in self.pieces))
@@ -215,7 +229,7 @@ def symmetric_curve(over: Literal["twist", "rate"], above: tuple[Slope | Hold, .
     """
     first, *others = above
     below = tuple(piece.mirrored() for piece in reversed(above))
-    if isinstance(first, Slope) and first.torque == 0:
+    if isinstance(first, Slope) and not first.torque > 0:
         middle = (replace(first, lower=None if first.upper is None else -first.upper),)
         return PieceCurve(over, (*below[:-1], *middle, *others), len(others))
     if isinstance(first, Hold):

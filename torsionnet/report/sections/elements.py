@@ -16,6 +16,7 @@ from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.curves import LookupCurve
 from torsionnet.model.element_base.laws import Law
 from torsionnet.model.element_base.multiple_values import MultipleValues
+from torsionnet.model.element_base.quantity_rows import QuantityRows
 from torsionnet.model.element_base.quantity_table import TableByName
 from torsionnet.model.element_base.stiffness_rows import TableEntry
 from torsionnet.model.elements import Values
@@ -147,7 +148,7 @@ def _plain(spec: Spec[object], value: Any) -> str:
         )
     if isinstance(spec, LookupCurve):
         return f"{len(value)} rows, {value[0][0]} to {value[-1][0]}"
-    if isinstance(spec, Characteristic):
+    if isinstance(spec, Characteristic | QuantityRows):
         names = ", ".join(column.name for column in spec.columns)
         return f"table of {len(value)} rows of {names}"
     return " : ".join(map(str, value)) if isinstance(value, tuple) else str(value)

@@ -207,6 +207,9 @@ def _require_possible(element: Element, parts: Iterable[Part], value: Values, *,
         )
         if wrong or (on and isinstance(spec, OnCurve) and spec.curve_fault(number)):
             raise UsageError(f"{expression} is not possible for {element.name}; check the range of what is varied")
+    faults = element.value_faults(value)
+    if faults:
+        raise UsageError(f"{element.name}: {faults[0].message}; check the range of what is varied")
     if negative_laws(element, [part for part in parts if isinstance(part, Law)]):
         raise UsageError(
             f"{element.name} has a stiffness, damping or inertia below zero; check the range of what is varied"

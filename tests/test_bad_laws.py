@@ -1,0 +1,228 @@
+"""Bad input of springs, clearances, friction and backlash, located, and what checks note of them."""
+
+import re
+
+import pytest
+
+import torsionnet as tn
+from torsionnet.model.files.reader import read_text
+
+MODEL = """\
+torsionnet: 1
+parameters: {{b: 0.2 deg, T_s: 10 N*m}}
+elements:
+  j: {{type: inertia, node: a, inertia: 2}}
+  {entries}
+  i: {{type: inertia, node: b, inertia: 3}}
+"""
+
+
+STAGE = "{stiffness: 9, to: 4 N*m}"
+RISING = "the torque of a spring does not fall with its twist; here from"
+FAULTS = [  # a mark stands where the fault is told, and the messages in their order
+    ("^e: {type: spring, nodes: [a, b]}", ["spring e needs stiffness: ", "; or stages, or torque_over_twist"]),
+    (
+        "e: {type: spring, nodes: [a, b], stiffness: 3, ^stages: [{stiffness: 3}], inner_diameter: ^3 mm}",
+        ["give stiffness or stages, not both", "inner_diameter needs outer_diameter too"],
+    ),
+    (
+        "e: {type: spring, nodes: [a, b], stages: [{stiffness: 3}], ^cubic: 4}",
+        ["cubic stands beside a stiffness, which may be 0"],
+    ),
+    (
+        f"e: {{type: spring, nodes: [a, b], stages: [{STAGE}, {{stiffness: 8, to: ^3 N*m}}, "
+        "{stiffness: 7, preload: 2 N*m, to: ^5 N*m}]}",
+        ["this one ends at 3 N*m, begun at 4 N*m", "this one ends at 5 N*m, begun at 5 N*m"],
+    ),
+    (
+        "e: {type: spring, nodes: [a, b], stages: [{stiffness: ^0, preload: ^-1 N*m, to: ^5}, {stiffness: ^3 kg}]}",
+        ["must be greater than 0, got 0", "must not be less than 0", "a torque or an angle with its unit", "3 kg"],
+    ),
+    (
+        "e: {type: spring, nodes: [a, b], stages: [{stiffness: 9, to: ^3 N*m/deg}, {stiffness: 3}]}",
+        ["3 N*m/deg is a stiffness; a stage ends at a torque or an angle"],
+    ),
+    (
+        "e: {type: spring, nodes: [a, b], stages: [{stiffness: 9, to: ^b}, {stiffness: 3}]}",
+        ["give b as to_torque or to_twist"],
+    ),
+    (
+        "e: {type: spring, nodes: [a, b], stages: [{stiffness: 9, to: 0.2 rad}, {stiffness: 8, to: ^0.1 rad}]}",
+        ["the stages end at rising twists; this one ends at 0.1 rad, begun at 0.2 rad"],
+    ),
+    (
+        "e: {type: spring, nodes: [a, b], stages: [^{stiffness: 9}, ^{stiffness: 8}, {stiffness: 8}]}",
+        ["every stage but the last needs its end"],
+    ),
+    (
+        "e: {type: spring, nodes: [a, b], stages: [{stiffness: 9, to: 1 deg, ^to_torque: 2}, {stiffness: 8}]}",
+        ["give to or to_torque, not both"],
+    ),
+    (
+        "e: {type: spring, nodes: [a, b], stages: [{stiffness: 9, to_torque: T_s}, {stiffness: 9, to_torque: ^T_s/2}]}",
+        ["the stages end at rising torques; this one ends at T_s/2 = 5 N*m, begun at 10 N*m"],
+    ),
+    (
+        "e: {type: spring, nodes: [a, b], torque_over_twist: [[0, 0], [b, T_s], [^b/2, 30]]}",
+        ["the twist must increase from row to row; here it is b/2 = 0.00174533 after b = 0.00349066"],
+    ),
+    (
+        "e: {type: spring, nodes: [a, b], torque_over_twist: [[0, 0], [b, T_s], ^[3*b, 0.5*T_s]]}",
+        [f"{RISING} T_s = 10 to 0.5*T_s = 5"],
+    ),
+    ("e: {type: friction, nodes: [a, b], torque_over_slip: [[0, ^0*T_s], [3, 2]]}", ["friction has a torque at slip"]),
+    (
+        "e: {type: dual_mass_flywheel, nodes: [a, b], primary_inertia: 1, secondary_inertia: 1, torque: ^2*T_s, "
+        "stages: [{stiffness: 9, to_torque: T_s}]}",
+        ["the last stage ends at 10 N*m; leave out its end, or reduce the torque"],
+    ),
+    (
+        "e: {type: spring, nodes: [a, b], torque_over_twist: [[-1, 3], ^[0, 2], ^[1, 1]]}",
+        [f"{RISING} 3 to 2", f"{RISING} 2 to 1"],
+    ),
+    (
+        "e: {type: spring, nodes: [a, b], torque_over_twist: [^[0.1, 3], [1, 4]]}",
+        ["rows begin at twist 0, and then hold"],
+    ),
+    (
+        "e: {type: spring, nodes: [a, b], torque_over_twist: [[0, ^-3], [1, 4]]}",
+        ["rows from twist 0 on hold both ways, so that the first torque must not be negative"],
+    ),
+    (
+        "e: {type: spring, nodes: [a, b], torque_over_twist: [[-1, 4], ^[1, 4]]}",
+        ["the torque of a spring rises with its twist"],
+    ),
+    (
+        "e: {type: clearance, nodes: [a, b], gap: ^0, stiffness: ^0, damping: ^-1}",
+        ["must be greater than 0", "must be greater than 0", "must not be less than 0"],
+    ),
+    (
+        "e: {type: spring, nodes: [a, b], stiffness: 0, cubic: ^-4}",
+        ["without a stiffness a spring needs a cubic above 0, else it gives no torque against its twist; here -4"],
+    ),
+    ("e: {type: spring, nodes: [a, b], stiffness: 0*T_s, cubic: ^0}", ["without a stiffness a spring needs a cubic"]),
+    ("e: {type: clearance, nodes: [a, b], gap: ^-b, stiffness: 5}", ["-b = -0.00349066: "]),
+    ("e: {type: clearance, nodes: [a, b], ^backlash: 1 deg, stiffness: 5}", ['did you mean "gap"?']),
+    ("e: {type: ^dead_zone, nodes: [a, b], gap: 1 deg, stiffness: 5}", ['did you mean "clearance"?']),
+    ("e: {type: ^coulomb, nodes: [a, b], torque: 5}", ['did you mean "friction"?']),
+    ("^e: {type: friction, nodes: [a, b]}", ["give torque or torque_over_slip, one of the two"]),
+    (
+        "e: {type: friction, nodes: [a, b], torque: 20 N*m, stick: ^19 N*m}",
+        ["friction holds at least the torque with which it slips, 20 N*m; here only 19 N*m"],
+    ),
+    (
+        "e: {type: friction, nodes: [a, b], torque: 20 N*m, stick: ^T_s}",
+        ["friction holds at least the torque with which it slips, 20 N*m; here only T_s = 10"],
+    ),
+    (
+        "e: {type: friction, nodes: [a, b], torque_over_slip: [[^1, ^0], [3, 2]]}",
+        ["the rows begin at slip 0", "friction has a torque at slip 0"],
+    ),
+    ("e: {type: friction, nodes: [a, b], torque_over_slip: [[^-1, 2], [3, 2]]}", ["slip speed must not be negative"]),
+    ("e: {type: gear, nodes: [a, b], ratio: 2, backlash: ^1 deg}", ["teeth with backlash meet with a stiffness"]),
+    ("e: {type: gear, nodes: [a, b], ratio: 2, stiffness: 9, ^lash: 1 deg}", ['did you mean "backlash"?']),
+]
+
+
+@pytest.mark.parametrize(("entries", "said"), FAULTS)
+def test_bad_input_is_said_where_it_stands(entries, said):
+    text = MODEL.format(entries=entries.replace("^", ""))
+    _, found = read_text(text, "model.yaml")
+    wrong = [fault for fault in found if fault.severity == "error"]
+    marks = [place.start() - number for number, place in enumerate(re.finditer(r"\^", entries))]
+    assert [(fault.position.line, fault.position.column) for fault in wrong] == [(5, 3 + at) for at in marks]
+    shown = " ".join(fault.text for fault in wrong)
+    for words in said:
+        assert words in shown
+
+
+def findings(*lines, more=""):
+    text = "torsionnet: 1\nelements:\n" + "".join(f"  {line}\n" for line in lines) + more
+    return [(fault.severity, fault.message) for fault in read_text(text, "model.yaml")[1]]
+
+
+class TestChecks:
+    MASSES = ("i: {type: inertia, node: a, inertia: 1}", "j: {type: inertia, node: b, inertia: 2}")
+
+    def test_a_gap_is_a_free_motion(self):
+        mesh = "mesh: {type: clearance, nodes: [a, b], gap: 1 deg, stiffness: 5}"
+        (free, gap) = findings(*self.MASSES, mesh)
+        assert free == ("note", "the drivetrain can turn freely: 2 rigid-body modes")
+        assert gap[0] == "note"
+        assert gap[1].startswith("mesh stands open in linear results")
+        loaded = findings(*self.MASSES, mesh, more="operating_point: {torque: {a: 9, b: -9}}\n")
+        assert not any("stands open" in text for _, text in loaded)
+
+    @pytest.mark.parametrize(
+        ("other", "loop"),
+        [
+            ("f: {type: friction, nodes: [a, b], torque: 4}", True),
+            ("f: {type: friction, nodes: [a, b], torque: 4, stiffness: 90}", False),
+            ("f: {type: spring, nodes: [b, a], stages: [{stiffness: 9, preload: 4}]}", True),
+            ("f: {type: friction, nodes: [b, ground], torque: 4}", False),
+            ("f: {type: clutch, nodes: [b, a], state: slipping, torque: [[0, 30], [10, 20]]}", True),
+            ("f: {type: rigid_coupling, nodes: [a, b]}", False),
+        ],
+    )
+    def test_two_that_stick_side_by_side_are_asked_for_a_stiffness(self, other, loop):
+        found = findings(*self.MASSES, "e: {type: friction, nodes: [a, b], torque: 3}", other)
+        told = [text for severity, text in found if "stick in a loop" in text]
+        assert len(told) == loop
+        assert all(text.startswith("e and f stick") and "give one of them a stiffness" in text for text in told)
+
+    def test_a_loop_of_three(self):
+        rubs = [f"{name}: {{type: friction, nodes: [{ends}], torque: 3}}"
+                for name, ends in (("e", "a, b"), ("f", "b, ground"), ("g", "a, ground"))]  # fmt: skip
+        told = [text for _, text in findings(*self.MASSES, *rubs) if "stick in a loop" in text]
+        assert [text.split(" stick")[0] for text in told] == ["e and f and g"]
+
+    def test_between_locked_nodes_nothing_is_open_or_sticks(self):
+        """Neither can move anyway, so that there is nothing to note."""
+        locks = ("l: {type: lock, node: a}", "m: {type: lock, node: b}", "c: {type: inertia, node: c, inertia: 1}")
+        more = "k: {type: spring, nodes: [b, c], stiffness: 9}"
+        for entries in ("clearance, gap: 1 deg, stiffness: 5", "friction, torque: 3"):
+            found = findings(*self.MASSES, *locks, more, f"e: {{type: {entries}, nodes: [a, b]}}")
+            assert not [text for _, text in found if text.startswith("e ")]
+
+    def test_a_torque_on_what_friction_holds_is_no_mistake(self):
+        """It moves where the friction slips; one on what a lock holds never does."""
+        rub = "rub: {type: friction, nodes: [b, ground], torque: 5}"
+        spring = "k: {type: spring, nodes: [a, b], stiffness: 9}"
+        given = "inputs: {T: {torque: b}}\n"
+        stuck, found = findings(*self.MASSES, spring, rub, more=given)
+        assert found[0] == "note"
+        assert stuck[1].startswith("rub sticks in linear results, and is rigid there; give stiffness, of what yields")
+        assert found[1].startswith('input T does nothing: "b" is locked, in linear results at an operating point where')
+        locked = findings(*self.MASSES, spring, rub, "lock: {type: lock, node: b}", more=given)
+        assert ("error", 'input T does nothing: "b" is locked') in locked
+
+    @pytest.mark.parametrize(
+        ("entries", "hint"),
+        [
+            ("dual_mass_flywheel, primary_inertia: 1, secondary_inertia: 1, stiffness: 500, friction: 3", "give swing"),
+            ("clutch, state: slipping, torque: [[0, 30], [10, 20]]", "give slip_speed, or an operating point"),
+        ],
+    )
+    def test_what_sticks_is_rigid_and_said_to_be(self, entries, hint):
+        def noted(added="", more=""):
+            found = findings(*self.MASSES, f"e: {{type: {entries}, nodes: [a, b]{added}}}", more=more)
+            return [text for severity, text in found if severity == "note" and "sticks in linear results" in text]
+
+        (note,) = noted()
+        assert note.startswith(f"e sticks in linear results, and is rigid there; {hint}")
+        assert not noted(", slip_speed: 5" if "clutch" in entries else ", swing: 3 deg")
+        loaded = "operating_point: {torque: {a: 9, b: -9}}\n"
+        assert len(noted(more=loaded)) == (0 if "clutch" in entries else 1)
+
+    def test_friction_may_stand_between_shafts_of_other_speeds(self):
+        """Stuck, it locks the gears with which it closes a loop; slipping, it does not."""
+        gears = ("g: {type: gear, nodes: [a, b], ratio: 3}", "rub: {type: friction, nodes: [a, b], torque: 5}")
+        assert not [text for severity, text in findings(*self.MASSES, *gears) if severity == "error"]
+        rigid = (gears[0], "c: {type: rigid_coupling, nodes: [a, b]}")
+        assert [text for severity, text in findings(*self.MASSES, *rigid) if severity == "error"]
+
+    def test_a_plain_model_is_read_no_operating_value(self):
+        """Springs and friction have no entry at which their rows would be read."""
+        ends = {"nodes": ("a", "b")}
+        assert not tn.Spring("e", **ends, stages=[{"stiffness": 9, "to": "1 deg"}, {"stiffness": 20}]).reads_off
+        assert not tn.Friction("e", **ends, torque_over_slip=[[0, 20], [5, 12]]).reads_off
