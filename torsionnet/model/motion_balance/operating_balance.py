@@ -305,6 +305,6 @@ def _not_reached(law: MotionLaw, torque: float) -> str:
     ends = [float(law.torque(end, 0)) for end in law.curve.range() if end is not None]
     if not ends and law.curve.corners():
         most = max((float(law.torque(place, 0)) for place in law.curve.corners()), key=lambda one: one * torque)
-        return f"the mean torque is {torque:.6g} N*m, and no twist gives more than {most:.6g} N*m; reduce the torque"
+        return f"the mean torque is {torque:.6g} N*m, and it holds at most {most:.6g} N*m; reduce the torque"
     reach = f", and it ends at {max(ends, key=lambda end: end * torque):.6g} N*m" if ends else ""
     return f"the mean torque is {torque:.6g} N*m{reach}; extend the table or the last stage, or reduce the torque"
