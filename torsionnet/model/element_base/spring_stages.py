@@ -53,8 +53,8 @@ class SpringStages(
 
     def quantities(self, value: Any) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
         for place, stage in enumerate(value):
-            for path, *rest in stage.quantities():
-                yield (place, *path), *rest
+            for path, spec, expression, dimension in stage.quantities():
+                yield (place, *path), spec, expression, dimension
 
     def plain(self, value: Any) -> Json:
         return self._listed.plain(value)
