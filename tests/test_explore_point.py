@@ -346,3 +346,18 @@ def test_rigid_bodies_are_counted_with_the_teeth_pressed_together_under_torque()
         ["the drivetrain can turn freely: one rigid-body mode while torque presses mesh together"],
     ]
     assert [sum(kind == "rigid body" for kind in tn.loads(text).modes().kinds) for text in (GAP, loaded)] == [2, 1]
+
+
+def test_labels_of_a_schematic_show_stages_and_backlash():
+    from torsionnet.plot.drawing.labels import value_lines
+
+    def shown(**entries):
+        return [line.replace("$", "") for line in value_lines(entries.pop("of"), {})]
+
+    stages = [{"stiffness": "460 N*m/rad", "to": "0.12 rad"}, {"stiffness": "1500 N*m/rad"}]
+    spring = shown(of=tn.Spring("dmf", nodes=("a", "b"), damping=0.5, stages=stages))
+    assert [line.rpartition("= ")[2] for line in spring] == ["460 N·m/rad", "1.5 kN·m/rad", "0.5 N·m·s/rad"]
+    mesh = shown(of=tn.Gear("mesh", nodes=("a", "b"), ratio=4, stiffness="20 kN*m/rad", damping=2, backlash="0.01 rad"))
+    assert mesh[-1].endswith("= 0.01 rad")
+    linear = shown(of=tn.Gear("mesh", nodes=("a", "b"), ratio=4, stiffness="20 kN*m/rad", damping=2))
+    assert len(linear) == 3

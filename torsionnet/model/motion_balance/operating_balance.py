@@ -241,7 +241,7 @@ class OperatingBalance:
             raise ModelError(faults, self.definition.name)
 
     def _chosen(self, found: Sequence[BalancedState]) -> BalancedState:
-        """Of several points the stable one, of these the nearest to given speeds, else that in which most laws stick.
+        """Stable one of several points, of these the nearest to given speeds, else that in which most laws stick.
 
         Friction that sticks keeps doing so until something makes it slip.
         """

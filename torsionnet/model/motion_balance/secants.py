@@ -67,7 +67,7 @@ class Secants:
 
     @property
     def given_speeds(self) -> Mapping[str, float]:
-        """Empty mapping: the state is given, and no speed chooses it."""
+        """Empty mapping, as the state is given and no speed chooses it."""
         return {}
 
     def depends_on(self, names: frozenset[str]) -> bool:
@@ -76,12 +76,12 @@ class Secants:
         return False
 
     def of(self, definition: Definition) -> Secants:
-        """Same secants for any definition: their state is given."""
+        """Secants of any definition, which are these, as their state is given."""
         del definition
         return self
 
     def with_values(self, values: Mapping[str, float]) -> Secants:
-        """Same secants for any definition: their state is given."""
+        """Secants of any definition, which are these, as their state is given."""
         del values
         return self
 

@@ -12,6 +12,7 @@ from torsionnet.core.entries.spec import Spec, spec_of
 from torsionnet.core.expressions import Name
 from torsionnet.core.number_text import NumberText, typeset_unit
 from torsionnet.core.units import expected_unit
+from torsionnet.model.element_base.spring_stages import SpringStages
 from torsionnet.model.element_base.stiffness_rows import TableEntry
 from torsionnet.model.element_base.teeth import Teeth
 from torsionnet.model.elements import Element
@@ -71,12 +72,19 @@ def value_lines(element: Element, values: Mapping[str, Any]) -> list[str]:
         return _shaft_lines(element, values)
     given = element.scalars()
     spec, counts = given.get("teeth", (None, None))
-    teeth = [_ratio_line(element, counts)] if isinstance(spec, Teeth) and counts else []
-    teeth += [raw for field, (_, raw) in given.items() if field in STATES]
+    first = [_ratio_line(element, counts)] if isinstance(spec, Teeth) and counts else []
+    first += [raw for field, (_, raw) in given.items() if field in STATES]
+    stages = [raw for spec, raw in given.values() if isinstance(spec, SpringStages)]
+    first += [
+        f"{symbol(f'k_{number}')} = {quantity(float(stage.stiffness), 'stiffness')}"
+        for some in stages
+        for number, stage in enumerate(some, 1)
+    ]
     lines = [
         _line(spec, raw, values) for field, (spec, raw) in given.items() if not field.startswith(("planet", "orbit"))
     ]
-    return [line for line in (*teeth, *lines) if line][:MOST_LINES]
+    most = MOST_LINES + element.has_motion_laws  # the gap or the stages of a law of motion beside its k and c
+    return [line for line in (*first, *lines) if line][:most]
 
 
 def _line(spec: Spec[object], raw: Any, values: Mapping[str, Any]) -> str:
