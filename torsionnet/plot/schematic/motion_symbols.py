@@ -26,8 +26,15 @@ def friction_symbol(element: Element) -> Glyph:
     """Symbol of dry friction in a schematic, two plates pressed together, behind a spring if the element has one."""
     start = 36.0 if element.internal_nodes else 0.0
     middle = start + 18.0
-    leads = [Stroke(((start, 0), (middle - 3, 0)), "shaft"), Stroke(((middle + 3, 0), (middle + 18, 0)), "shaft")]
-    plates = [Stroke(((x, -_HALF), (x, _HALF))) for x in (middle - 3, middle + 3)]
+    inner, outer = 3.0, 8.0  # points from the middle to both faces of a plate
+    leads = [
+        Stroke(((start, 0), (middle - outer, 0)), "shaft"),
+        Stroke(((middle + outer, 0), (middle + 18, 0)), "shaft"),
+    ]
+    plates = [
+        rectangle(middle - outer, middle - inner, -_HALF, _HALF, BODY),
+        rectangle(middle + inner, middle + outer, -_HALF, _HALF, BODY),
+    ]
     hatches = [
         Stroke(((middle - 3, y), (middle + 3, y + 5)), "thin") for y in (-_HALF, -_HALF + 5, -_HALF + 10, -_HALF + 15)
     ]
