@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -60,6 +61,12 @@ class ContactForm:
     torques: FloatArray
     act: FloatArray
     inputs: FloatArray
+
+    @cached_property
+    def largest_rates(self) -> tuple[float, float]:
+        """Largest circular frequency of a vibration, and largest pole, in rad/s."""
+        poles = np.linalg.eigvals(self.A)
+        return float(np.abs(poles.imag).max(initial=0.0)), float(np.abs(poles).max(initial=0.0))
 
     @property
     def accelerations(self) -> FloatArray:
@@ -156,7 +163,7 @@ def _form(
     heavy, damped, static = kinds
     names = tuple("" for _ in range(2 * heavy.shape[1] + damped.shape[1]))
     try:
-        reduced = condensed(reduced_matrices(system, actions, kinds), *kinds, held.Z.T @ loads, names)
+        reduced = condensed(reduced_matrices(system, actions, kinds), heavy, damped, static, held.Z.T @ loads, names)
     except np.linalg.LinAlgError:
         nodes = plant.assembly.kinematics.coordinates
         moving = np.abs(held.Z @ np.hstack([damped, static])).max(axis=1) > DEPENDENT

@@ -52,12 +52,6 @@ class FinerStepError(Exception):
         super().__init__("the step is too long")
 
 
-def rates_of(form: ContactForm) -> tuple[float, float]:
-    """Largest circular frequency of a vibration, and largest pole, in rad/s of a contact state."""
-    poles = np.linalg.eigvals(form.A)
-    return float(np.abs(poles.imag).max(initial=0.0)), float(np.abs(poles).max(initial=0.0))
-
-
 class ContactStates:
     """Contact states of a plant by number, in the order of their first visit, with stacked tables for the march.
 
@@ -110,7 +104,7 @@ class ContactStates:
         """
         if contact not in self.numbers:
             form = self.form(contact)
-            turning, largest = rates_of(form)
+            turning, largest = form.largest_rates
             if turning * self.h > SLACK or largest * self.h > SLACK * MOST_TURN * self.n_sub:
                 raise FinerStepError((turning, largest))
             guards = guard_rows(form, self.laws, contact, self.at, self.drive.scale_of)
@@ -132,7 +126,7 @@ class ContactStates:
         if not self.tables:
             self.tables = [np.zeros((2, *array.shape), dtype=array.dtype) for array in table.arrays]
         elif place == len(self.tables[0]):
-            self.tables = [np.concatenate([stack, np.zeros_like(stack)]) for stack in self.tables]
+            self.tables = [_twice_as_long(stack) for stack in self.tables]
         if len(self.following) < len(self.tables[0]):
             grown = np.full((len(self.tables[0]), self.following.shape[1]), -1, dtype=np.int64)
             grown[: len(self.following)] = self.following
@@ -240,6 +234,12 @@ class ContactStates:
             if one != other:
                 return law.owner, _in_words(law, law.phases[one], law.phases[other])
         return "", ""
+
+
+def _twice_as_long(stack: NDArray[Any]) -> NDArray[Any]:
+    found = np.zeros((2 * len(stack), *stack.shape[1:]), dtype=stack.dtype)  # memory that nothing is written to is free
+    found[: len(stack)] = stack
+    return found
 
 
 def _changed(contact: Contact, number: int, phase: int) -> Contact:

@@ -10,13 +10,13 @@ from scipy import linalg
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.solve.motion.contact_form import ContactForm
-from torsionnet.solve.motion.contact_states import Contact, ContactStates, rates_of
+from torsionnet.solve.motion.contact_states import Contact, ContactStates
 from torsionnet.solve.motion.event_losses import EventLosses
 from torsionnet.solve.motion.guard_polynomials import DEGREE
 from torsionnet.solve.motion.march_tables import in_steps
 from torsionnet.solve.motion.motion_plant import PlacedLaw
 from torsionnet.solve.motion.motion_record import MOST_KEPT, Stretches
-from torsionnet.solve.motion.step_matrices import BLOCK, rows_along, step_matrices
+from torsionnet.solve.motion.step_matrices import StepMatrices, step_matrices
 
 WORK_TOLERANCE = 1e-10
 """Share by which quadrature may miss the work of the fastest vibration within a step; slower ones it misses by less."""
@@ -108,7 +108,8 @@ def node_count(turn: float) -> tuple[int, int]:
 class _Tables:
     work: WorkRows
     weights: FloatArray
-    along: tuple[FloatArray, FloatArray]
+    inside: FloatArray
+    steps: StepMatrices
     taylor: FloatArray
     finest: FloatArray
 
@@ -145,19 +146,25 @@ class Works:
         form, units = self.states.form(contact), in_steps(at, self.h)
         A = self.h * form.A * units / units[:, None]
         work = work_rows(self.states, contact, form, self.h)
-        places, weights = gauss_points(*node_count(max(rates_of(form)) * self.h))
+        places, weights = gauss_points(*node_count(max(form.largest_rates) * self.h))
         inside = np.vstack([work.rows @ linalg.expm(place * A) for place in places])
         taylor = [work.rows]
         for k in range(1, DEGREE + 1):
             taylor.append(taylor[-1] @ A / k)
-        along = rows_along(inside, step_matrices(np.asarray(linalg.expm(A)), at), at)
-        return _Tables(work, weights, along, np.array(taylor), np.asarray(linalg.expm(A / self.n_sub)))
+        steps = step_matrices(np.asarray(linalg.expm(A)), at)
+        return _Tables(work, weights, inside, steps, np.array(taylor), np.asarray(linalg.expm(A / self.n_sub)))
 
     def _over_steps(self, tables: _Tables, few: Stretches) -> FloatArray:
-        values = few.along(tables.along, self.drive).reshape(len(few.numbers), BLOCK, len(tables.weights), -1)
-        inside = (np.arange(BLOCK)[:, None] < few.numbers[:, 2]).astype(float)
-        powers = tables.work.powers(np.ascontiguousarray(values.transpose(1, 2, 3, 0)))
-        return np.asarray(np.einsum("spc,sc->p", np.tensordot(tables.weights, powers, axes=(0, 1)), inside))
+        weights, steps = tables.weights, tables.steps
+        p, i = few.starts.T, few.numbers[:, 1]
+        total = np.zeros(len(tables.work.owners))
+        for step in range(int(few.numbers[:, 2].max())):
+            now, then = self.drive[i + step].T, self.drive[i + step + 1].T
+            values = (tables.inside @ np.vstack([p, now, then - now])).reshape(len(weights), -1, len(i))
+            inside = (step < few.numbers[:, 2]).astype(float)
+            total += np.tensordot(weights, tables.work.powers(values), axes=1) @ inside
+            p = steps.powers[0] @ p + steps.first @ now + steps.last @ then
+        return total
 
     def _over_parts(self, tables: _Tables, few: Stretches) -> FloatArray:
         z, lengths = few.whole_states(self.drive), few.times[:, 1]

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from torsionnet.core.errors import UsageError
-from torsionnet.solve.motion.contact_states import ContactStates, rates_of
+from torsionnet.solve.motion.contact_states import ContactStates
 from torsionnet.solve.motion.march_tables import MOST_TURN
 from torsionnet.solve.motion.phases import LawPhases
 
@@ -27,7 +27,7 @@ def first_rates(states: ContactStates, laws: Sequence[LawPhases]) -> tuple[float
         slopes = [number for number, phase in enumerate(law.phases) if phase.kind == "slope"]
         contact.append(max(slopes, key=lambda number: (law.phases[number].stiffness, law.phases[number].damping)))
     try:
-        return rates_of(states.form(tuple(contact)))
+        return states.form(tuple(contact)).largest_rates
     except UsageError:  # massless parts that only other contact states fix
         return 0.0, 0.0
 

@@ -35,9 +35,9 @@ class StepMatrices:
         """
         ahead = rows[None]
         for power in self.powers:
-            further = ahead.reshape(-1, rows.shape[1]) @ power
-            ahead = np.concatenate([ahead, further.reshape(ahead.shape)])
-        ahead = ahead[: BLOCK + 1]
+            few = ahead[: BLOCK + 1 - len(ahead)]
+            further = few.reshape(-1, rows.shape[1]) @ power
+            ahead = np.concatenate([ahead, further.reshape(few.shape)])
         after, before = ahead @ self.first, ahead @ self.last
         pushed = np.zeros((BLOCK + 1, BLOCK + 2, *after.shape[1:]))
         for point in range(BLOCK):  # u acts through the step after a point, and as the end of the step before it
