@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 import torsionnet as tn
 from tests.random_motion_plants import moving_plant
 from torsionnet.response import MotionStart
-from torsionnet.solve.motion import piece_system
+from torsionnet.solve.motion import contact_states, piece_system
 
 
 def simulated(seed=3, rate=1000.0, seconds=0.2, most=3):
@@ -31,6 +31,23 @@ def test_samples_seldom_and_often_read_one_motion(seed):
         seldom, _ = simulated(seed, rate)
         size = np.abs(often).max(axis=1, keepdims=True)
         assert (np.abs(seldom - often[:, ::each]) < 1e-10 * size).all()
+
+
+def test_little_memory_changes_nothing(monkeypatch):
+    """Full lists are read on the way, and tables of contact states left behind are made again."""
+    plain, record = simulated()
+    monkeypatch.setattr(contact_states, "MOST_BYTES", 1)
+    monkeypatch.setattr(piece_system, "LISTED", 8)
+    monkeypatch.setattr(piece_system, "MOST_BYTES_KEPT", 1)
+    monkeypatch.setattr(piece_system, "_compiled_march", lambda: piece_system.marching.march)
+    cleared = []
+    clear = contact_states.ContactStates.clear
+    monkeypatch.setattr(contact_states.ContactStates, "clear", lambda states: (cleared.append(1), clear(states)))
+    slow, same = simulated()
+    assert len(cleared) > 2
+    assert slow == pytest.approx(plain, rel=1e-12, abs=1e-12 * np.abs(plain).max())
+    assert same.energy.supplied == pytest.approx(record.energy.supplied, rel=1e-12)
+    assert [event.what for event in same.events] == [event.what for event in record.events]
 
 
 @pytest.mark.slow

@@ -42,6 +42,9 @@ TOLERANCE = 1e-12
 """Share of the sizes of its terms by which a twist beyond a step may seem to lie before it by rounding."""
 SLACK = 1.25
 """Share by which the motion of a contact state visited later may be quicker than the step was made for."""
+FIRST_STATES = 64
+"""Number of contact states for which there is room at first: memory that nothing is written to is free, and to copy
+the tables of a large drivetrain into a larger room takes longer than to make them."""
 
 
 class FinerStepError(Exception):
@@ -83,7 +86,9 @@ class ContactStates:
     @property
     def is_large(self) -> bool:
         """Whether the tables take more memory than they may."""
-        return sum(array.nbytes for array in self.tables) > MOST_BYTES
+        return sum(array.nbytes for array in self.tables) * len(self.contacts) > MOST_BYTES * max(
+            map(len, self.tables), default=1
+        )
 
     def form(self, contact: Contact) -> ContactForm:
         """Equations of motion in a contact state in SI units, made when first asked for."""
@@ -124,7 +129,9 @@ class ContactStates:
     def _add(self, table: MarchTable) -> None:
         place = len(self.contacts)
         if not self.tables:
-            self.tables = [np.zeros((2, *array.shape), dtype=array.dtype) for array in table.arrays]
+            size = sum(array.nbytes for array in table.arrays)
+            count = min(max(2, MOST_BYTES // size), FIRST_STATES)
+            self.tables = [np.zeros((count, *array.shape), dtype=array.dtype) for array in table.arrays]
         elif place == len(self.tables[0]):
             self.tables = [_twice_as_long(stack) for stack in self.tables]
         if len(self.following) < len(self.tables[0]):
@@ -237,7 +244,7 @@ class ContactStates:
 
 
 def _twice_as_long(stack: NDArray[Any]) -> NDArray[Any]:
-    found = np.zeros((2 * len(stack), *stack.shape[1:]), dtype=stack.dtype)  # memory that nothing is written to is free
+    found = np.zeros((2 * len(stack), *stack.shape[1:]), dtype=stack.dtype)
     found[: len(stack)] = stack
     return found
 
