@@ -23,6 +23,7 @@ SIGNATURES = Path(__file__).parents[1] / "tests" / "public_signatures.txt"
 HEAD = "# Public names and signatures: a change is a decision (docs/stability.md). Written by `make signatures`.\n"
 INNER_BASES = (Declared, NotebookResult)
 """Base classes whose own members are for the package alone: how entries are read, what a notebook asks for."""
+_SCENARIO = ("begins", "course", "expressions", "length", "name_faults", "needed", "places", "schema", "words")
 INNER_MEMBERS: dict[type, set[str]] = {
     object: {"contradictions", "key_faults", "notebook_tables", "record", "renamed", "row"},
     tn.Drivetrain: {"assembly", "definition", "from_definition", "with_definition", "with_entries_named"},
@@ -32,6 +33,8 @@ INNER_MEMBERS: dict[type, set[str]] = {
     },
     tn.OperatingPoint: {"loaded_nodes", "read", "with_overlay"},
     tn.Parameter: {"given", "with_operating_values", "written"},
+    tn.TorqueScenario: {*_SCENARIO, "histories", "read_entries", "to_data"},
+    tn.ShortCircuitScenario: {*_SCENARIO, "torque", "what"},
     tn.response.OrderResponse: {"engine_notes", "no_cycle"},
     tn.response.LimitCheck: {"findings", "highest", "passed"},
     tn.response.LimitConclusion: {"findings", "records", "worst_table"},

@@ -11,7 +11,10 @@ import torsionnet as tn
 
 DOCS = Path(__file__).parent
 PAGES = DOCS / "reference"
-MODEL = ("Drivetrain", "Parameter", "Input", "Sensor", "OperatingPoint", "load", "loads", "library_models")
+MODEL = (
+    *("Drivetrain", "Parameter", "Input", "Sensor", "OperatingPoint", "load", "loads", "library_models"),
+    *("ShortCircuitScenario", "TorqueScenario"),
+)
 DAMPING = ("convert_damping",)
 IDENTIFICATION = ("identify", "Measurement", "Unknown", "Fit")
 BENCHES = ("Bench", "load_bench", "library_benches")

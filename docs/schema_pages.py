@@ -18,6 +18,8 @@ TITLES = {
     "use": "An entry of `use`",
     "part": "An entry of `parts`",
     "operating_point": "`operating_point`",
+    "scenario_torques": "An entry of `scenarios`, torques over time",
+    "scenario_short_circuit": "An entry of `scenarios`, a short circuit",
     "report": "`report`",
     "viscoelastic": "`material` of a coupling, `silicone` of a viscous damper",
     "rubber_shape_disc": "`geometry` of a coupling, a disc",

@@ -83,7 +83,7 @@ excitations: {stage: {type: harmonic, node: m, orders: {1: {amplitude: 1 N*m}}}}
 @pytest.mark.parametrize(
     ("entry", "where", "words"),
     [
-        ("stoge.ratio: 2", "14:10", 'no element or excitation is named "stoge"; did you mean "stage"?'),
+        ("stoge.ratio: 2", "14:10", 'no element, excitation or scenario is named "stoge"; did you mean "stage"?'),
         ("stage.rotio: 2", "14:10", 'no entry of stage is named "rotio"; did you mean "ratio"?'),
         ("stage.ratio: 2 kg", "14:23", '"2 kg" is not a value of a plain number'),
         ("stage.ratio: i_3", "14:23", 'no parameter is named "i_3"; did you mean "i_2"?'),

@@ -281,6 +281,18 @@ scenarios:
         ("{type: short_circuit, machine: A, phases: 3, x: -1}", "-1", "must be greater than 0"),
         ("{type: short_circuit, machine: A, angle: 200 deg, x: 0.1}", "200 deg", "from -180 deg to 180 deg"),
         ("{type: sudden, x: -1}", "sudden", "no scenario type"),
+        ("{type: torques, duration: 2 s, torque: {a: {5 ms: 1, 5 ms: 2}}}", "5 ms: 2", "was already given"),
+        ("{type: torques, duration: 2 s, torque: {a: {-5 ms: 1}}}", "-5 ms", "must not be less than 0"),
+        ("{type: torques, duration: 2 s, torque: {a: {5 kg: 1}}}", "5 kg", "a row begins with a time, as 50 ms"),
+        ("{type: torques, duration: 2 s, torque: {a: [[5 ms, 1, 2]]}}", "[5 ms", "a row is [time, value]"),
+        ("{type: torques, duration: 2 s, torque: {ground: 1}}", "ground", "ground does not move; name a node"),
+        ("{type: short_circuit, machine: A, phases: 4, x: 0.2}", "4, x", "from 2 to 3"),
+        ("{type: short_circuit, machine: A, phases: 2, angle: 90 deg, x: 0.2}", "s:", "give the phases that are short"),
+        ("{type: short_circuit, machine: A, phases: 3, x: 0}", "0}", "must be greater than 0"),
+        ("{type: short_circuit, machine: A, phases: 3, x: 1, decay_double: 1 s}", "decay_double", "of two phases"),
+        ("{type: short_circuit, machine: A, phases: 3, x: 1, at: 2 s, duration: 1 s}", "1 s}", "simulate longer"),
+        ("{type: short_circuit, machine: k, phases: 3, x: 1}", "k,", "has no rotor on one node"),
+        ("{type: short_circuit, machine: a, phases: 3, x: 1}", "a,", '"a" is a node; name the element on it'),
     ],
 )
 def test_faults_have_their_place(line, marked, words, tmp_path):

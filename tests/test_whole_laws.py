@@ -13,8 +13,6 @@ import torsionnet as tn
 from torsionnet.core.expressions import FLOAT, Algebra
 from torsionnet.model.element_base.torque_curve import MotionState
 from torsionnet.model.elements import Action, Constraint, Law, MotionLaw, Values, make_element
-from torsionnet.model.load.absorber import Absorber
-from torsionnet.model.load.absorber_laws import absorber_law
 
 STAGES = [
     {"stiffness": 300, "to": "150 N*m"},
@@ -302,26 +300,6 @@ KINDS = {
         "e", pump="a", turbine="b", housing="c", k_factor=[[0, 30], [0.9, 50], [1, 90]], **at
     ),
 }
-
-
-class TestAbsorbers:
-    @pytest.mark.parametrize("exponent", [-1, 0, 0.5, 2, 3])
-    @pytest.mark.parametrize("ratio", [1.0, -0.4])
-    def test_a_power_of_the_speed(self, exponent, ratio):
-        absorber = Absorber(power=9000, torque_exponent=exponent)
-        law = absorber_law(absorber, {"prop": 1}, rated=30, ratio=ratio)
-        for speed in (12.0, 30.0, 41.0):
-            assert law.torque(0, speed) == pytest.approx(absorber.torque_at(speed, 30), rel=1e-13)
-        assert law.row == {"prop": math.copysign(1, ratio)}
-
-    def test_a_table(self):
-        absorber = Absorber(over_speed={0: 5, 10: 8, 40: 90})
-        law = absorber_law(absorber, {"pump": 1})
-        for speed in (0.5, 10.0, 33.0):
-            assert law.torque(0, speed) == pytest.approx(absorber.torque_at(speed), rel=1e-13)
-            assert law.torque(0, -speed) == -law.torque(0, speed)
-        assert law.curve.holds(MotionState())
-        assert "the torque is given from -40 rad/s to 40 rad/s" in law.curve.left(0, 41)
 
 
 class TestCouplings:

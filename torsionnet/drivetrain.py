@@ -213,8 +213,7 @@ class Drivetrain(RunningMachinery, AttributeHints):
         outputs : str, Sensor or sequence of these
             As for :meth:`frequency_response`; in a scenario the model's sensors unless others are named.
         inputs : mapping
-            Name of an input or node -> (n,) torques in N m, or a ``TimeHistory`` of straight lines and waves, which is
-            exact. That on a node is called ``torque on NODE`` in the result.
+            Name of an input or node -> (n,) torques in N m. That on a node is called ``torque on NODE`` in the result.
         sampling_rate : float
             Hz; in a scenario instead of what that says.
         start : str or MotionStart, optional
@@ -224,7 +223,7 @@ class Drivetrain(RunningMachinery, AttributeHints):
             Instead of inputs: a scenario of the model, or another one, ``{"type": "torques", "duration": ...}``, whose
             torques act.
         duration : float, optional
-            Time in s that is simulated where all inputs are histories.
+            Time in s that is simulated in a scenario, instead of what that says; inputs have its length.
         check : bool
             Repeat the motion in steps half as long, and note until when both agree: contacts make motions chaotic.
 
@@ -257,9 +256,9 @@ class Drivetrain(RunningMachinery, AttributeHints):
 
             if inputs is not None:
                 raise UsageError("a scenario brings its own torques; leave out inputs, or the scenario")
-            if duration is not None:
-                raise UsageError("a scenario has a duration of its own; leave out duration, or change the scenario")
-            return run_scenario(self, scenario, outputs, start=start, sampling_rate=sampling_rate, check=check)
+            return run_scenario(
+                self, scenario, outputs, start=start, sampling_rate=sampling_rate, duration=duration, check=check
+            )
         from torsionnet.solve.motion.simulation import simulate
 
         if outputs is None or inputs is None or sampling_rate is None:

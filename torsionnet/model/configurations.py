@@ -36,7 +36,7 @@ class Overlay:
     off: tuple[str, ...] = ()
     operating_point: OperatingPoint | None = None
     entries: Mapping[str, Any] = field(default_factory=dict)
-    """Changed entries of elements, excitations and the load as written, by ``element.entry`` and so on."""
+    """Changed entries of elements, excitations, scenarios and the load as written, by ``element.entry`` and so on."""
     at: OperatingPoint | None = None
     """Operating point of a call, which replaces that of the model instead of changing some of its entries."""
 
@@ -103,7 +103,7 @@ class AlternativeEntry(Plural[Overlay]):
             "type": ["object", "null"],
             "description": self.description,
             "properties": {key: spec.schema() for key, spec in _KNOWN.items()},
-            "patternProperties": {r"\.": {"description": "of an element, excitation or load: box.engaged, load.power"}},
+            "patternProperties": {r"\.": {"description": "of an element, excitation, scenario or load: box.engaged"}},
             "additionalProperties": reference("scalar"),
         }
         return {"alternative": alternative, **OPERATING_POINT.definitions()}

@@ -37,6 +37,7 @@ LOAD = "load"
 """Prefix of the load's entries in a configuration, as in ``load.power``; no excitation can have this name."""
 EXCITATIONS = "excitations"
 ELEMENTS = "elements"
+SCENARIOS = "scenarios"
 
 
 class Tangents(Protocol):
@@ -193,9 +194,10 @@ class Definition(Declared):
     def _overridden(self, changes: Mapping[str, Any], elements: Mapping[str, Element]) -> dict[str, Any]:
         """Sections of the definition, by key, with changed entries put in.
 
-        Changes are written as ``box.engaged: II``, ``engine.misfire: [3]``, ``load.power: 1 MW``.
+        Changes are written as ``box.engaged: II``, ``engine.misfire: [3]``, ``fault.phases: 3``, ``load.power: 1 MW``.
         """
-        found: dict[str, Any] = {EXCITATIONS: dict(self.excitations), ELEMENTS: dict(elements), LOAD: self.load}
+        found: dict[str, Any] = {ELEMENTS: dict(elements), LOAD: self.load}
+        found |= {table: dict(getattr(self, table)) for table in (EXCITATIONS, SCENARIOS)}
         # All entries of one section at once: each alone may contradict what the others change.
         for (table, name), fields in by_section(self, changes).items():
             if table == LOAD:
@@ -226,19 +228,21 @@ class Definition(Declared):
 def section_of(definition: Definition, key: str) -> tuple[str, str, Declared] | None:
     """Table, name and section of the model to which a key as ``box.engaged`` belongs; None if no section has that name.
 
-    Of an excitation and an element of one name it is the excitation, unless only the element has such an entry.
+    Of an excitation, an element and a scenario of one name it is the first of these that has such an entry.
     """
     name, _, entry = key.rpartition(".")
     if name == LOAD and definition.load is not None:
         return LOAD, name, definition.load
-    tables: dict[str, Mapping[str, Declared]] = {EXCITATIONS: definition.excitations, ELEMENTS: definition.elements}
+    tables: dict[str, Mapping[str, Declared]] = {
+        EXCITATIONS: definition.excitations, ELEMENTS: definition.elements, SCENARIOS: definition.scenarios
+    }  # fmt: skip
     found = [(table, name, sections[name]) for table, sections in tables.items() if name in sections]
     fitting = [one for one in found if entry in dict(one[2].specs())]
     return next(iter(fitting or found), None)
 
 
 def by_section(definition: Definition, changes: Mapping[str, Any]) -> dict[tuple[str, str], dict[str, Any]]:
-    """Changes of entries of elements, excitations and the load, grouped by table and name of their section.
+    """Changes of entries of elements, excitations, scenarios and the load, by table and name of their section.
 
     They are written as ``engine.misfire: [3]``. Changes of unknown sections are left out.
     """

@@ -66,12 +66,25 @@ def scenario_of(model: Defined, scenario: str | Scenario | Mapping[str, Any]) ->
     unknown = [
         unknown_name("parameter", name, model.exact_values, ()) for name in sorted(names - {*model.exact_values})
     ]
-    faults = unknown or found.name_faults(scenario_subject(definition, model.exact_values))
-    if faults:
-        raise UsageError("; ".join(fault.message for fault in faults))
+    if unknown:
+        raise UsageError("; ".join(fault.message for fault in unknown))
     return found
 
 
 def driving_course(model: Defined, scenario: Scenario) -> DrivingCourse:
-    """Course over time of what a scenario does to a model in its present configuration."""
-    return scenario.course(scenario_subject(model.definition, model.exact_values))
+    """Course over time of what a scenario does to a model in its present configuration.
+
+    Raises
+    ------
+    UsageError
+        This configuration lacks what the scenario needs.
+    """
+    subject = scenario_subject(model.definition, model.exact_values)
+    faults = [fault.message for fault in scenario.name_faults(subject)]
+    for name in scenario.needed:
+        one = subject.elements.get(name, subject.excitations.get(name))
+        if not getattr(one, "enabled", True):
+            faults.append(f"{name} is switched off here, and the scenario needs it; switch it on")
+    if faults:
+        raise UsageError("; ".join(faults))
+    return scenario.course(subject)

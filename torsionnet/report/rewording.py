@@ -51,6 +51,7 @@ REWORDED_COLUMNS = {
     "Speeds not permitted",
     "Type",
     "Verdict",
+    "What",
     "What it is",
     "What it sets",
 }

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from torsionnet.core.errors import Fault, ModelError, Path, unknown_name
 from torsionnet.core.expressions import Expression
 from torsionnet.model.configurations import Overlay
-from torsionnet.model.definition import ELEMENTS, EXCITATIONS, LOAD, Definition, by_section, section_of
+from torsionnet.model.definition import ELEMENTS, EXCITATIONS, LOAD, SCENARIOS, Definition, by_section, section_of
 from torsionnet.model.elements import Element
 
-_TABLES = ((ELEMENTS,), (EXCITATIONS,))
+if TYPE_CHECKING:
+    from torsionnet.model.scenarios.scenario import Scenario
+
+_TABLES = ((ELEMENTS,), (EXCITATIONS,), (SCENARIOS,))
 
 
 def unfit_overrides(definition: Definition) -> list[Fault]:
@@ -21,11 +24,14 @@ def unfit_overrides(definition: Definition) -> list[Fault]:
 
 
 def expressions_of_overrides(definition: Definition) -> Iterator[tuple[Path, Expression]]:
-    """Pairs (path, expression) of the expressions that alternatives set in entries of elements."""
+    """Pairs (path, expression) of the expressions that alternatives set in entries of elements and scenarios."""
     for path, overlay in _alternatives(definition):
         for (table, name), changes in by_section(definition, overlay.entries).items():
-            element = _changed_element(definition.elements[name], changes) if table == ELEMENTS else None
-            for (entry, *rest), _, expression, _ in element.expressions() if element else ():
+            changed = _changed(getattr(definition, table)[name], changes) if table in (ELEMENTS, SCENARIOS) else None
+            for inner, _, expression, _ in changed.expressions() if changed else ():
+                # Elements whose torques a scenario scales stand among its entries.
+                scaled = table == SCENARIOS and inner[0] not in dict(changed.specs()) if changed else False
+                entry, *rest = ("elements", *inner) if scaled else inner
                 if entry in changes:
                     yield (*path, f"{name}.{entry}", *rest), expression
 
@@ -56,10 +62,10 @@ def _alternatives(definition: Definition) -> Iterator[tuple[Path, Overlay]]:
                 yield ("configurations", axis, label), overlay
 
 
-def _changed_element(element: Element, changes: Mapping[str, Any]) -> Element | None:
-    """Copy of an element with the entries that an alternative changes; None where they do not fit it."""
+def _changed(one: Element | Scenario, changes: Mapping[str, Any]) -> Element | Scenario | None:
+    """Copy of an element or a scenario with the entries that an alternative changes; None where they do not fit it."""
     try:
-        return replace(element, **changes) if changes.keys() <= dict(element.specs()).keys() else None
+        return replace(one, **changes) if changes.keys() <= dict(one.specs()).keys() else None
     except ModelError:
         return None
 
@@ -89,9 +95,10 @@ def _no_section(definition: Definition, name: str, path: Path) -> Fault:
     """Fault that an alternative cannot change entries of the section it names."""
     if name in {declared.name for declared in definition.declared()} - {LOAD}:
         text = f"a configuration does not change entries of {name}:; it may change parameters, and entries of elements"
-        return Fault(f"{text}, excitations and load: (box.engaged, engine.misfire, load.power)", path, on_key=True)
-    known = [*definition.excitations, *definition.elements, *([LOAD] if definition.load else [])]
-    return unknown_name("element or excitation", name, known, path, on_key=True)
+        text += ", excitations, scenarios and load: (box.engaged, engine.misfire, fault.phases, load.power)"
+        return Fault(text, path, on_key=True)
+    known = [*definition.excitations, *definition.elements, *definition.scenarios, *([LOAD] if definition.load else [])]
+    return unknown_name("element, excitation or scenario", name, known, path, on_key=True)
 
 
 def _wrong_values(definition: Definition, table: str, name: str, changes: Mapping[str, Any]) -> tuple[Fault, ...]:
@@ -106,6 +113,10 @@ def _wrong_values(definition: Definition, table: str, name: str, changes: Mappin
         from torsionnet.model.checks.excitation_checks import excitation_faults
 
         return () if any(excitation_faults(definition, name)) else tuple(excitation_faults(changed, name))
+    if table == SCENARIOS:
+        from torsionnet.model.checks.scenario_checks import scenario_faults
+
+        return () if scenario_faults(definition, name) else tuple(scenario_faults(changed, name))
     if table == ELEMENTS:
         return tuple(_moved(definition.elements[name], changed.elements[name], changes))
     return ()

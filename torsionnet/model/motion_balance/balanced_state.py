@@ -24,6 +24,8 @@ class BalancedState:
         Mean external torque in N m by node.
     acting : mapping
         The same with the torques of laws that slip, which act on their nodes as torques from outside do.
+    stated : tuple of str
+        Nodes whose torque from outside is that of a law there, as of a propeller whose load is given too.
     is_stable : bool
         Whether speeds return after a small disturbance.
     notes : tuple of str
@@ -39,6 +41,7 @@ class BalancedState:
     is_stable: bool = True
     notes: tuple[str, ...] = ()
     sticking: int = 0
+    stated: tuple[str, ...] = ()
 
     @property
     def tangent_key(self) -> tuple[object, ...]:

@@ -216,8 +216,17 @@ class OperatingBalance:
                 for owner, rate in motion.slipping.items()
             )
         outer = {node: float(torque) for node, torque in slipping.items()}
+        stated = (next(iter(one.law.row)) for one, speed in motion.laws.items() if not speed.counts)
         return BalancedState(
-            motion.speeds, states, torques, dict(external), outer, motion.is_stable, notes, motion.sticking
+            motion.speeds,
+            states,
+            torques,
+            dict(external),
+            outer,
+            motion.is_stable,
+            notes,
+            motion.sticking,
+            tuple(dict.fromkeys(stated)),
         )
 
     def _state_at(self, one: PlacedMotionLaw, torque: Any) -> MotionState:

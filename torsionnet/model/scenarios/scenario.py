@@ -116,6 +116,11 @@ class Scenario(Declared):
         """Names of the nodes that the scenario names."""
         return ()
 
+    @property
+    def needed(self) -> tuple[str, ...]:
+        """Names of the elements or excitations without which the scenario makes no sense."""
+        return ()
+
     def name_faults(self, model: ScenarioSubject) -> list[Fault]:
         """Faults of entries that name what the model does not have, or that lack data of it."""
         raise NotImplementedError

@@ -25,6 +25,8 @@ from torsionnet.response.motion.motion_event import MotionEvent
 AFTERWARDS = 0.5
 """Time in s after the fault that is simulated unless another is asked for: thirty periods of a 60 Hz line, in which the
 slowest torsional vibrations of turbine sets, about 10 Hz, swing five times."""
+ROTORS = ("inertia", "grid_generator", "synchronous_machine", "induction_machine", "electric_machine")
+"""Kinds of elements, and of an excitation, at which an electric fault may come: machines, or the inertia of a rotor."""
 ROUNDING = 1 + 1e-12
 """Factor of 180 degrees up to which an angle counts as 180 degrees, as units are converted."""
 _TIME_CONSTANT = (
@@ -52,9 +54,11 @@ class ShortCircuitScenario(Scenario):
 
     Examples
     --------
-    >>> from torsionnet.model.elements import Values
-    >>> fault = ShortCircuitScenario(machine="G", phases=3, x=0.2, rated_torque=100, frequency="50 Hz")
-    >>> round(float(fault.torque(Values({}), 100.0, 50.0).samples(200.0, 2)[1]), 6)
+    >>> import torsionnet as tn
+    >>> rotor = tn.Drivetrain("rotor", [tn.Inertia("G", node="rotor", inertia=1)])
+    >>> fault = tn.ShortCircuitScenario(machine="G", phases=3, x=0.2, rated_torque="100 N*m", frequency="50 Hz")
+    >>> record = rotor.simulate("rotor", scenario=fault, sampling_rate=200)
+    >>> round(float(record["torque on rotor"].values[1]), 6)
     -500.0
     """
 
@@ -115,7 +119,14 @@ class ShortCircuitScenario(Scenario):
 
     @property
     def words(self) -> str:
-        return f"{self.what} of {self.machine} at {self.at:g} s, simulated over {self.length:g} s"
+        when = f" at {self.at:g} s, simulated over {self.length:g} s"
+        if self.phases is None:
+            return f"faulty synchronisation of {self.machine}{when}"
+        return f"short circuit of {self.phases} phases of {self.machine}{when}"
+
+    @property
+    def needed(self) -> tuple[str, ...]:
+        return (self.machine,)
 
     def name_faults(self, model: ScenarioSubject) -> list[Fault]:
         found = machine_of(model, self.machine)
@@ -190,6 +201,9 @@ def machine_of(model: ScenarioSubject, name: str) -> FaultedMachine | Fault:
     node = getattr(one, "node", None)
     if not isinstance(node, str):
         return Fault(f"{name} has no rotor on one node; name the element that is the rotor or the machine")
+    if one.kind not in ROTORS:
+        text = f"{name} is a {one.kind.replace('_', ' ')}, no electric machine; name one, or the inertia of its rotor"
+        return Fault(text)
     stator = next((found for key in ("stator", "housing") if (found := getattr(one, key, None))), None)
     torque, frequency = _rating(one, node, model)
     return FaultedMachine(node, None if stator == "ground" else stator, torque, frequency)

@@ -28,6 +28,10 @@ _SCALES = Named(
     form="{clutch: {clamp: {0 s: 0 N*m, 0.5 s: 300 N*m}}}",
 )
 
+NOTHING_SCALES = "nothing scales its torque; a clutch with state: slipping, friction and clamp_torque follows its clamp"
+_SCALE_WORDS = {"clamp": "clamp of "}
+"""Words before the name of an element for what scales its torque, as reports in other languages know them."""
+
 
 @register_scenario
 @dataclass(frozen=True, kw_only=True)
@@ -41,9 +45,12 @@ class TorqueScenario(Scenario):
 
     Examples
     --------
-    >>> tip_in = TorqueScenario(duration="2 s", torque={"crank": {"0 s": "20 N*m", "50 ms": "250 N*m"}})
-    >>> [history.first for history in tip_in.histories(Values({})).values()]
-    [20.0]
+    >>> import torsionnet as tn
+    >>> car = tn.Drivetrain("car", [tn.Inertia("engine", node="crank", inertia=0.25)])
+    >>> tip_in = tn.TorqueScenario(duration="2 s", torque={"crank": {"0 s": "20 N*m", "50 ms": "250 N*m"}})
+    >>> record = car.simulate("crank", scenario=tip_in, sampling_rate=40)
+    >>> record["torque on crank"].values[:3].round(6).tolist()
+    [20.0, 135.0, 250.0]
     """
 
     kind: ClassVar[str] = "torques"
@@ -79,13 +86,21 @@ class TorqueScenario(Scenario):
 
     @property
     def words(self) -> str:
-        names = [*(f"torque on {place}" for place in self.torque)]
-        names += [f"{what} of {element}" for element, one in self.elements.items() for what in one]
-        return f"{', '.join(names)} over {self.duration:g} s"
+        torques = [f"torque on {', '.join(self.torque)}"] if self.torque else []
+        scales = [
+            f"{_SCALE_WORDS.get(what, f'{what} of ')}{element}"
+            for element, one in self.elements.items()
+            for what in one
+        ]
+        return f"{' and '.join([*torques, *scales])} over {self.duration:g} s"
 
     @property
     def places(self) -> tuple[str, ...]:
         return tuple(node for place in self.torque for node in torque_place(place).nodes)
+
+    @property
+    def needed(self) -> tuple[str, ...]:
+        return tuple(self.elements)
 
     def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
         for place, one in self.torque.items():
@@ -120,7 +135,7 @@ class TorqueScenario(Scenario):
             scales = scaled_names(element, model.value)
             for what in table:
                 if what not in scales:
-                    rest = f"{name} is scaled by {', '.join(scales)}" if scales else "nothing scales its torque"
+                    rest = f"{name} is scaled by {', '.join(scales)}" if scales else NOTHING_SCALES
                     text = f'the torque of {name} does not follow "{what}"{did_you_mean(what, scales)}; {rest}'
                     faults.append(Fault(text, (name, what), on_key=True))
         return faults

@@ -19,15 +19,16 @@ from torsionnet.model.operating_point import OperatingPoint
 from torsionnet.model.scenario_courses import driving_course, scenario_of
 from torsionnet.model.scenarios.scenario import OPERATING_POINT, REST, STARTS, DrivingCourse, Scenario
 from torsionnet.model.scenarios.time_history import SAMPLE_SLACK, TimeHistory, constant
-from torsionnet.model.torque_places import torque_place
 from torsionnet.response.motion.motion_start import MotionStart
-from torsionnet.response.recording import Recording
+from torsionnet.response.recording import Recording, is_rate
 from torsionnet.solve.dynamic_stiffness.state_space import active_channels
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.solve.modes.modes import natural_modes
+from torsionnet.solve.motion.acting_torques import acting_means, held_load
 from torsionnet.solve.motion.driving_request import MOST_SAMPLES
 from torsionnet.solve.motion.motion_plant import has_laws_of_motion
 from torsionnet.solve.motion.simulation import NOTHING_TO_CHECK, simulate
+from torsionnet.solve.motion.starting import nodes_of
 from torsionnet.solve.running.exact_courses import exact_response
 from torsionnet.solve.running.mean_response import mean_response, reason_undetermined
 from torsionnet.solve.running.simulate import driven_request, motion_signals, response_over_time
@@ -52,11 +53,14 @@ class DrivenPlaces:
         What the scenario does besides.
     start : str or MotionStart
         ``rest``, ``operating_point``, or angles and speeds of nodes.
+    means : frozenset of str
+        Nodes whose mean torques go on acting.
     """
 
     histories: Mapping[str, TimeHistory]
     course: DrivingCourse
     start: str | MotionStart
+    means: frozenset[str] = frozenset()
 
 
 def run_scenario(
@@ -66,6 +70,7 @@ def run_scenario(
     *,
     start: str | MotionStart | None = None,
     sampling_rate: float | None = None,
+    duration: float | None = None,
     check: bool = False,
 ) -> Recording:
     """Recording of torques and motions of a drivetrain under a scenario, in SI units over time.
@@ -81,6 +86,8 @@ def run_scenario(
         ``"rest"``, ``"operating_point"`` or angles and speeds of nodes, in place of what the scenario says.
     sampling_rate : float, optional
         Hz, in place of what the scenario says.
+    duration : float, optional
+        s, in place of what the scenario says.
     check : bool
         Repeat the motion in steps half as long, and note until when both agree.
 
@@ -89,7 +96,11 @@ def run_scenario(
     UsageError
         Unknown names, no sensors, torques that are not in balance at the start, too many samples.
     """
+    if sampling_rate is not None and not is_rate(sampling_rate):
+        raise UsageError(f"the sampling rate must be a positive number of Hz, got {sampling_rate}")
     one = scenario_of(drivetrain, scenario)
+    if duration is not None:
+        one = replace(one, duration=duration)
     driven = driven_places(drivetrain, one, start)
     asked = _outputs(drivetrain) if outputs is None else outputs
     rate = sampling_rate or one.rate or _default_rate(drivetrain, one, driven)
@@ -103,6 +114,7 @@ def run_scenario(
     else:
         record = _linear(drivetrain, driven, asked, rate, count)
         record = record.with_notes(NOTHING_TO_CHECK) if check else record
+    record = record.with_notes(*held_load(drivetrain, driven.means))
     events = sorted((*record.events, *driven.course.events), key=lambda event: event.time)
     return replace(record, events=tuple(events))
 
@@ -115,27 +127,20 @@ def driven_places(
     begins = scenario.begins if start is None else start
     if isinstance(begins, str) and begins not in STARTS:
         raise UsageError(f'a scenario starts from {" or ".join(STARTS)}, or from a MotionStart, got "{begins}"')
-    histories: dict[str, TimeHistory] = {}
+    means: dict[str, float] = {}
     if begins == OPERATING_POINT:
-        replaced = {_nodes(drivetrain, place) for place in course.torques}
-        means = {node: torque for node, torque in drivetrain.mean_torques.items() if torque}
-        histories = {
-            node: constant(torque)
-            for node, torque in means.items()
-            if node in drivetrain.nodes and (node,) not in replaced
-        }
+        in_full = bool(course.scales) or has_laws_of_motion(drivetrain)
+        replaced = [nodes_of(drivetrain, place) for place in course.torques]
+        means = acting_means(drivetrain, replaced, in_full=in_full)
+    histories = {node: constant(torque) for node, torque in means.items()}
     histories |= course.torques
     for place, history in course.added.items():
-        known = next((one for one in histories if _nodes(drivetrain, one) == _nodes(drivetrain, place)), None)
+        known = next((one for one in histories if nodes_of(drivetrain, one) == nodes_of(drivetrain, place)), None)
         histories[known or place] = histories[known] + history if known else history
     unloaded = not any(history.first for history in histories.values())
     if begins == OPERATING_POINT and unloaded and not has_laws_of_motion(drivetrain):
         begins = REST
-    return DrivenPlaces(histories, course, begins)
-
-
-def _nodes(drivetrain: AssembledModel, place: str) -> tuple[str, ...]:
-    return (drivetrain.inputs[place] if place in drivetrain.inputs else torque_place(place)).nodes
+    return DrivenPlaces(histories, course, begins, frozenset(means))
 
 
 def _outputs(drivetrain: AssembledModel) -> list[str]:
@@ -202,7 +207,7 @@ def _mean_readings(drivetrain: AssembledModel, driven: DrivenPlaces, request: Tr
     torque: dict[str, Number] = {}
     for place, history in driven.histories.items():
         if history.first:
-            key = "-".join(_nodes(drivetrain, place))
+            key = "-".join(nodes_of(drivetrain, place))
             torque[key] = Number(history.first + (float(torque[key].value) if key in torque else 0.0))
     point = OperatingPoint(drivetrain.definition.operating_point.speed, torque)
     loaded = drivetrain.with_definition(replace(drivetrain.definition, load=None, operating_point=point, authored=None))

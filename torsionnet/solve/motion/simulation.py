@@ -15,6 +15,7 @@ from torsionnet.model.scenarios.time_history import TimeHistory, constant
 from torsionnet.response.motion.motion_start import MotionStart
 from torsionnet.response.recording import Recording
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
+from torsionnet.solve.motion.acting_torques import acting_means, held_load, scale_notes
 from torsionnet.solve.motion.contact_states import Contact
 from torsionnet.solve.motion.driven_pieces import simulate_pieces
 from torsionnet.solve.motion.driving import Driving
@@ -70,7 +71,9 @@ def simulate(
     split = split_plant(drivetrain, plant, tuple(scales or {}))
     begun = _begun(drivetrain, split, dict(zip(whole, driving.first.tolist(), strict=False)), start)
     motion = _solved(split, request, driving, begun)
-    notes = [f"simulated: {drivetrain.title}, {begun.words}"]
+    notes = [f"simulated: {drivetrain.title}, {begun.words}", *held_load(drivetrain, {*whole} - {*inputs})]
+    if start == OPERATING_POINT:
+        notes += scale_notes(drivetrain, scales or {})
     if split.smooth:
         names = ", ".join(dict.fromkeys(one.owner for one in split.smooth))
         notes.append(f"the torques of {names} by a Runge-Kutta method to {RELATIVE:g} in each step")
@@ -98,9 +101,8 @@ def _linear_notes(drivetrain: AssembledModel, *, laws: bool) -> list[str]:
 
 def _with_mean_torques(drivetrain: AssembledModel, inputs: Mapping[str, Torque]) -> dict[str, Torque]:
     """Inputs with the mean torques of the operating point on all other nodes."""
-    driven = {nodes_of(drivetrain, place) for place in inputs}
-    means = {node: torque for node, torque in drivetrain.mean_torques.items() if torque and node in drivetrain.nodes}
-    return {**inputs, **{node: constant(torque) for node, torque in means.items() if (node,) not in driven}}
+    means = acting_means(drivetrain, (nodes_of(drivetrain, place) for place in inputs))
+    return {**inputs, **{node: constant(torque) for node, torque in means.items()}}
 
 
 @dataclass(frozen=True, eq=False)

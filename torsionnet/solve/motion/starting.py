@@ -16,9 +16,9 @@ from torsionnet.model.element_base.torque_curve import MotionState
 from torsionnet.model.motion_balance.asked_point import asked_point
 from torsionnet.model.motion_balance.balanced_state import BalancedState
 from torsionnet.model.motion_laws.piece_curve import PieceCurve
-from torsionnet.model.speeds import mean_speeds
 from torsionnet.model.torque_places import torque_place
 from torsionnet.solve.dynamic_stiffness.action_states import LawStates
+from torsionnet.solve.motion.acting_torques import acting_means, given_speeds
 from torsionnet.solve.motion.contact_states import Contact
 from torsionnet.solve.motion.motion_plant import LawRow, MotionPlant, PlacedLaw
 from torsionnet.solve.motion.smooth_laws import SplitPlant
@@ -67,8 +67,9 @@ def steady_start(drivetrain: AssembledModel, split: SplitPlant, torques: Mapping
     rows = {one.number: one for one in _all_rows(split)}
     state = _balanced(drivetrain, plant, places, list(rows.values()), forces)
     known = dict(_states(plant, state)) if state is not None else {}
-    speeds = dict(state.speeds) if state is not None else _given_speeds(drivetrain)
+    speeds = dict(state.speeds) if state is not None else given_speeds(drivetrain)
     v = _speeds(plant, speeds, rows, known)
+    known |= _turning(rows, known, v)
     q, accelerations, controllers = _angles(plant, rows, known, forces, v)
     z = np.zeros(at.n_p)
     z[at.q], z[at.v], z[at.controllers], z[at.one] = q, v, controllers, 1.0
@@ -96,7 +97,7 @@ def _balanced(
     if tangents is None:
         return None
     asked = {place: torque for place, torque in places.items() if torque}
-    if _same(drivetrain.mean_torques, asked):
+    if _same(acting_means(drivetrain), asked):
         return tangents.state
     try:
         return _state_under(drivetrain, asked)
@@ -128,11 +129,6 @@ def _state_under(drivetrain: AssembledModel, torques: Mapping[str, float]) -> Ba
     return tangents.state
 
 
-def _given_speeds(drivetrain: AssembledModel) -> dict[str, float]:
-    definition = drivetrain.definition
-    return mean_speeds(definition, drivetrain.exact_values) if definition.operating_point.speed else {}
-
-
 def _states(plant: MotionPlant, state: BalancedState) -> Iterator[tuple[int, tuple[MotionState, float]]]:
     """Number of the placed law, state and torque in N m of each law of motion that a balance knows."""
     counts: dict[str, int] = {}
@@ -159,6 +155,21 @@ def _speeds(
     if not any(wanted):
         return np.zeros(len(assembly.system.M))
     return np.asarray(np.linalg.lstsq(np.array(matrix), np.array(wanted), rcond=None)[0])
+
+
+def _turning(
+    rows: Mapping[int, LawRow], known: Mapping[int, tuple[MotionState, float]], v: FloatArray
+) -> dict[int, tuple[MotionState, float]]:
+    """States and torques in N m of laws over the rate that the balance does not know, at the speeds v.
+
+    Such are those of elements that keep a working point of their own in linear results, as a propeller.
+    """
+    found = {}
+    for number, one in rows.items():
+        rate = float(one.row @ v)
+        if number not in known and one.law.curve.over == "rate" and not one.law.sensed and rate:
+            found[number] = MotionState(rate=rate), float(one.law.torque(0.0, rate))
+    return found
 
 
 def _accelerations(plant: MotionPlant, rows: list[FloatArray], forces: FloatArray) -> FloatArray | None:
