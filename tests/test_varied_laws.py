@@ -213,7 +213,6 @@ LOOSE = [
     tn.DualMassFlywheel("e", nodes=("a", "b"), primary_inertia=1, secondary_inertia=1, stages=[
         {"stiffness": 100, "to": "1 N*m"}, {"stiffness": 300}]),
     tn.DualMassFlywheel("e", nodes=("a", "b"), primary_inertia=1, secondary_inertia=1, stiffness=5, friction=2),
-    tn.InductionMachine("e", node="a", synchronous_speed=150, breakdown_torque=400, breakdown_slip=0.1),
     tn.ConstantPowerLoad("e", node="a", power=600),
     tn.FluidCoupling("e", pump="a", turbine="b", k_factor=[[0, 30], [0.9, 50], [1, 90]]),
 ]  # fmt: skip
