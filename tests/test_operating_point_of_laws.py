@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
+from tests.random_motion_plants import moving_plant
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.model.element_base.laws import MotionLaw, Values
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve
@@ -79,19 +80,18 @@ def dense(plant, torque):
 
 @pytest.mark.parametrize("seed", range(0, 300, 15))
 def test_random_plants_are_in_balance(seed):
-    check_balance(seed)
+    check_balance(*random_plant(seed))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("first", range(0, 300, 30))
 def test_more_random_plants_are_in_balance(first):
     for seed in range(first, first + 30):
-        check_balance(seed)
+        check_balance(*random_plant(seed))
 
 
-def check_balance(seed):
+def check_balance(plant, torque):
     """Twists fit node angles at which the torques of all laws, within steps any torque of these, leave nothing over."""
-    plant, torque = random_plant(seed)
     (point,) = plant.operating_points(torque=torque)
     nodes, laws, linear, acting = dense(plant, torque)
     rows = np.array([row for _, row, _ in laws]).reshape(len(laws), len(nodes))
@@ -313,3 +313,26 @@ def test_variants_have_their_own_operating_points():
     for torque, values in zip((20.0, 90.0), found.values, strict=True):
         alone = plant.configured(T=torque).frequency_response("b", "a", FREQUENCIES).values
         np.testing.assert_array_equal(values, alone)
+
+
+def test_what_hangs_free_in_a_gap_stays_in_it():
+    """The stand turns by five gaps, and what the gap carries has no torque: it goes along and stays within the gap."""
+    elements = [
+        tn.Spring("foot", nodes=("a", "ground"), stiffness=100),
+        tn.Inertia("J_a", node="a", inertia=1),
+        tn.Clearance("gap", nodes=("a", "b"), gap=0.1, stiffness=1e4),
+        tn.Inertia("J_b", node="b", inertia=1),
+        tn.Spring("shaft", nodes=("b", "c"), stiffness=300),
+        tn.Inertia("J_c", node="c", inertia=1),
+    ]
+    (point,) = tn.Drivetrain("hanging", elements).operating_points(torque={"a": 50})
+    assert point.torques["gap"] == (0.0,)
+    assert abs(point.states["gap"][0].twist) <= 0.05
+
+
+@pytest.mark.parametrize("seed", [10, 15, 61, 72])
+def test_trees_with_free_parts_are_in_balance(seed):
+    plant = moving_plant(seed, 20)
+    elements = [one for one in plant.drivetrain.elements.values() if not isinstance(one, tn.Friction)]
+    torque = {node: ends[0] for node, ends in plant.torques.items()}
+    check_balance(tn.Drivetrain("free parts", elements), torque)

@@ -67,21 +67,3 @@ def solution(matrix: Any, right: FloatArray) -> FloatArray:
         return np.asarray(splu(matrix.tocsc()).solve(right))
     except RuntimeError:
         return np.full(len(right), np.nan)
-
-
-def least_solution(matrix: Any, right: FloatArray) -> FloatArray:
-    """Solution of a system of equations, of a dense one the shortest where level pieces leave it open."""
-    if not isinstance(matrix, np.ndarray):
-        from scipy.sparse.linalg import splu
-
-        try:
-            return np.asarray(splu(matrix).solve(right))
-        except RuntimeError:  # singular
-            return np.full(len(right), np.nan)
-    try:
-        found = np.linalg.solve(matrix, right)
-    except np.linalg.LinAlgError:
-        found = np.full(len(right), np.nan)
-    if np.abs(matrix @ found - right).max(initial=0.0) <= SMALL_RESIDUAL * np.abs(right).max(initial=0.0):
-        return np.asarray(found)
-    return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-14)[0])
