@@ -89,7 +89,7 @@ class Element(Declared):
     working_point: ClassVar[tuple[str, ...]] = ()
     """Names of entries that name the working point of the element's laws of motion, about which it is then linear."""
     when_stuck: ClassVar[str] = ""
-    """What to give where its friction should not make the element rigid in linear results; empty: it never does."""
+    """Advice on what to give where friction should not make the element rigid in linear results; empty: none needed."""
 
     name: str
     description: str = entry(Text("free text for tables and reports"), "", kw_only=True)
