@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from torsionnet.assembly.functionals import Functional
-from torsionnet.assembly.rows import FloatArray
+from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.model.channels import Input
 from torsionnet.solve.motion.contact_form import ContactForm
 from torsionnet.solve.motion.contact_states import Contact, ContactStates
@@ -47,7 +47,7 @@ class SmoothContact:
     guards: FloatArray
     reads: FloatArray
     powers: Powers
-    poles: FloatArray
+    poles: ComplexArray
     needs_slopes: bool
 
     @property
@@ -75,7 +75,7 @@ def smooth_contact(
     own = np.vstack([reads, powers.firsts, powers.seconds, guards]) @ form.over_s[:, list(places)]
     direct = np.abs(reads[:, at.slope][:, list(places)]).max(initial=0.0)
     needs = bool(max(np.abs(own).max(initial=0.0), direct) > 0)
-    return SmoothContact(contact, form, guards, reads, powers, np.linalg.eigvals(form.A), needs)
+    return SmoothContact(contact, form, guards, reads, powers, np.linalg.eigvals(form.A).astype(complex), needs)
 
 
 def _readings(
