@@ -76,7 +76,7 @@ def value_lines(element: Element, values: Mapping[str, Any]) -> list[str]:
     first += [raw for field, (_, raw) in given.items() if field in STATES]
     stages = [raw for spec, raw in given.values() if isinstance(spec, SpringStages)]
     first += [
-        f"{symbol(f'k_{number}')} = {quantity(float(stage.stiffness), 'stiffness')}"
+        f"{symbol(f'k_{number}')} = {quantity(float(stage.stiffness.evaluate(values)), 'stiffness')}"
         for some in stages
         for number, stage in enumerate(some, 1)
     ]
