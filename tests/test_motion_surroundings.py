@@ -296,3 +296,13 @@ def test_lists_and_histories_act_together_as_on_a_linear_plant():
         for name in wanted:
             values = linear[name].values
             assert record[name].values == pytest.approx(values, abs=1e-8 * np.abs(values).max())
+
+
+def test_spring_that_starts_beyond_what_its_friction_holds_lets_go_at_once():
+    """The slider slips and sticks again at the first moment; what the spring held beyond its friction is heat."""
+    rub = tn.Friction("rub", nodes=("a", "ground"), torque=20, stick=30, stiffness=800)
+    rig = tn.Drivetrain("wound", [tn.Inertia("rotor", node="a", inertia=2.0), rub])
+    record = rig.simulate("angle(a)", {"a": np.zeros(21)}, 200, start=MotionStart(angles={"a": 0.1}))
+    assert [event.what for event in record.events[:2]] == ["slips", "sticks"]
+    assert record.energy.stored + record.energy.dissipated["rub"] == pytest.approx(0, abs=1e-11)
+    assert record.energy.dissipated["rub"] == pytest.approx((80**2 - 20**2) / 1600, rel=0.02)

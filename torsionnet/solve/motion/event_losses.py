@@ -33,6 +33,11 @@ def losing_law(laws: Sequence[LawPhases], before: Sequence[int], after: Sequence
     return ""
 
 
+def holding_law(laws: Sequence[LawPhases], contact: Sequence[int]) -> str:
+    """Element whose law holds a row in a contact state, and may have let it go and caught it again at one time."""
+    return next((law.owner for law, one in zip(laws, contact, strict=True) if law.phases[one].kind == "hold"), "")
+
+
 class EventLosses:
     """Energies in J lost at the events between stretches of motion that follow each other."""
 
@@ -47,8 +52,8 @@ class EventLosses:
             return
         if self._last is not None:
             yield from self._lost(self._last, stretches.chosen(np.array([0])))
-        numbers = stretches.numbers[:, 0]
-        changes = np.flatnonzero(numbers[1:] != numbers[:-1])
+        numbers, begun = stretches.numbers[:, 0], stretches.times[:, 0]
+        changes = np.flatnonzero((numbers[1:] != numbers[:-1]) | (begun[1:] > 0))  # events, also back to the same state
         yield from self._lost(stretches.chosen(changes), stretches.chosen(changes + 1))
         self._last = stretches.chosen(np.array([len(numbers) - 1]))
 
@@ -62,7 +67,10 @@ class EventLosses:
 
     def _owner(self, before: Contact, after: Contact) -> str:
         if (before, after) not in self._owners:
-            self._owners[before, after] = losing_law(self.states.laws, before, after)
+            laws = self.states.laws
+            self._owners[before, after] = (
+                holding_law(laws, after) if before == after else losing_law(laws, before, after)
+            )
         return self._owners[before, after]
 
     def _energies(self, stretches: Stretches, *, at_end: bool = False) -> FloatArray:
