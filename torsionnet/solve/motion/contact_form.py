@@ -246,9 +246,13 @@ def _over_z(plant: MotionPlant, parts: _Parts) -> ContactForm:
 
 
 def _velocities(plant: MotionPlant, parts: _Parts, plain: FloatArray) -> FloatArray:
-    """Rows (n_a, n_q) of the rates of the heavy motions from q', which keep the momentum where a twist is caught."""
+    """Rows (n_a, n_q) of the rates of the heavy motions from q', which keep the momentum where rows are caught.
+
+    What has no inertia has none: its rate, which jumps as friction beside it begins to stick, moves no inertia.
+    """
     held, M = parts.held, plant.assembly.system.M
-    if any(not parts.laws[number].over_rate for number in parts.holds) and parts.heavy.shape[1]:
+    turning = any(parts.laws[number].over_rate and parts.phases[number].lower for number in parts.holds)
+    if parts.holds and parts.heavy.shape[1] and not turning:
         moved = held.Z @ parts.heavy
         return np.asarray(np.linalg.solve(moved.T @ M @ moved, moved.T @ M))
     found = np.zeros((len(plain), len(held.Z)))
