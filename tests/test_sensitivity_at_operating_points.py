@@ -94,6 +94,7 @@ def geared(torque, ratio, k, cubic, shaft):
     return tn.Drivetrain("geared", elements, parameters=parameters, operating_point=point)
 
 
+@pytest.mark.slow
 def test_responses_and_derivatives_have_the_operating_point_of_their_values():
     """At values beside those of the drivetrain too: a fit moves torques, ratios and stiffnesses."""
 

@@ -21,6 +21,7 @@ from torsionnet.identification.parameter_quantity import ParameterQuantity, para
 from torsionnet.identification.profile import profile_interval
 from torsionnet.identification.stepwise_search import large_misfit_warnings
 from torsionnet.identification.verdict_words import verdicts
+from torsionnet.model.motion_balance.law_network import following_elements
 
 SINGULAR_RATIO = 1e-9
 """Singular value of the scaled derivatives, over the largest, below which the data do not determine a combination of
@@ -170,7 +171,7 @@ def _notes(problem: FitProblem, loss: str, factor: float, *, scaled: bool) -> tu
     robust = "" if loss == "linear" else f", robust loss {loss}"
     first = f"from {', '.join(labels)}{robust}; reduced chi squared {factor:.3g}{by}"
     remarks = (*filter(None, (block.remark for block in problem.blocks)), *unnamed_configurations(problem))
-    has_laws = any(block.response.drivetrain.definition.tangents is not None for block in problem.blocks)
+    has_laws = any(following_elements(block.response.drivetrain.definition) for block in problem.blocks)
     return (first, *remarks, *([ABOUT_FITTED] if has_laws else []))
 
 

@@ -128,3 +128,8 @@ def keeps_own_point(element: Element, definition: Definition) -> bool:
     if not element.has_own_working_point:
         return False
     return not definition.is_asked or ("torque" not in element.working_point and not definition.operating_point.speed)
+
+
+def following_elements(definition: Definition) -> tuple[Element, ...]:
+    """Elements whose laws of motion are linear about the operating point of the model, none of which keeps its own."""
+    return tuple(one for one in definition.switched_on if one.has_motion_laws and not keeps_own_point(one, definition))

@@ -9,7 +9,7 @@ from torsionnet.core.units import RPM
 from torsionnet.model.definition import Definition
 from torsionnet.model.element_base.torque_curve import MotionState
 from torsionnet.model.elements import MotionLaw, Values
-from torsionnet.model.motion_balance.law_network import keeps_own_point
+from torsionnet.model.motion_balance.law_network import following_elements
 from torsionnet.model.parameters import resolve
 
 MOST_NAMED = 6
@@ -21,7 +21,7 @@ def law_notes(definition: Definition) -> tuple[str, ...]:
     tangents = definition.tangents
     if tangents is None:
         return ()
-    following = [one for one in definition.switched_on if one.has_motion_laws and not keeps_own_point(one, definition)]
+    following = following_elements(definition)
     if not following:
         return ()
     names = [one.name for one in following]

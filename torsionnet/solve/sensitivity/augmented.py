@@ -24,6 +24,7 @@ from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
 from torsionnet.model.elements import Action, Row
 from torsionnet.model.elimination import exact, reduce_rows
 from torsionnet.model.kinematics import OwnedPart, constraints_of, imposed_rows
+from torsionnet.model.motion_balance.law_network import following_elements
 from torsionnet.solve.sensitivity.dual import gradient_of, value_of
 from torsionnet.solve.sensitivity.moved_points import parts_at
 from torsionnet.solve.sensitivity.unknowns import Unknowns
@@ -141,10 +142,9 @@ def augmented(unknowns: Unknowns, at: Sequence[float], nodes: Sequence[str], red
     owned = [(part.element, part.part) for part in parts if hasattr(part.part, "inertia")]
     laws: list[Any] = [law for _, law in owned]
     conditions, owners = _conditions(unknowns, parts, nodes)
-    if unknowns.definition.tangents is not None:  # at other values other steps of curves may stand still
-        redundant = reduce_rows(
-            map(_exact, conditions), place, {name for name in owners if name not in place}
-        ).redundant
+    if unknowns.definition.tangents is not None and following_elements(unknowns.definition):
+        driven = {name for name in owners if name not in place}  # at other values other steps of curves may stand still
+        redundant = reduce_rows(map(_exact, conditions), place, driven).redundant
     kept = [index for index in range(len(conditions)) if index not in set(redundant)]
     _refuse_redundant([owners[i] for i in redundant], [conditions[i] for i in redundant], count)
     return Augmented(

@@ -22,6 +22,7 @@ from torsionnet.model.element_base.element import TangentParts
 from torsionnet.model.elements import Element, Law, MotionLaw, Values
 from torsionnet.model.kinematics import OwnedPart, owned_parts
 from torsionnet.model.motion_balance.balanced_state import BalancedState
+from torsionnet.model.motion_balance.law_network import following_elements
 from torsionnet.model.motion_laws.piece_curve import PieceCurve
 from torsionnet.solve.sensitivity.dual import DUALS, Dual, value_of
 from torsionnet.solve.sensitivity.unknowns import Unknowns
@@ -47,7 +48,7 @@ def parts_at(unknowns: Unknowns, at: Sequence[float]) -> tuple[OwnedPart, ...]:
     """
     values, definition = Values(unknowns.values(at), DUALS), unknowns.definition
     tangents = definition.tangents
-    if tangents is None:
+    if tangents is None or not following_elements(definition):
         return owned_parts(definition, values)
     here = tangents.with_values(dict(zip(unknowns.parameters, at, strict=True)))
     definition = replace(definition, tangents=here)
