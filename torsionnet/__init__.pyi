@@ -28,6 +28,8 @@ from torsionnet.core.version import __version__ as __version__
 from torsionnet.drivetrain import Drivetrain as Drivetrain
 from torsionnet.entry_classes import OperatingPoint as OperatingPoint
 from torsionnet.entry_classes import Parameter as Parameter
+from torsionnet.entry_classes import ShortCircuitScenario as ShortCircuitScenario
+from torsionnet.entry_classes import TorqueScenario as TorqueScenario
 from torsionnet.identification import Fit as Fit
 from torsionnet.identification import Measurement as Measurement
 from torsionnet.identification import Unknown as Unknown
@@ -135,12 +137,14 @@ __all__ = [
     "RigidCoupling",
     "Sensor",
     "Shaft",
+    "ShortCircuitScenario",
     "SolveError",
     "Spring",
     "SpringDamper",
     "SynchronousMachine",
     "TabulatedSpring",
     "TorqueConverter",
+    "TorqueScenario",
     "TorsionnetError",
     "TorsionnetWarning",
     "TunedDamper",

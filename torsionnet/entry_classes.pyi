@@ -3,7 +3,7 @@ import datetime
 from collections.abc import Mapping
 from torsionnet.core.entries.accepted_types import Entries, NumberByNumber, NumberRows, Scalar, Scalars, WholeNumber
 from torsionnet.model.report import SECTIONS
-from typing import Literal
+from typing import Any, Literal
 from torsionnet.model.bench.parts import Acquisition as _Acquisition
 from torsionnet.signals.excitation.broadband import BurstRandom as _BurstRandom
 from torsionnet.model.bench.bench_motions import CoastDown as _CoastDown
@@ -31,12 +31,14 @@ from torsionnet.model.report.title_block import Revision as _Revision
 from torsionnet.model.bench.bench_motions import RunDown as _RunDown
 from torsionnet.model.bench.bench_motions import RunUp as _RunUp
 from torsionnet.study.space.samples import Samples as _Samples
+from torsionnet.model.scenarios.short_circuit import ShortCircuitScenario as _ShortCircuitScenario
 from torsionnet.model.bench.strain_gauge import ShuntCalibration as _ShuntCalibration
 from torsionnet.model.bench.bench_motions import SteadyPoints as _SteadyPoints
 from torsionnet.signals.excitation.sweeps import SteppedSine as _SteppedSine
 from torsionnet.model.bench.strain_gauge import StrainGauge as _StrainGauge
 from torsionnet.model.report.title_block import TitleBlock as _TitleBlock
 from torsionnet.model.bench.toothed_wheel import ToothedWheel as _ToothedWheel
+from torsionnet.model.scenarios.torques_of_nodes import TorqueScenario as _TorqueScenario
 from torsionnet.model.bench.parts import Transducer as _Transducer
 from torsionnet.study.space.variations.triangle import Triangular as _Triangular
 from torsionnet.study.space.variations.uniform import Uniform as _Uniform
@@ -753,6 +755,57 @@ class Samples(_Samples):
         seed: WholeNumber = 1,
     ) -> None: ...
 
+class ShortCircuitScenario(_ShortCircuitScenario):
+    r"""A short circuit at the terminals of a synchronous machine, or its connection to the grid at a wrong angle.
+
+    With constant flux, without resistance, at rated voltage and without load before, the torque in the air gap per
+    unit of the rated torque is, from the instant of the fault on, t counted from there, omega = 2 pi f:
+
+        three phases:   T = e^(-t/decay) sin(omega t)/x
+        two phases:     T = (e^(-t/decay) sin(omega t) - e^(-t/decay_double) sin(2 omega t)/2)/x
+        synchronising:  T = e^(-t/decay) 2 sin(delta/2) (cos(delta/2) - cos(omega t + delta/2))/x
+
+    with x = x'' + x_external. Without decay the crests are 1/x, 3 sqrt(3)/4/x, and 3 sqrt(3)/2/x at the worst angle,
+    delta = 120 degrees. T acts on the rotor against its rotation, on top of the torque before, and the other way on a
+    stator that gives way; delta is positive where the rotor is ahead of the grid. (J. S. Joyce, T. Kulig,
+    D. Lambrecht, Torsional fatigue of turbine-generator shafts caused by different electrical system faults and
+    switching operations, IEEE Trans. PAS-97, 1978, on such torques and what they do.)
+
+    Parameters
+    ----------
+    duration: time that is simulated
+    rate: samples a second; default: 100 in the shortest period of vibration
+    start: state in which it begins
+    machine: the element of the machine, or its excitation electric_machine
+    phases: how many phases are short, 2 or 3
+    angle: instead, faulty synchronisation: electrical angle of the rotor ahead of the grid [rad]
+    at: time of the fault
+    x: subtransient reactance, per unit
+    x_external: reactance from the machine to the fault or the grid, per unit
+    decay: time constant in which the torque at the line frequency dies away, and the constant one; none: it stays
+        [s]
+    decay_double: the same of the torque at twice the line frequency [s]
+    rated_torque: torque of 1 per unit; default: that of the machine [N*m]
+    frequency: line frequency; default: that of the machine [Hz]
+    """
+    def __init__(
+        self,
+        *,
+        duration: Scalar | None = None,
+        rate: Scalar | None = None,
+        start: Literal['rest', 'operating_point'] | None = None,
+        machine: str,
+        phases: WholeNumber | None = None,
+        angle: Scalar | None = None,
+        at: Scalar = 0,
+        x: Scalar,
+        x_external: Scalar = 0,
+        decay: Scalar | None = None,
+        decay_double: Scalar | None = None,
+        rated_torque: Scalar | None = None,
+        frequency: Scalar | None = None,
+    ) -> None: ...
+
 class ShuntCalibration(_ShuntCalibration):
     r"""A resistor beside an arm of the bridge, which reads like a known value for a while.
 
@@ -944,6 +997,32 @@ class ToothedWheel(_ToothedWheel):
         double_pulses: Scalar = 0.0,
         jitter: Scalar = 0.0,
         tick: Scalar = 0.0,
+    ) -> None: ...
+
+class TorqueScenario(_TorqueScenario):
+    r"""Torques over time on nodes, in place of the mean torques that act there, and what scales torques of elements.
+
+    A torque is a constant, runs straight between rows ``{0 s: 20 N*m, 50 ms: 250 N*m}``, or is
+    mean + amplitude cos(2 pi frequency t + phase). Mean torques of the operating point on other nodes go on acting
+    where the scenario starts there; from rest only its own torques act. ``clutch: {clamp: {0 s: 0 N*m,
+    0.5 s: 300 N*m}}`` gives what scales the torque of an element over time, as the clamp torque of a clutch.
+
+    Parameters
+    ----------
+    duration: time that is simulated
+    rate: samples a second; default: 100 in the shortest period of vibration
+    start: state in which it begins
+    torque: torque over time by node
+    elements: what scales the torques of elements, over time, by element
+    """
+    def __init__(
+        self,
+        *,
+        duration: Scalar,
+        rate: Scalar | None = None,
+        start: Literal['rest', 'operating_point'] | None = None,
+        torque: Mapping[str, Scalar | Mapping[Any, Scalar] | list[list[Scalar]]] | None = None,
+        elements: Mapping[str, Mapping[str, Scalar | Mapping[Any, Scalar] | list[list[Scalar]]]] | None = None,
     ) -> None: ...
 
 class Transducer(_Transducer):

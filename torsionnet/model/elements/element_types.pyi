@@ -7,7 +7,7 @@ from torsionnet.model.catalogues.catalogue import Catalogue, CatalogueRow
 from torsionnet.model.element_base.control_entries import SensedMotion
 from torsionnet.model.element_base.control_law import ControlLaw
 from torsionnet.model.element_base.sheared_shapes import FilmGap, ShearedBush, ShearedDisc
-from torsionnet.model.element_base.spring_stages import SpringStage
+from torsionnet.model.element_base.spring_stage import SpringStage
 from torsionnet.model.element_base.stiffness_table import StiffnessTable
 from torsionnet.model.element_base.viscoelastic import Viscoelastic
 from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet
@@ -1093,7 +1093,8 @@ class GridGenerator(_GridGenerator):
     change of speed, both per unit. Alone on an infinite bus (the grid is ground) it swings at
     f_n = sqrt(K_s omega_0/(2 H))/(2 pi) with the damping ratio K_D/(2 sqrt(2 H K_s omega_0)) (P. Kundur, Power System
     Stability and Control, chapter 12). Instead of K_s: K_s = sqrt((E V/X)^2 - P^2), which is E V cos(delta)/X, of the
-    voltage E behind the reactance X to a bus of voltage V at the power P, all per unit.
+    voltage E behind the reactance X to a bus of voltage V at the power P, all per unit. It stays linear in time;
+    a synchronous machine with its pull-out torque follows the sine of the load angle.
 
     Parameters
     ----------
@@ -1231,9 +1232,10 @@ class InductionMachine(_InductionMachine):
     dashpot c in series with the spring c/tau. With rotor resistance and leakage alone tau = 1/(2 pi f s_k).
 
     T(s) is its law of motion in time, over the absolute speed of the rotor, whose field turns in the positive sense;
-    there it follows the speed without the lag. Where neither slip nor rated values say about which slip it works,
-    linear results take that of the operating point, and without one that of the unloaded machine, s = 0. A torque
-    below T_k stands at two slips, s and s_k^2/s, of which the larger is unstable under a constant torque.
+    with a time constant its torque T_m follows as T_m + tau dT_m/dt = T(s), from zero where a simulation starts at
+    rest, as after switching on, and else from T(s) of the start. Where neither slip nor rated values say about which
+    slip it works, linear results take that of the operating point, and without one that of the unloaded machine, s = 0.
+    A torque below T_k stands at two slips, s and s_k^2/s, of which the larger is unstable under a constant torque.
 
     Parameters
     ----------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import TYPE_CHECKING
 
 from torsionnet.model.elements import (
@@ -100,13 +101,19 @@ def _notes(subject: ReportData) -> Iterator[Cell]:
     yield from _about(subject, HYSTERETIC, HystereticSpring)
     yield from _about(subject, TABULATED, TabulatedSpring)
     for text, lash in ((GEARS, False), (GEARS_WITH_BACKLASH, True)):
-        gears = _named(subject, lambda one, _, lash=lash: isinstance(one, GEARED) and one.has_motion_laws is lash)
+        gears = _named(subject, partial(_is_gear, lash))
         if gears:
             yield text.format(names=gears)
     yield from _about(subject, CLAMPS, Lock)
     yield from _about(subject, COUPLINGS, RigidCoupling)
     if subject.request.is_of_kind("responses"):
         yield from _readings(subject)
+
+
+def _is_gear(with_backlash: bool, element: Element, definition: Definition) -> bool:
+    """Whether an element is a gear with a backlash, or one without."""
+    del definition
+    return isinstance(element, GEARED) and element.has_motion_laws is with_backlash
 
 
 def _about(subject: ReportData, text: str, *kinds: type[Element]) -> Iterator[str]:
