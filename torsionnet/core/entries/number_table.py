@@ -40,15 +40,19 @@ class NumberTable(Spec[Stored_co]):
 
     def rows(self, raw: object) -> Rows:
         """Rows of numbers that an entry gives, one number for each column, exact and in SI units."""
-        raw = raw.tolist() if hasattr(raw, "tolist") else raw
-        if isinstance(raw, str | Mapping) or not isinstance(raw, Sequence) or len(raw) < self.fewest:
-            written = _as_rows(raw) if isinstance(raw, Mapping) else ""
-            raise EntryError(f"expected {self.example}{written}; got {'nothing' if raw is None else repr(raw)}")
-        rows = tuple(self._row(row, index) for index, row in enumerate(raw))
+        rows = tuple(self._row(row, index) for index, row in enumerate(self.listed(raw)))
         for index, (row, following) in enumerate(pairwise(rows), 1):
             if following[0].value <= row[0].value:
                 raise EntryError(f"the {self.columns[0].name} must increase from row to row", (index, 0))
         return rows
+
+    def listed(self, raw: object) -> Sequence[object]:
+        """Rows of an entry as they are written, of which there are as many as the table needs."""
+        raw = raw.tolist() if hasattr(raw, "tolist") else raw
+        if isinstance(raw, str | Mapping) or not isinstance(raw, Sequence) or len(raw) < self.fewest:
+            written = _as_rows(raw) if isinstance(raw, Mapping) else ""
+            raise EntryError(f"expected {self.example}{written}; got {'nothing' if raw is None else repr(raw)}")
+        return raw
 
     def _row(self, row: object, index: int) -> tuple[Number, ...]:
         if isinstance(row, str) or not isinstance(row, Sequence) or len(row) != len(self.columns):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, TypeAlias
@@ -31,10 +31,7 @@ class QuantityRows(NumberTable[ExpressionRows], QuantityGroup[ExpressionRows]):
     fewest: int = 2
 
     def coerce(self, raw: object) -> ExpressionRows:
-        raw = raw.tolist() if hasattr(raw, "tolist") else raw
-        if isinstance(raw, str) or not isinstance(raw, Sequence) or len(raw) < self.fewest:
-            raise EntryError(f"expected {self.example}; got {'nothing' if raw is None else repr(raw)}")
-        rows = tuple(self._row(row, index) for index, row in enumerate(raw))
+        rows = tuple(self._row(row, index) for index, row in enumerate(self.listed(raw)))
         if not has_names(rows):
             faults = row_order_faults(self.columns[0], rows, Values({}))
             if faults:
