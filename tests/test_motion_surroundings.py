@@ -223,8 +223,6 @@ def test_requests_that_no_motion_answers_are_refused():
             rig.simulate("angle(a)", {"a": np.zeros(3)}, 100, start=MotionStart(angles={"a": float("nan")}))
         one = rig.simulate("angle(a)", {"a": constant(1.0)}, 10, duration=0)
         assert one["angle(a)"].values.tolist() == [0.0]
-    with pytest.raises(UsageError, match="leave out duration"):
-        rubbing.simulate(scenario={"type": "torques", "duration": 1}, duration=2.0)
 
 
 def test_generator_on_a_grid_is_noted_as_linear_in_time():
