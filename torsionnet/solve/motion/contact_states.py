@@ -206,16 +206,31 @@ class ContactStates:
     def _at_hold(self, contact: Contact, number: int, hold: Phase, step: int, z: FloatArray) -> Contact:
         law = self.laws[number]
         beyond = _changed(contact, number, law.of_piece(hold.place + step))
+        held = _changed(contact, number, law.of_piece(hold.place))
         scale = self._scale(number, z)
+        if scale <= 0 and hold.high > hold.low and law.over_rate:  # a clamp that closes holds from zero on
+            z, scale = self._changes(held, number, z)
         low, high = scale * hold.low, scale * hold.high
         if high <= low or not (law.over_rate or self._returns(beyond, number, hold.lower, step, z)):
             return beyond
-        held = _changed(contact, number, law.of_piece(hold.place))
         torque = self.values(z, held)[2][number]
         rounding = HOLD_TOLERANCE * max(abs(low), abs(high))
         if torque > high + rounding or torque < low - rounding:
             return _changed(contact, number, law.of_piece(hold.place + (1 if torque > high else -1)))
         return held
+
+    def _changes(self, held: Contact, number: int, z: FloatArray) -> tuple[FloatArray, float]:
+        """Rate of change of the state z in steps where a row is held, and of its scale, by which both soon differ.
+
+        The scale is zero where the row already needs a torque to be held.
+        """
+        form, units = self.form(held), in_steps(self.at, self.h)
+        whole = form.refresh @ (z * units)
+        needed, terms = form.torques[number] @ whole, np.abs(form.torques[number]) @ np.abs(whole)
+        if abs(needed) > TOLERANCE * terms:
+            return z, 0.0
+        changed = form.A @ whole / units
+        return changed, self._scale(number, changed)
 
     def _returns(self, beyond: Contact, number: int, twist: float, step: int, z: FloatArray) -> bool:
         """Whether a row that has passed a step over the twist is back at once, or never gets beyond without inertia."""

@@ -26,7 +26,7 @@ from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.solve.modes.modes import natural_modes
 from torsionnet.solve.motion.acting_torques import acting_means, held_load
 from torsionnet.solve.motion.driving_request import MOST_SAMPLES
-from torsionnet.solve.motion.motion_plant import has_laws_of_motion
+from torsionnet.solve.motion.motion_plant import has_laws_of_motion, motion_plant
 from torsionnet.solve.motion.simulation import NOTHING_TO_CHECK, simulate
 from torsionnet.solve.motion.starting import nodes_of
 from torsionnet.solve.running.exact_courses import exact_response
@@ -144,7 +144,12 @@ def driven_places(
 
 
 def _outputs(drivetrain: AssembledModel) -> list[str]:
-    names = list(active_channels(drivetrain).sensors)
+    """Names of the sensors that read a motion, also those of motions that linear results hold, as a slip."""
+    states = [drivetrain]
+    if has_laws_of_motion(drivetrain):
+        states.append(motion_plant(drivetrain).drivetrain)
+    reading = {name for state in states for name in active_channels(state).sensors}
+    names = [name for name in drivetrain.sensors if name in reading]
     if not names:
         raise UsageError("the model has no sensors; name outputs, as torque(shaft) or velocity(node)")
     return names

@@ -71,6 +71,15 @@ class SmoothLaw:
         rest = sum(float(one) * float(bend) for one, bend in zip(others, bends, strict=False))
         return scale * (own + rest)
 
+    def on_piece(self, place: int) -> SmoothLaw:
+        """Law with the straight line of one piece of its curve throughout, so that no stage of a step meets a jump."""
+        curve = self.law.curve
+        assert isinstance(curve, PieceCurve)
+        piece = curve.pieces[place]
+        assert isinstance(piece, Slope)
+        line = replace(piece, lower=None, upper=None)
+        return replace(self, law=replace(self.law, curve=PieceCurve(curve.over, (line,))))
+
     def left(self, twist: float, rates: FloatArray) -> str:
         """Message that the motion lies beyond an end of the curve; else empty."""
         return self.law.curve.left(twist, *rates.tolist())

@@ -16,6 +16,7 @@ from torsionnet.model.channels import Input
 from torsionnet.solve.motion.contact_states import Contact, ContactStates
 from torsionnet.solve.motion.driving import Driving, Stretch
 from torsionnet.solve.motion.motion_plant import PlacedLaw
+from torsionnet.solve.motion.phases import Phase
 from torsionnet.solve.motion.smooth.smooth_contact import SmoothContact, smooth_contact
 from torsionnet.solve.motion.smooth_laws import SmoothLaw, SplitPlant
 from torsionnet.solve.motion.state_layout import Drive, Layout
@@ -46,6 +47,7 @@ class SmoothPlant:
         self.places = list(range(n_in, self.first_scale))
         self.lagging = [number for number, one in enumerate(split.smooth) if one.lag > 0]
         self._known: dict[Contact, SmoothContact] = {}
+        self._forces: dict[Contact, tuple[SmoothLaw, ...]] = {}
 
     def contact(self, contact: Contact) -> SmoothContact:
         """Contact state with its equations and rows, made when first asked for."""
@@ -118,7 +120,7 @@ class SmoothPlant:
         A, n = form.A, len(form.A)
         active = [
             (place, one, rows @ form.over_y, rows @ form.over_u, rows @ form.over_s)
-            for place, one, rows in zip(self.places, self.split.smooth, form.motions, strict=True)
+            for place, one, rows in zip(self.places, self._in_force(now.contact), form.motions, strict=True)
             if self._active(one, now.contact)
         ]
         at_once = [row for row in active if not row[1].lag]
@@ -173,8 +175,23 @@ class SmoothPlant:
         ]
         return max(sizes)[1] if sizes else "the drivetrain"
 
+    def _in_force(self, contact: Contact) -> tuple[SmoothLaw, ...]:
+        """Smooth laws of a contact state, those with steps on the piece of their curve that is in force there."""
+        if contact not in self._forces:
+            if len(self._forces) >= MOST_CONTACTS:
+                self._forces.clear()
+            places = [None if one.held < 0 else self._phase(one, contact).place for one in self.split.smooth]
+            self._forces[contact] = tuple(
+                one.on_piece(place) if place is not None and self._active(one, contact) else one
+                for one, place in zip(self.split.smooth, places, strict=True)
+            )
+        return self._forces[contact]
+
+    def _phase(self, one: SmoothLaw, contact: Contact) -> Phase:
+        return self.states.laws[one.held].phases[contact[one.held]]
+
     def _active(self, one: SmoothLaw, contact: Contact) -> bool:
-        return one.held < 0 or self.states.laws[one.held].phases[contact[one.held]].kind == "slope"
+        return one.held < 0 or self._phase(one, contact).kind == "slope"
 
     def _scale(self, one: SmoothLaw, u: FloatArray) -> float:
         return 1.0 if one.scale < 0 else float(u[self.first_scale + one.scale])
@@ -191,7 +208,7 @@ class SmoothPlant:
         for number, torque in zip(self.lagging, self.lags_in(y).tolist(), strict=True):
             u[self.places[number]] = torque
         motions = []
-        for place, one, rows in zip(self.places, self.split.smooth, form.motions, strict=True):
+        for place, one, rows in zip(self.places, self._in_force(now.contact), form.motions, strict=True):
             motion = rows @ (form.over_y @ own + form.over_u @ u + form.over_s @ slopes)
             motions.append(motion)
             if not one.lag and self._active(one, now.contact):
@@ -204,7 +221,7 @@ class SmoothPlant:
     ) -> None:  # fmt: skip
         """Write the rates of change of the torques of the smooth laws, at accelerations (n_q,), into slopes (n_u,)."""
         late = iter(zip(self._targets(motions, u), self.lags_in(y), strict=True))
-        for place, one, motion in zip(self.places, self.split.smooth, motions, strict=True):
+        for place, one, motion in zip(self.places, self._in_force(now.contact), motions, strict=True):
             if one.lag:
                 target, torque = next(late)
                 slopes[place] = (target - torque) / one.lag
