@@ -183,3 +183,21 @@ def test_the_advised_step_is_a_fiftieth_of_a_period(stiffness, expected):
     """1, 10, 100 Hz and 100 kHz, the last of which counts as 1 kHz; without any mode as 1 Hz."""
     parts = [tn.Inertia("i", node="a", inertia=1), tn.Spring("s", nodes=("a", "ground"), stiffness=stiffness)]
     assert suggested_step(tn.Drivetrain("x", parts[: 1 + bool(stiffness)])) == expected
+
+
+def test_a_machine_on_its_curve_needs_an_operating_point():
+    """Without load it is linear about no slip; an FMU does not take that for the point that is meant."""
+
+    def machine(**more):
+        own = {"synchronous_speed": "1500 rpm", "breakdown_torque": 1600, "breakdown_slip": 0.1}
+        elements = [
+            tn.InductionMachine("m", node="a", **own, **more),
+            tn.Inertia("J", node="a", inertia=1),
+            tn.Damper("c", nodes=("a", "ground"), damping=1),
+        ]
+        return tn.Drivetrain("rig", elements, inputs={"T": {"torque": "a"}}, sensors={"w": {"velocity": "a"}})
+
+    with pytest.raises(UsageError, match=r"m \(induction_machine\) follow laws of motion"):
+        trace_system(machine())
+    for meant in (machine(slip=0.02), machine().at(torque={"a": -50})):
+        assert trace_system(meant)
