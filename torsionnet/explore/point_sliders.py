@@ -75,6 +75,8 @@ def _rows(definition: Definition) -> Iterator[PointRow]:
 
 def all_point_rows(rig: Drivetrain) -> list[PointRow]:
     """Rows for the operating points of a model in any of its configurations, each once."""
+    if not any(one.has_motion_laws for one in rig.definition.elements.values()):
+        return []
     points = [overlay.operating_point for axis in rig.definition.configurations.values() for overlay in axis.values()]
     found = {row.name: row for row in _rows(rig.definition)}
     for point in points if rig.definition.load is None else ():

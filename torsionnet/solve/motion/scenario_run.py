@@ -178,10 +178,10 @@ def _linear(
     offsets: FloatArray | None = np.zeros(len(request.outputs))
     if driven.start == OPERATING_POINT:
         offsets = _mean_readings(drivetrain, driven, request)
-        text = "from the mean torques at the start; angles and speeds count from the mean motion"
+        text = ", from the mean torques at the start; angles and speeds count from the mean motion"
         if offsets is None:
-            text = "the torques at the start are not in balance: it begins in steady acceleration, without vibration"
-        notes = [f"simulated: {drivetrain.title}, {text}"]
+            text = ", the torques at the start are not in balance: it begins in steady acceleration, without vibration"
+        notes = [f"simulated: {drivetrain.title}{text}"]
     if offsets is not None and driven.start == OPERATING_POINT:
         histories = [one + constant(-one.first) for one in histories]
     if _is_sampled(drivetrain):
