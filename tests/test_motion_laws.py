@@ -307,8 +307,6 @@ def test_tangents_about_states_are_in_the_order_of_the_laws():
     assert found.stages == spring.stages
     assert found.whole_parts(Values({})) == spring.whole_parts(Values({}))
     assert spring.at_states([MotionState(0.1, piece=4)]).parts(Values({})) == (Constraint({"a": 1, "b": -1}),)
-    assert (spring.is_linearised(Values({})), found.is_linearised(Values({}))) == (False, True)
-    assert tn.Spring("s", **ENDS, stiffness=1).is_linearised(Values({}))
 
 
 def test_damping_is_parallel_and_linear():

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.model.elements import Element, MotionLaw, Values
+from torsionnet.model.elements import MotionLaw, Values
+from torsionnet.model.motion_balance.law_network import following_elements
 
 MOST_NAMES = 5
 """Most elements that the message names; the rest are counted."""
@@ -18,13 +19,14 @@ def refuse_laws_of_motion(drivetrain: Drivetrain, target: str) -> None:
     UsageError
         Naming the elements, and what gives them an operating point.
     """
+    definition = drivetrain.definition
+    if definition.tangents is not None and definition.tangents.is_loaded:
+        return
     value = Values(drivetrain.exact_values)
-    tangents = drivetrain.definition.tangents
-    is_loaded = tangents is not None and tangents.is_loaded
     found = [
         f"{one.name} ({one.kind})"
-        for one in drivetrain.elements.values()
-        if not one.is_linearised(value) or not (is_loaded or _has_point_of_its_own(one, value))
+        for one in following_elements(definition)
+        if any(isinstance(part, MotionLaw) for part in one.whole_parts(value))
     ]
     if not found:
         return
@@ -34,10 +36,3 @@ def refuse_laws_of_motion(drivetrain: Drivetrain, target: str) -> None:
         "linear; write the model at an operating point, which has their tangents: model.at(torque={...}), or load: or "
         "operating_point: in its file"
     )
-
-
-def _has_point_of_its_own(element: Element, value: Values) -> bool:
-    """Whether an element is linear without an operating point of the drivetrain: by its entries, or as it is."""
-    if not element.has_motion_laws or element.has_own_working_point:
-        return True
-    return not any(isinstance(part, MotionLaw) for part in element.whole_parts(value))

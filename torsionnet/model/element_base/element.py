@@ -191,17 +191,6 @@ class Element(Declared):
         """Whether :meth:`whole_parts` has laws of motion, of which :meth:`parts` has the tangents."""
         return type(self).whole_parts is not Element.whole_parts
 
-    def is_linearised(self, value: Values) -> bool:
-        """Whether :meth:`parts` hold about a working point: given states, entries that name one, or no laws of motion.
-
-        Else they are the tangents of a drivetrain that rests without load.
-        """
-        if not self.has_motion_laws or self.has_own_working_point:
-            return True
-        if isinstance(self.__dict__.get("parts"), TangentParts):
-            return True
-        return not any(isinstance(part, MotionLaw) for part in self.whole_parts(value))
-
     @property
     def has_own_working_point(self) -> bool:
         """Whether entries of the element name the working point about which :meth:`parts` is linear."""

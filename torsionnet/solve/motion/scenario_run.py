@@ -28,7 +28,7 @@ from torsionnet.solve.motion.acting_torques import acting_means, held_load
 from torsionnet.solve.motion.driving_request import MOST_SAMPLES
 from torsionnet.solve.motion.motion_plant import has_laws_of_motion, motion_plant
 from torsionnet.solve.motion.simulation import NOTHING_TO_CHECK, simulate
-from torsionnet.solve.motion.starting import nodes_of
+from torsionnet.solve.motion.steady_start import nodes_of
 from torsionnet.solve.running.exact_courses import exact_response
 from torsionnet.solve.running.mean_response import mean_response, reason_undetermined
 from torsionnet.solve.running.simulate import driven_request, motion_signals, response_over_time

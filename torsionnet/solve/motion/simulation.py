@@ -26,8 +26,8 @@ from torsionnet.solve.motion.motion_plant import has_laws_of_motion, motion_plan
 from torsionnet.solve.motion.smooth.smooth_system import BEYOND, RELATIVE, simulate_smooth
 from torsionnet.solve.motion.smooth_laws import Scale, SplitPlant, split_plant
 from torsionnet.solve.motion.start_state import start_state
-from torsionnet.solve.motion.starting import nodes_of, steady_start
 from torsionnet.solve.motion.state_layout import Layout
+from torsionnet.solve.motion.steady_start import nodes_of, steady_start
 from torsionnet.solve.running.simulate import driven_request, motion_signals
 from torsionnet.solve.running.simulate import simulate as simulate_linear
 
