@@ -43,7 +43,7 @@ def command(*arguments):
     return f"from torsionnet.cli import main\nsys.argv = {['torsionnet', *arguments]}\nsys.exit(main())"
 
 
-@pytest.mark.few(1)
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("body", "unwanted"),
     [
@@ -51,6 +51,7 @@ def command(*arguments):
         pytest.param(command("--help"), HEAVY, id="torsionnet --help"),
         pytest.param(command("new", "--help"), ALL_BUT_THE_READER, id="torsionnet new --help"),
         pytest.param(command("check", "dmf_rig"), ALL_BUT_THE_READER, id="torsionnet check dmf_rig"),
+        pytest.param(command("check", "examples/files/car.yaml"), ALL_BUT_THE_READER, id="torsionnet check car.yaml"),
     ],
 )
 def test_loads_no_heavy_package(body, unwanted, pytestconfig):

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from cmath import exp
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
-from math import ceil
+from math import ceil, pi
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:
+    import numpy as np  # reading and checking a model file does without
+    from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+    FloatArray = NDArray[np.float64]
 SAMPLE_SLACK = 1e-6
 """Share of a sampling interval by which a piece may begin after a sample and still hold at it, since times of samples
 are quotients and rounded."""
@@ -44,6 +47,8 @@ class HistoryPiece:
 
     def at(self, times: FloatArray) -> FloatArray:
         """Values (n,) of the piece at times in s, also where another piece holds."""
+        import numpy as np
+
         passed = times - self.start
         total = self.value + self.slope * passed
         for wave in self.waves:
@@ -53,7 +58,7 @@ class HistoryPiece:
     def begun(self, start: float) -> HistoryPiece:
         """Piece with the same values, counted from another time in s."""
         passed = start - self.start
-        waves = tuple(Wave(one.amplitude * np.exp(one.exponent * passed), one.exponent) for one in self.waves)
+        waves = tuple(Wave(one.amplitude * exp(one.exponent * passed), one.exponent) for one in self.waves)
         return HistoryPiece(start, self.value + self.slope * passed, self.slope, waves)
 
 
@@ -75,7 +80,8 @@ class TimeHistory:
     @property
     def first(self) -> float:
         """Value of the history at 0 s."""
-        return float(self.pieces[0].at(np.zeros(1))[0])
+        begun = self.pieces[0].begun(0.0)
+        return begun.value + sum(wave.amplitude.real for wave in begun.waves)
 
     @property
     def breaks(self) -> tuple[float, ...]:
@@ -84,6 +90,8 @@ class TimeHistory:
 
     def samples(self, rate: float, count: int) -> FloatArray:
         """Values (count,) of the history at ``rate`` Hz from 0 s; where it jumps, those after the jump."""
+        import numpy as np
+
         values = np.zeros(count)
         for number, piece in enumerate(self.pieces):
             begin = 0 if number == 0 else first_sample(piece.start, rate)
@@ -124,7 +132,7 @@ class TimeHistory:
     def fastest(self) -> float:
         """Highest frequency in Hz of the waves of the history, 0 without waves."""
         sizes = (abs(wave.exponent.imag) for piece in self.pieces for wave in piece.waves)
-        return max(sizes, default=0.0) / (2 * np.pi)
+        return max(sizes, default=0.0) / (2 * pi)
 
 
 def first_sample(start: float, rate: float) -> int:
