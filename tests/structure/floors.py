@@ -14,7 +14,10 @@ class Layer(NamedTuple):
 
 LAYERS = (  # top to bottom
     Layer(("demo", "cli", "__main__"), "the terminal; nothing else prints"),
-    Layer(("explore",), "the page for a browser, its server, and what they ask of one model"),
+    Layer(
+        ("explore", "language_server"),
+        "the page for a browser, its server, and what they ask of one model; the server of editors",
+    ),
     Layer(("report",), "the document on a model: what it says, and how HTML, LaTeX, Markdown and PDF write it"),
     Layer(("plot",), "pictures; nothing else imports matplotlib"),
     Layer(("campaign",), "rotating tests with many records: orders, repeatability and fits from one file"),
@@ -28,6 +31,7 @@ LAYERS = (  # top to bottom
         "drivetrains out of model files; `Drivetrain`, a model that can be asked for its responses, modes and equations; "
         "what is asked of running machinery",
     ),
+    Layer(("text",), "services on texts of model files while they are written; no numbers of results"),
     Layer(("symbolic",), "transfer functions and equations in symbols"),
     Layer(("solve",), "frequency responses, modes, motion over time, and their derivatives"),
     Layer(("assembly",), "coordinates, rows and their coefficients: `AssembledModel`"),
