@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from torsionnet.core.errors import Fault
     from torsionnet.drivetrain import Drivetrain
-    from torsionnet.model.definition import Definition
 
 STANDARD_INPUT = "-"
 STANDARD_INPUT_NAME = "<stdin>"
@@ -29,30 +27,11 @@ def checked_model(model: str) -> list[Fault]:
     """Errors, warnings and notes on a model, also on unstable modes in any of its configurations."""
     from torsionnet.model.files import read_file
     from torsionnet.model.files.reader import read_text
+    from torsionnet.text.unstable_configurations import unstable_configurations
 
     if model == STANDARD_INPUT:
-        return read_text(standard_input_text(), STANDARD_INPUT_NAME, further=_growing)[1]
-    return read_file(model, _growing)[1]
-
-
-def _growing(definition: Definition) -> list[Fault]:
-    """Warnings about modes of a model that grow, in all its configurations.
-
-    None if no element can feed energy into a vibration.
-    """
-    from torsionnet.model.checks import variants
-
-    found: list[Fault] = []
-    for name, variant in (("", definition), *variants(definition)):
-        if not any(element.may_feed for element in variant.active):
-            continue
-        from torsionnet.drivetrain import Drivetrain
-        from torsionnet.solve.modes.stability import unstable_modes
-
-        known = {(fault.message, fault.path) for fault in found}
-        faults = unstable_modes(Drivetrain.from_definition(variant))
-        found += [replace(one, configuration=name) for one in faults if (one.message, one.path) not in known]
-    return found
+        return read_text(standard_input_text(), STANDARD_INPUT_NAME, further=unstable_configurations)[1]
+    return read_file(model, unstable_configurations)[1]
 
 
 def standard_input_text() -> str:
