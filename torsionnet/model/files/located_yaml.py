@@ -50,7 +50,8 @@ class PythonParser(yaml.reader.Reader, yaml.scanner.Scanner, yaml.parser.Parser)
         yaml.parser.Parser.__init__(self)
 
 
-def _fastest() -> Any:
+def fastest_parser() -> Any:
+    """Class of a source of YAML events, in C where there is one."""
     try:
         from yaml.cyaml import CParser  # type: ignore[attr-defined]
     except ImportError:
@@ -162,7 +163,7 @@ def compose(text: str, file: str, parser: Any = None) -> LocatedDocument:
         what = f"a character that text cannot hold (U+{ord(control[0]):04X}); delete it"
         raise ModelError([document.fault(what, Span(line, column, line, column + 1))])
     try:
-        _Composer((parser or _fastest())(text), document).document()
+        _Composer((parser or fastest_parser())(text), document).document()
     except yaml.MarkedYAMLError as error:
         message, mark = explain(error, document.lines)
         raise ModelError([document.fault(message, Span(mark[0], mark[1], mark[0], mark[1] + 1))]) from None

@@ -164,13 +164,14 @@ def _edited(text: str, definition: Definition, changes: Mapping[ValuePlace, Expr
 
 def _span(document: LocatedDocument, place: ValuePlace, definition: Definition) -> Span | None:
     for path in (*place.paths(), *_in_use(place, definition)):
-        node = _node(document, path)
+        node = node_at(document, path)
         if node is not None and not isinstance(node.value, (dict, list)):
             return node.span
     return None
 
 
-def _node(document: LocatedDocument, path: Path) -> LocatedNode | None:
+def node_at(document: LocatedDocument, path: Path) -> LocatedNode | None:
+    """Value at a path of a document with its place, None if there is none."""
     node = document.root
     for key in path:
         node = None if node is None else node.entries.get(key)
@@ -199,7 +200,7 @@ def _inserted(
     """Span at which a value is inserted that the author left to the part, and its text with its name."""
     for path in _in_use(place, definition):
         own = str(path[3]) if not is_json else json.dumps(path[3])
-        table, use = _node(document, path[:3]), _node(document, path[:2])
+        table, use = node_at(document, path[:3]), node_at(document, path[:2])
         given = f"{own}: {value}"
         node = use if table is None else table
         if node is None or len(path) > 4 or not isinstance(node.value, dict) or not node.entries:

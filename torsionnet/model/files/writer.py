@@ -73,7 +73,7 @@ def block_text(data: Mapping[str, Any], levels: Mapping[str, int], *, lists: boo
 def _lines(key: str, value: Any, levels: int, indent: str, lists: bool) -> Iterator[str]:
     """Lines of an entry of a file, with as many levels of block style as wanted, flow style below."""
     if not levels or not value or not isinstance(value, Mapping | list if lists else Mapping):
-        yield f"{indent}{scalar_text(key)}: {_flow(value)}"
+        yield f"{indent}{scalar_text(key)}: {flow_text(value)}"
         return
     yield f"{indent}{scalar_text(key)}:"
     if isinstance(value, Mapping):
@@ -88,12 +88,17 @@ def _lines(key: str, value: Any, levels: int, indent: str, lists: bool) -> Itera
                     yield f"{indent}  {sign}{line}"
                     sign = "  "
         else:
-            yield f"{indent}  - {_flow(item)}"
+            yield f"{indent}  - {flow_text(item)}"
 
 
-def _flow(value: Any) -> str:
+def flow_text(value: Any) -> str:
+    """Text of plain data in flow style, on one line.
+
+    >>> flow_text({"type": "spring", "nodes": ["a", "b"], "stiffness": "3:1"})
+    '{type: spring, nodes: [a, b], stiffness: "3:1"}'
+    """
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{scalar_text(key)}: {_flow(entry)}" for key, entry in value.items()) + "}"
+        return "{" + ", ".join(f"{scalar_text(key)}: {flow_text(entry)}" for key, entry in value.items()) + "}"
     if isinstance(value, (list, tuple)):
-        return f"[{', '.join(_flow(entry) for entry in value)}]"
+        return f"[{', '.join(flow_text(entry) for entry in value)}]"
     return scalar_text(value)
