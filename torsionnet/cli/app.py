@@ -47,6 +47,7 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "report": "The document on a model: HTML, PDF, LaTeX or Markdown.",
     "export": "The model for Matlab, Modelica, openTorsion, as an FMU or a sheet.",
     "import": "A model file out of a maker's sheet or another program.",
+    "language-server": "Faults, completion and renaming in the editor that model files are written in.",
     "schema": "JSON Schema of model files, for editors.",
 }
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path, PurePosixPath, PureWindowsPath
@@ -13,6 +13,8 @@ from torsionnet.core.errors import did_you_mean
 
 _FOLDER: ContextVar[Path | None] = ContextVar("folder of the file that is being read", default=None)
 """Folder of the model file that is being read, None where a text without a folder is read."""
+_RECORDED: ContextVar[set[Path] | None] = ContextVar("files that were looked for", default=None)
+_IN_EDITORS: ContextVar[Mapping[Path, str]] = ContextVar("texts that are not saved yet", default={})  # noqa: B039
 MOST_FILE_BYTES = 8_000_000
 """Size in bytes of the largest named file that is read, as a larger one would only fill the memory."""
 _SUFFIXED = re.compile(r"\.[A-Za-z]\w{0,4}$")
@@ -26,6 +28,40 @@ def files_beside(folder: Path | None) -> Iterator[None]:
         yield
     finally:
         _FOLDER.reset(before)
+
+
+@contextmanager
+def files_recorded() -> Iterator[Set[Path]]:
+    """Context manager that gives the set of files looked for within it, also of those that are not there.
+
+    >>> with files_recorded() as files, files_beside(Path("models")):
+    ...     names = [one.name for one in files]
+    >>> names
+    []
+    """
+    recorded: set[Path] = set()
+    before = _RECORDED.set(recorded)
+    try:
+        yield recorded
+    finally:
+        _RECORDED.reset(before)
+
+
+@contextmanager
+def texts_in_editors(texts: Mapping[Path, str]) -> Iterator[None]:
+    """Context manager within which files that are open in an editor have the text shown there, by resolved path."""
+    before = _IN_EDITORS.set(texts)
+    try:
+        yield
+    finally:
+        _IN_EDITORS.reset(before)
+
+
+def nearby_bytes(path: Path) -> bytes:
+    """Content of a file that :func:`nearby_file` found, as an editor shows it or as it is saved."""
+    texts = _IN_EDITORS.get()
+    shown = texts.get(path.resolve()) if texts else None
+    return path.read_bytes() if shown is None else shown.encode("utf-8", "replace")
 
 
 def nearby_file(name: str) -> Path:
@@ -44,7 +80,10 @@ def nearby_file(name: str) -> Path:
     if pure.is_absolute() or PureWindowsPath(name).drive or ".." in pure.parts or "\0" in name:
         raise EntryError(f'"{name}" leads out of the folder of the model file; put the file beside it or below')
     path = folder / pure
+    recorded = _RECORDED.get()
     try:
+        if recorded is not None:
+            recorded.add(path.resolve())
         there, inside = path.is_file(), path.resolve().is_relative_to(folder.resolve())
         size = path.stat().st_size if there else 0
     except (OSError, RuntimeError):  # the latter of links that lead in a circle, up to Python 3.12

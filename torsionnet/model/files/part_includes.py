@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 
 from torsionnet.core.entries.format_version import KEY
-from torsionnet.core.entries.named_files import files_beside, nearby_file
+from torsionnet.core.entries.named_files import files_beside, nearby_bytes, nearby_file
 from torsionnet.core.entries.spec import EntryError
 from torsionnet.core.errors import Fault, ModelError, Path
 from torsionnet.model.files.decoding import decode
@@ -96,7 +96,7 @@ class _Including:
         if home in self.read:
             return
         self.read.add(home)
-        document = compose(decode(path.read_bytes(), str(path)).removeprefix("\ufeff"), str(path))
+        document = compose(decode(nearby_bytes(path), str(path)).removeprefix("\ufeff"), str(path))
         self.take(document, path)
         with files_beside(path.parent):
             self.included(document, (*within, home))

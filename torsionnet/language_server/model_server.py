@@ -1,0 +1,211 @@
+"""Language server of model files on standard input and output."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import traceback
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any, BinaryIO, TypeVar
+
+from lsprotocol import types
+from pygls.exceptions import JsonRpcException
+from pygls.lsp.server import LanguageServer
+from pygls.uris import to_fs_path, urlparse
+
+from torsionnet.core.entries.named_files import files_recorded, texts_in_editors
+from torsionnet.core.errors import UsageError
+from torsionnet.core.version import __version__
+from torsionnet.language_server.answering_protocol import AnsweringProtocol
+from torsionnet.language_server.check_schedule import CHANGE_DELAY, CheckSchedule
+from torsionnet.language_server.diagnostics import diagnostics
+from torsionnet.language_server.editor_text import EditorText
+from torsionnet.language_server.open_model import OpenModel, is_model_text
+from torsionnet.text.text_faults import LocatedFault, text_faults
+
+T = TypeVar("T")
+
+REFUSED = types.LSPErrorCodes.RequestFailed.value
+"""Code of the protocol for a request that was understood and cannot be met, as a name that is taken."""
+WORKERS = 2
+"""Threads that answer questions while another one checks."""
+
+
+class ModelServer(LanguageServer):
+    """Language server that knows the open model files, what was found in them and which files they read."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "torsionnet",
+            __version__,
+            # Editors count the lines of an incremental change in their own way, and model files are small.
+            text_document_sync_kind=types.TextDocumentSyncKind.Full,
+            protocol_cls=AnsweringProtocol,
+        )
+        self.checks = CheckSchedule(self._check)
+        self.found: dict[str, tuple[OpenModel, list[LocatedFault]]] = {}
+        """Last faults of each open file, with the text in which they are."""
+        self.read: dict[str, set[Path]] = {}
+        """Files that each open file reads, as far as its last check came."""
+        self.models: set[str] = set()
+        """Open files that were models once, which they stay while their key is being written."""
+        self.shut_down = False
+        self._checking = ThreadPoolExecutor(1, "check")
+        self._answering = ThreadPoolExecutor(WORKERS, "answer")
+
+    # files
+
+    def open_model(self, uri: str) -> OpenModel | None:
+        """Model file that is open under an address; None where it is none, or is not open."""
+        document = self.workspace.text_documents.get(uri)
+        if document is None:
+            return None
+        text, path = document.source, to_fs_path(uri)
+        file = path or str(urlparse(uri)[2])
+        if uri not in self.models and not is_model_text(text, file):
+            return None
+        self.models.add(uri)
+        shown = EditorText(text, str(getattr(document.position_codec.encoding, "value", document.position_codec.encoding)))
+        return OpenModel(uri, shown, file, Path(path).parent if path else None)
+
+    def changed(self, uri: str, delay: float = 0.0) -> None:
+        """Check a file anew, and the open files that read it."""
+        self.checks.ask(uri, delay)
+        own = _real_path(uri)
+        for other in self._reading(own) - {uri}:
+            self.checks.ask(other, max(delay, CHANGE_DELAY))
+
+    def file_changed(self, uri: str) -> None:
+        """Check the open files that read a file which another program has changed."""
+        for reader in self._reading(_real_path(uri)):
+            self.checks.ask(reader, CHANGE_DELAY)
+
+    def _reading(self, path: Path | None) -> set[str]:
+        return {uri for uri, read in self.read.items() if path in read}
+
+    def closed(self, uri: str) -> None:
+        """Forget a file, and take its diagnostics away."""
+        self.checks.drop(uri)
+        for kept in (self.found, self.read):
+            kept.pop(uri, None)
+        self.models.discard(uri)
+        self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, []))
+        for other in self._reading(_real_path(uri)):
+            self.checks.ask(other, CHANGE_DELAY)
+
+    # checks
+
+    async def _check(self, uri: str) -> None:
+        model = self.open_model(uri)
+        if model is None:
+            if self.found.pop(uri, None) is not None:
+                self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, []))
+            return
+        version = self.workspace.text_documents[uri].version
+        texts = {
+            path: document.source
+            for other, document in self.workspace.text_documents.items()
+            if other != uri and (path := _real_path(other)) is not None
+        }
+        try:
+            faults, shown = await self._run(self._checking, lambda: _checked(model, texts, self.read, uri))
+        except Exception as error:  # noqa: BLE001
+            self.tell(f"checking {model.file}", error)
+            return
+        self.found[uri] = model, faults
+        self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, shown, version))
+
+    async def faults(self, model: OpenModel) -> list[LocatedFault]:
+        """Faults of a text, found anew where the last ones are of another text."""
+        known = self.found.get(model.uri)
+        if known is not None and known[0] == model:
+            return known[1]
+        return await self._run(self._checking, lambda: text_faults(model.text, model.file, model.folder))
+
+    # answers
+
+    async def answer(self, uri: str, calculate: Callable[[OpenModel], T]) -> T | None:
+        """Answer to a question on an open model, calculated beside the messages that come in.
+
+        None of a file that is no model, and where the calculation failed, which becomes a message in the log.
+
+        Raises
+        ------
+        JsonRpcException
+            With the sentence of a UsageError.
+        """
+        model = self.open_model(uri)
+        if model is None:
+            return None
+        try:
+            return await self._run(self._answering, lambda: calculate(model))
+        except UsageError as error:
+            raise JsonRpcException(str(error), REFUSED) from None
+        except Exception as error:  # noqa: BLE001
+            self.tell(f"answering about {model.file}", error)
+            return None
+
+    async def _run(self, workers: ThreadPoolExecutor, work: Callable[[], T]) -> T:
+        return await asyncio.get_running_loop().run_in_executor(workers, work)
+
+    def tell(self, doing: str, error: BaseException) -> None:
+        """Write an exception into the log of the editor."""
+        shown = "".join(traceback.format_exception(error))
+        text = f"torsionnet failed while {doing} (a bug): {shown}"
+        self.window_log_message(types.LogMessageParams(types.MessageType.Error, text))
+
+    def report_server_error(self, error: Exception, source: Any) -> None:
+        """Write what went wrong with a message into the log of the editor, instead of a window before the user."""
+        if isinstance(error, JsonRpcException) and error.code == REFUSED:
+            return
+        text = f"torsionnet could not answer a message of the editor: {error}"
+        self.window_log_message(types.LogMessageParams(types.MessageType.Error, text))
+
+    def end(self) -> None:
+        """Stop the threads; a check that is running is not waited for by the editor."""
+        for workers in (self._checking, self._answering):
+            workers.shutdown(wait=False, cancel_futures=True)
+
+
+def _checked(
+    model: OpenModel, texts: dict[Path, str], read: dict[str, set[Path]], uri: str
+) -> tuple[list[LocatedFault], list[types.Diagnostic]]:
+    """Faults of a model and its diagnostics; the files that it reads are noted, whatever the check ends with."""
+    with files_recorded() as recorded, texts_in_editors(texts):
+        try:
+            faults = text_faults(model.text, model.file, model.folder)
+        finally:
+            read[uri] = set(recorded)
+    return faults, diagnostics(model, faults)
+
+
+def _real_path(uri: str) -> Path | None:
+    path = to_fs_path(uri)
+    try:
+        return Path(path).resolve() if path else None
+    except (OSError, RuntimeError, ValueError):
+        return None
+
+
+def serve(requests: BinaryIO, answers: BinaryIO) -> int:
+    """Answer an editor until it says that it ends, and return the exit code: 1 where it went away without a word."""
+    from torsionnet.language_server.features import add_features
+    from torsionnet.language_server.guarded_input import GuardedInput
+
+    server = ModelServer()
+    add_features(server)
+    try:
+        server.start_io(GuardedInput(requests), answers)  # type: ignore[arg-type]
+    finally:
+        server.end()
+    return 0 if server.shut_down else 1
+
+
+def serve_standard_streams() -> int:
+    """Answer an editor on standard input and output; whatever else is printed goes to the messages on stderr."""
+    requests = os.fdopen(os.dup(0), "rb")
+    answers = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    return serve(requests, answers)
