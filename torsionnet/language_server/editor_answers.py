@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 from lsprotocol.types import (
     CompletionItem,
@@ -24,7 +25,6 @@ from lsprotocol.types import Range as EditorRange
 from lsprotocol.types import TextEdit as EditorEdit
 
 from torsionnet.language_server.open_model import OpenModel
-from torsionnet.text.completion import Completion, completions
 from torsionnet.text.formatting import formatted
 from torsionnet.text.hovering import hover
 from torsionnet.text.name_change import renamable, rename
@@ -32,6 +32,9 @@ from torsionnet.text.name_definition import definition, references
 from torsionnet.text.named_places import named_places
 from torsionnet.text.outline import OutlineItem, outline
 from torsionnet.text.text_edits import TextSpan
+
+if TYPE_CHECKING:
+    from torsionnet.text.completion import Completion
 
 _COMPLETIONS = {
     "entry": CompletionItemKind.Property,
@@ -61,6 +64,8 @@ _SYMBOLS = {
 
 def completion_list(model: OpenModel, at: EditorPosition) -> CompletionList:
     """What can be written at a position, in the order of the service."""
+    from torsionnet.text.completion import completions
+
     found = completions(model.text, model.shown.offset(at), model.file, model.folder)
     return CompletionList(False, [_completion(model, one, number) for number, one in enumerate(found)])
 

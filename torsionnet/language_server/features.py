@@ -55,7 +55,7 @@ def _add_files(server: ModelServer) -> None:
             server.client_register_capability(types.RegistrationParams([registered]))
 
     @server.feature(types.SHUTDOWN)
-    def shut_down(_: object) -> None:
+    def shut_down(_: None) -> None:
         server.shut_down = True
 
 
@@ -70,9 +70,7 @@ def _add_faults(server: ModelServer) -> None:
         if model is None:
             return None
         faults = await server.faults(model)
-        return await server.answer(
-            model.uri, lambda _: code_actions(model, faults, model.shown.span(params.range))
-        )
+        return await server.answer(model.uri, lambda _: code_actions(model, faults, model.shown.span(params.range)))
 
 
 def _add_writing(server: ModelServer) -> None:

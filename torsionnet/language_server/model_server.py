@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import os
 import traceback
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any, BinaryIO, TypeVar
+from typing import BinaryIO, TypeVar
 
 from lsprotocol import types
 from pygls.exceptions import JsonRpcException
@@ -22,7 +23,7 @@ from torsionnet.language_server.answering_protocol import AnsweringProtocol
 from torsionnet.language_server.check_schedule import CHANGE_DELAY, CheckSchedule
 from torsionnet.language_server.diagnostics import diagnostics
 from torsionnet.language_server.editor_text import EditorText
-from torsionnet.language_server.open_model import OpenModel, is_model_text
+from torsionnet.language_server.open_model import OpenModel, is_model_text, names_a_model
 from torsionnet.text.text_faults import LocatedFault, text_faults
 
 T = TypeVar("T")
@@ -63,12 +64,12 @@ class ModelServer(LanguageServer):
         if document is None:
             return None
         text, path = document.source, to_fs_path(uri)
-        file = path or str(urlparse(uri)[2])
-        if uri not in self.models and not is_model_text(text, file):
+        file, folder = path or str(urlparse(uri)[2]), Path(path).parent if path else None
+        if not is_model_text(text, file) and (uri not in self.models or names_a_model(text)):
             return None
         self.models.add(uri)
-        shown = EditorText(text, str(getattr(document.position_codec.encoding, "value", document.position_codec.encoding)))
-        return OpenModel(uri, shown, file, Path(path).parent if path else None)
+        agreed = document.position_codec.encoding or types.PositionEncodingKind.Utf16
+        return OpenModel(uri, EditorText(text, types.PositionEncodingKind(agreed).value), file, folder)
 
     def changed(self, uri: str, delay: float = 0.0) -> None:
         """Check a file anew, and the open files that read it."""
@@ -156,8 +157,9 @@ class ModelServer(LanguageServer):
         text = f"torsionnet failed while {doing} (a bug): {shown}"
         self.window_log_message(types.LogMessageParams(types.MessageType.Error, text))
 
-    def report_server_error(self, error: Exception, source: Any) -> None:
+    def report_server_error(self, error: Exception, source: object) -> None:
         """Write what went wrong with a message into the log of the editor, instead of a window before the user."""
+        del source
         if isinstance(error, JsonRpcException) and error.code == REFUSED:
             return
         text = f"torsionnet could not answer a message of the editor: {error}"
@@ -194,6 +196,8 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> int:
     from torsionnet.language_server.features import add_features
     from torsionnet.language_server.guarded_input import GuardedInput
 
+    if not os.environ.get("TORSIONNET_DEBUG"):
+        logging.getLogger("pygls").setLevel(logging.CRITICAL)  # what matters goes to the log of the editor
     server = ModelServer()
     add_features(server)
     try:

@@ -46,6 +46,9 @@ def is_model_text(text: str, file: str) -> bool:
     start = text.removeprefix("\ufeff").lstrip()
     if start.startswith("{"):
         return _KEY_IN_BRACES.search(start) is not None
-    if not _KEY.search(text.removeprefix("\ufeff")):
-        return False
-    return _OTHERS.search(text) is None or _OF_MODELS.search(text) is not None
+    return _KEY.search(text.removeprefix("\ufeff")) is not None and not names_a_model(text)
+
+
+def names_a_model(text: str) -> bool:
+    """Whether a text is that of a study, fit, bench or campaign, which name a model instead of being one."""
+    return _OTHERS.search(text) is not None and _OF_MODELS.search(text) is None
