@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+import click
+
 from torsionnet.cli.command import JSON, Answer, Command, click_command
-from torsionnet.cli.declarations import argument
-from torsionnet.cli.models import checked_model
-from torsionnet.cli.terminal import message
+from torsionnet.cli.declarations import argument, option
+from torsionnet.cli.models import STANDARD_INPUT, checked_model
+from torsionnet.cli.terminal import message, print_line
 from torsionnet.core.errors import Fault, UsageError
 
 WRONG_MODEL, WRONG_USAGE = 1, 2  # exit codes
@@ -19,25 +21,57 @@ class CheckCommand(Command):
     forms = JSON
 
     models: tuple[str, ...] = argument("MODEL...")
+    watch: bool = option("--watch", help="Check again whenever a file changes, until Ctrl-C; exit code 0 then.")
 
     def answer(self) -> Answer:
         from torsionnet.core.fault_rows import check_record
 
-        reports: dict[str, Sequence[Fault]] = {}
-        code = 0
-        for model in dict.fromkeys(self.models):
-            try:
-                reports[model] = checked_model(model)
-            except UsageError as error:
-                message("error", str(error))
-                code = WRONG_USAGE
-        if any(map(_errors, reports.values())):
-            code = code or WRONG_MODEL
+        if self.watch:
+            self._watch()
+            return Answer()
+        reports, code = self._checked()
         return Answer(
             screen=lambda: _lines(reports),
             data=lambda: [check_record(model, faults) for model, faults in reports.items()],
             exit_code=code,
         )
+
+    def _checked(self) -> tuple[dict[str, Sequence[Fault]], int]:
+        """Faults of each model that can be read, and the exit code; what cannot be read becomes a message."""
+        reports: dict[str, Sequence[Fault]] = {}
+        code = 0
+        for model in dict.fromkeys(self.models):
+            try:
+                reports[model] = checked_model(model)
+            except (UsageError, OSError) as error:
+                if isinstance(error, OSError) and not self.watch:
+                    raise
+                message("error", str(error))
+                code = WRONG_USAGE
+        if any(map(_errors, reports.values())):
+            code = code or WRONG_MODEL
+        return reports, code
+
+    def _watch(self) -> None:
+        from time import strftime
+
+        from torsionnet.cli.watching import watch
+        from torsionnet.model.files.reader import find_model
+
+        if self.output.as_json:
+            text = "--watch prints for a reader; a program calls check --json when it wants to know"
+            raise click.UsageError(f"{text}, or speaks with torsionnet language-server")
+        if STANDARD_INPUT in self.models:
+            raise click.UsageError("standard input does not change; --watch needs files")
+        for model in self.models:
+            find_model(model)  # a name that is wrong from the start is told at once
+
+        def check() -> None:
+            print_line(strftime("%H:%M:%S"))
+            for line in _lines(self._checked()[0]):
+                print_line(line)
+
+        watch(self.models, check)
 
 
 def _errors(faults: Sequence[Fault]) -> int:
