@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
-from matplotlib.font_manager import FontProperties
-from matplotlib.textpath import text_to_path
 from numpy.typing import NDArray
 
-import torsionnet.plot.drawing.style as style
+from torsionnet.plot.drawing.palette import INK, MUTED, PALETTE
+from torsionnet.plot.drawing.symbol_runs import symbols_width
+from torsionnet.plot.drawing.text_widths import font_widths
 
 Point = tuple[float, float]
 Box = tuple[float, float, float, float]
@@ -36,18 +38,28 @@ class TextStyle:
 
 
 ROLES = {
-    "name": TextStyle(8.5, style.INK),
-    "value": TextStyle(7.6, style.MUTED),
-    "node": TextStyle(7.8, style.MUTED, italic=True),
-    "port": TextStyle(7.0, style.MUTED),
-    "input": TextStyle(9.0, style.PALETTE[1]),
-    "sensor": TextStyle(9.0, style.PALETTE[2]),
-    "what": TextStyle(7.0, style.MUTED),
-    "note": TextStyle(7.6, style.MUTED),
-    "title": TextStyle(13.0, style.INK, bold=True),
+    "name": TextStyle(8.5, INK),
+    "value": TextStyle(7.6, MUTED),
+    "node": TextStyle(7.8, MUTED, italic=True),
+    "port": TextStyle(7.0, MUTED),
+    "input": TextStyle(9.0, PALETTE[1]),
+    "sensor": TextStyle(9.0, PALETTE[2]),
+    "what": TextStyle(7.0, MUTED),
+    "note": TextStyle(7.6, MUTED),
+    "title": TextStyle(13.0, INK, bold=True),
 }
 LEADING = 1.3
 """Distance from one line of text to the next, as a multiple of the size of the font."""
+
+
+class Owner(NamedTuple):
+    """Part of a drivetrain that a stroke or text of a drawing shows.
+
+    Its kind is ``element``, ``node``, ``input`` or ``sensor``.
+    """
+
+    kind: str
+    name: str
 
 
 @dataclass(frozen=True)
@@ -61,10 +73,11 @@ class Stroke:
     look: str = "part"
     closed: bool = False
     fill: str = ""
+    owner: Owner | None = None
 
     def shifted(self, dx: float, dy: float) -> Stroke:
         """Copy of the stroke moved by dx to the right and dy upwards, in points."""
-        return Stroke(tuple((x + dx, y + dy) for x, y in self.points), self.look, self.closed, self.fill)
+        return Stroke(tuple([(x + dx, y + dy) for x, y in self.points]), self.look, self.closed, self.fill, self.owner)
 
 
 @dataclass(frozen=True)
@@ -76,10 +89,11 @@ class Label:
     text: str
     role: str
     left: bool = False
+    owner: Owner | None = None
 
     def shifted(self, dx: float, dy: float) -> Label:
         """Copy of the label moved by dx to the right and dy upwards, in points."""
-        return Label(self.x + dx, self.y + dy, self.text, self.role, self.left)
+        return Label(self.x + dx, self.y + dy, self.text, self.role, self.left, self.owner)
 
 
 @dataclass(frozen=True)
@@ -131,6 +145,19 @@ class Piece:
         self.ends += other.ends
         self.anchors |= other.anchors
 
+    @contextmanager
+    def owned(self, kind: str, name: str) -> Iterator[None]:
+        """Context manager within which whatever is drawn into the piece belongs to a part of the drivetrain.
+
+        What belongs to another part already, because it was drawn within an inner context, remains with that.
+        """
+        strokes, labels, owner = len(self.strokes), len(self.labels), Owner(kind, name)
+        yield
+        self.strokes[strokes:] = [
+            one if one.owner else replace(one, owner=owner) for one in self.strokes[strokes:]
+        ]
+        self.labels[labels:] = [one if one.owner else replace(one, owner=owner) for one in self.labels[labels:]]
+
     def line(self, *points: Point, look: str = "shaft") -> None:
         """Draw a shaft or wire of the drawing through positions (x, y) in points; other lines may cross it."""
         self.strokes.append(Stroke(points, look))
@@ -173,19 +200,9 @@ def shifted_box(box: Box, dx: float, dy: float) -> Box:
 def text_width(text: str, role: str) -> float:
     """Width in points of a text in the font of its role, a name in ``ROLES``."""
     look = ROLES[role]
-    width, _, _ = text_to_path.get_text_width_height_descent(text, font(role, look.size), is_math(text, role))
-    return float(width)
-
-
-def font(role: str, size: float) -> FontProperties:
-    """Font of matplotlib for the texts of a role, a name in ``ROLES``, in a size in points."""
-    look = ROLES[role]
-    return FontProperties(
-        family="DejaVu Sans",
-        size=size,
-        style="italic" if look.italic else "normal",
-        weight="bold" if look.bold else "normal",
-    )
+    if is_math(text, role):
+        return look.size * symbols_width(text)
+    return look.size * font_widths("bold" if look.bold else "italic" if look.italic else "").width(text)
 
 
 def is_math(text: str, role: str) -> bool:

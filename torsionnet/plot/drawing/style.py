@@ -15,12 +15,11 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullFormatter
 
-# Okabe and Ito's colours without the yellow, which is lost on white: told apart with any kind of colour vision.
-PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#444444", "#56B4E9", "#E69F00")
+from torsionnet.plot.drawing.palette import FAINT, INK, MUTED, PALETTE, PAPER
+
 DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (7, 2, 1.5, 2)), (0, (7, 2, 1.5, 2, 1.5, 2)))
 LIMIT_COLOR = "#B00020"
 """Red, as a hexadecimal code, that is kept for limits, so that no curve has it."""
-INK, MUTED, FAINT, PAPER = "#222222", "#6b6b6b", "#dddddd", "#ffffff"
 FONT, SMALL, TITLE = 9.0, 8.0, 11.0
 WIDTH = 7.2
 """Width of a figure in inches: the text width of a page."""

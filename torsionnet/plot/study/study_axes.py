@@ -17,7 +17,7 @@ from torsionnet.core.number_text import typeset_unit, unit_in_brackets
 from torsionnet.plot.drawing.bars import bar_panels, name_rows
 from torsionnet.plot.drawing.labels import symbol
 from torsionnet.plot.drawing.pieces import text_width
-from torsionnet.plot.schematic.canvas import POINTS_PER_INCH
+from torsionnet.plot.schematic.pens import POINTS_PER_INCH
 from torsionnet.plot.schematic.texts import wrap_text
 
 WITHIN_COLOR, BEYOND_COLOR = style.PALETTE[0], style.LIMIT_COLOR
