@@ -23,11 +23,13 @@ def draw_body(line: PlannedRow, disc: Element | None, hanging: Element | None) -
     scale, piece = line.plan.scale, Piece()
     half = line.plan.discs.get(disc.name, 0.0) if disc else 0.0
     if disc:
-        piece.strokes += outlines.disc(0, half, scale * outlines.DISC_WIDTH)
-        piece.boxes.append((-8 * scale, 8 * scale, -half, half))
-        piece.write(0, half + 3, above)
+        with piece.owned("element", disc.name):
+            piece.strokes += outlines.disc(0, half, scale * outlines.DISC_WIDTH)
+            piece.boxes.append((-8 * scale, 8 * scale, -half, half))
+            piece.write(0, half + 3, above)
     if hanging:
-        _hang(line, piece, hanging, -half, below)
+        with piece.owned("element", hanging.name):
+            _hang(line, piece, hanging, -half, below)
     half_width = 10.0 * scale
     line.put(piece, half_width, half_width)
 
@@ -57,9 +59,11 @@ def _tapped(line: PlannedRow, piece: Piece, element: Element, y: float) -> float
         mark = tap.mark(alone=True)
         texts = mark.texts
         height = sum(LEADING * ROLES[role].size for _, role in texts) + 4
-        piece.strokes += [Stroke(((0, y), (0, y - height))), *outlines.side_mark(0, y - height / 2, LEADER)]
-        piece.boxes += [(-6, LEADER, y - height / 2 - 5, y - height / 2 + 5), (-4, 4, y - height, y)]
-        piece.write(LEADER + 3 + label_width(texts) / 2, y - 2, texts, upward=False)
+        piece.strokes.append(Stroke(((0, y), (0, y - height))))
+        with piece.owned("sensor", tap.name):
+            piece.strokes += outlines.side_mark(0, y - height / 2, LEADER)
+            piece.boxes += [(-6, LEADER, y - height / 2 - 5, y - height / 2 + 5), (-4, 4, y - height, y)]
+            piece.write(LEADER + 3 + label_width(texts) / 2, y - 2, texts, upward=False)
         y -= height
     return y
 
@@ -72,7 +76,9 @@ def draw_line_end(line: PlannedRow, element: Element) -> float:
     end = far_end(element, line.values)
     last = outlines.wall(length / 2, WALL) if end == GROUND else outlines.disc(length / 2 + 4, WALL) if end else []
     high = max(WALL, half_width) if end else half_width
-    piece = Piece([*(glyph.along(-length / 2, 0) if glyph else []), *last])
-    piece.boxes.append((-length / 2, length / 2 + 8, -high, high))
-    piece.write(0, high + 4, texts)
+    piece = Piece()
+    with piece.owned("element", element.name):
+        piece.strokes += [*(glyph.along(-length / 2, 0) if glyph else []), *last]
+        piece.boxes.append((-length / 2, length / 2 + 8, -high, high))
+        piece.write(0, high + 4, texts)
     return line.put(piece, length / 2 + 8, length / 2 + 8) - length / 2

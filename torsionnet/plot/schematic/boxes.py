@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.plot.drawing.pieces import Piece, Stroke, label_width, text_width
+from torsionnet.plot.drawing.pieces import Owner, Piece, Stroke, label_width, text_width
 from torsionnet.plot.schematic import box_symbols, outlines
 from torsionnet.plot.schematic.branch_lines import BranchStart
 from torsionnet.plot.schematic.topology import Link, Vertex
@@ -27,6 +27,13 @@ def draw_box(
 
     The line enters left and goes on right, other ports below.
     """
+    with line.block.owned(*vertex.owner):
+        _draw(line, vertex, before, after, leaving)
+
+
+def _draw(
+    line: PlannedRow, vertex: Vertex, before: Link | None, after: Link | None, leaving: Sequence[tuple[Link, Vertex]]
+) -> None:
     element = line.plan.found.boxes[vertex.name]
     texts = line.plan.texts(element)
     below = _ports_below(line, vertex, element, leaving)
@@ -47,7 +54,7 @@ def draw_box(
     x = middle - sum(slots) / 2
     for (port, use), slot in zip(below.items(), slots, strict=True):
         line.block.write(x + slot / 2, -HALF_HEIGHT + 2, [(port, "port")])
-        _port(line, x + slot / 2, use)
+        _port(line, x + slot / 2, use, vertex.owner)
         x += slot
 
 
@@ -60,9 +67,9 @@ def _ports_below(
     return below | {port: None for port, node in element.ports.items() if node == "ground"}
 
 
-def _port(line: PlannedRow, x: float, use: Any) -> None:
+def _port(line: PlannedRow, x: float, use: Any, owner: Owner) -> None:
     if isinstance(use, Vertex):
-        line.exits.append(BranchStart(x, -HALF_HEIGHT, use))
+        line.exits.append(BranchStart(x, -HALF_HEIGHT, use, owner=owner))
     elif use is None:
         line.block.strokes += [
             Stroke(((x, -HALF_HEIGHT), (x, -HALF_HEIGHT - 10))),
@@ -70,14 +77,15 @@ def _port(line: PlannedRow, x: float, use: Any) -> None:
         ]
         line.block.boxes.append((x - 14, x + 14, -HALF_HEIGHT - 17, -HALF_HEIGHT))
     else:
-        line.exits.append(BranchStart(x, -HALF_HEIGHT, _loop(line, *use)))
+        line.exits.append(BranchStart(x, -HALF_HEIGHT, _loop(line, owner, *use), owner=owner))
 
 
-def _loop(line: PlannedRow, number: int, link: Link, end: Vertex) -> Piece:
+def _loop(line: PlannedRow, owner: Owner, number: int, link: Link, end: Vertex) -> Piece:
     """Drawing of a short shaft with a loose end, at a port of a schematic's box whose link closes a loop."""
     piece = type(line)(line.plan, wall=6.0)
-    piece.block.line((0, 0), (STUB, 0))
-    piece.x = STUB
-    piece.draw_marks_on_shaft(piece.link_marks(end.name, link))
+    with piece.block.owned(*owner):
+        piece.block.line((0, 0), (STUB, 0))
+        piece.x = STUB
+        piece.draw_marks_on_shaft(piece.link_marks(end.name, link))
     piece.add_loose_end(number, end)
     return piece.block

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from torsionnet.model.elements import GROUND, Element
-from torsionnet.plot.drawing.pieces import Piece, Stroke, arc, box_array, overlap
+from torsionnet.plot.drawing.pieces import Owner, Piece, Stroke, arc, box_array, overlap
 from torsionnet.plot.schematic import outlines
 from torsionnet.plot.schematic.topology import Vertex
 
@@ -52,6 +52,8 @@ class BranchStart:
     y: float
     what: Vertex | Piece
     stages: tuple[GearPair, ...] = ()
+    owner: Owner | None = None
+    """Node or element of the drivetrain from which the branch leaves."""
 
     @property
     def last(self) -> float:
@@ -70,6 +72,8 @@ class Branch:
     up_if: float = UP_IF
     """Ratio of the distance upwards to that downwards up to which the branch of the schematic is drawn above its line;
     0: never up."""
+    owner: Owner | None = None
+    """Node or element of the drivetrain from which the branch leaves."""
 
     def connector(self, distance: float) -> Piece:
         """Drawing of the wire or gear wheels from a line to a branch ``distance`` points below (negative for above)."""
@@ -78,8 +82,11 @@ class Branch:
             block.line((self.x, self.y), (self.x, -distance))
             dot = Stroke(arc(self.x, self.y, 2.4, 2.4, 0, 360, 12), "part", closed=True, fill="part")
             block.strokes.append(dot)
+            if self.owner is not None:
+                block.strokes = [replace(one, owner=self.owner) for one in block.strokes]
         for stage in self.stages:
-            _wheels(block, stage, self.x + stage.offset, distance)
+            with block.owned("element", stage.element.name):
+                _wheels(block, stage, self.x + stage.offset, distance)
         return block
 
 

@@ -94,7 +94,7 @@ class PartLayout:
     def _steps(self, head: Vertex) -> None:
         route, line = self.routes[head], ShaftLine(self.plan)
         if route.incoming is not None:
-            line.begin(route.incoming, route.parent)
+            line.begin(route.incoming, route.parent, head)
         self.starts[head] = line.x
         self.steps[head] = [self._step(line, route.cut(place, place + 1)) for place in range(len(route.vertices))]
 
@@ -123,8 +123,9 @@ class PartLayout:
             return self._route(head, self.plan.page, top=True)
         came = route.incoming
         line = ShaftLine(self.plan)
-        line.x = _flag(line.block, 0.0, self._shared_node(head)) + 6
-        line.block.line((line.x - 6, 0), (line.x, 0))
+        with line.block.owned("node", self._shared_node(head)):
+            line.x = _flag(line.block, 0.0, self._shared_node(head)) + 6
+            line.block.line((line.x - 6, 0), (line.x, 0))
         if not came.is_gear:
             line.draw_incoming(came, route.parent)
         return self._route(head, self.plan.page, top=True, begun=line)
@@ -143,7 +144,7 @@ class PartLayout:
             if first == 0 and begun is not None:
                 line = begun
             elif piece.incoming is not None:
-                line.begin(piece.incoming, piece.parent)
+                line.begin(piece.incoming, piece.parent, head)
             self._fill(line, piece)
             built.append(self._finished(line, narrow, may_rise=top and first == 0, loops_up=last < len(route.vertices)))
         return _stacked(built, indent)
@@ -172,15 +173,17 @@ class PartLayout:
         """Branch of the schematic with its line as finished drawing, or a flag if there is no room for the line."""
         x, y, what, stages = leaving.x, leaving.y, leaving.what, leaving.stages
         if isinstance(what, Piece):
-            return Branch(x, y, what, stages, up_if=loops_up_if)
+            return Branch(x, y, what, stages, up_if=loops_up_if, owner=leaving.owner)
         if self.needs[what] <= room or self._may_be_cut(what, room):
-            return Branch(x, y, self._route(what, room), stages, up_if=UP_IF if self.needs[what] <= room else 0.0)
+            up_if = UP_IF if self.needs[what] <= room else 0.0
+            return Branch(x, y, self._route(what, room), stages, up_if=up_if, owner=leaving.owner)
         self.waiting.append(what)
         block = Piece()
         begin = stages[-1].offset + 18 if stages else 12.0
-        block.line((0, 0), (begin, 0))
-        _flag(block, begin, self._shared_node(what))
-        return Branch(x, y, block, stages)
+        with block.owned("node", self._shared_node(what)):
+            block.line((0, 0), (begin, 0))
+            _flag(block, begin, self._shared_node(what))
+        return Branch(x, y, block, stages, owner=leaving.owner)
 
     def _shared_node(self, head: Vertex) -> str:
         """Name of the node on the flags that mark where a branch leaves its line and where it is drawn instead."""

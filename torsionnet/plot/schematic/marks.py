@@ -21,12 +21,20 @@ class Mark:
 
     kind: str
     name: str
+    """Text of the name, set as a symbol if it is one."""
     what: str
+    channel: str
+    """Name of the input or sensor in the model."""
 
     def piece(self, lift: float = 0.0) -> Piece:
         """Drawing of the mark around x = 0, with its name raised by ``lift`` points above the usual height."""
         top = TOPS[self.kind] + lift
         piece = Piece()
+        with piece.owned("input" if self._is_arrow else "sensor", self.channel):
+            self._draw(piece, top, lift)
+        return piece
+
+    def _draw(self, piece: Piece, top: float, lift: float) -> None:
         if self._is_arrow:
             piece.strokes += outlines.torque_arrow(0.0, opposite=self.kind == "reaction")
             piece.boxes.append((-8, 8, -ARROW - 2, TOPS["input"]))
@@ -38,7 +46,6 @@ class Mark:
             piece.strokes += [leader] if self._is_arrow else []
             piece.boxes.append((-1.5, 1.5, 0, top))
         piece.write(0, top, self.texts)
-        return piece
 
     @property
     def _is_arrow(self) -> bool:

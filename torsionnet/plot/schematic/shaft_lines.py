@@ -37,24 +37,27 @@ DrawBranch: TypeAlias = Callable[[BranchStart], Branch]
 class ShaftLine(PlannedRow):
     """Builder of a shaft line of a schematic along y = 0 from left to right; ``x`` is where the line ends so far."""
 
-    def begin(self, incoming: Link, parent: Vertex | None) -> None:
+    def begin(self, incoming: Link, parent: Vertex | None, head: Vertex) -> None:
         """Draw the start of a schematic's branch line, a shaft beside its gear wheels or elements behind its wire."""
         if incoming.is_gear:
             widths = self.gear_widths(incoming)
             self.x = sum(widths) - (widths[0] + widths[-1]) / 2 + ELBOW + 4
             self.wall = self.x + 2
-            self.block.line((ELBOW, 0), (self.x, 0))
+            with self.block.owned(*head.owner):
+                self.block.line((ELBOW, 0), (self.x, 0))
             return
         self.wall = 6.0
         self.draw_incoming(incoming, parent)
         if not incoming.elements:
-            self.block.line((self.x, 0), (self.x + 10, 0))
+            with self.block.owned(*head.owner):
+                self.block.line((self.x, 0), (self.x + 10, 0))
             self.x += 10
 
     def draw_incoming(self, incoming: Link, parent: Vertex | None) -> None:
         """Draw the elements between a node of the parent line and this line, with the torque marks of that node."""
         if parent is not None and not parent.is_box:
-            self.draw_marks_on_shaft(self.link_marks(parent.name, incoming))
+            with self.block.owned(*parent.owner):
+                self.draw_marks_on_shaft(self.link_marks(parent.name, incoming))
         if incoming.elements:
             self.draw_link(incoming)
 
@@ -73,10 +76,12 @@ class ShaftLine(PlannedRow):
         """Draw on the shaft line a box, a node, or a part of a node that has too many symbols for one line."""
         if vertex.is_box:
             draw_box(self, vertex, before, after, leaving)
-        elif share[0] == share[1] - 1:
-            self.draw_node(vertex, before, after, leaving, share)
-        else:
-            self.draw_part_of_node(vertex, before, share)
+            return
+        with self.block.owned(*vertex.owner):
+            if share[0] == share[1] - 1:
+                self.draw_node(vertex, before, after, leaving, share)
+            else:
+                self.draw_part_of_node(vertex, before, share)
 
     def draw_part_of_node(self, vertex: Vertex, before: Link | None, share: tuple[int, int]) -> None:
         """Draw on the shaft line a part of the symbols of a node that has too many for one line."""
@@ -146,9 +151,11 @@ class ShaftLine(PlannedRow):
 
     def input_and_motion_marks(self, node: str) -> list[Mark]:
         """List of the marks of the inputs, reactions and motion sensors at a node of the schematic."""
-        inputs = [Mark("input", symbol(name), what) for name, what in self.plan.inputs.get(node, ())]
-        inputs += [Mark("reaction", f"\u2212{symbol(name)}", what) for name, what in self.plan.reactions.get(node, ())]
-        return inputs + [Mark("motion", symbol(name), what) for name, what in self.plan.motions.get(node, ())]
+        inputs = [Mark("input", symbol(name), what, name) for name, what in self.plan.inputs.get(node, ())]
+        inputs += [
+            Mark("reaction", f"\u2212{symbol(name)}", what, name) for name, what in self.plan.reactions.get(node, ())
+        ]
+        return inputs + [Mark("motion", symbol(name), what, name) for name, what in self.plan.motions.get(node, ())]
 
     def add_branch(self, link: Link, child: Vertex, parent: Vertex, *, alone: bool) -> None:
         """Add a branch from this shaft line to a node or box of the schematic.
@@ -156,7 +163,7 @@ class ShaftLine(PlannedRow):
         ``alone`` if nothing else goes on from the node.
         """
         if not link.is_gear:
-            self.exits.append(BranchStart(self.keep_free(16), 0, child))
+            self.exits.append(BranchStart(self.keep_free(16), 0, child, owner=parent.owner))
             return
         self.draw_marks(self.link_marks(parent.name, link, alone=alone))
         widths, stages = self.gear_widths(link), []
@@ -165,34 +172,38 @@ class ShaftLine(PlannedRow):
         for element, offset in zip(link.elements, (place - first for place in places), strict=True):
             ratio = wheel_ratio(element, parent.name, self.values)
             stages.append(GearPair(element, offset, self.plan.texts(element), ratio))
-        self.exits.append(BranchStart(first, 0, child, tuple(stages)))
+        self.exits.append(BranchStart(first, 0, child, tuple(stages), parent.owner))
 
     def add_loop(self, number: int, link: Link, end: Vertex) -> None:
         """Draw the elements that close a loop of the schematic, on a line of their own with a loose end."""
         line = ShaftLine(self.plan, wall=6.0)
         line.draw_incoming(link, link.other(end))
-        line.draw_marks_on_shaft(line.link_marks(end.name, link))
+        with line.block.owned(*end.owner):
+            line.draw_marks_on_shaft(line.link_marks(end.name, link))
         line.add_loose_end(number, end)
-        self.exits.append(BranchStart(self.keep_free(16), 0, line.block))
+        self.exits.append(BranchStart(self.keep_free(16), 0, line.block, owner=link.other(end).owner))
 
     def draw_link(self, link: Link) -> None:
         """Draw the elements of a link in parallel on the shaft line; a port of a box is a short piece of shaft."""
         if not link.elements:
-            self.block.line((self.x, 0), (self.x + 12, 0))
+            with self.block.owned(*link.first.owner):
+                self.block.line((self.x, 0), (self.x + 12, 0))
             self.x += 12
             return
         piece, span, columns = _between(self.plan, link)
         start, left, right = self.x, -span / 2, span / 2
         middle = self.put(piece, span / 2 + 3, span / 2 + 3, columns)
-        self.block.line((start, 0), (middle + left, 0))
-        self.block.line((middle + right, 0), (self.x, 0))
+        with self.block.owned("element", link.elements[0].name):
+            self.block.line((start, 0), (middle + left, 0))
+            self.block.line((middle + right, 0), (self.x, 0))
 
     def finish(self, settle: DrawBranch, *, may_rise: bool) -> Piece:
         """Write the names of the nodes above the line, add its branches, and return the drawing of the shaft line."""
         top = max((draw_box[3] for draw_box in self.block.boxes), default=0.0) + 5
         for x0, x1, node in self.brackets:
-            self.draw_bracket(x0 + 3, x1 - 3, top)
-            self.block.write((x0 + x1) / 2, top + 1, self.plan.node_texts(node))
+            with self.block.owned("node", node):
+                self.draw_bracket(x0 + 3, x1 - 3, top)
+                self.block.write((x0 + x1) / 2, top + 1, self.plan.node_texts(node))
         place_branches(self.block, [settle(each) for each in self.exits], may_rise=may_rise)
         self.block.anchors[-1] = (self.x, 0)
         return self.block
@@ -215,9 +226,11 @@ def _between(plan: DrawingPlan, link: Link) -> tuple[Piece, float, list[Box]]:
                 + sum(LEADING * ROLES[role].size for _, role in lines)
                 + glyph.half_width
             )
-        _parallel_element(piece, glyph, lines, (left, right), y, below=not rails)
-    for x in (left, right) if rails else ():
-        piece.line((x, 0), (x, y))
+        with piece.owned("element", link.elements[place].name):
+            _parallel_element(piece, glyph, lines, (left, right), y, below=not rails)
+    with piece.owned("element", link.elements[0].name):
+        for x in (left, right) if rails else ():
+            piece.line((x, 0), (x, y))
     return piece, span, [(left, right, y, 0)] if rails else []
 
 

@@ -29,7 +29,7 @@ class Tap:
         ``alone`` if the shaft there carries this element only, so that its name is left out.
         """
         what = self.quantity if alone else f"{self.quantity} of {self.element}"
-        return Mark("torque", symbol(self.name), what)
+        return Mark("torque", symbol(self.name), what, self.name)
 
 
 def is_on_link(tap: Tap, link: Link) -> bool:

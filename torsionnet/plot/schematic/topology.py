@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 from torsionnet.model.elements import GROUND, Element
+from torsionnet.plot.drawing.pieces import Owner
 from torsionnet.plot.schematic.epicyclic import BoxElement, epicyclic_sets
 from torsionnet.plot.schematic.outlines import DRAGS
 
@@ -19,6 +20,11 @@ class Vertex(NamedTuple):
 
     name: str
     is_box: bool = False
+
+    @property
+    def owner(self) -> Owner:
+        """Part of the drivetrain to which strokes drawn for the vertex belong."""
+        return Owner("element" if self.is_box else "node", self.name)
 
 
 @dataclass(frozen=True)

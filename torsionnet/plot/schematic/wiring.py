@@ -50,12 +50,14 @@ def draw_loops(block: Piece) -> None:
     for end in ends:
         way = _route(block, end) if len(ends) <= MOST_LOOPS else None
         if way is None:
-            _tag(block, end)
+            with block.owned("node", end.node):
+                _tag(block, end)
         else:
             block.boxes.remove(end.tag)
-            block.line(*way, look="wire")
             x, y = way[-1]
-            block.strokes.append(Stroke(arc(x, y, 2.4, 2.4, 0, 360, 12), "wire", closed=True, fill="wire"))
+            with block.owned("node", end.node):
+                block.line(*way, look="wire")
+                block.strokes.append(Stroke(arc(x, y, 2.4, 2.4, 0, 360, 12), "wire", closed=True, fill="wire"))
 
 
 def _tag(block: Piece, end: LooseEnd) -> None:
