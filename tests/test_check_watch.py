@@ -113,7 +113,7 @@ def test_a_file_that_a_model_includes_is_watched_too_also_before_it_is_there(tmp
         assert any(line.startswith("model.yaml: no errors") for line in watching.until("^other.yaml: "))
         write(tmp_path / "halves.yaml", PARTS.replace("inertia: J", "inertia: 2 kg*m"))
         lines = watching.until("^other.yaml: ")
-        assert any("halves.yaml:7:42: error" in line for line in lines)
+        assert any("halves.yaml:7:47: error" in line for line in lines)
         assert any(line.startswith("model.yaml: 1 error") for line in lines)
 
 

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from torsionnet.core.entries.named_files import files_recorded
+from torsionnet.core.entries.named_files import file_state, files_recorded
 
 BETWEEN_LOOKS = 0.3
 """Time in s between two looks at the files: a glance at the screen takes longer."""
@@ -24,12 +24,12 @@ def watch(models: Iterable[str], check: Callable[[], None]) -> None:
     files: set[Path] = set(own)
     try:
         while True:
-            seen = {file: _state(file) for file in files}
+            seen = {file: file_state(file) for file in files}
             with files_recorded() as read:
                 check()
             files = {*own, *read}
-            seen |= {file: _state(file) for file in files - seen.keys()}
-            while all(_state(file) == seen[file] for file in files):
+            seen = {**read, **seen}  # those of before the check, so that no change during it is missed
+            while all(file_state(file) == seen[file] for file in files):
                 time.sleep(BETWEEN_LOOKS)
             _until_written(files)
     except KeyboardInterrupt:
@@ -47,18 +47,9 @@ def _file(model: str) -> Path:
         return Path(model)
 
 
-def _state(file: Path) -> tuple[int, int, int] | None:
-    """Numbers that change when a file is written or replaced; None if it is not there."""
-    try:
-        found = file.stat()
-    except OSError:
-        return None
-    return found.st_mtime_ns, found.st_size, found.st_ino
-
-
 def _until_written(files: Iterable[Path]) -> None:
     """Wait until an editor that empties a file, or takes it away, has written the new one."""
     known = list(files)
     before = None
-    while before != (before := [_state(file) for file in known]):
+    while before != (before := [file_state(file) for file in known]):
         time.sleep(UNTIL_WRITTEN)

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Set
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path, PurePosixPath, PureWindowsPath
+from typing import TypeAlias
 
 from torsionnet.core.entries.spec import EntryError
 from torsionnet.core.errors import did_you_mean
 
 _FOLDER: ContextVar[Path | None] = ContextVar("folder of the file that is being read", default=None)
 """Folder of the model file that is being read, None where a text without a folder is read."""
-_RECORDED: ContextVar[set[Path] | None] = ContextVar("files that were looked for", default=None)
+FileState: TypeAlias = tuple[int, int, int]
+"""Type of numbers that change when a file is written or replaced: time in ns, size in bytes and number of the file."""
+
+_RECORDED: ContextVar[dict[Path, FileState | None] | None] = ContextVar("files that were looked for", default=None)
 _IN_EDITORS: ContextVar[Mapping[Path, str]] = ContextVar("texts that are not saved yet", default={})  # noqa: B039
 MOST_FILE_BYTES = 8_000_000
 """Size in bytes of the largest named file that is read, as a larger one would only fill the memory."""
@@ -31,20 +35,29 @@ def files_beside(folder: Path | None) -> Iterator[None]:
 
 
 @contextmanager
-def files_recorded() -> Iterator[Set[Path]]:
-    """Context manager that gives the set of files looked for within it, also of those that are not there.
+def files_recorded() -> Iterator[Mapping[Path, FileState | None]]:
+    """Context manager that gives the files looked for within it, with what :func:`file_state` said of each before.
 
     >>> with files_recorded() as files, files_beside(Path("models")):
     ...     names = [one.name for one in files]
     >>> names
     []
     """
-    recorded: set[Path] = set()
+    recorded: dict[Path, FileState | None] = {}
     before = _RECORDED.set(recorded)
     try:
         yield recorded
     finally:
         _RECORDED.reset(before)
+
+
+def file_state(path: Path) -> FileState | None:
+    """State of a file, another one after each change of it; None if it is not there."""
+    try:
+        found = path.stat()
+    except (OSError, ValueError):
+        return None
+    return found.st_mtime_ns, found.st_size, found.st_ino
 
 
 @contextmanager
@@ -83,7 +96,7 @@ def nearby_file(name: str) -> Path:
     recorded = _RECORDED.get()
     try:
         if recorded is not None:
-            recorded.add(path.resolve())
+            recorded.setdefault(path.resolve(), file_state(path))
         there, inside = path.is_file(), path.resolve().is_relative_to(folder.resolve())
         size = path.stat().st_size if there else 0
     except (OSError, RuntimeError):  # the latter of links that lead in a circle, up to Python 3.12
