@@ -7,10 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar, cast
 
+from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, reference
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import UsageError, did_you_mean, unknown_key
+from torsionnet.model.element_base.nodes import ElementName, NodeText, PlaceOnElement
 from torsionnet.model.elements import GROUND, Element
 
 SENSOR_QUANTITIES = ("angle", "velocity", "acceleration", "twist", "torque", "stress")
@@ -100,7 +102,7 @@ class Sensor:
         if not self.is_on_element:
             against = _renamed(self.against, names)
             return Sensor(self.quantity, names.node(self.of), against=against, referred_to=shaft)
-        return Sensor(self.quantity, names.own(self.of), names.at(self.of, self.at), referred_to=shaft)
+        return Sensor(self.quantity, names.element(self.of), names.at(self.of, self.at), referred_to=shaft)
 
 
 @dataclass(frozen=True)
@@ -158,7 +160,7 @@ class Input:
     def renamed(self, names: Renaming) -> Input:
         """Copy of the input of a part, with its names in the whole model."""
         if self.is_on_element:
-            return Input(self.quantity, names.own(self.of))
+            return Input(self.quantity, names.element(self.of))
         return Input(self.quantity, names.node(self.of), _renamed(self.against, names))
 
     def to_data(self) -> dict[str, Json]:
@@ -280,10 +282,19 @@ class ChannelName(Text):
     """Entry for the name of a sensor, input or node, or for the text of a sensor."""
 
     def renamed(self, value: Any, names: Renaming) -> Any:
+        if not value:
+            return value
         if value in names.channels:
-            return names.own(value)
+            return names.channel(value)
         sensor = named_sensor(value, {})
         return names.node(value) if sensor is None else str(sensor.renamed(names))
+
+
+class RecordedName(Text):
+    """Entry for the name of a sensor or input of the model, or of another channel that is recorded."""
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return names.channel(value) if value else value
 
 
 Made_co = TypeVar("Made_co", bound=Input | Sensor, covariant=True)
@@ -297,6 +308,17 @@ class ChannelEntry(Spec[Made_co]):
     quantities: tuple[str, ...]
     name: str
     """Name under which the JSON Schema defines the entry."""
+
+    def entry_specs(self, raw: object) -> Mapping[Any, Spec[Any]]:
+        if not isinstance(raw, Mapping):
+            return {}
+        quantity = next((key for key in raw if key in self.quantities), "")
+        is_on_element = quantity in ELEMENT_QUANTITIES and self.made is Sensor
+        of = raw.get(quantity)
+        node = NodeText("a node")
+        named = ElementName("an element") if is_on_element else Listed("", node) if isinstance(of, list) else node
+        at = PlaceOnElement("a port or node", element=str(of))
+        return {quantity: named, "at": at, "referred_to": node}
 
     def coerce(self, raw: object) -> Made_co:
         if isinstance(raw, self.made) and raw.quantity in self.quantities:

@@ -11,6 +11,7 @@ from torsionnet.core.entries.composite import Listed, Named
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import AnyQuantity, plain_scalar, read_value
 from torsionnet.core.entries.spec import EntryError, Json, Plural, Schema, Spec, reference
+from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.core.expressions import Expression
 from torsionnet.core.listing import comma_list
@@ -44,11 +45,11 @@ class Overlay:
         """Copy of the changes in a part, with its names in the whole model; ``entries`` are not renamed."""
         point = self.operating_point
         return Overlay(
-            {names.own(name): names.expression(value) for name, value in self.parameters.items()},
-            tuple(map(names.own, self.on)),
-            tuple(map(names.own, self.off)),
+            {names.parameter(name): names.expression(value) for name, value in self.parameters.items()},
+            tuple(map(names.element, self.on)),
+            tuple(map(names.element, self.off)),
             None if point is None else point.renamed(names),
-            {names.own(key): value for key, value in self.entries.items()},
+            {names.changed_entry(key): value for key, value in self.entries.items()},
         )
 
     def to_data(self) -> dict[str, Json]:
@@ -58,11 +59,27 @@ class Overlay:
         return data | ({"operating_point": self.operating_point.to_data()} if self.operating_point else {})
 
 
+class ChangedEntry(Text):
+    """Entry for the name of what an alternative changes."""
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return names.changed_entry(value)
+
+
+_CHANGED = ChangedEntry("a parameter, or an entry as box.engaged")
+
+
 class AlternativeEntry(Plural[Overlay]):
     """Entry for an alternative of a configuration with its changes to the model.
 
     ``{parameter: value, on: [element], operating_point: {...}, box.engaged: II}``.
     """
+
+    def entry_specs(self, raw: object) -> Mapping[Any, Spec[Any]]:
+        return {key: _KNOWN.get(key, VALUE) for key in raw if "." not in str(key)} if isinstance(raw, Mapping) else {}
+
+    def key_names(self, raw: object) -> Mapping[Any, Spec[Any]]:
+        return {key: _CHANGED for key in raw if key not in _KNOWN} if isinstance(raw, Mapping) else {}
 
     @property
     def absent(self) -> Overlay:
@@ -143,10 +160,15 @@ class AxesEntry(Plural[dict[str, dict[str, Overlay]]]):
     def may_be_empty(self) -> bool:
         return True
 
+    def entry_specs(self, raw: object) -> Mapping[Any, Spec[Any]]:
+        if not isinstance(raw, Mapping):
+            return {}
+        return dict.fromkeys(raw, ALTERNATIVES) if has_axes(raw) else ALTERNATIVES.entry_specs(raw)
+
     def read(self, raw: object) -> tuple[dict[str, dict[str, Overlay]], list[Fault]]:
         if not isinstance(raw, Mapping):
             return {}, [Fault(f"expected axes of alternatives, gear: {{II: {{tau: 7.96}}}}, got {raw!r}")]
-        if raw and not any(_is_axis(entry) for entry in raw.values()):
+        if raw and not has_axes(raw):
             overlays, faults = _read_axis(raw)
             return {DEFAULT_AXIS: overlays}, faults
         axes: dict[str, dict[str, Overlay]] = {}
@@ -175,6 +197,11 @@ class AxesEntry(Plural[dict[str, dict[str, Overlay]]]):
 
     def definitions(self) -> Schema:
         return {"axis": ALTERNATIVES.schema(), **ALTERNATIVES.definitions()}
+
+
+def has_axes(raw: Mapping[Any, Any]) -> bool:
+    """Whether alternatives in a file stand on axes with names, and not on a single one without."""
+    return any(_is_axis(entry) for entry in raw.values())
 
 
 def _is_axis(entry: Any) -> bool:

@@ -8,20 +8,26 @@ from typing import ClassVar, Self
 
 from torsionnet.core.entries.composite import Named, Nested
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression
-from torsionnet.model.torque_places import place_fault, renamed_place, torque_place
+from torsionnet.model.element_base.nodes import NodeName
+from torsionnet.model.torque_places import TorquePlace, place_fault, torque_place
 
 FORM = "{node: value}"
-_SPEED = Named("mean speed by node, as 1500 rpm", PhysicalQuantity("mean speed", "speed", lower=None), form=FORM)
+_SPEED = Named(
+    "mean speed by node, as 1500 rpm",
+    PhysicalQuantity("mean speed", "speed", lower=None),
+    form=FORM,
+    keys=NodeName("a node"),
+)
 _TORQUE = Named(
     "mean external torque by node, as 80 N*m, or between two as pulley-block",
     PhysicalQuantity("mean torque", "torque", lower=None),
     refused=place_fault,
     form=FORM,
+    keys=TorquePlace("a node, or two"),
 )
 
 
@@ -54,13 +60,6 @@ class OperatingPoint(Declared):
         if found is None and isinstance(raw, Mapping):
             found = cls(**cls.read_entries(raw)[0])
         return found, faults
-
-    def renamed(self, names: Renaming) -> OperatingPoint:
-        """Copy of the operating point of a part, with its names in the whole model."""
-        return OperatingPoint(
-            {names.node(node): names.expression(one) for node, one in self.speed.items()},
-            {renamed_place(place, names): names.expression(one) for place, one in self.torque.items()},
-        )
 
     def with_overlay(self, other: OperatingPoint | None) -> OperatingPoint:
         """Operating point with the entries of ``other`` replacing its own."""

@@ -9,7 +9,6 @@ from typing import Any, ClassVar
 
 from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import AnyQuantity, read_value
 from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, coerce_part, entry, reference
 from torsionnet.core.entries.words import OneOf, Text
@@ -17,6 +16,7 @@ from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression, ExpressionError, Number
 from torsionnet.core.piecewise_linear import Rows
 from torsionnet.core.units import DIMENSIONS, Dimension
+from torsionnet.model.element_base.nodes import ElementName, NodeText
 from torsionnet.model.lookup_table import LookupTable, wrong_key
 
 VIBRATORY_TORQUE = "vibratory_torque"
@@ -27,6 +27,13 @@ FOLLOWED_QUANTITIES = {
     VIBRATORY_TORQUE: ("an element", "torque"),
 }
 """Kind of thing and dimension of each quantity of the operating point that a parameter may follow, by quantity."""
+
+
+_FOLLOWED = {
+    "a node": NodeText("the node it follows"),
+    "a node that drives or absorbs": NodeText("the node it follows"),
+    "an element": ElementName("the element it follows"),
+}
 
 
 class OperatingValue(Number):
@@ -143,13 +150,11 @@ class Parameter(Declared):
         """Copy of the parameter with a fixed value in place of its expression or table."""
         return replace(self, value=value, by=None, of="", table=())
 
-    def renamed(self, names: Renaming) -> Parameter:
-        """Copy of the parameter of a part, with its names in the whole model."""
-        if self.by is None:
-            return replace(self, value=names.expression(self.value)) if self.value.names else self
-        return replace(
-            self, of=names.node(self.of) if FOLLOWED_QUANTITIES[self.by][0] != "an element" else names.own(self.of)
-        )
+    @classmethod
+    def spec_beside(cls, name: str, spec: Spec[Any], entries: Mapping[str, Any]) -> Spec[Any]:
+        if name != "of" or entries.get("by") not in FOLLOWED_QUANTITIES:
+            return spec
+        return _FOLLOWED[FOLLOWED_QUANTITIES[entries["by"]][0]]
 
     def with_operating_values(self, value: float) -> Parameter:
         """Copy of the parameter with its value in SI units at an operating point."""

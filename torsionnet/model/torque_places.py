@@ -7,6 +7,7 @@ from typing import Any
 
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.spec import EntryError
+from torsionnet.core.entries.words import Text
 from torsionnet.model.channels import Input, pair_fault, parse_pair
 from torsionnet.model.element_base.nodes import NodeName
 
@@ -47,3 +48,32 @@ class TorquePlace(NodeName):
 
     def renamed(self, value: Any, names: Renaming) -> Any:
         return renamed_place(value, names)
+
+
+class TorqueInput(TorquePlace):
+    """Entry for the place of a torque, or an input of the model."""
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return names.channel(value) if value in names.channels else super().renamed(value, names)
+
+
+class DriverName(TorquePlace):
+    """Entry for the place of a torque, or an excitation that drives there."""
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return names.excitation(value) if value in names.excitations else super().renamed(value, names)
+
+
+class MachineName(Text):
+    """Entry for a machine, an element or an excitation of the model."""
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        is_excitation = value in names.excitations and value not in (names.ports or {})
+        return names.excitation(value) if is_excitation else names.element(value)
+
+
+class ExcitationName(Text):
+    """Entry for the name of an excitation of the model."""
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return names.excitation(value)

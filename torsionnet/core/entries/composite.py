@@ -52,6 +52,12 @@ class Nested(Composite[D]):
             return (None, faults) if faults else cls.made({self.shorthand: value})
         return cls.read(raw)
 
+    def entry_specs(self, raw: object) -> Mapping[Any, Spec[Any]]:
+        return self.of().entry_specs(raw) if isinstance(raw, Mapping) else {}
+
+    def key_names(self, raw: object) -> Mapping[Any, Spec[Any]]:
+        return self.of().key_names(raw) if isinstance(raw, Mapping) else {}
+
     def renamed(self, value: Any, names: Renaming) -> Any:
         return value.renamed(names)
 
@@ -113,6 +119,18 @@ class Typed(Composite[D]):
             return False
         return (raw.kind in known and isinstance(raw, known[raw.kind])) or isinstance(raw, tuple(known.values()))
 
+    def entry_specs(self, raw: object) -> Mapping[Any, Spec[Any]]:
+        cls = self._class_of(raw)
+        return cls.entry_specs(raw) if cls and isinstance(raw, Mapping) else {}
+
+    def key_names(self, raw: object) -> Mapping[Any, Spec[Any]]:
+        cls = self._class_of(raw)
+        return cls.key_names(raw) if cls and isinstance(raw, Mapping) else {}
+
+    def _class_of(self, raw: object) -> type[D] | None:
+        kind = raw.get(self.key) if isinstance(raw, Mapping) else None
+        return self.kinds().get(kind) if isinstance(kind, str) else None
+
     def renamed(self, value: Any, names: Renaming) -> Any:
         return value.renamed(names)
 
@@ -154,6 +172,8 @@ class Named(Composite[Mapping[str, Stored_co]], Plural[Mapping[str, Stored_co]])
     """JSON Schema that every name in the table has to fit."""
     form: str = "entries by name"
     fewest: int = 0
+    keys: Spec[str] | None = None
+    """Specification of the names in the table where these are names of other things, as of nodes."""
 
     @property
     def absent(self) -> Mapping[str, Stored_co]:
@@ -184,7 +204,15 @@ class Named(Composite[Mapping[str, Stored_co]], Plural[Mapping[str, Stored_co]])
                 table[str(name)] = cast("Stored_co", value)
         return table, faults
 
+    def key_names(self, raw: object) -> Mapping[Any, Spec[Any]]:
+        return dict.fromkeys(raw, self.keys) if self.keys is not None and isinstance(raw, Mapping) else {}
+
+    def entry_specs(self, raw: object) -> Mapping[Any, Spec[Any]]:
+        return dict.fromkeys(raw, self.of) if isinstance(raw, Mapping) else {}
+
     def renamed(self, value: Any, names: Renaming) -> Any:
+        if self.keys is not None:
+            return {self.keys.renamed(name, names): self.of.renamed(one, names) for name, one in value.items()}
         found = {name: self.of.renamed(one, names) for name, one in value.items()}
         return value if all(found[name] is value[name] for name in value) else found
 
@@ -227,6 +255,9 @@ class Listed(Composite[tuple[Stored_co, ...]], Plural[tuple[Stored_co, ...]]):
             values += [] if found else [value]
         return tuple(values), faults
 
+    def entry_specs(self, raw: object) -> Mapping[Any, Spec[Any]]:
+        return dict.fromkeys(range(len(raw)), self.of) if isinstance(raw, list | tuple) else {}
+
     def renamed(self, value: Any, names: Renaming) -> Any:
         if not isinstance(value, tuple):  # a word that stands for a list
             return value
@@ -259,6 +290,9 @@ class PairOf(Composite[tuple[Stored_co, Stored_co]]):
             return None, [Fault(f"expected {self.form}, got {raw!r}")]
         values, faults = Listed(self.description, self.of).read(raw)
         return (None if faults else (values[0], values[1])), faults
+
+    def entry_specs(self, raw: object) -> Mapping[Any, Spec[Any]]:
+        return dict.fromkeys(range(len(raw)), self.of) if isinstance(raw, list | tuple) else {}
 
     def renamed(self, value: Any, names: Renaming) -> Any:
         return (self.of.renamed(value[0], names), self.of.renamed(value[1], names))

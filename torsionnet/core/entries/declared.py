@@ -149,12 +149,29 @@ class Declared:
         text = f"{called} needs {key}: {dict(cls.specs())[key].example}"
         return Fault(text, on_key=True, kind="missing key", about=key)
 
+    @classmethod
+    def spec_beside(cls, name: str, spec: Spec[Any], entries: Mapping[str, Any]) -> Spec[Any]:
+        """Specification that says what an entry names, which for some depends on the entries beside it."""
+        del name, entries
+        return spec
+
+    @classmethod
+    def entry_specs(cls, raw: Mapping[Any, Any]) -> Mapping[Any, Spec[Any]]:
+        """Specification of each entry of an object as a file gives it, by key."""
+        return {name: cls.spec_beside(name, spec, raw) for name, spec in cls.specs() if name in raw}
+
+    @classmethod
+    def key_names(cls, raw: Mapping[Any, Any]) -> Mapping[Any, Spec[Any]]:
+        """Specification of each key of the object that names another thing, as an element."""
+        del raw
+        return {}
+
     def renamed(self, names: Renaming) -> Self:
         """Copy of the object in which all names that it refers to are renamed."""
         changes = {}
         for name, spec in self.specs():
             value = getattr(self, name)
-            found = value if value is None else spec.renamed(value, names)
+            found = value if value is None else self.spec_beside(name, spec, self.__dict__).renamed(value, names)
             if found is not value:
                 changes[name] = found
         return replace(self, **changes) if changes else self  # type: ignore[type-var]

@@ -23,16 +23,57 @@ class Renaming:
         Sensors and inputs of the part.
     ports : mapping
         Element of the part -> its ports with their nodes.
+    excitations : collection of str
+        Excitations of the part.
     """
 
     prefix: str
     nodes: Mapping[str, str]
     channels: Collection[str] = ()
     ports: Mapping[str, Mapping[str, str]] | None = None
+    excitations: Collection[str] = ()
 
     def own(self, name: str) -> str:
         """Name in the model of an element, parameter, sensor, ... of the part."""
         return self.prefix + name
+
+    def element(self, name: str) -> str:
+        """Name in the model of an element of the part."""
+        return self.own(name)
+
+    def parameter(self, name: str) -> str:
+        """Name in the model of a parameter of the part."""
+        return self.own(name)
+
+    def channel(self, name: str) -> str:
+        """Name in the model of a sensor or input of the part."""
+        return self.own(name)
+
+    def excitation(self, name: str) -> str:
+        """Name in the model of an excitation of the part."""
+        return self.own(name)
+
+    def part(self, name: str) -> str:
+        """Name in the model of a part that the part uses, which is the same."""
+        return name
+
+    def port(self, part: str, name: str) -> str:
+        """Name of a port of a part that the part uses, which is the same."""
+        del part
+        return name
+
+    def part_parameter(self, part: str, name: str) -> str:
+        """Name of a parameter of a part that the part uses, which is the same."""
+        del part
+        return name
+
+    def changed_entry(self, name: str) -> str:
+        """Name in the model of what an alternative changes, a parameter or an entry as ``engine.misfire``."""
+        return self.own(name)
+
+    def configuration(self, name: str) -> str:
+        """Name in the model of a choice of alternatives, which is the same."""
+        return name
 
     def node(self, name: str) -> str:
         """Name in the model of a node of the part."""
@@ -45,7 +86,7 @@ class Renaming:
 
     def expression(self, value: Expression) -> Expression:
         """Expression of the part's parameters with their names in the model."""
-        return value.renamed(self.own)
+        return value.renamed(self.parameter)
 
     def within(self, value: Any) -> Any:
         """Value of an entry in its stored form, with the names in all its expressions changed.

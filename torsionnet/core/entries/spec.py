@@ -82,6 +82,19 @@ class Spec(Generic[Stored_co]):
         data: Json = value
         return data
 
+    def key_names(self, raw: object) -> Mapping[Any, Spec[Any]]:
+        """Specification of each key of the entry that names another thing, as a node."""
+        del raw
+        return {}
+
+    def entry_specs(self, raw: object) -> Mapping[Any, Spec[Any]]:
+        """Specification of each entry within the entry as a file gives it, by key or index.
+
+        Empty where the entry is read as a whole.
+        """
+        del raw
+        return {}
+
     def renamed(self, value: Any, names: Renaming) -> Any:
         """Value in which all names that it refers to are renamed; most kinds refer to parameters only."""
         return names.within(value)

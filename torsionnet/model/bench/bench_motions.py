@@ -11,10 +11,12 @@ from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.number_table import NumberTable, RowColumn
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry, not_none
-from torsionnet.core.entries.words import Flag, Text
+from torsionnet.core.entries.words import Flag
 from torsionnet.core.errors import Fault
 from torsionnet.core.piecewise_linear import Rows
+from torsionnet.model.element_base.nodes import NodeText
 from torsionnet.model.excitations.speed_range import SPEED
+from torsionnet.model.torque_places import ExcitationName
 
 COAST_DOWN_POINTS = 400
 """Number of points of an exponential fall of speed, straight between them: over three time constants the speed is then
@@ -51,13 +53,16 @@ class BenchMotion(Declared):
         Whether speeds outside those of the model are meant.
     """
 
-    speed_of: str = entry(Text("node whose speed it is; by default that of speeds:"), "")
+    speed_of: str = entry(NodeText("node whose speed it is; by default that of speeds:"), "")
     start_angle: float = entry(
         Value("angle of the reference shaft at the beginning; 0 is where phases of orders are counted from", "angle",
               lower=None), 0.0
     )  # fmt: skip
     without: tuple[str, ...] = entry(
-        Listed("excitations of the model that are off", Text("the name of an excitation"), form="a list of names"), ()
+        Listed(
+            "excitations of the model that are off", ExcitationName("the name of an excitation"), form="a list of names"
+        ),
+        (),
     )
     outside_speeds: bool = entry(Flag("whether speeds outside those of the model are meant"), False)
 

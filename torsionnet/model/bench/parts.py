@@ -10,9 +10,10 @@ from torsionnet.core.entries.composite import Listed, Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value, ValueInUnitOfUse, plain_number
 from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, coerce_part, entry
-from torsionnet.core.entries.words import Count, Flag, OneOf, Text
+from torsionnet.core.entries.words import Count, Flag, OneOf
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
+from torsionnet.model.channels import ChannelName, RecordedName
 
 DELAY = "time by which the channel lags behind the others"
 """Description of the entry ``delay`` of every sensor."""
@@ -139,7 +140,7 @@ class Transducer(Declared):
 
     kind: ClassVar[str] = "transducer"
 
-    sensor: str | None = entry(Text(SENSOR), None)
+    sensor: str | None = entry(ChannelName(SENSOR), None)
     range: Number | None = entry(
         ValueInUnitOfUse("largest value, plus or minus; beyond it the reading is clipped", exclusive=True), None
     )
@@ -163,7 +164,7 @@ class Encoder(Declared):
 
     kind: ClassVar[str] = "encoder"
 
-    sensor: str | None = entry(Text(SENSOR), None)
+    sensor: str | None = entry(ChannelName(SENSOR), None)
     lines: int = entry(Count("lines per revolution", upper=10_000_000))
     quadrature: bool = entry(Flag("whether all four edges of the two tracks are counted"), False)
     delay: float = entry(Value(DELAY, "time"), 0.0)
@@ -216,7 +217,7 @@ class RecordingSystem(Declared):
     article: ClassVar[str] = "a recording system"
 
     channels: tuple[str, ...] = entry(
-        Listed("channels that it records", Text("the name of a channel"), form="a list of names")
+        Listed("channels that it records", RecordedName("the name of a channel"), form="a list of names")
     )
     drift: float = entry(Value("share by which its clock is fast", "1", lower=None, below=0.01), 0.0)
     offset: float = entry(Value("time on the first system's clock at which it begins, at its own time 0", "time"), 0.0)

@@ -9,12 +9,13 @@ from typing import ClassVar, TypeAlias
 from torsionnet.core.entries.composite import Named, Nested, Typed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, Text
+from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault
 from torsionnet.model.bench.bench_motions import MOTIONS, BenchMotion
 from torsionnet.model.bench.parts import Acquisition, Encoder, Exciter, RecordingSystem, Transducer
 from torsionnet.model.bench.strain_gauge import StrainGauge
 from torsionnet.model.bench.toothed_wheel import ToothedWheel
+from torsionnet.model.channels import RecordedName
 from torsionnet.signals.excitation import BurstRandom, LinearChirp, LogarithmicSweep, Multisine, SteppedSine
 from torsionnet.signals.excitation.excitation import Excitation
 
@@ -28,6 +29,7 @@ _MOTION = Typed("how the drivetrain turns", lambda: MOTIONS, "motion", "bench_mo
 _SYSTEM = Nested("a further recording system", lambda: RecordingSystem, "bench_system")
 _EXCITATION = Typed("what the torque is to be", lambda: EXCITATIONS, "excitation", "bench_excitation", shown=SWEEP)
 _CHANNEL = Typed("a sensor and its errors", lambda: SENSORS, "sensor", "bench_channel")
+_CHANNEL_NAME = RecordedName("a sensor, or a channel with a sensor of its own")
 _EXCITER = Nested("the motor that shakes", lambda: Exciter, "bench_exciter")
 _ACQUISITION = Nested("sampling of all channels", lambda: Acquisition, "bench_acquisition", shown="{rate: 10 kHz}")
 
@@ -69,12 +71,12 @@ class Plan(Declared):
     article: ClassVar[str] = "a bench"
     form: ClassVar[str] = "the entries drive, excitation, motion, exciter, channels, acquisition, seed"
 
-    drive: str = entry(Text("input on which the torque acts, if there are several"), "")
+    drive: str = entry(RecordedName("input on which the torque acts, if there are several"), "")
     excitation: Excitation | None = entry(_EXCITATION, None)
     motion: BenchMotion | None = entry(_MOTION, None)
     exciter: Exciter = entry(_EXCITER, Exciter())
     channels: Mapping[str, Sensing] = entry(
-        Named("what is recorded, by the name of a sensor", _CHANNEL, form=CHANNELS, fewest=1)
+        Named("what is recorded, by the name of a sensor", _CHANNEL, form=CHANNELS, fewest=1, keys=_CHANNEL_NAME)
     )
     acquisition: Acquisition = entry(_ACQUISITION)
     seed: int = entry(Count("the same seed gives the same record", lower=0, upper=2**32 - 1), 0)

@@ -10,8 +10,9 @@ from torsionnet.core.entries.composite import Listed, Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, Flag, Text
+from torsionnet.core.entries.words import Count, Flag
 from torsionnet.core.errors import Fault
+from torsionnet.model.channels import ChannelName, RecordedName
 
 SENSED = 'the angle of its node, if its name is no sensor of the model: "angle(fly)"'
 """Description of the entry ``sensor`` of a toothed wheel."""
@@ -99,8 +100,8 @@ class ToothedWheel(Declared):
     kind: ClassVar[str] = "toothed wheel"
     article: ClassVar[str] = "a toothed wheel"
 
-    sensor: str | None = entry(Text(SENSED), None)
-    wheel: str = entry(Text("channel of the wheel's first pickup, of a further pickup on it"), "")
+    sensor: str | None = entry(ChannelName(SENSED), None)
+    wheel: str = entry(RecordedName("channel of the wheel's first pickup, of a further pickup on it"), "")
     teeth: int | None = entry(Count("teeth on the circumference, missing ones included", upper=100_000), None)
     missing_teeth: int = entry(Count("teeth that the gap lacks, the last ones of a turn", lower=0, upper=1000), 0)
     gearing: float = entry(

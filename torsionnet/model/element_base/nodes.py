@@ -51,7 +51,25 @@ class ElementName(Text):
     what: str = "the name of an element"
 
     def renamed(self, value: Any, names: Renaming) -> Any:
-        return names.own(value)
+        return names.element(value)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class NodeText(Text):
+    """Entry for the name of a node, or nothing."""
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return names.node(value) if value else value
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PlaceOnElement(Text):
+    """Entry for a port of an element, or the node there."""
+
+    element: str = ""
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return names.at(self.element, value)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

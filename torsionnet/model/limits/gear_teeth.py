@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from typing import ClassVar, Self
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
 from torsionnet.core.entries.alternatives import given_entries, one_at_most
-from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.spec import Spec, entry
 from torsionnet.core.entries.words import Flag, Text
 from torsionnet.core.errors import Fault
 from torsionnet.model.channels import Sensor, port_fault
+from torsionnet.model.element_base.nodes import PlaceOnElement
 from torsionnet.model.limits.element_limit import ElementLimit, constant_over_speed
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import LimitLine, line_without_data, register_rule
@@ -53,8 +53,9 @@ class GearLimit(ElementLimit):
             return [Fault("nothing is limited; give vibratory_share, vibratory_torque or hammer: true", on_key=True)]
         return one_at_most(self, *bounds)
 
-    def renamed(self, names: Renaming) -> Self:
-        return replace(super().renamed(names), at=names.at(self.element, self.at))
+    @classmethod
+    def spec_beside(cls, name: str, spec: Spec[Any], entries: Mapping[str, Any]) -> Spec[Any]:
+        return PlaceOnElement(spec.description, element=str(entries.get("element"))) if name == "at" else spec
 
     def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
         reason = port_fault(subject.elements[self.element], self.at) if self.at else None

@@ -11,7 +11,7 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.model.load.absorber import Absorber
-from torsionnet.model.torque_places import TorquePlace, place_fault
+from torsionnet.model.torque_places import DriverName, TorquePlace, place_fault
 
 _LAW = ("power", "torque", "torque_exponent", "rated", "over_speed")
 _ABSORBER = Nested(
@@ -46,6 +46,7 @@ class Load(Absorber):
             _ABSORBER,
             refused=place_fault,
             form="{prop: {power: 3 MW, torque_exponent: 2}}",
+            keys=TorquePlace("a node, or two"),
         ),
         None,
     )
@@ -55,6 +56,7 @@ class Load(Absorber):
             _SHARE,
             refused=place_fault,
             form="{fly: 1}",
+            keys=DriverName("a node, two nodes, or an excitation"),
         ),
         None,
     )

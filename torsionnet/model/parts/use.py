@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from torsionnet.core.entries.composite import Listed, Named, PairOf
 from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import AnyQuantity
 from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, Stored_co, entry
 from torsionnet.core.entries.words import Count, Text
@@ -25,6 +26,14 @@ class OneOrEach(Spec[Stored_co | tuple[Stored_co, ...]]):
 
     of: Spec[Stored_co]
 
+    def entry_specs(self, raw: object) -> Mapping[Any, Spec[Any]]:
+        return Listed(self.description, self.of).entry_specs(raw) or self.of.entry_specs(raw)
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        if isinstance(value, tuple):
+            return tuple(self.of.renamed(one, names) for one in value)
+        return self.of.renamed(value, names)
+
     def coerce(self, raw: object) -> Any:
         if not isinstance(raw, list | tuple):
             return self.of.coerce(raw)
@@ -41,7 +50,34 @@ class OneOrEach(Spec[Stored_co | tuple[Stored_co, ...]]):
         return {"anyOf": [one, {"type": "array", "items": one}], "description": self.description}
 
 
-_PORT = Text("a port of the part", "the name of a port")
+@dataclass(frozen=True, eq=False, repr=False)
+class PortName(Text):
+    """Entry for a port of a part."""
+
+    part: str = ""
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return names.port(self.part, value)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PartParameter(Text):
+    """Entry for the name of a parameter of a part."""
+
+    part: str = ""
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return names.part_parameter(self.part, value)
+
+
+class PartName(Text):
+    """Entry for the name of a part."""
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return names.part(value)
+
+
+_PORT = PortName("a port of the part", "the name of a port")
 _AT = Named(
     "port -> the node of this model that it is; a list has one for each copy",
     OneOrEach("a node, or one for each copy", NodeName("a node")),
@@ -69,13 +105,23 @@ class Use(Declared):
     article: ClassVar[str] = "a use of a part"
     form: ClassVar[str] = "{part: half_shaft, at: {inner: dl, outer: hub}, parameters: {k: 9 kN*m/rad}}"
 
-    part: str = entry(Text("which part it is", "the name of a part"))
+    part: str = entry(PartName("which part it is", "the name of a part"))
     at: Mapping[str, str | tuple[str, ...]] = entry(_AT, None)
     parameters: Mapping[str, Expression | tuple[Expression, ...]] = entry(_VALUES, None)
     repeat: int | None = entry(Count("how many copies; their names end in 1, 2, ...", 1, MOST_COPIES), None)
     chain: tuple[str, str] | None = entry(
         PairOf("ports [front, rear]: the rear of each copy is the front of the next", _PORT), None
     )
+
+    @classmethod
+    def spec_beside(cls, name: str, spec: Spec[Any], entries: Mapping[str, Any]) -> Spec[Any]:
+        part = str(entries.get("part"))
+        if isinstance(spec, PairOf):
+            return replace(spec, of=replace(_PORT, part=part))
+        if isinstance(spec, Named):
+            names = PortName if name == "at" else PartParameter
+            return replace(spec, keys=names(spec.description, part=part))
+        return spec
 
     def contradictions(self) -> list[Fault]:
         if self.chain is not None and self.repeat is None:

@@ -6,8 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, reference
 from torsionnet.core.errors import UsageError
+from torsionnet.model.channels import ChannelName
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,9 @@ class Pair:
         return {"output": self.output, "input": self.input, "excitation": self.excitation}
 
 
+_CHANNEL = ChannelName("sensor, input or node")
+
+
 class PairEntry(Spec[Pair]):
     """Entry of a pair of output and input, whose transfer function the report of a model shows.
 
@@ -69,6 +74,10 @@ class PairEntry(Spec[Pair]):
         if isinstance(raw, Mapping) and {"output", "input"} <= set(raw) <= set(_PARTS):
             return Pair(**{str(key): str(value) for key, value in raw.items()})
         raise UsageError(f"expected OUTPUT/INPUT, or {{output: ..., input: ..., excitation: ...}}; got {raw!r}")
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        ends = (_CHANNEL.renamed(one, names) for one in (value.output, value.input, value.excitation))
+        return Pair(*ends)
 
     def plain(self, value: Any) -> Json:
         data: Json = value.to_data()

@@ -9,10 +9,12 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.band import Band
 from torsionnet.core.entries.composite import Listed, Named
 from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
 from torsionnet.core.entries.words import Count, Flag, OneOf, Text
 from torsionnet.core.errors import suggestion_or
+from torsionnet.model.channels import ChannelName
 from torsionnet.model.report.report_pair import Pair, PairEntry
 from torsionnet.model.report.sections import KINDS, SECTIONS
 from torsionnet.model.report.title_block import TITLE_BLOCK, TitleBlock
@@ -53,6 +55,9 @@ class ConfigurationName(Spec[str]):
             raise EntryError(f"expected a name, got {raw!r}")
         return str(raw)
 
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return names.configuration(value)
+
     def schema(self) -> Schema:
         return {"type": ["string", "number"]}
 
@@ -68,7 +73,7 @@ _SECTIONS = Listed(
 _PAIRS = Listed("OUTPUT/INPUT, in this order", PAIR, form="a list such as [theta_1/T_T]")
 _ORDERS = Listed(
     "sensors or nodes shown over speed; default: the sensors of torque",
-    Text("sensor or node"),
+    ChannelName("sensor or node"),
     form="a list such as [T_C]",
 )
 _RULES = OneOf(
@@ -92,7 +97,7 @@ _PASSAGE = Listed(
 )
 _MEASURE = Listed(
     "sensors of the measurement plan; default: free end of the engine and the shaft used most",
-    Text("sensor or node"),
+    ChannelName("sensor or node"),
     form="a list such as [phi_1, T_int]",
 )
 _NAMES = Listed("configurations to report; default: all", ConfigurationName(""), form="a list of names")

@@ -9,7 +9,6 @@ from typing import Any, TypeAlias
 
 import torsionnet.model.scenarios.time_history as history
 from torsionnet.core.entries.composite import Composite
-from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import (
     SCALAR_SCHEMA,
     AnyQuantity,
@@ -173,10 +172,6 @@ class HistoryEntry(Composite[Course]):
     def expressions(self, value: Any) -> tuple[tuple[Path, Expression, str], ...]:
         wanted = {"frequency": "frequency", "phase": "angle"}
         return tuple(((name,) if name else (), one, wanted.get(name, self.dimension)) for name, one in value.parts())
-
-    def renamed(self, value: Any, names: Renaming) -> Any:
-        del names  # a part has no scenarios
-        return value
 
     def plain(self, value: Any) -> Json:
         if isinstance(value, SteadyCourse):

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 from torsionnet.core.entries.scalars import PhysicalQuantity, Value
 from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, Text
+from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault, unknown_name
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.scenarios.scenario import (
@@ -20,6 +20,7 @@ from torsionnet.model.scenarios.scenario import (
     register_scenario,
 )
 from torsionnet.model.scenarios.time_history import HistoryPiece, TimeHistory, Wave
+from torsionnet.model.torque_places import MachineName
 from torsionnet.response.motion.motion_event import MotionEvent
 
 AFTERWARDS = 0.5
@@ -65,7 +66,7 @@ class ShortCircuitScenario(Scenario):
     kind: ClassVar[str] = "short_circuit"
     form: ClassVar[str] = "{type: short_circuit, machine: G, phases: 2, at: 0.1 s, x: 0.135}"
 
-    machine: str = entry(Text("the element of the machine, or its excitation electric_machine"))
+    machine: str = entry(MachineName("the element of the machine, or its excitation electric_machine"))
     phases: int | None = entry(Count("how many phases are short, 2 or 3", 2, 3), None)
     angle: Expression | None = entry(
         PhysicalQuantity(

@@ -12,20 +12,28 @@ from torsionnet.core.entries.spec import Json, Schema, Spec, entry
 from torsionnet.core.entries.words import name_fault
 from torsionnet.core.errors import Fault, Path, TorsionnetError, did_you_mean, unknown_name
 from torsionnet.core.expressions import Expression
+from torsionnet.model.element_base.nodes import ElementName
 from torsionnet.model.elements import GROUND, Element, MotionLaw, Values
 from torsionnet.model.scenarios.history_entry import Course, HistoryEntry
 from torsionnet.model.scenarios.scenario import DrivingCourse, Scenario, ScenarioSubject, register_scenario
 from torsionnet.model.scenarios.time_history import TimeHistory
-from torsionnet.model.torque_places import place_fault, torque_place
+from torsionnet.model.torque_places import TorqueInput, place_fault, torque_place
 
 _TORQUE = HistoryEntry("torque over time", "torque")
-_TORQUES = Named("torque over time by node", _TORQUE, refused=place_fault, form="{node: {0 s: 20 N*m, 50 ms: 250 N*m}}")
+_TORQUES = Named(
+    "torque over time by node",
+    _TORQUE,
+    refused=place_fault,
+    form="{node: {0 s: 20 N*m, 50 ms: 250 N*m}}",
+    keys=TorqueInput("a node, two nodes, or an input"),
+)
 _SCALE = HistoryEntry("what scales the torque of the element, over time")
 _SCALES = Named(
     "what scales the torques of elements, over time, by element",
     Named("over time, by name", _SCALE, form="{clamp: {0 s: 0 N*m, 0.5 s: 300 N*m}}", fewest=1),
     refused=name_fault,
     form="{clutch: {clamp: {0 s: 0 N*m, 0.5 s: 300 N*m}}}",
+    keys=ElementName("an element"),
 )
 
 NOTHING_SCALES = "nothing scales its torque; a clutch with state: slipping, friction and clamp_torque follows its clamp"
@@ -74,6 +82,16 @@ class TorqueScenario(Scenario):
         if scaled or values.get("elements"):
             values["elements"] = {**(values.get("elements") or {}), **scaled}
         return values, [*faults, *found]
+
+    @classmethod
+    def entry_specs(cls, raw: Mapping[Any, Any]) -> Mapping[Any, Spec[Any]]:
+        scaled = {key: _SCALES.of for key in raw if key not in cls._own_keys(raw)}
+        return {**super().entry_specs(raw), **scaled}
+
+    @classmethod
+    def key_names(cls, raw: Mapping[Any, Any]) -> Mapping[Any, Spec[Any]]:
+        own = cls._own_keys(raw)
+        return _SCALES.key_names({key: one for key, one in raw.items() if key not in own})
 
     def contradictions(self) -> list[Fault]:
         if self.torque or self.elements:
