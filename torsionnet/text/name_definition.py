@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path as FolderPath
 
 from torsionnet.text.named_places import NamedPlace, named_places
 from torsionnet.text.text_edits import TextSpan
 
 
-def place_at(places: list[NamedPlace], offset: int) -> NamedPlace | None:
+def place_at(places: Iterable[NamedPlace], offset: int) -> NamedPlace | None:
     """Place of which the name stands at an offset or ends there, None if there is none."""
     return next((one for one in places if one.span.start <= offset <= one.span.end), None)
 

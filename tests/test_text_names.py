@@ -1,0 +1,197 @@
+"""Names in model texts: where they stand, where they are defined, and renaming that changes nothing else."""
+
+import re
+from functools import cache
+
+import pytest
+
+from torsionnet.core.errors import UsageError
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.model.files.library import library_models
+from torsionnet.model.files.reader import read_text
+from torsionnet.text.name_change import rename, renamable
+from torsionnet.text.name_definition import definition, references
+from torsionnet.text.named_places import NamedPlace, named_places
+from torsionnet.text.text_edits import TextSpan, edited
+
+FRESH = "zz_fresh"
+PLANT = """\
+torsionnet: 1
+name: plant with everything that can be named
+parameters:
+  a: {value: 2 kg*m^2, description: the a of a}
+  k: {value: 3 kN*m/rad, bounds: [1 kN*m/rad, 9 kN*m/rad]}
+  tau: 2
+  follows: {by: speed, of: a, table: [[0 rpm, 1], [3000 rpm, 2]]}
+  twisting: {by: mean_torque, of: link, table: [[0 N*m, 1 N*m*s/rad], [100 N*m, 2 N*m*s/rad]]}
+parts:
+  stage:
+    ports: [front, rear]
+    parameters: {k: 5 kN*m/rad, J: 1 kg*m^2}
+    elements:
+      spring: {type: spring, nodes: [front, rear], stiffness: k}
+      disc: {type: inertia, node: rear, inertia: J}
+    sensors: {twisting: {torque: spring}}
+    configurations: {stiff: {}, soft: {k: 1 kN*m/rad}}
+use:
+  left: {part: stage, at: {front: a, rear: b}, parameters: {k: 2*k}}
+  row: {part: stage, repeat: 2, chain: [front, rear], at: {front: b, rear: c}, parameters: {J: [a, 2*a]}}
+elements:
+  a: {type: inertia, node: a, inertia: a, description: "a stands for a, tau for tau"}
+  link: {type: spring, nodes: [c, "d"], stiffness: k/tau^2, damping: twisting}
+  damper: {type: tuned_damper, node: d, ring_inertia: 1 kg*m^2, stiffness: 2 kN*m/rad}
+  load: {type: damper, nodes: [damper.ring, ground], damping: 3 N*m*s/rad}
+inputs:
+  T_a: {torque: a}
+  between: {torque: [a, d]}
+sensors:
+  phi: {angle: [a, d]}
+  T_link: {torque: link, at: d, referred_to: a}
+  T_left: {torque: left.spring}
+  T_row: {torque: row2.spring, at: row1.rear}
+configurations:
+  heat: {cold: {}, hot: {k: 2 kN*m/rad, left.k: 4 kN*m/rad, link.damping: tau*1 N*m*s/rad}}
+  clutch:
+    closed: {on: [link]}
+    open: {off: [link], operating_point: {speed: {a: 1000 rpm}}}
+operating_point:
+  speed: {a: 1500 rpm}
+  torque: {a-d: 20 N*m}
+scenarios:
+  tip_in: {type: torques, duration: 1 s, torque: {T_a: {0 s: 0 N*m, 1 s: 5 N*m}, a-d: 3 N*m}}
+report:
+  transfer_functions: [T_link/T_a, "torque(link, d)/a"]
+  orders: [T_link, a]
+  configurations: ["heat=hot,clutch=closed"]
+bench:
+  drive: T_a
+  excitation: {type: linear chirp, start: 0.1 Hz, stop: 80 Hz, duration: 10 s, amplitude: 15 N*m}
+  channels:
+    phi: {type: encoder, lines: 1024}
+    extra: {type: transducer, sensor: "torque(link)", range: 100 N*m}
+  acquisition: {rate: 1 kHz}
+"""
+
+
+@cache
+def library_texts():
+    return {name: path.read_text(encoding="utf-8") for name, path in library_models().items()}
+
+
+def things(places):
+    """First place of everything that is defined in a text and can be renamed."""
+    return list({one.home: one for one in places if one.is_definition}.values())
+
+
+def named(data, name, new):
+    """Data of a model in which a word stands for another, in keys and values."""
+    if isinstance(data, dict):
+        return {named(key, name, new): named(one, name, new) for key, one in data.items()}
+    if isinstance(data, list):
+        return [named(one, name, new) for one in data]
+    return re.sub(rf"\b{name}\b", new, data) if isinstance(data, str) else data
+
+
+def free_texts(data):
+    """Descriptions anywhere in the data of a model, in their order."""
+    if isinstance(data, list):
+        return [text for one in data for text in free_texts(one)]
+    if not isinstance(data, dict):
+        return []
+    return [text for key, one in data.items() for text in ([one] if key == "description" else free_texts(one))]
+
+
+def test_a_parameter_is_renamed_in_expressions_and_not_in_nodes_or_descriptions():
+    new = edited(PLANT, rename(PLANT, PLANT.index("  a: {value") + 2, "J_a"))
+    assert "  J_a: {value: 2 kg*m^2, description: the a of a}" in new
+    assert 'a: {type: inertia, node: a, inertia: J_a, description: "a stands for a, tau for tau"}' in new
+    assert "parameters: {J: [J_a, 2*J_a]}" in new
+    assert new.count("J_a") == 4
+
+
+def test_a_node_is_renamed_wherever_it_stands_alone_or_in_a_pair():
+    new = edited(PLANT, rename(PLANT, PLANT.index("node: a") + 6, "nose"))
+    changed = [line.strip() for line, old in zip(new.splitlines(), PLANT.splitlines(), strict=True) if line != old]
+    assert changed == [
+        "follows: {by: speed, of: nose, table: [[0 rpm, 1], [3000 rpm, 2]]}",
+        "left: {part: stage, at: {front: nose, rear: b}, parameters: {k: 2*k}}",
+        'a: {type: inertia, node: nose, inertia: a, description: "a stands for a, tau for tau"}',
+        "T_a: {torque: nose}",
+        "between: {torque: [nose, d]}",
+        "phi: {angle: [nose, d]}",
+        "T_link: {torque: link, at: d, referred_to: nose}",
+        "open: {off: [link], operating_point: {speed: {nose: 1000 rpm}}}",
+        "speed: {nose: 1500 rpm}",
+        "torque: {nose-d: 20 N*m}",
+        "tip_in: {type: torques, duration: 1 s, torque: {T_a: {0 s: 0 N*m, 1 s: 5 N*m}, nose-d: 3 N*m}}",
+        'transfer_functions: [T_link/T_a, "torque(link, d)/nose"]',
+        "orders: [T_link, nose]",
+    ]
+
+
+def test_an_element_is_renamed_with_the_nodes_that_belong_to_it():
+    new = edited(PLANT, rename(PLANT, PLANT.index("damper: {type") + 2, "absorber"))
+    assert "absorber: {type: tuned_damper" in new
+    assert "nodes: [absorber.ring, ground]" in new
+    assert new.count("absorber") == 2
+
+
+@pytest.mark.parametrize(
+    ("before", "new", "lines"),
+    [
+        ("ports: [", "ahead", ["ports: [ahead,", "nodes: [ahead, rear]", "{front: a,", "[front, rear], at: {front: b,"]),
+        ("parameters: {", "kk", ["{kk: 5", "ness: kk}", "{kk: 2*k}", "soft: {kk: 1", "left.kk: 4"]),
+        ("elements:\n      ", "bar", ["bar: {type: spring", "torque: bar}", "left.bar}", "row2.bar,"]),
+        ("use:\n  ", "port_side", ["port_side: {part", "port_side.spring", "port_side.k: 4"]),
+        ("{k: 2*k}}\n  ", "bank", ["bank: {part", "bank2.spring, at: bank1.rear"]),
+        ("parts:\n  ", "step", ["step:\n", "left: {part: step", "row: {part: step"]),
+        ("cold: {}, ", "warm", ["warm: {k", "heat=warm,"]),
+        ("N*m*s/rad}}\n  ", "plates", ["plates:\n", "hot,plates=closed"]),
+        ("inputs:\n  ", "motor", ["motor: {torque", "{motor: {0 s", "T_link/motor,", "drive: motor\n"]),
+        ("sensors:\n  ", "theta", ["theta: {angle", "theta: {type: encoder"]),
+    ],
+)
+def test_things_of_parts_uses_configurations_and_channels(before, new, lines):
+    changed = edited(PLANT, rename(PLANT, PLANT.index(before) + len(before), new))
+    lines = [line.replace("front", new) if new == "ahead" else line for line in lines]
+    for line in lines:
+        assert line in changed
+    assert len(re.findall(new, changed)) == sum(len(re.findall(new, line)) for line in lines)
+
+
+def renamed_everything(text):
+    """Each thing that a text defines, with the model after it got another name; only the name is another one then."""
+    before, faults = read_text(text, "")
+    data = before.to_data()
+    for one in things(named_places(text)):
+        after, found = read_text(edited(text, rename(text, one.span.start, FRESH)), "")
+        assert after is not None, (one, found)
+        assert [fault.kind for fault in found] == [fault.kind for fault in faults], (one, found)
+        assert named(after.to_data(), FRESH, one.name) == data, one
+        assert free_texts(after.to_data()) == free_texts(data), one
+        yield one, after
+
+
+def test_the_plant_of_these_tests_stays_what_it_is():
+    kinds = {one.kind for one, _ in renamed_everything(PLANT)}
+    assert kinds == {
+        *("axis", "channel", "configuration", "element", "input", "node", "parameter", "part", "scenario"),
+        *("sensor", "use"),
+    }
+
+
+@pytest.mark.few(4)
+@pytest.mark.parametrize("name", sorted(library_models()))
+def test_renaming_anything_leaves_the_same_model(name):
+    text = library_texts()[name]
+    kinds = {one.kind for one, _ in renamed_everything(text)}
+    assert {"node", "element"} <= kinds
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize("name", sorted(library_models()))
+def test_renaming_leaves_the_natural_frequencies(name):
+    before, _ = read_text(library_texts()[name], "")
+    expected = [mode.frequency_hz for mode in Drivetrain(before).modes()]
+    for _, after in renamed_everything(library_texts()[name]):
+        assert [mode.frequency_hz for mode in Drivetrain(after).modes()] == pytest.approx(expected, rel=1e-9)
