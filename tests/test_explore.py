@@ -18,7 +18,7 @@ from library_cases import library_cases
 
 import torsionnet as tn
 from torsionnet.cli import main
-from torsionnet.explore import open_session
+from torsionnet.explore import Documents, open_session
 from torsionnet.explore.answers import answer, response_frequencies
 from torsionnet.explore.api import QUESTIONS, reply
 from torsionnet.explore.choices import ResponseChoice, choices, default_pair, read_pair
@@ -219,23 +219,23 @@ class TestRequests:
     )
     def test_what_is_no_state(self, amt, body, said):
         with pytest.raises(RequestError) as caught:
-            reply(amt, "api/answer", body.encode())
+            reply(Documents.of(amt), "api/answer", body.encode())
         assert said in str(caught.value)
 
     def test_bytes_that_are_no_text(self, amt):
         with pytest.raises(RequestError, match="no JSON text"):
-            reply(amt, "api/answer", b"\xff\xfe")
+            reply(Documents.of(amt), "api/answer", b"\xff\xfe")
 
     def test_a_state_comes_back_as_it_went(self):
         assert read_state(json.loads(json.dumps(V_360.to_data()))) == V_360
 
     @pytest.mark.parametrize("question", QUESTIONS)
     def test_every_question_answers_json(self, amt, question):
-        assert isinstance(json.loads(reply(amt, question, b"{}")), dict)
+        assert isinstance(json.loads(reply(Documents.of(amt), question, b"{}")), dict)
 
     @pytest.mark.parametrize("question", ["api/answer", "api/save"])
     def test_expressions_of_parameters_are_no_slider_values(self, amt, question):
-        found = json.loads(reply(amt, question, b'{"values": {"I_1": "2*I_2"}}'))
+        found = json.loads(reply(Documents.of(amt), question, b'{"values": {"I_1": "2*I_2"}}'))
         assert "expressions" in found["refused"][0]
 
 

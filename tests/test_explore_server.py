@@ -3,6 +3,7 @@
 import contextlib
 import http.client
 import json
+import re
 import socket
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -10,10 +11,10 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 from explore_pages import serving
 
-import torsionnet.explore.server as server_module
-from torsionnet.explore.api import QUESTIONS
+from torsionnet.explore import connections
+from torsionnet.explore.api import LARGEST_REQUEST, QUESTIONS
 from torsionnet.explore.guard import HEADERS
-from torsionnet.explore.server import LARGEST_REQUEST, MOST_CONNECTIONS
+from torsionnet.explore.connections import MOST_CONNECTIONS
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +74,9 @@ def test_files_of_the_page(server, path):
     status, headers, content = ask(server, path=path)
     assert status == 200
     assert content
-    assert {name: headers[name] for name in HEADERS} == HEADERS
+    rule = "style-src 'self'"
+    policy = re.sub(rf"{rule} 'nonce-[\w-]{{20,}}'", rule, headers["Content-Security-Policy"])
+    assert {name: headers[name] for name in HEADERS} | {"Content-Security-Policy": policy} == HEADERS
     assert headers["Content-Type"].split(";")[0] in {"text/html", "text/javascript", "text/css", "image/svg+xml"}
 
 
@@ -81,7 +84,7 @@ def test_the_policy_allows_this_page_only(server):
     policy = ask(server)[1]["Content-Security-Policy"]
     rules = dict(rule.split(" ", 1) for rule in policy.split("; "))
     assert rules["default-src"] == "'none'"
-    assert rules["script-src"] == rules["style-src"] == rules["connect-src"] == "'self'"
+    assert rules["script-src"] == rules["connect-src"] == "'self'"
     assert "unsafe" not in policy
     assert "*" not in policy
 
@@ -189,8 +192,8 @@ def test_a_bug_is_a_sentence_too(server, monkeypatch):
     def fail(*_):
         raise ZeroDivisionError("a reason")
 
-    monkeypatch.setitem(QUESTIONS, "api/model", fail)
-    status, _, content = ask(server, "POST", "api/model", b"{}")
+    monkeypatch.setitem(QUESTIONS, "api/answer", fail)
+    status, _, content = ask(server, "POST", "api/answer", b"{}")
     assert status == 500
     assert (
         json.loads(content)["error"]
@@ -211,7 +214,8 @@ def test_one_connection_serves_many_questions(server):
 
 def test_many_at_once(server):
     def one(value):
-        found = json.loads(ask(server, "POST", "api/answer", json.dumps({"values": {"k_2": value}}).encode())[2])
+        body = json.dumps({"document": f"tab-{value % 8}", "kind": f"pin-{value}", "values": {"k_2": value}})
+        found = json.loads(ask(server, "POST", "api/answer", body.encode())[2])
         return next(one["si"] for one in found["parameters"] if one["name"] == "k_2")
 
     with ThreadPoolExecutor(8) as pool:
@@ -223,54 +227,6 @@ def test_a_connection_that_breaks_off_is_no_event(server, capfd):
         connection.sendall(f"POST /{server.guard.token}/api/answer HTTP/1.1\r\nHost: {own(server)}\r\n".encode())
     assert ask(server)[0] == 200
     assert capfd.readouterr().err == ""
-
-
-def test_connections_are_limited():
-    """Silent ones take a thread each; one too many is sent away, and places become free again."""
-    with serving("dmf_rig") as busy:
-        silent = []
-        for _ in range(MOST_CONNECTIONS):
-            silent.append(socket.create_connection(busy.server_address, timeout=10))
-            time.sleep(0.005)  # more than wait to be accepted would be tried again only after a second
-        try:
-            with socket.create_connection(busy.server_address, timeout=10) as late:
-                assert late.recv(1000).startswith(b"HTTP/1.1 503 ")
-        finally:
-            for connection in silent:
-                connection.close()
-        for _ in range(100):
-            try:
-                status, _, _ = ask(busy)
-            except (ConnectionError, http.client.HTTPException):
-                continue
-            if status == 200:
-                break
-        assert status == 200
-
-
-@pytest.mark.slow
-def test_a_request_has_time_as_a_whole(monkeypatch):
-    """Connections that send a byte now and then hold their places no longer than silent ones."""
-    monkeypatch.setattr(server_module, "REQUEST_SECONDS", 0.5)
-    with serving("dmf_rig") as busy:
-        slow = []
-        for _ in range(MOST_CONNECTIONS):
-            slow.append(socket.create_connection(busy.server_address, timeout=10))
-            time.sleep(0.005)
-        try:
-            began = time.monotonic()
-            status = None
-            while status != 200 and time.monotonic() - began < 20:
-                for connection in slow:
-                    with contextlib.suppress(OSError):
-                        connection.send(b"G")
-                time.sleep(0.1)
-                with contextlib.suppress(ConnectionError, http.client.HTTPException):
-                    status = ask(busy)[0]
-            assert status == 200
-        finally:
-            for connection in slow:
-                connection.close()
 
 
 def test_two_requests_on_one_connection(server):

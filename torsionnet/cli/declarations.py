@@ -59,9 +59,12 @@ def option(*words: str, **settings: Any) -> Any:
     return Declaration(click.Option, words, settings)
 
 
-def argument(metavar: str) -> Any:
-    """Declaration of a field as a positional argument, shown in the help by its metavar."""
-    return Declaration(click.Argument, (), {"metavar": metavar})
+def argument(metavar: str, **settings: Any) -> Any:
+    """Declaration of a field as a positional argument, shown in the help by its metavar.
+
+    Settings are those of :class:`click.Argument`.
+    """
+    return Declaration(click.Argument, (), {"metavar": metavar, **settings})
 
 
 class Arguments:

@@ -32,12 +32,12 @@ def write_bytes(path: str | os.PathLike[str], data: bytes | memoryview) -> None:
 
 
 @contextlib.contextmanager
-def atomic_replacement(path: str | os.PathLike[str]) -> Iterator[Path]:
+def atomic_replacement(path: str | os.PathLike[str], *, follow_links: bool = True) -> Iterator[Path]:
     """Context manager that gives the path of an empty temporary file, which replaces ``path`` at the end.
 
     For libraries that write files themselves. It lies beside ``path`` and has its ending, and goes if the writing fails
     or the program is told to end. What is there and is no regular file (a pipe, a device) is not replaced: the bytes
-    are written to it.
+    are written to it. Without ``follow_links`` whatever is at ``path`` is replaced, also a link.
 
     Raises
     ------
@@ -46,8 +46,8 @@ def atomic_replacement(path: str | os.PathLike[str]) -> Iterator[Path]:
     """
     import tempfile  # loads random and shutil, which a program that only reads can do without
 
-    target = _behind_links(path)
-    special = target.exists() and not target.is_file()
+    target = _behind_links(path) if follow_links else Path(path)
+    special = follow_links and target.exists() and not target.is_file()
     folder = None if special else target.parent
     shown = str(path) if target.name == Path(path).name else f"{path} (a link to {target})"
     temporary = None

@@ -1,8 +1,8 @@
 """Page in the browser, served from this machine, to play with a drivetrain: sliders, responses and modes at once.
 
-One :class:`Session` holds a model; an :class:`ExploreServer` shows it to the browser and answers the page's questions
-(:mod:`torsionnet.explore.api`). Everything is calculated here; the page in ``static/`` draws. Neither loads anything
-from elsewhere.
+:class:`Documents` hold the texts of the page, one for each tab, and a :class:`Session` holds the model of one; an
+:class:`ExploreServer` shows them to the browser and answers the page's questions (:mod:`torsionnet.explore.api`).
+Everything is calculated here; the page in ``static/`` draws. Neither loads anything from elsewhere.
 
 >>> from torsionnet.explore.answers import answer
 >>> from torsionnet.explore.state import State
@@ -12,7 +12,9 @@ from elsewhere.
 6.268
 """
 
+from torsionnet.explore.documents import Documents
 from torsionnet.explore.server import ExploreServer
 from torsionnet.explore.session import Session, open_session
+from torsionnet.explore.starting import open_documents
 
-__all__ = ["ExploreServer", "Session", "open_session"]
+__all__ = ["Documents", "ExploreServer", "Session", "open_documents", "open_session"]

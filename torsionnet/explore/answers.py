@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import warnings
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.core.errors import ModelError, TorsionnetError, TorsionnetWarning
+from torsionnet.core.collected_warnings import collected_warnings
+from torsionnet.core.errors import ModelError, TorsionnetError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.explore.command_text import command_text
 from torsionnet.explore.over_speed import over_speed
@@ -76,10 +77,10 @@ def _sliders(session: Session, state: State, rig: Drivetrain) -> dict[str, Any]:
 def collected_notes() -> Iterator[list[str]]:
     """Context manager that collects the library's warnings in a list of texts instead of printing them."""
     notes: list[str] = []
-    with warnings.catch_warnings(record=True) as found:
-        warnings.simplefilter("always", TorsionnetWarning)
+    found: Counter[str] = Counter()
+    with collected_warnings(found):
         yield notes
-    notes += dict.fromkeys(str(one.message) for one in found if issubclass(one.category, TorsionnetWarning))
+    notes += found
 
 
 def fault_texts(error: TorsionnetError) -> list[str]:

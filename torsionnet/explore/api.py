@@ -1,24 +1,26 @@
-"""The four requests of the explore page, from JSON to JSON."""
+"""Requests of the explore page, from JSON to JSON."""
 
 from __future__ import annotations
 
 import json
-import threading
 from collections.abc import Callable, Mapping
 from typing import Any
 
 from torsionnet.core.errors import TorsionnetError
 from torsionnet.explore.answers import answer, fault_texts
+from torsionnet.explore.document import Answer
+from torsionnet.explore.documents import Documents
+from torsionnet.explore.line_ends import plain_line_ends
+from torsionnet.explore.request_reading import PageRequest, read_request
 from torsionnet.explore.session import Session
-from torsionnet.explore.state import RequestError, State, read_state
+from torsionnet.explore.state import State, read_state
+from torsionnet.explore.text_requests import TEXT_QUESTIONS
+from torsionnet.model.files.decoding import MOST_BYTES
 
-_LOCK = threading.Lock()
-"""Lock that lets one request calculate at a time: a drivetrain keeps results while it calculates them."""
-
-
-def _model(session: Session, state: State) -> dict[str, Any]:
-    del state
-    return session.describe()
+LARGEST_REQUEST = 100_000
+"""Largest number of bytes of a request without a text; a state of 2000 parameters has about that many."""
+LARGEST_TEXT_REQUEST = 2 * MOST_BYTES + LARGEST_REQUEST
+"""Largest number of bytes of a request with a text, in which JSON writes a line feed as two."""
 
 
 def _overlay(session: Session, state: State) -> dict[str, Any]:
@@ -30,14 +32,55 @@ def _save(session: Session, state: State) -> dict[str, Any]:
 
 
 QUESTIONS: Mapping[str, Callable[[Session, State], dict[str, Any]]] = {
-    "api/model": _model,
     "api/answer": answer,
     "api/overlay": _overlay,
     "api/save": _save,
 }
+"""Calculations for a state of the page by their paths; each waits for the one before it of the same document."""
 
 
-def reply(session: Session, path: str, body: bytes) -> bytes:
+def _model(documents: Documents, request: PageRequest, is_closed: Callable[[], bool]) -> Answer:
+    del is_closed
+    read_state(request.entries)
+    return documents.named(request.document).described()
+
+
+def _open(documents: Documents, request: PageRequest, is_closed: Callable[[], bool]) -> Answer:
+    del is_closed
+    return documents.open(request.only().document)
+
+
+def _changes(documents: Documents, request: PageRequest, is_closed: Callable[[], bool]) -> Answer:
+    disk = request.only("disk").short("disk")
+    return documents.changes(documents.named(request.document), disk, is_closed)
+
+
+def _store(documents: Documents, request: PageRequest, is_closed: Callable[[], bool]) -> Answer:
+    del is_closed
+    request.only("text", "disk", "force")
+    text, disk = request.text("text"), request.short("disk")
+    # Whoever insists names the version that was shown; an older one is refused all the same.
+    request.flag("force")
+    return documents.store(documents.named(request.document), text, disk)
+
+
+OF_THE_FILE: Mapping[str, Callable[[Documents, PageRequest, Callable[[], bool]], Answer]] = {
+    "api/open": _open,
+    "api/model": _model,
+    "api/changes": _changes,
+    "api/store": _store,
+}
+"""Answers to requests on the file and its model by their paths; the last argument tells whether the asker has gone."""
+PATHS = (*OF_THE_FILE, *TEXT_QUESTIONS, *QUESTIONS)
+"""Paths of all requests of the page."""
+
+
+def largest_request(path: str) -> int:
+    """Largest number of bytes of a request to a path."""
+    return LARGEST_TEXT_REQUEST if path in TEXT_QUESTIONS or path == "api/store" else LARGEST_REQUEST
+
+
+def reply(documents: Documents, path: str, body: bytes, is_closed: Callable[[], bool] = lambda: False) -> bytes:
     """JSON text, in bytes, that answers a request of the page.
 
     A state that the model refuses is answered with its reasons under ``refused``: sliders reach such states.
@@ -45,32 +88,34 @@ def reply(session: Session, path: str, body: bytes) -> bytes:
     Raises
     ------
     RequestError
-        The body is no state.
+        The body is no such request.
     """
-    state = read_state(_parsed(body))
-    with _LOCK:
-        try:
-            found = QUESTIONS[path](session, state)
-        except TorsionnetError as error:
-            found = {"refused": fault_texts(error)}
+    request = read_request(body)
+    try:
+        found = _found(documents, path, request, is_closed)
+    except TorsionnetError as error:
+        found = {"refused": fault_texts(error)}
     return json.dumps(found, separators=(",", ":"), allow_nan=False).encode()
 
 
-def _parsed(body: bytes) -> Any:
-    try:
-        return json.loads(body.decode() or "{}", parse_constant=_no_number, object_pairs_hook=_object)
-    except RequestError:
-        raise
-    except (ValueError, RecursionError) as error:  # of bytes, of text, of numbers of thousands of digits
-        raise RequestError(f"the request is no JSON text: {error}") from None
-
-
-def _no_number(text: str) -> Any:
-    raise RequestError(f"{text} is far outside the values of drivetrains; check the number and its unit")
-
-
-def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found = dict(pairs)
-    if len(found) < len(pairs):
-        raise RequestError("a name stands twice in the request; keep one of them")
+def _found(documents: Documents, path: str, request: PageRequest, is_closed: Callable[[], bool]) -> Answer:
+    if path in OF_THE_FILE:
+        return OF_THE_FILE[path](documents, request, is_closed)
+    document = documents.named(request.document)
+    if path == "api/text":  # takes its turn by itself, as the text counts before it is examined
+        return TEXT_QUESTIONS[path](document, request)
+    kind = f"{path} {request.kind}"
+    if path in TEXT_QUESTIONS:
+        return document.in_turn(kind, lambda: TEXT_QUESTIONS[path](document, request))
+    state = read_state(request.entries)
+    found = document.calculated(kind, lambda session: _calculated(path, session, state))
+    if path == "api/save" and "text" in found:
+        found["text"] = documents.ends().given_back(plain_line_ends(found["text"]))
     return found
+
+
+def _calculated(path: str, session: Session, state: State) -> Answer:
+    try:
+        return QUESTIONS[path](session, state)
+    except TorsionnetError as error:
+        return {"refused": fault_texts(error)}

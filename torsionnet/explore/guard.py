@@ -26,6 +26,18 @@ HEADERS = {
 one, the token stays here."""
 
 
+def index_headers(nonce: str) -> dict[str, str]:
+    """HTTP headers of the start page, whose own scripts may insert styles that carry a word used once.
+
+    >>> "style-src 'self' 'nonce-once';" in index_headers("once")["Content-Security-Policy"]
+    True
+    """
+    rule = "style-src 'self'"
+    return HEADERS | {
+        "Content-Security-Policy": HEADERS["Content-Security-Policy"].replace(rule, f"{rule} 'nonce-{nonce}'")
+    }
+
+
 class RefusedError(Exception):
     """A request that is answered by an HTTP status and a sentence alone."""
 

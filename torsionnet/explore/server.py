@@ -4,31 +4,30 @@ from __future__ import annotations
 
 import contextlib
 import json
-import time
+import re
+import secrets
 from dataclasses import dataclass
 from functools import cache
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from io import BufferedReader, RawIOBase
+from io import BufferedReader
 from pathlib import Path
-from socket import socket
-from threading import BoundedSemaphore
 from typing import Any
 
 from torsionnet.core.errors import UsageError
-from torsionnet.explore.api import QUESTIONS, reply
-from torsionnet.explore.guard import HEADERS, HOST, Guard, RefusedError
+from torsionnet.explore import connections
+from torsionnet.explore.api import PATHS, largest_request, reply
+from torsionnet.explore.connections import ANSWER, BODY, IDLE, Incoming, Places
+from torsionnet.explore.documents import Documents
+from torsionnet.explore.guard import HEADERS, HOST, Guard, RefusedError, index_headers
+from torsionnet.explore.request_reading import TooLargeError
 from torsionnet.explore.session import Session
 from torsionnet.explore.state import RequestError
 
-LARGEST_REQUEST = 100_000
-"""Largest number of bytes of a request to the page's server; a state of 2000 parameters has about that many."""
-REQUEST_SECONDS = 20.0
-"""Longest time in seconds for a request to come in, once the connection waits for it, and for an answer to go out."""
-MOST_CONNECTIONS = 32
-"""Largest number of connections to the page's server at a time; a browser opens six."""
 JSON = "application/json"
 """Media type of JSON requests to the page's server and of its answers."""
+_NONCE = re.compile(rb'(?<=<meta name="style-nonce" content=")[^"]*(?=")')
+"""Expression of the place in the start page for the word that lets its scripts insert styles."""
 
 
 STATIC = Path(__file__).parent / "static"
@@ -46,7 +45,8 @@ class ExploreServer(ThreadingHTTPServer):
 
     Parameters
     ----------
-    session : Session
+    documents : Documents or Session
+        A session has one text and no file that could be stored.
     port : int, optional
         Default: any that is free.
 
@@ -66,9 +66,10 @@ class ExploreServer(ThreadingHTTPServer):
     daemon_threads = True
     block_on_close = False
     allow_reuse_address = False
+    request_queue_size = 128  # connections that wait to be accepted; one more would be tried again after a second
 
-    def __init__(self, session: Session, port: int = 0) -> None:
-        self.session = session
+    def __init__(self, documents: Documents | Session, port: int = 0) -> None:
+        self.documents = Documents.of(documents) if isinstance(documents, Session) else documents
         try:
             super().__init__((HOST, port), Handler)
         except (OSError, OverflowError) as error:
@@ -76,7 +77,7 @@ class ExploreServer(ThreadingHTTPServer):
                 f"port {port} cannot be used ({error}); choose another one with --port, or leave it out"
             ) from None
         self.guard = Guard(self.server_address[1])
-        self._places = BoundedSemaphore(MOST_CONNECTIONS)
+        self.places = Places()
 
     @property
     def address(self) -> str:
@@ -85,7 +86,7 @@ class ExploreServer(ThreadingHTTPServer):
 
     def process_request(self, request: Any, client_address: Any) -> None:
         """Answer a connection in a thread of its own, or with status 503 where too many are open."""
-        if self._places.acquire(blocking=False):
+        if self.places.enter(request):
             super().process_request(request, client_address)
             return
         with contextlib.suppress(OSError):
@@ -98,7 +99,12 @@ class ExploreServer(ThreadingHTTPServer):
         try:
             super().process_request_thread(request, client_address)
         finally:
-            self._places.release()
+            self.places.leave(request)
+
+    def server_close(self) -> None:
+        """Stop listening, and end the requests that wait for changes of the file."""
+        self.documents.ended.set()
+        super().server_close()
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Print nothing where a browser closes a connection early."""
@@ -110,20 +116,25 @@ class Handler(BaseHTTPRequestHandler):
     server: ExploreServer
     protocol_version = "HTTP/1.1"
     server_version, sys_version = "torsionnet", ""
-    timeout = REQUEST_SECONDS
     disable_nagle_algorithm = True  # else small answers wait for the acknowledgement of the one before
 
     def setup(self) -> None:
         """Read requests with a time limit for the whole of each, not for every few bytes of it."""
         super().setup()
-        self._incoming = _Incoming(self.connection)
+        self._place = self.server.places.of(self.connection)
         self.rfile.close()
-        self.rfile = BufferedReader(self._incoming)
+        self.rfile = BufferedReader(Incoming(self._place))
 
     def handle_one_request(self) -> None:
-        """Answer one request, whose time limit begins now."""
-        self._incoming.begin()
+        """Answer one request, for which the connection waits from now on."""
+        self._place.enter(IDLE)
         super().handle_one_request()
+
+    def parse_request(self) -> bool:
+        """Whether the header of a request could be read, which is answered now."""
+        found = super().parse_request()
+        self._place.enter(ANSWER)
+        return found
 
     def do_GET(self) -> None:
         self._guarded(self._page)
@@ -147,6 +158,8 @@ class Handler(BaseHTTPRequestHandler):
         except RefusedError as refused:
             self.close_connection = True  # a body that was not read would be taken for the next request
             self._send(refused.status, _words(str(refused)), JSON)
+        except TooLargeError as error:
+            self._send(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, _words(str(error)), JSON)
         except RequestError as error:
             self._send(HTTPStatus.BAD_REQUEST, _words(str(error)), JSON)
         except (ConnectionError, TimeoutError):
@@ -163,55 +176,44 @@ class Handler(BaseHTTPRequestHandler):
         page = pages().get(path)
         if page is None:
             raise RefusedError(HTTPStatus.NOT_FOUND, "the page has no such file; open the address that was printed")
+        if path in ("", INDEX):
+            nonce = secrets.token_urlsafe(16)
+            content = _NONCE.sub(nonce.encode(), page.content)
+            self._send(HTTPStatus.OK, content, page.media_type, **index_headers(nonce))
+            return
         self._send(HTTPStatus.OK, page.content, page.media_type)
 
     def _answer(self, path: str) -> None:
-        if path not in QUESTIONS:
-            raise RefusedError(HTTPStatus.NOT_FOUND, f"no such request; there are {', '.join(QUESTIONS)}")
+        if path not in PATHS:
+            raise RefusedError(HTTPStatus.NOT_FOUND, f"no such request; there are {', '.join(PATHS)}")
         if (self.headers.get_content_type() if "Content-Type" in self.headers else "") != JSON:
             raise RefusedError(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"the content type of a request is {JSON}")
-        self._send(HTTPStatus.OK, reply(self.server.session, path, self._body()), JSON)
+        body = self._body(largest_request(path))
+        found = reply(self.server.documents, path, body, lambda: self._place.is_closed)
+        self._send(HTTPStatus.OK, found, JSON)
 
-    def _body(self) -> bytes:
+    def _body(self, most: int) -> bytes:
         length = self.headers.get("Content-Length", "")
         if "Transfer-Encoding" in self.headers or not (length.isascii() and length.isdigit()):
             raise RefusedError(HTTPStatus.LENGTH_REQUIRED, "a request needs its Content-Length")
-        if len(length) > len(str(LARGEST_REQUEST)) or int(length) > LARGEST_REQUEST:
-            raise RefusedError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"a request has at most {LARGEST_REQUEST} bytes")
-        return self.rfile.read(int(length))
+        if len(length) > len(str(most)) or int(length) > most:
+            raise RefusedError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"a request has at most {most} bytes")
+        self._place.enter(BODY)
+        found = self.rfile.read(int(length))
+        self._place.enter(ANSWER)
+        return found
 
     def _send(self, status: HTTPStatus, content: bytes, media_type: str, **headers: str) -> None:
         """Send an answer in one write, so that it goes out in one piece."""
         more = {"Content-Type": media_type, "Content-Length": str(len(content))}
         more |= {"Connection": "close"} if self.close_connection else {}
         lines = [f"{name}: {value}" for name, value in (HEADERS | more | headers).items()]
-        self.connection.settimeout(REQUEST_SECONDS)
+        self.connection.settimeout(connections.REQUEST_SECONDS)
         head = "\r\n".join([f"{self.protocol_version} {status.value} {status.phrase}", *lines, "", ""])
         self.wfile.write(head.encode("latin-1") + content)
 
     def log_message(self, format: str, *args: Any) -> None:
         """Print no line in the terminal for a request."""
-
-
-class _Incoming(RawIOBase):
-    """Stream of the bytes of a connection that ends with TimeoutError when the time of its request is over."""
-
-    def __init__(self, connection: socket) -> None:
-        self._connection = connection
-        self.begin()
-
-    def begin(self) -> None:
-        self._until = time.monotonic() + REQUEST_SECONDS
-
-    def readable(self) -> bool:
-        return True
-
-    def readinto(self, buffer: Any) -> int:
-        left = self._until - time.monotonic()
-        if left <= 0:
-            raise TimeoutError("a request has taken too long to come in")
-        self._connection.settimeout(left)
-        return self._connection.recv_into(buffer)
 
 
 FULL = (

@@ -224,7 +224,7 @@ def open_session(
     folder = path.parent if text is None else None
     text = decode(path.read_bytes(), str(path)) if text is None else text
     base = loads(text, str(path), folder)
-    test = None if overlay is None else _read_test(overlay)
+    test = None if overlay is None else read_overlay(overlay)
     choice = parse_choice(configuration, base.definition.configurations) if configuration else {}
     values = dict(settings or {})
     point = point_settings(values, base)
@@ -268,7 +268,7 @@ def _check_orders(path: str | os.PathLike[str], run: OrderResponse) -> None:
     compared_orders(run, run.outputs[0].name, read_orders(path, run.outputs[0]))
 
 
-def _read_test(path: str | os.PathLike[str]) -> FrequencyResponse:
+def read_overlay(path: str | os.PathLike[str]) -> FrequencyResponse:
     from torsionnet.io import read_frequency_response  # loads what most pages do without
 
     return read_frequency_response(path)

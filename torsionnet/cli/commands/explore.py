@@ -9,23 +9,33 @@ import click
 
 from torsionnet.cli.cases import ModelCommand
 from torsionnet.cli.command import Answer, click_command
-from torsionnet.cli.declarations import option
+from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.models import STANDARD_INPUT, standard_input_text
 from torsionnet.cli.terminal import message, print_faults, print_line
 
 if TYPE_CHECKING:
     from torsionnet.explore import ExploreServer
 
+TEMPLATE = "rig"
+"""Kind of starting model that the page begins with where no model is named."""
+TEMPLATE_NAME, TEMPLATE_FILE = "new rig", "model.yaml"
+"""Name of that model, and of the file that the page offers to save."""
+
 
 class ExploreCommand(ModelCommand):
-    """A page in the browser to play with a model: sliders, responses, modes, poles. Ctrl-C ends it.
+    """A page in the browser to write a model and to play with it: text, sliders, responses, modes. Ctrl-C ends it.
+
+    Without MODEL it begins with a small test rig. A model with errors is opened to be mended. The page writes to the
+    file of the model, and to no other one, where its user says so.
 
     \b
-    torsionnet explore amt_rig -c V --tf theta_1/T_T
+    torsionnet explore
+    torsionnet explore plant.yaml
     torsionnet explore amt_rig -c V --tf theta_1/T_T --overlay gear_V.csv --band 0.5 40
     torsionnet explore plant.yaml --over-speed "torque(coupling)" --measured tracked.csv
     """
 
+    model: str = argument("[MODEL]", required=False, default="")
     pairs: tuple[str, ...] = option(
         "--tf",
         metavar="OUTPUT/INPUT",
@@ -57,24 +67,33 @@ class ExploreCommand(ModelCommand):
         if self.band and not 0 < self.band[0] < self.band[1] <= HIGHEST_FREQUENCY:
             given = f"{self.band[0]:g} {self.band[1]:g}"
             raise click.UsageError(f"--band needs 0 < LOW < HIGH <= {HIGHEST_FREQUENCY:g} Hz, got {given}")
-        from torsionnet.explore import ExploreServer, open_session
+        from torsionnet.explore import ExploreServer, open_documents
         from torsionnet.explore.choices import read_pair
 
-        session = open_session(
-            self.model,
+        documents, faults = open_documents(
+            self.model or TEMPLATE_FILE,
             "".join(self.configurations),
             dict(self.settings),
             [read_pair(pair) for pair in self.pairs],
             self.band,
             self.overlay,
-            standard_input_text() if self.model == STANDARD_INPUT else None,
+            self._text(),
             self.over_speed,
             self.measured,
+            is_template=not self.model,
         )
-        print_faults(session.base.check())
-        with ExploreServer(session, self.port) as server:
+        print_faults(faults)
+        with ExploreServer(documents, self.port) as server:
             _serve(server, open_browser=not self.no_browser)
         return Answer()
+
+    def _text(self) -> str | None:
+        """Text of a model without a file: the template, or standard input."""
+        if not self.model:
+            from torsionnet.cli.commands.new import starting_model
+
+            return starting_model(TEMPLATE, TEMPLATE_NAME)
+        return standard_input_text() if self.model == STANDARD_INPUT else None
 
 
 def _serve(server: ExploreServer, *, open_browser: bool) -> None:

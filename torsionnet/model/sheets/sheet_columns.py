@@ -73,7 +73,7 @@ def read_columns(grid: CellGrid) -> SheetColumns:
     ModelError
         No inertia, two columns for one thing, units that are missing or wrong, each at its heading.
     """
-    first = next((at for at, row in enumerate(grid.rows) if any(map(_is_inertia, row))), None)
+    first = next((at for at, row in enumerate(grid.rows) if any(map(is_inertia_heading, row))), None)
     if first is None:
         raise ModelError([_no_inertia(grid)], grid.file)
     above = [grid.rows[first]]
@@ -97,7 +97,8 @@ def read_columns(grid: CellGrid) -> SheetColumns:
     return SheetColumns(tuple(column for column in columns if column.heading or column.meaning), rows)
 
 
-def _is_inertia(cell: Cell) -> bool:
+def is_inertia_heading(cell: Cell) -> bool:
+    """Whether a cell is the heading of a column of inertias, by its words or by its unit."""
     name, unit = named_unit(cell.text)
     if is_like_number(cell.text):
         return False

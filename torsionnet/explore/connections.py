@@ -1,0 +1,138 @@
+"""Places of connections to the page's server, and the time that each request has to come in."""
+
+from __future__ import annotations
+
+import contextlib
+import select
+import socket
+import time
+from io import RawIOBase
+from threading import Lock
+from typing import Any
+
+MOST_CONNECTIONS = 32
+"""Largest number of connections to the page's server at a time; a browser opens six."""
+REQUEST_SECONDS = 20.0
+"""Longest time in seconds for the body of a request to come in, and for an answer to go out."""
+HEADER_SECONDS = 5.0
+"""Longest time in seconds for the header of a request to come in, from its first byte."""
+IDLE_SECONDS = 60.0
+"""Longest time in seconds that a connection waits for its next request."""
+END_OF_HEADER = b"\r\n\r\n"
+
+IDLE, HEADER, BODY, ANSWER = range(4)
+"""Stages of a connection: no byte of a request yet, its header, its body, its answer."""
+
+
+class Place:
+    """Place of a connection, with the stage of its request and the time since when it lasts."""
+
+    def __init__(self, connection: socket.socket) -> None:
+        self.connection = connection
+        self.enter(IDLE)
+
+    def enter(self, stage: int) -> None:
+        """Begin a stage of a request."""
+        self.stage, self.since = stage, time.monotonic()
+
+    @property
+    def has_request(self) -> bool:
+        """Whether the whole header of a request is there to be read."""
+        try:
+            ready, _, _ = select.select([self.connection], [], [], 0)
+            return bool(ready) and END_OF_HEADER in self.connection.recv(1 << 16, socket.MSG_PEEK)
+        except (OSError, ValueError):
+            return False
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether the other side has closed the connection."""
+        try:
+            ready, _, _ = select.select([self.connection], [], [], 0)
+            return bool(ready) and not self.connection.recv(1, socket.MSG_PEEK)
+        except (OSError, ValueError):
+            return True
+
+
+class Places:
+    """Places of the connections that are open.
+
+    Where all are taken, the connection that has waited longest for a request to come gives up its place, and after
+    those the one whose request takes longest to come in. A connection whose request is being answered keeps its place.
+    """
+
+    def __init__(self) -> None:
+        self._places: dict[socket.socket, Place] = {}
+        self._lock = Lock()
+
+    def enter(self, connection: socket.socket) -> bool:
+        """Whether there is a place for a new connection, which it has then."""
+        with self._lock:
+            if len(self._places) >= MOST_CONNECTIONS and not self._one_left():
+                return False
+            self._places[connection] = Place(connection)
+            return True
+
+    def leave(self, connection: socket.socket) -> None:
+        """Free the place of a connection that has ended."""
+        with self._lock:
+            self._places.pop(connection, None)
+
+    def of(self, connection: socket.socket) -> Place:
+        """Place of a connection; one of its own where it has just been sent away."""
+        with self._lock:
+            return self._places.get(connection) or Place(connection)
+
+    def _one_left(self) -> bool:
+        """Send the least busy connection away; False where all are being answered."""
+        waiting = sorted((one for one in self._places.values() if one.stage != ANSWER), key=_patience)
+        gone = next((one for one in waiting if not one.has_request), None)
+        if gone is None:
+            return False
+        del self._places[gone.connection]
+        with contextlib.suppress(OSError):
+            gone.connection.shutdown(socket.SHUT_RDWR)
+        return True
+
+
+def _patience(place: Place) -> tuple[int, float]:
+    return place.stage, place.since
+
+
+class Incoming(RawIOBase):
+    """Stream of the bytes of a connection that ends with TimeoutError when the time of its request is over."""
+
+    def __init__(self, place: Place) -> None:
+        self._place = place
+        self._last = b""
+
+    def readable(self) -> bool:
+        """True, as for every stream that is read."""
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        """Number of bytes read into a buffer, 0 at the end."""
+        place = self._place
+        left = place.since + SECONDS[place.stage]() - time.monotonic()
+        if left <= 0:
+            raise TimeoutError("a request has taken too long to come in")
+        place.connection.settimeout(left)
+        count = place.connection.recv_into(buffer)
+        if place.stage == IDLE and count:
+            place.enter(HEADER)
+        if place.stage == HEADER:
+            # What has come in as a whole is answered, however many connections wait.
+            seen = self._last + bytes(buffer[:count])
+            if END_OF_HEADER in seen:
+                place.enter(ANSWER)
+            self._last = seen[-3:]
+        return count
+
+
+SECONDS = {
+    IDLE: lambda: IDLE_SECONDS,
+    HEADER: lambda: HEADER_SECONDS,
+    BODY: lambda: REQUEST_SECONDS,
+    ANSWER: lambda: REQUEST_SECONDS,
+}
+"""Longest time in seconds of each stage in which bytes come in."""

@@ -1,0 +1,182 @@
+"""One text of the explore page, in one tab of the browser, with its faults and its last sound session."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from threading import Lock
+from typing import Any
+
+from torsionnet.core.errors import Fault, TorsionnetError
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.explore.newest_turn import NewestTurn
+from torsionnet.explore.offset_counting import OffsetCounting
+from torsionnet.explore.session import Session
+from torsionnet.explore.session_remaking import SessionOptions, remade_session
+from torsionnet.model.files.reader import read_text
+from torsionnet.text.text_edits import TextLines, TextSpan
+from torsionnet.text.text_faults import LocatedFault, text_faults
+from torsionnet.text.unstable_configurations import unstable_configurations
+
+Answer = dict[str, Any]
+
+SUPERSEDED: Answer = {"superseded": True}
+"""Answer to a request in whose place a newer one was taken up."""
+ALIVE_SECONDS = 5.0
+"""Seconds without any request after which a tab counts as closed."""
+
+
+@dataclass(frozen=True)
+class SoundText:
+    """Session of a sound text with the revision of that text, and the data that describe its model."""
+
+    session: Session
+    revision: int
+    described: Answer
+
+
+@dataclass(frozen=True)
+class Draft:
+    """Text that is stored nowhere, with the version of the file that it began from."""
+
+    text: str
+    revision: int
+    disk: str
+    base_text: str
+
+
+class Document:
+    """Text of one tab with its revision, its faults and its last sound session.
+
+    Faults and calculations have a queue each, so that faults never wait for a response under way. A session is only
+    used by one calculation at a time: a drivetrain keeps results while it calculates them.
+
+    Parameters
+    ----------
+    options : SessionOptions
+    text : str
+    disk : str
+        Version of the file that holds the text, empty where no file can be stored.
+    start : Session, optional
+        The session of this text, where there is one already; no other document may have it.
+    """
+
+    def __init__(self, options: SessionOptions, text: str, disk: str = "", start: Session | None = None) -> None:
+        self.options = options
+        self.text, self.revision = text, 0
+        self.base_text, self.disk = text, disk
+        self.is_handed_on = False
+        self.polls = 0
+        self.poll_count = 0
+        self.last_used = time.monotonic()
+        self.faults: list[LocatedFault] = []
+        self.sound: SoundText | None = None
+        self._examined: tuple[int, str] | None = None
+        self._is_sound = False
+        self._examining, self._changing = Lock(), Lock()
+        self._texts: NewestTurn[Answer] = NewestTurn()
+        self._calculations: NewestTurn[Answer] = NewestTurn()
+        if start is not None:
+            self.sound, self._examined = SoundText(start, 0, start.describe()), (0, text)
+            self._is_sound = True
+
+    @property
+    def is_alive(self) -> bool:
+        """Whether a tab of the browser still shows the text."""
+        return self.polls > 0 or time.monotonic() - self.last_used < ALIVE_SECONDS
+
+    @property
+    def draft(self) -> Draft | None:
+        """Unsaved text, None where it is that of the file or another document shows it now."""
+        if self.is_handed_on or self.text == self.base_text:
+            return None
+        return Draft(self.text, self.revision, self.disk, self.base_text)
+
+    def take_over(self, draft: Draft) -> None:
+        """Go on with the unsaved text of a closed tab."""
+        with self._changing:
+            self.text, self.revision, self.disk, self.base_text = (
+                draft.text,
+                draft.revision,
+                draft.disk,
+                draft.base_text,
+            )
+
+    def is_stored(self, text: str, disk: str) -> None:
+        """Remember that the file holds a text now, in the version given."""
+        with self._changing:
+            self.base_text, self.disk = text, disk
+
+    def change(self, revision: int, text: str) -> Answer:
+        """Faults of a new text as JSON data, and what describes its model if it is sound."""
+        with self._changing:
+            if revision < self.revision:
+                return SUPERSEDED
+            self.text, self.revision, self.is_handed_on = text, revision, False
+        return self.in_turn("text", self._text_answer)
+
+    def in_turn(self, kind: str, examine: Callable[[], Answer]) -> Answer:
+        """Answer of a service on texts once it has its turn."""
+        found = self._texts.take(kind, examine)
+        return SUPERSEDED if found is None else found
+
+    def calculated(self, kind: str, calculate: Callable[[Session], Answer]) -> Answer:
+        """Answer of a calculation on the last sound text once it has its turn, with the revision of that text."""
+        found = self._calculations.take(kind, lambda: self._with_revision(calculate))
+        return SUPERSEDED if found is None else found
+
+    def described(self) -> Answer:
+        """Data that describe the model of the last sound text."""
+        sound = self.examined()
+        return self._refused() if sound is None else sound.described | {"revision": sound.revision}
+
+    def examined(self) -> SoundText | None:
+        """Last sound text once the text of now has been examined, None where no text was sound yet."""
+        with self._examining:
+            with self._changing:
+                now = self.revision, self.text
+            if self._examined != now:
+                self._examine(*now)
+                self._examined = now
+            return self.sound
+
+    def _with_revision(self, calculate: Callable[[Session], Answer]) -> Answer:
+        sound = self.examined()
+        return self._refused() if sound is None else calculate(sound.session) | {"revision": sound.revision}
+
+    def _refused(self) -> Answer:
+        said = [one.fault.text for one in self.faults if one.fault.severity == "error"]
+        return {"refused": said or ["the text is no sound model yet"], "revision": self.revision}
+
+    def _text_answer(self) -> Answer:
+        self.examined()
+        revision, text = self._examined or (self.revision, self.text)
+        model = self.sound.described | {"revision": revision} if self.sound and self._is_sound else None
+        faults = faults_data(text, self.faults)
+        return {"revision": revision, "sound": model is not None, "faults": faults, "model": model}
+
+    def _examine(self, revision: int, text: str) -> None:
+        file, folder = str(self.options.path), self.options.folder
+        definition, found = read_text(text, file, folder, unstable_configurations)
+        self.faults = text_faults(text, file, folder) if found else []
+        self._is_sound = False
+        if definition is None:
+            return
+        try:
+            session = remade_session(Drivetrain.from_definition(definition, found), text, self.options)
+            self.sound, self._is_sound = SoundText(session, revision, session.describe()), True
+        except TorsionnetError as error:
+            self.faults += [LocatedFault(Fault(str(error)), TextSpan(0, 0))]
+
+
+def faults_data(text: str, faults: list[LocatedFault]) -> list[Answer]:
+    """Faults of a text as JSON data, with offsets as browsers count them."""
+    counting, lines = OffsetCounting(text), TextLines(text)
+    found = []
+    for one in faults:
+        line, column = lines.place(one.span.start)
+        fixes = [{"title": fix.title, "edits": counting.edits(fix.edits)} for fix in one.fixes]
+        said = {"severity": one.fault.severity, "message": one.fault.text, "line": line + 1, "column": column + 1}
+        found.append(said | counting.span(one.span) | {"fixes": fixes})
+    return found
