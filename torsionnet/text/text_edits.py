@@ -103,3 +103,11 @@ def character_offset(text: str, utf16: int) -> int:
             return index
         counted += 2 if char > "\uffff" else 1
     return len(text)
+
+
+@dataclass(frozen=True)
+class TextFix:
+    """Edits of a text that mend one fault of it, with a title that says what they do."""
+
+    title: str
+    edits: tuple[TextEdit, ...]

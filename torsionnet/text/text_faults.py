@@ -7,16 +7,8 @@ from pathlib import Path
 
 from torsionnet.core.errors import Fault, Position
 from torsionnet.model.files.reader import read_text
-from torsionnet.text.text_edits import TextEdit, TextLines, TextSpan
+from torsionnet.text.text_edits import TextFix, TextLines, TextSpan
 from torsionnet.text.unstable_configurations import unstable_configurations
-
-
-@dataclass(frozen=True)
-class TextFix:
-    """Edits of a text that mend one fault of it, with a title that says what they do."""
-
-    title: str
-    edits: tuple[TextEdit, ...]
 
 
 @dataclass(frozen=True)
