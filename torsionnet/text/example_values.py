@@ -52,7 +52,7 @@ def _values(spec: Spec[object], nodes: list[str]) -> Iterator[Json]:
         unit = "" if dimension == "1" else expected_unit(dimension)
         for number in ("1", "0.1", "10"):
             yield f"{number} {unit}" if unit else float(number) if "." in number else int(number)
-    words = getattr(spec, "words", None)
+    words = getattr(spec, "options", None)
     if isinstance(words, tuple):
         yield from words
 

@@ -5,8 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from torsionnet.core.errors import Fault, Position
+from torsionnet.core.errors import Fault, ModelError, Position
+from torsionnet.model.files.fault_positions import presentable_faults
+from torsionnet.model.files.located_yaml import compose
 from torsionnet.model.files.reader import read_text
+from torsionnet.text.entry_edits import WrittenText
+from torsionnet.text.partial_faults import partial_faults
+from torsionnet.text.quick_fixes import quick_fixes
+from torsionnet.text.syntax_fixes import syntax_fixes
 from torsionnet.text.text_edits import TextFix, TextLines, TextSpan
 from torsionnet.text.unstable_configurations import unstable_configurations
 
@@ -26,6 +32,9 @@ class LocatedFault:
 def text_faults(text: str, file: str = "", folder: Path | None = None) -> list[LocatedFault]:
     """Faults of a model text as ``torsionnet check`` finds them in a file, in the order of the text.
 
+    Of a text that is no sound YAML ``check`` tells only where it breaks; here errors of the rest follow that do not
+    depend on the break.
+
     Parameters
     ----------
     text : str
@@ -37,12 +46,31 @@ def text_faults(text: str, file: str = "", folder: Path | None = None) -> list[L
     Examples
     --------
     >>> first = text_faults("torsionnet: 1\\nname: rig\\nelemnts: {}\\n")[0]
-    >>> first.span, first.fault.message.partition(";")[0]
-    (TextSpan(start=24, end=31), 'unknown key "elemnts"')
+    >>> first.span, first.fault.message.partition(";")[0], first.fixes[0].title
+    (TextSpan(start=24, end=31), 'unknown key "elemnts"', 'write "elements"')
     """
     lines = TextLines(text)
-    faults = read_text(text, file, folder, unstable_configurations)[1]
-    return [_located(fault, lines, file) for fault in faults]
+    found = read_text(text, file, folder, unstable_configurations)[1]
+    if not any(fault.severity != "note" for fault in found):
+        return [_located(fault, lines, file) for fault in found]
+    try:
+        document = compose(text.removeprefix("\ufeff"), file)
+    except ModelError:
+        rest = partial_faults(text.removeprefix("\ufeff"), file, folder, found[-1])
+        located = [_located(fault, lines, file) for fault in presentable_faults([*found, *rest])]
+        return [
+            replace(one, fixes=syntax_fixes(one.fault, one.span, lines, file)) if one.fault in found else one
+            for one in located
+        ]
+    written = WrittenText(text, document, file.lower().endswith(".json"))
+    return [_with_fixes(_located(fault, lines, file), fault, written, found) for fault in found]
+
+
+def _with_fixes(located: LocatedFault, fault: Fault, written: WrittenText, others: list[Fault]) -> LocatedFault:
+    """Fault with its fixes, if it stands in this text and is more than a note."""
+    if fault.severity == "note" or located.fault is not fault or not isinstance(written.document.data, dict):
+        return located
+    return replace(located, fixes=quick_fixes(fault, located.span, written, others))
 
 
 def _located(fault: Fault, lines: TextLines, file: str) -> LocatedFault:

@@ -56,10 +56,21 @@ def read_text(
         document = compose(text.removeprefix("\ufeff"), file)
     except ModelError as error:
         return None, presentable_faults(error.faults)
+    return read_document(document, folder, further)
+
+
+@gc_paused()
+def read_document(
+    document: LocatedDocument, folder: Path | None = None, further: Further | None = None
+) -> tuple[Definition | None, list[Fault]]:
+    """Definition of a model from the entries of its file, and faults, as :func:`read_file` returns them.
+
+    The faults of the document are among them, and the parts that it includes are put into its data.
+    """
     if not isinstance(document.data, dict):
         return None, [_no_model(document)]
     if "vary" in document.data and "elements" not in document.data:
-        text = f"this is a study, no model; torsionnet study {Path(file).name} calculates it"
+        text = f"this is a study, no model; torsionnet study {Path(document.file).name} calculates it"
         return None, located_faults([*document.faults, Fault(text, ("vary",), on_key=True)], document)
     with files_beside(folder):
         include_parts(document)

@@ -1,0 +1,101 @@
+"""Faults of a model text with their places, as the rules of quick fixes look at them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from torsionnet.core.entries.composite import Named
+from torsionnet.core.errors import Fault, ModelError
+from torsionnet.model.definition import Definition
+from torsionnet.model.files.located_yaml import LocatedDocument, compose
+from torsionnet.model.files.value_editing import node_at
+from torsionnet.text.entry_edits import WrittenText
+from torsionnet.text.text_edits import TextEdit, TextFix, TextSpan, edited
+
+MEANT = re.compile(r'did you mean "?([^"?]+)"?\?')
+"""Expression of the question of a message whether something else was meant."""
+QUOTED = re.compile(r'"([^"]*)"')
+"""Expression of what a message quotes."""
+NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+"""Expression of a decimal number."""
+
+
+@dataclass(frozen=True)
+class FaultPlace:
+    """Fault of a model text with its stretch, as the rules of fixes look at it."""
+
+    fault: Fault
+    span: TextSpan
+    written: WrittenText
+    others: Sequence[Fault] = ()
+
+    @property
+    def shown(self) -> str:
+        """Text that the fault marks."""
+        return self.written.text[self.span.start : self.span.end]
+
+    @cached_property
+    def value_span(self) -> TextSpan | None:
+        """Stretch of the value at the path of the fault, None where there is none."""
+        node = node_at(self.written.document, self.fault.path)
+        return self.written.value_span(node) if node is not None and self.fault.path else None
+
+    def fix(self, title: str, *edits: TextEdit) -> Iterator[TextFix]:
+        """Fix by some edits, if reading the changed entry finds nothing new."""
+        if edits and self._mends(edits):
+            yield TextFix(title, edits)
+
+    def written_as(self, span: TextSpan, new: str) -> Iterator[TextFix]:
+        """Fix that writes another value, in the quotes of the one there."""
+        old = self.written.text[span.start : span.end]
+        if old[:1] in ("'", '"') and old[:1] == old[-1:] and not new.startswith(old[0]):
+            new = f"{old[0]}{new}{old[0]}"
+        elif self.written.is_json and not NUMBER.fullmatch(new) and new not in ("true", "false"):
+            new = self.written.written(new)
+        yield from self.fix(f"write {new}", TextEdit(span, new))
+
+    def without(self, *paths: tuple[str | int, ...]) -> Iterator[TextFix]:
+        """Fixes that delete entries, one for each path."""
+        for path in paths:
+            if node_at(self.written.document, path) is not None and path:
+                yield from self.fix(f'delete "{path[-1]}"', *self.written.removal(path))
+
+    def _mends(self, edits: tuple[TextEdit, ...]) -> bool:
+        try:
+            document = compose(edited(self.written.text, edits).removeprefix("\ufeff"), self.written.document.file)
+        except (ModelError, ValueError):
+            return False
+        before, after = self._faults_read, section_faults(document, self.fault)
+        return after <= before and (after < before or self.fault.message not in before)
+
+    @cached_property
+    def _faults_read(self) -> set[str]:
+        return section_faults(self.written.document, self.fault)
+
+
+def section_faults(document: LocatedDocument, fault: Fault) -> set[str]:
+    """Messages of the faults in reading the section of a fault, or the one entry of it that it is about."""
+    data = document.data
+    section = fault.path[0] if fault.path else ""
+    specs = dict(Definition.specs())
+    found = {one.message for one in document.faults}
+    if isinstance(data, dict) and (section not in specs or section not in data):
+        return found | {one.message for one in Definition.key_faults(data)}
+    if not isinstance(data, dict):
+        return found
+    raw, spec = data[section], specs[str(section)]
+    if isinstance(spec, Named) and isinstance(raw, dict) and len(fault.path) > 1:
+        name = fault.path[1]
+        raw = {name: raw[name]} if name in raw else {}
+        if not raw:
+            return found
+    return found | {one.message for one in spec.read(raw)[1]}
+
+
+def word_edits(word: str, text: str, start: int, new: str) -> Iterator[TextEdit]:
+    """Edits that replace a word where it stands alone."""
+    for one in re.finditer(rf"(?<![\w.]){re.escape(word)}(?![\w])", text):
+        yield TextEdit(TextSpan(start + one.start(), start + one.end()), new)

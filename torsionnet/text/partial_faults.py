@@ -1,0 +1,59 @@
+"""Faults of the rest of a model text that is no sound YAML, without those that only follow from the break."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path as FolderPath
+
+from torsionnet.core.errors import Fault, Path
+from torsionnet.model.files.located_yaml import LocatedDocument
+from torsionnet.model.files.reader import read_document
+from torsionnet.text.tolerant_reading import tolerant_document
+
+
+def partial_faults(text: str, file: str, folder: FolderPath | None, broken: Fault) -> list[Fault]:
+    """Errors in the entries that a break of the YAML does not touch, in the order of the text.
+
+    What may follow from the break is left out: missing sections, whatever its own entry lacks, and names that the
+    text has more than once, as one of them may be their definition.
+    """
+    document = tolerant_document(text, file)
+    if not isinstance(document.data, dict) or broken.position is None or "vary" in document.data:
+        return []
+    line = broken.position.line - 1
+    home = _entry_at_line(document, line)
+    document.faults = [replace(broken, path=home)]
+    touched = {line, _line_with_text(document, line, -1), _line_with_text(document, line, 1)}
+    return [
+        fault
+        for fault in read_document(document, folder)[1]
+        if fault.severity == "error"
+        and fault.position is not None
+        and fault.position.file == file
+        and fault.position.line - 1 not in touched
+        and len(fault.path) > 1
+        and fault.path[: max(1, len(home))] != home
+        and (fault.kind != "unknown name" or len(re.findall(rf"(?<!\w){re.escape(fault.about)}(?!\w)", text)) < 2)
+    ]
+
+
+def _entry_at_line(document: LocatedDocument, line: int) -> Path:
+    """Path of the entry of a section, or of the section, in which a line lies."""
+    found: Path = ()
+    node = document.root
+    while node is not None and len(found) < 2:
+        before = [(key, one) for key, one in node.entries.items() if one.key_place and one.key_place[0] <= line]
+        if not before:
+            return found
+        key, node = max(before, key=lambda one: one[1].key_place or ())
+        found = (*found, key)
+    return found
+
+
+def _line_with_text(document: LocatedDocument, line: int, step: int) -> int:
+    """Number of the next line that is neither empty nor a comment."""
+    line += step
+    while 0 <= line < len(document.lines) and not document.lines[line].partition("#")[0].strip():
+        line += step
+    return line

@@ -1,0 +1,235 @@
+"""Quick fixes of texts that are no sound YAML: indentation, brackets, quotes, colons, characters."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from torsionnet.core.errors import Fault, ModelError
+from torsionnet.model.definition import Definition
+from torsionnet.model.files.located_yaml import compose
+from torsionnet.text.text_edits import TextEdit, TextFix, TextLines, TextSpan, edited
+
+_COMMENT = re.compile(r"\s#")
+_MOST_TRIED = 12
+"""Largest number of edits of which the best is searched, as each is read."""
+
+
+@dataclass(frozen=True)
+class _Break:
+    """Place at which a text stops being YAML."""
+
+    fault: Fault
+    offset: int
+    lines: TextLines
+
+    @property
+    def text(self) -> str:
+        return self.lines.text
+
+    @property
+    def number(self) -> int:
+        return self.lines.place(self.offset)[0]
+
+    @property
+    def line(self) -> str:
+        return self.line_at(self.number)
+
+    def line_at(self, number: int) -> str:
+        if not 0 <= number < len(self.lines.starts):
+            return ""
+        return self.text[self.lines.starts[number] : self.lines.offset(number, len(self.text))]
+
+    @property
+    def start(self) -> int:
+        return self.lines.starts[self.number]
+
+    @property
+    def content_end(self) -> int:
+        """Offset of the end of the line without blanks and comment."""
+        comment = _COMMENT.search(self.line, self.offset - self.start)
+        return self.start + len((self.line[: comment.start()] if comment else self.line).rstrip())
+
+    def inserted(self, title: str, place: int, text: str) -> TextFix:
+        return TextFix(title, (TextEdit(TextSpan(place, place), text),))
+
+    def replaced(self, title: str, start: int, end: int, text: str) -> TextFix:
+        return TextFix(title, (TextEdit(TextSpan(start, end), text),))
+
+
+def syntax_fixes(fault: Fault, span: TextSpan, lines: TextLines, file: str) -> tuple[TextFix, ...]:
+    """Fix of a text that is no sound YAML, the one after which most of it can be read; none where no fix is known."""
+    here = _Break(fault, span.start, lines)
+    best: tuple[int, TextFix] | None = None
+    for _, fix in zip(range(_MOST_TRIED), _candidates(here), strict=False):
+        left = _faults_left(edited(lines.text, fix.edits), file)
+        if left is not None and (best is None or left < best[0]):
+            best = left, fix
+        if best and best[0] == 0:
+            break
+    return (best[1],) if best else ()
+
+
+def _faults_left(text: str, file: str) -> int | None:
+    """Number of faults in reading a text, None where it still is no sound YAML."""
+    try:
+        document = compose(text.removeprefix("\ufeff"), file)
+    except ModelError:
+        return None
+    if not isinstance(document.data, dict):
+        return 1 + len(document.faults)
+    return len(document.faults) + len(Definition.read_entries(document.data)[1])
+
+
+def _candidates(here: _Break) -> Iterator[TextFix]:
+    message = here.fault.message
+    for beginning, rule in _RULES:
+        if re.search(beginning, message):
+            yield from rule(here)
+
+
+def _character(here: _Break) -> Iterator[TextFix]:
+    yield here.replaced("delete this character", here.offset, here.offset + 1, "")
+
+
+def _tabs(here: _Break) -> Iterator[TextFix]:
+    edits = []
+    for number, start in enumerate(here.lines.starts):
+        line = here.line_at(number)
+        blank = line[: len(line) - len(line.lstrip(" \t"))]
+        if "\t" in blank:
+            edits.append(TextEdit(TextSpan(start, start + len(blank)), blank.replace("\t", "  ")))
+    yield TextFix("indent with spaces", tuple(edits))
+    found = re.match(r"[ \t]*", here.line)
+    if found:
+        for width in dict.fromkeys(_indents(here)):
+            yield here.replaced("indent with spaces", here.start, here.start + found.end(), " " * width)
+    yield here.replaced("write a blank for the tab", here.offset, here.offset + 1, " ")
+
+
+def _indents(here: _Break) -> Iterator[int]:
+    """Indentation of the lines around, nearest first."""
+    for step in (-1, 1):
+        number, seen = here.number + step, 0
+        while 0 <= number < len(here.lines.starts) and seen < 4:
+            line = here.line_at(number)
+            bare = line.lstrip()
+            if bare and bare[0] not in "#\t":
+                yield len(line) - len(bare)
+                seen += 1
+            number += step
+
+
+def _indentation(here: _Break) -> Iterator[TextFix]:
+    old = len(here.line) - len(here.line.lstrip(" "))
+    for width in sorted(dict.fromkeys(_indents(here)), key=lambda width: abs(width - old)):
+        if width != old:
+            yield here.replaced("indent as the lines around", here.start, here.start + old, " " * width)
+
+
+def _quote(here: _Break) -> Iterator[TextFix]:
+    sign = here.text[here.offset : here.offset + 1]
+    if sign not in ("'", '"'):
+        return
+    rest = here.text[here.offset + 1 : here.content_end]
+    for found in re.finditer(r"(?=, *\w+ *:)|(?=[}\]]+ *,?$)|$", rest):
+        place = here.offset + 1 + found.start()
+        yield here.inserted(f"close with {sign}", place, sign)
+    yield here.replaced(f"delete {sign}", here.offset, here.offset + 1, "")
+
+
+def _bracket(here: _Break) -> Iterator[TextFix]:
+    began = re.search(r"it began at line (\d+), column (\d+)", here.fault.message)
+    opened = here.lines.offset(int(began[1]) - 1, int(began[2]) - 1) if began else here.offset
+    if here.text[opened : opened + 1] not in ("{", "["):
+        return
+    close = "}" if here.text[opened] == "{" else "]"
+    there = _Break(here.fault, opened, here.lines)
+    end = max(there.content_end, min(here.offset, len(here.text))) if began else there.content_end
+    inside = here.text[opened:end]
+    if close == "]":
+        for found in re.finditer(r",\s*\w+\s*:", inside):
+            yield here.inserted("close with ]", opened + found.start(), "]")
+        for found in re.finditer(r"\s*[}]", inside):
+            yield here.inserted("close with ]", opened + found.start(), "]")
+    yield here.inserted(f"close with {close}", there.content_end, close)
+    for found in re.finditer(r"(?<=[\w\]}\"'])\s+(?=\w+\s*:)", inside):
+        yield here.inserted("insert a comma", opened + found.start(), ",")
+    if here.offset > opened:
+        before = len(here.text[: here.offset].rstrip())
+        yield here.inserted("insert a comma", before, ",")
+        yield here.inserted(f"close with {close}", before, close)
+    nested = "]" if close == "}" else "}"
+    yield here.inserted(f"close with {nested}", there.content_end, nested)
+
+
+def _surplus(here: _Break) -> Iterator[TextFix]:
+    for place in (here.offset, here.offset - 1):
+        if here.text[place : place + 1] in ("}", "]", ",") and place >= 0:
+            yield here.replaced(f"delete {here.text[place]}", place, place + 1, "")
+
+
+def _colon(here: _Break) -> Iterator[TextFix]:
+    found = re.compile(r"(\w+)\s*:?\s*").match(here.text, here.offset)
+    if found:
+        yield here.replaced(f'write "{found[1]}: "', here.offset, found.end(), f"{found[1]}: ")
+
+
+def _missing_colon(here: _Break) -> Iterator[TextFix]:
+    """A colon after a word alone on its line, here or above."""
+    for number in range(here.number, here.number - 3, -1):
+        word = re.fullmatch(r"(\s*\w+)\s*", here.line_at(number).partition(" #")[0])
+        if word and 0 <= number < len(here.lines.starts):
+            yield here.inserted("write a colon after the name", here.lines.starts[number] + word.end(1), ":")
+
+
+def _quoted_value(here: _Break) -> Iterator[TextFix]:
+    """Quotes around the value of the line, or around the word at which the break is."""
+    key = re.match(r"\s*(- )?[^:#\s]+:\s+", here.line)
+    starts = [here.start + key.end()] if key else []
+    for start in dict.fromkeys(
+        [here.offset, *starts] if ":" not in here.text[here.offset : here.offset + 1] else starts
+    ):
+        rest = here.text[start : here.content_end]
+        for found in re.finditer(r"(?=[,}\]])|$", rest):
+            value = rest[: found.start()].rstrip()
+            if value and '"' not in value and "\\" not in value:
+                yield here.replaced("put the text in quotes", start, start + len(value), f'"{value}"')
+
+
+def _single_quotes(here: _Break) -> Iterator[TextFix]:
+    for found in re.finditer(r'"([^"]*)"', here.line):
+        if "\\" in found[1] and "'" not in found[1]:
+            start = here.start + found.start()
+            yield here.replaced("use single quotes", start, here.start + found.end(), f"'{found[1]}'")
+
+
+def _tag(here: _Break) -> Iterator[TextFix]:
+    found = re.compile(r"!\S*[ \t]*").match(here.text, here.offset)
+    if found:
+        yield here.replaced(f"delete {found[0].strip()}", here.offset, found.end(), "")
+
+
+def _alias(here: _Break) -> Iterator[TextFix]:
+    found = re.compile(r"\*(\w+)").match(here.text, here.offset)
+    if found and re.search(rf"(?<!\w){found[1]}\s*:", here.text):
+        yield here.replaced(f"write {found[1]}", here.offset, found.end(), found[1])
+
+
+_RULES = (
+    ("a character that text cannot hold", _character),
+    ("a tab stands here", _tabs),
+    ("does not fit the indentation|outside of the model", _indentation),
+    ("a quote is opened", _quote),
+    (r"missing; it began|is not closed|closing \"[}\]]\"", _bracket),
+    ("with a colon and a blank after the name", _colon),
+    ('a ":" is missing|a ":" is not expected|does not fit the indentation', _missing_colon),
+    ('a ":" is not expected', _indentation),
+    ('a ":" is not expected|cannot begin with|needs? quotes', _quoted_value),
+    ("outside of the model|does not fit|cannot begin with|is missing or is not closed", _surplus),
+    ("a backslash in double quotes", _single_quotes),
+    ("^tags such as", _tag),
+    ("no anchor .* stands before this alias", _alias),
+)
+"""Rule for the fixes of a break by regular expression of its message, as model/files/syntax.py words them."""
