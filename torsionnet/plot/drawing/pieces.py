@@ -201,8 +201,9 @@ def text_width(text: str, role: str) -> float:
     """Width in points of a text in the font of its role, a name in ``ROLES``."""
     look = ROLES[role]
     if is_math(text, role):
-        return look.size * symbols_width(text)
-    return look.size * font_widths("bold" if look.bold else "italic" if look.italic else "").width(text)
+        return symbols_width(text) * (look.size / 100)
+    face = "bold" if look.bold else "italic" if look.italic else ""
+    return font_widths(face).width(text) * (look.size / 100)
 
 
 def is_math(text: str, role: str) -> bool:

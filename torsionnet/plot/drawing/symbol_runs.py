@@ -11,10 +11,10 @@ from torsionnet.plot.drawing.text_widths import font_widths
 
 INDEX_SIZE = 0.7
 """Size of an index as a multiple of that of its symbol."""
-X_HEIGHT = 1120 / 2048
-"""Height of a small letter as a multiple of the size of the font."""
+X_HEIGHT = 100 * 1120 / 2048
+"""Height of a small letter in hundredths of the size of the font."""
 BEHIND_INDEX, BEFORE_INDEX = 0.05 * X_HEIGHT, 0.025 * INDEX_SIZE * X_HEIGHT
-"""Room behind an index and, of an upright symbol, before it, as multiples of the size of the text."""
+"""Room behind an index and, of an upright symbol, before it, in hundredths of the size of the text."""
 
 LETTERS = {
     "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "zeta": "ζ", "eta": "η", "theta": "θ",
@@ -59,10 +59,7 @@ def symbol_runs(text: str) -> list[TextRun]:
 
 @lru_cache(maxsize=4096)
 def symbols_width(text: str) -> float:
-    """Width of a label with symbols as a multiple of the size of its font, rounded up to a hundredth as matplotlib does.
-
-    The faces of the label are upright and italic.
-    """
+    """Width of a label with symbols in hundredths of the size of its font, rounded up as matplotlib does."""
     width, upright = 0.0, False
     for run in symbol_runs(text):
         own = font_widths("italic" if run.is_italic else "").symbol_width(run.text)
@@ -70,4 +67,4 @@ def symbols_width(text: str) -> float:
             own = INDEX_SIZE * own + BEHIND_INDEX + (BEFORE_INDEX if upright else 0.0)
         upright = not run.is_italic
         width += own
-    return math.ceil(100 * width) / 100
+    return float(math.ceil(width))

@@ -15,8 +15,8 @@ import numpy as np
 FACES = {"": "DejaVuSans.ttf", "italic": "DejaVuSans-Oblique.ttf", "bold": "DejaVuSans-Bold.ttf"}
 """Names of the files of the font by the slope or weight of a text."""
 
-RASTER = 6400
-"""Number of steps in an em to which widths are rounded, as matplotlib does."""
+RASTER = 64
+"""Number of steps in a hundredth of the size of the font to which widths are rounded, as matplotlib does."""
 LIGATURES = {"ffi": "\ufb03", "ffl": "\ufb04", "ff": "\ufb00", "fi": "\ufb01", "fl": "\ufb02"}
 """Characters that stand for several letters which the font draws as one sign, by these letters."""
 
@@ -31,23 +31,23 @@ class FontWidths:
     kerning: dict[int, int]
 
     def width(self, text: str) -> float:
-        """Width of a text as a multiple of the size of the font, as matplotlib draws it."""
+        """Width of a text in hundredths of the size of the font, as matplotlib draws it."""
         if "f" in text:
             for letters, sign in LIGATURES.items():
                 text = text.replace(letters, sign)
-        steps = RASTER / self.unit
+        steps = 100 * RASTER / self.unit
         numbers = [self.glyphs.get(ord(letter), 0) for letter in text]
         total = sum(math.floor(self.advances[number] * steps + 0.5) for number in numbers)
         return (total + sum(math.floor(pair * steps + 0.5) for pair in self._pairs(numbers))) / RASTER
 
     def symbol_width(self, text: str) -> float:
-        """Width of a text within a label with symbols as a multiple of the size of the font.
+        """Width of a text within a label with symbols in hundredths of the size of the font.
 
-        There matplotlib places the characters one by one, and moves pairs of them by whole hundredths of the size.
+        There matplotlib places the characters one by one, and moves pairs of them by whole hundredths.
         """
         numbers = [self.glyphs.get(ord(letter), 0) for letter in text]
-        total = sum(self.advances[number] for number in numbers) / self.unit
-        return total + sum(round(100 * pair / self.unit) for pair in self._pairs(numbers)) / 100
+        total = 100 / self.unit * sum(self.advances[number] for number in numbers)
+        return total + sum(round(100 * pair / self.unit) for pair in self._pairs(numbers))
 
     def _pairs(self, numbers: list[int]) -> list[int]:
         return [self.kerning.get(first << 16 | second, 0) for first, second in pairwise(numbers)]
