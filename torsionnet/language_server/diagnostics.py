@@ -20,9 +20,9 @@ from pygls.uris import from_fs_path
 
 from torsionnet.core import errors
 from torsionnet.language_server.editor_text import EditorText
-from torsionnet.language_server.open_model import OpenModel
-from torsionnet.text.text_edits import TextSpan
-from torsionnet.text.text_faults import LocatedFault
+from torsionnet.language_server.open_model import OpenModel, is_parts_text
+from torsionnet.text.text_edits import TextLines, TextSpan
+from torsionnet.text.text_faults import LocatedFault, position_span, text_faults
 
 SOURCE = "torsionnet"
 SEVERITIES = {
@@ -31,6 +31,21 @@ SEVERITIES = {
     "note": DiagnosticSeverity.Information,
 }
 """Severities of diagnostics by those of faults."""
+
+
+def faults_in_editor(model: OpenModel) -> list[LocatedFault]:
+    """Faults of an open model that an editor shows.
+
+    A file of parts lacks nothing when it has no elements, and its parts are used in other files.
+    """
+    found = text_faults(model.text, model.file, model.folder)
+    return [one for one in found if not _asks_for_a_model(one.fault)] if is_parts_text(model.text) else found
+
+
+def _asks_for_a_model(fault: errors.Fault) -> bool:
+    if fault.kind == "missing key":
+        return not fault.path
+    return fault.severity == "warning" and len(fault.path) == 2 and fault.path[0] == "parts"
 
 
 def diagnostics(model: OpenModel, faults: Iterable[LocatedFault]) -> list[Diagnostic]:
@@ -65,9 +80,6 @@ def _location(model: OpenModel, place: errors.Position) -> Location:
 
 
 def _span(shown: EditorText, place: errors.Position) -> TextSpan:
-    from torsionnet.text.text_edits import TextLines
-    from torsionnet.text.text_faults import position_span
-
     return position_span(place, TextLines(shown.text))
 
 

@@ -7,6 +7,7 @@ from functools import partial
 from lsprotocol import types
 
 from torsionnet.language_server.check_schedule import CHANGE_DELAY
+from torsionnet.language_server.diagnostics import code_actions
 from torsionnet.language_server.model_server import ModelServer
 
 TRIGGERS = (" ", ":", "[", ",", "{", ".")
@@ -64,13 +65,18 @@ def _add_faults(server: ModelServer) -> None:
         types.TEXT_DOCUMENT_CODE_ACTION, types.CodeActionOptions(code_action_kinds=[types.CodeActionKind.QuickFix])
     )
     async def actions(params: types.CodeActionParams) -> list[types.CodeAction] | None:
-        from torsionnet.language_server.diagnostics import code_actions
-
-        model = server.open_model(params.text_document.uri)
-        if model is None:
+        wanted = params.context.only
+        if wanted is not None and not any(_is_quick_fix(one) for one in wanted):
             return None
-        faults = await server.faults(model)
-        return await server.answer(model.uri, lambda _: code_actions(model, faults, model.shown.span(params.range)))
+        return await server.answer(
+            params.text_document.uri,
+            lambda model: code_actions(model, server.faults(model), model.shown.span(params.range)),
+        )
+
+
+def _is_quick_fix(kind: str) -> bool:
+    """Whether a kind that an editor asks for comprises quick fixes; a kind comprises those that begin with it."""
+    return types.CodeActionKind.QuickFix.value in (kind, kind.partition(".")[0]) or kind == ""
 
 
 def _add_writing(server: ModelServer) -> None:

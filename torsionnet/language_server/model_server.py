@@ -21,10 +21,10 @@ from torsionnet.core.errors import UsageError
 from torsionnet.core.version import __version__
 from torsionnet.language_server.answering_protocol import AnsweringProtocol
 from torsionnet.language_server.check_schedule import CHANGE_DELAY, CheckSchedule
-from torsionnet.language_server.diagnostics import diagnostics
+from torsionnet.language_server.diagnostics import diagnostics, faults_in_editor
 from torsionnet.language_server.editor_text import EditorText
 from torsionnet.language_server.open_model import OpenModel, is_model_text, names_a_model
-from torsionnet.text.text_faults import LocatedFault, text_faults
+from torsionnet.text.text_faults import LocatedFault
 
 T = TypeVar("T")
 
@@ -105,25 +105,27 @@ class ModelServer(LanguageServer):
                 self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, []))
             return
         version = self.workspace.text_documents[uri].version
-        texts = {
-            path: document.source
-            for other, document in self.workspace.text_documents.items()
-            if other != uri and (path := _real_path(other)) is not None
-        }
         try:
-            faults, shown = await self._run(self._checking, lambda: _checked(model, texts, self.read, uri))
+            faults, shown = await self._run(self._checking, uri, lambda: self._checked(model))
         except Exception as error:  # noqa: BLE001
             self.tell(f"checking {model.file}", error)
             return
         self.found[uri] = model, faults
         self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, shown, version))
 
-    async def faults(self, model: OpenModel) -> list[LocatedFault]:
+    def _checked(self, model: OpenModel) -> tuple[list[LocatedFault], list[types.Diagnostic]]:
+        """Faults of a model and its diagnostics; the files that it reads are noted, whatever the check ends with."""
+        with files_recorded() as recorded:
+            try:
+                faults = faults_in_editor(model)
+            finally:
+                self.read[model.uri] = set(recorded)
+        return faults, diagnostics(model, faults)
+
+    def faults(self, model: OpenModel) -> list[LocatedFault]:
         """Faults of a text, found anew where the last ones are of another text."""
         known = self.found.get(model.uri)
-        if known is not None and known[0] == model:
-            return known[1]
-        return await self._run(self._checking, lambda: text_faults(model.text, model.file, model.folder))
+        return known[1] if known is not None and known[0] == model else faults_in_editor(model)
 
     # answers
 
@@ -141,15 +143,26 @@ class ModelServer(LanguageServer):
         if model is None:
             return None
         try:
-            return await self._run(self._answering, lambda: calculate(model))
+            return await self._run(self._answering, uri, lambda: calculate(model))
         except UsageError as error:
             raise JsonRpcException(str(error), REFUSED) from None
         except Exception as error:  # noqa: BLE001
             self.tell(f"answering about {model.file}", error)
             return None
 
-    async def _run(self, workers: ThreadPoolExecutor, work: Callable[[], T]) -> T:
-        return await asyncio.get_running_loop().run_in_executor(workers, work)
+    async def _run(self, workers: ThreadPoolExecutor, uri: str, work: Callable[[], T]) -> T:
+        """Result of work in another thread, in which files that are open beside one have the text of the editor."""
+        texts = {
+            path: document.source
+            for other, document in self.workspace.text_documents.items()
+            if other != uri and (path := _real_path(other)) is not None
+        }
+
+        def with_texts() -> T:
+            with texts_in_editors(texts):
+                return work()
+
+        return await asyncio.get_running_loop().run_in_executor(workers, with_texts)
 
     def tell(self, doing: str, error: BaseException) -> None:
         """Write an exception into the log of the editor."""
@@ -169,18 +182,6 @@ class ModelServer(LanguageServer):
         """Stop the threads; a check that is running is not waited for by the editor."""
         for workers in (self._checking, self._answering):
             workers.shutdown(wait=False, cancel_futures=True)
-
-
-def _checked(
-    model: OpenModel, texts: dict[Path, str], read: dict[str, set[Path]], uri: str
-) -> tuple[list[LocatedFault], list[types.Diagnostic]]:
-    """Faults of a model and its diagnostics; the files that it reads are noted, whatever the check ends with."""
-    with files_recorded() as recorded, texts_in_editors(texts):
-        try:
-            faults = text_faults(model.text, model.file, model.folder)
-        finally:
-            read[uri] = set(recorded)
-    return faults, diagnostics(model, faults)
 
 
 def _real_path(uri: str) -> Path | None:

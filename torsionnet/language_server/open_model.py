@@ -15,6 +15,9 @@ _OTHERS = re.compile(r"""^["']?(vary|model)["']?[ \t]*:""", re.MULTILINE)
 _OWN_NAME = re.compile(r"\.torsionnet\.(yaml|yml|json)$", re.IGNORECASE)
 _OF_MODELS = re.compile(r"""^["']?(elements|use|parts|ports)["']?[ \t]*:""", re.MULTILINE)
 
+_PARTS = re.compile(r"""^["']?parts["']?[ \t]*:""", re.MULTILINE)
+_NO_PARTS = re.compile(r"""^["']?(elements|use|ports)["']?[ \t]*:""", re.MULTILINE)
+
 
 @dataclass(frozen=True)
 class OpenModel:
@@ -52,3 +55,12 @@ def is_model_text(text: str, file: str) -> bool:
 def names_a_model(text: str) -> bool:
     """Whether a text is that of a study, fit, bench or campaign, which name a model instead of being one."""
     return _OTHERS.search(text) is not None and _OF_MODELS.search(text) is None
+
+
+def is_parts_text(text: str) -> bool:
+    """Whether a text is that of a file of parts, which models include, and which is no model itself.
+
+    >>> is_parts_text("torsionnet: 1\nparts: {}"), is_parts_text("torsionnet: 1\nparts: {}\nelements: {}")
+    (True, False)
+    """
+    return _PARTS.search(text) is not None and _NO_PARTS.search(text) is None
