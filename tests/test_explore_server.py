@@ -1,20 +1,16 @@
 """The server of the explore page answers its own page, and nobody else."""
 
-import contextlib
 import http.client
 import json
 import re
 import socket
-import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from explore_pages import serving
 
-from torsionnet.explore import connections
 from torsionnet.explore.api import LARGEST_REQUEST, QUESTIONS
 from torsionnet.explore.guard import HEADERS
-from torsionnet.explore.connections import MOST_CONNECTIONS
 
 
 @pytest.fixture(scope="module")

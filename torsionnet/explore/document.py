@@ -16,7 +16,7 @@ from torsionnet.explore.session import Session
 from torsionnet.explore.session_remaking import SessionOptions, remade_session
 from torsionnet.model.files.reader import read_text
 from torsionnet.text.text_edits import TextLines, TextSpan
-from torsionnet.text.text_faults import LocatedFault, text_faults
+from torsionnet.text.text_faults import LocatedFault, stretched_faults
 from torsionnet.text.unstable_configurations import unstable_configurations
 
 Answer = dict[str, Any]
@@ -159,7 +159,7 @@ class Document:
     def _examine(self, revision: int, text: str) -> None:
         file, folder = str(self.options.path), self.options.folder
         definition, found = read_text(text, file, folder, unstable_configurations)
-        self.faults = text_faults(text, file, folder) if found else []
+        self.faults = stretched_faults(text, found, file, folder)
         self._is_sound = False
         if definition is None:
             return

@@ -49,8 +49,15 @@ def text_faults(text: str, file: str = "", folder: Path | None = None) -> list[L
     >>> first.span, first.fault.message.partition(";")[0], first.fixes[0].title
     (TextSpan(start=24, end=31), 'unknown key "elemnts"', 'write "elements"')
     """
+    return stretched_faults(text, read_text(text, file, folder, unstable_configurations)[1], file, folder)
+
+
+def stretched_faults(text: str, found: list[Fault], file: str = "", folder: Path | None = None) -> list[LocatedFault]:
+    """Faults that reading a model text has found, each with its stretch and its fixes.
+
+    For those who read the text themselves, for its definition; the rest is that of :func:`text_faults`.
+    """
     lines = TextLines(text)
-    found = read_text(text, file, folder, unstable_configurations)[1]
     if not any(fault.severity != "note" for fault in found):
         return [_located(fault, lines, file) for fault in found]
     try:
