@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from torsionnet.explore import ExploreServer, open_session
+from torsionnet.explore import ExploreServer, open_documents
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "microsoft-edge")
 PATIENCE = 20.0
@@ -32,7 +32,7 @@ def browser_or_skip():
 @contextmanager
 def serving(model, **options):
     """A server in a thread of its own."""
-    with ExploreServer(open_session(model, **options)) as server:
+    with ExploreServer(open_documents(model, **options)[0]) as server:
         thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.02}, daemon=True)
         thread.start()
         try:

@@ -38,12 +38,18 @@ class SoundText:
 
 @dataclass(frozen=True)
 class Draft:
-    """Text that is stored nowhere, with the version of the file that it began from."""
+    """Text that is stored nowhere, with the version of the file that it began from and when its tab last asked."""
 
     text: str
     revision: int
     disk: str
     base_text: str
+    last_used: float
+
+    @property
+    def is_left(self) -> bool:
+        """Whether its tab has not asked for anything for so long that it counts as closed."""
+        return time.monotonic() - self.last_used >= ALIVE_SECONDS
 
 
 class Document:
@@ -91,7 +97,7 @@ class Document:
         """Unsaved text, None where it is that of the file or another document shows it now."""
         if self.is_handed_on or self.text == self.base_text:
             return None
-        return Draft(self.text, self.revision, self.disk, self.base_text)
+        return Draft(self.text, self.revision, self.disk, self.base_text, self.last_used)
 
     def take_over(self, draft: Draft) -> None:
         """Go on with the unsaved text of a closed tab."""

@@ -205,4 +205,5 @@ class Documents:
                 if draft is not None:
                     held.is_handed_on = True
                     return draft
-            return self._drafts.popitem()[1] if self._drafts else None
+            left = next((other for other, draft in reversed(self._drafts.items()) if draft.is_left), None)
+            return None if left is None else self._drafts.pop(left)

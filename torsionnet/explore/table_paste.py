@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from torsionnet.core.delimited.cell_grid import parse_grid
@@ -12,6 +13,8 @@ from torsionnet.model.sheets.sheet_columns import is_inertia_heading
 
 TABLE = "pasted table"
 """Name of a pasted table in messages."""
+_MODEL = re.compile(r"^\s*(torsionnet|elements|parameters|nodes?)\s*:|\{\s*type\s*:|^\s*type\s*:", re.MULTILINE)
+"""Expression of what only texts of models hold, whose words of inertias would be taken for headings."""
 
 
 def pasted_model(table: str) -> dict[str, Any]:
@@ -28,6 +31,8 @@ def pasted_model(table: str) -> dict[str, Any]:
     >>> pasted_model("elements:\\n  a: {type: inertia}")
     {'no_table': True}
     """
+    if _MODEL.search(table):
+        return {"no_table": True}
     try:
         grid = parse_grid(table.splitlines(), TABLE)
     except ModelError:
