@@ -98,7 +98,7 @@ def _where(path: tuple[str | int, ...]) -> str:
 def _answer(session: Session, state: State) -> dict[str, Any]:
     rig = session.model_for(state)
     shown = session.with_defaults(state)
-    modes = _modes(rig)
+    modes = page_modes(rig)
     return {
         "title": rig.title,
         "excitation": shown.excitation,
@@ -128,7 +128,8 @@ def _over_speed(session: Session, rig: Drivetrain, shown: State) -> dict[str, An
     return {"orders": over_speed(rig, shown.output, rough=shown.rough, test=session.measured)}
 
 
-def _modes(rig: Drivetrain) -> Modes:
+def page_modes(rig: Drivetrain) -> Modes:
+    """Modes of a drivetrain that the page shows, of a large one only the lowest."""
     return rig.modes(lowest=MOST_MODES) if len(rig.nodes) > MANY_NODES else rig.modes()
 
 

@@ -11,6 +11,7 @@ from typing import Any
 
 from torsionnet.core.entries.scalars import read_value
 from torsionnet.core.errors import TorsionnetError, UsageError
+from torsionnet.core.memo import RecentResults
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.explore.choices import ResponseChoice, choices, default_pair
 from torsionnet.explore.over_speed import runs
@@ -77,6 +78,8 @@ class Session:
     measured: Path | None = None
     point: Mapping[str, Any] = field(default_factory=dict)
     """Operating point in place of that of the file."""
+    pictures: RecentResults = field(default_factory=RecentResults, repr=False)
+    """Recent schematics and motions of modes, which many states share."""
     _chosen: dict[str, Drivetrain] = field(default_factory=dict, repr=False)
 
     def model_in(self, choice: Mapping[str, str]) -> Drivetrain:

@@ -153,9 +153,7 @@ class Piece:
         """
         strokes, labels, owner = len(self.strokes), len(self.labels), Owner(kind, name)
         yield
-        self.strokes[strokes:] = [
-            one if one.owner else replace(one, owner=owner) for one in self.strokes[strokes:]
-        ]
+        self.strokes[strokes:] = [one if one.owner else replace(one, owner=owner) for one in self.strokes[strokes:]]
         self.labels[labels:] = [one if one.owner else replace(one, owner=owner) for one in self.labels[labels:]]
 
     def line(self, *points: Point, look: str = "shaft") -> None:

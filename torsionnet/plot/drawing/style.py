@@ -15,11 +15,13 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullFormatter
 
-from torsionnet.plot.drawing.palette import FAINT, INK, MUTED, PALETTE, PAPER
+import torsionnet.plot.drawing.palette as colors
 
+PALETTE = colors.PALETTE
 DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (7, 2, 1.5, 2)), (0, (7, 2, 1.5, 2, 1.5, 2)))
 LIMIT_COLOR = "#B00020"
 """Red, as a hexadecimal code, that is kept for limits, so that no curve has it."""
+INK, MUTED, FAINT, PAPER = colors.INK, colors.MUTED, colors.FAINT, colors.PAPER
 FONT, SMALL, TITLE = 9.0, 8.0, 11.0
 WIDTH = 7.2
 """Width of a figure in inches: the text width of a page."""

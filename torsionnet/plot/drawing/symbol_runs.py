@@ -40,7 +40,7 @@ class TextRun(NamedTuple):
 
 
 def symbol_runs(text: str) -> list[TextRun]:
-    r"""Runs of a label in which symbols stand between dollars, as :func:`~torsionnet.plot.drawing.labels.symbol` writes.
+    r"""Runs of a label in which symbols stand between dollars, as ``labels.symbol`` writes them.
 
     >>> [tuple(run) for run in symbol_runs("$k_{\\mathrm{1}}$ = 460 N·m/rad")]
     [('k', 'symbol'), ('1', 'index'), (' = 460 N·m/rad', 'plain')]

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from torsionnet.plot.drawing.pieces import Piece
+from torsionnet.plot.drawing.pieces import Owner, Piece
 from torsionnet.plot.schematic.arrangement import PAPER_WIDTH, arranged, framed, page_width, titled
 from torsionnet.plot.schematic.svg_groups import SvgGroup, drawn_groups
 from torsionnet.plot.schematic.svg_marks import attribute_text, content_text, labels_svg, number, strokes_svg
@@ -59,8 +59,8 @@ def schematic_svg(model: Drivetrain, *, title: str = "", width: float = PAPER_WI
     --------
     >>> import torsionnet as tn
     >>> drawing = schematic_svg(tn.load("amt_rig"))
-    >>> drawing.nodes["gearbox"], 'data-node="gearbox"' in drawing.svg
-    ('node-gearbox', True)
+    >>> drawing.nodes["hub"], 'data-node="hub"' in drawing.svg
+    ('node-hub', True)
     """
     page = page_width(width)
     whole = arranged(model, page)
@@ -86,7 +86,7 @@ def _loose(whole: Piece) -> str:
     return f'<g class="rest">{strokes_svg(strokes)}{labels_svg(labels)}</g>\n'
 
 
-def _written(group: SvgGroup, groups: Mapping[tuple[str, str], SvgGroup]) -> str:
+def _written(group: SvgGroup, groups: Mapping[Owner, SvgGroup]) -> str:
     """Text of a group, with the groups of parts that are drawn within it around its strokes.
 
     Strokes of hidden parts are those of the symbol that hides them, so that either marks the same symbol.

@@ -1,4 +1,4 @@
-"""Groups of a schematic in SVG, one for each element, node, input and sensor, with ids and titles for screen readers."""
+"""Groups of a schematic in SVG, one for each part of a drivetrain, with ids and titles for screen readers."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class SvgGroup:
     """Owner in whose symbol this one is hidden."""
 
 
-def drawn_groups(model: Drivetrain, whole: Piece) -> dict[tuple[str, str], SvgGroup]:
+def drawn_groups(model: Drivetrain, whole: Piece) -> dict[Owner, SvgGroup]:
     """Groups of a drawing by kind and name, nodes first so that symbols of elements lie over shafts."""
     ids: set[str] = set()
     found = {
@@ -72,7 +72,7 @@ def _parts(model: Drivetrain) -> list[tuple[str, str, str, str]]:
 
 
 def _element_title(element: Element, values: Any) -> str:
-    """Title of an element: name, type, nodes and main values, as "shaft_1, spring, gearbox to car: k_1 = 460 N·m/rad"."""
+    """Title of an element, as "shaft_1, spring, gearbox to car: k_1 = 460 N·m/rad"."""
     ends = [node for node in dict.fromkeys(element.ports.values()) if node != GROUND]
     joined = " to ".join(ends) + (" to ground" if GROUND in element.ports.values() and ends else "")
     lines = ", ".join(_plain(line) for line in value_lines(element, values))
@@ -80,7 +80,7 @@ def _element_title(element: Element, values: Any) -> str:
 
 
 def _plain(text: str) -> str:
-    """Text of a label without its markup for symbols.
+    r"""Text of a label without its markup for symbols.
 
     >>> _plain("$k_{\\mathrm{1}}$ = 460 N·m/rad")
     'k_1 = 460 N·m/rad'
@@ -110,7 +110,8 @@ def _hide(model: Drivetrain, found: dict[Owner, SvgGroup]) -> None:
         hidden += [(Owner("node", node), Owner("element", name)) for node in element.internal_nodes]
     for inner, outer in hidden:
         if inner in found and found[inner].within is None:
-            while (further := found[outer].within) is not None:
-                outer = further
-            found[inner].within = outer
-            found[outer].hides.append(inner)
+            drawn_in = outer
+            while (further := found[drawn_in].within) is not None:
+                drawn_in = further
+            found[inner].within = drawn_in
+            found[drawn_in].hides.append(inner)

@@ -17,7 +17,7 @@ FILLS = {BODY: "body", WHEEL: "wheel", BOX: "box", PAPER: "paper", "#d9d9d9": "p
 
 INDEX_DROP = 0.16
 """Distance by which an index stands below its symbol as a multiple of the size of the font."""
-ILLEGAL = {code: "\ufffd" for code in (*range(9), 11, 12, *range(14, 32), 0xFFFE, 0xFFFF, *range(0xD800, 0xE000))}
+ILLEGAL = dict.fromkeys((*range(9), 11, 12, *range(14, 32), 65534, 65535, *range(55296, 57344)), "�")
 """Replacement of the characters that XML does not allow, by code."""
 
 
@@ -76,7 +76,9 @@ def _path(outline: str, look: str, fill: str) -> str:
 
 def _pen_color(look: str) -> str:
     color, _ = PENS[look]
-    name = {"wire": "muted", "carrier": "muted", "housing": "muted", "leader": "input", "blank": "paper"}.get(look, look)
+    name = {"wire": "muted", "carrier": "muted", "housing": "muted", "leader": "input", "blank": "paper"}.get(
+        look, look
+    )
     return f"var(--schematic-{name}, {color})"
 
 
