@@ -1,262 +1,55 @@
-// The page: state in, question to the server, answer onto the screen.
+// The page: text, schematic, results and values, each following the others.
 
-import { ask, newestOnly, underWay } from "./api.js";
-import { makeChooser, segments } from "./chooser.js";
-import { byKeys, valuesAt, valuesNear } from "./cursor.js";
-import { copy, save } from "./files.js";
-import { overFrequency } from "./frequency.js";
-import { drawModes } from "./modes.js";
-import { makePins, pinned } from "./pins.js";
-import { makePlots } from "./plots.js";
-import { drawPoles } from "./poles.js";
-import { makeReadout } from "./readout.js";
-import { makeSliders } from "./sliders.js";
-import { overSpeed } from "./speed.js";
-import { canPin, fresh, question, read, write } from "./state.js";
-import { drawTabs } from "./tabs.js";
-import { apply, curveColour, isDark, whenSystemChanges } from "./theme.js";
+import { ask, newestOnly } from "./api.js";
+import { makeMotion } from "./motion.js";
+import { makePanes } from "./panes.js";
+import { results } from "./results.js";
+import { makeSchematic } from "./schematic.js";
+import { drawTorques } from "./torques.js";
+import { openText } from "./writing.js";
 
-const QUIET = 500; // ms without change until the summary is read aloud and the address written
+const CALM = 120; // ms; a drawing and its motion need not follow every step of a slider
 const at = (id) => document.getElementById(id);
 
-const model = await ask("model");
-let state = read(model);
-let last = null; // the last answer that was no refusal, and the state it belongs to
-let test = null;
-let edited = "";
-let quiet = 0;
-let seen = [];
-globalThis.torsionnet = { lastUpdate: null, updates: 0, drawn: () => seen, underWay };
-
-at("name").textContent = model.name;
-at("source").textContent = [model.source, model.file].filter(Boolean).join(" · ");
-at("source").title = model.description;
-document.title = `${model.name} – torsionnet explore`;
-apply(state.theme);
-
-const pins = makePins(() => state, () => last && redraw());
-const plots = makePlots([at("magnitude"), at("phase")], {
-  cursor: () => readValues(),
-  zoom: (ends) => zoom(ends),
-  widen: () => zoom(null),
-});
-const readout = makeReadout(at("curves").tBodies[0], at("at"), {
-  remove: (pin) => change({ pins: state.pins.filter((one) => one !== pin) }, { ask: false }),
-  rename: (pin, name) => {
-    pin.name = name.trim() || pin.name;
-    change({}, { ask: false });
+const nonce = document.querySelector("meta[name=style-nonce]").content;
+const withText = nonce !== "";
+const panes = makePanes(withText);
+let writing = null;
+let later = 0;
+const motion = makeMotion();
+const schematic = makeSchematic(at("schematic"), {
+  drawn: motion.on,
+  choose: (kind, name) => {
+    panes.show("text");
+    writing?.goTo(kind, name);
   },
-  toggleTest: () => change({ overlaid: !state.overlaid }, { ask: false }),
 });
-const fillChooser = makeChooser(at("chooser"), model, change);
-const which = segments("Modes of", [["drivetrain", "drivetrain"], ["cut", "cut"]], (of) => change({ of }, { ask: false }));
-at("which").append(which.node);
-const sliders = makeSliders(at("sliders"), model.parameters.map(bare), model.operating_point.rows.map(bare), changeValue);
-at("point-hint").textContent = model.operating_point.hint;
-const request = newestOnly("answer", show, (error) => refuse([error.message]));
-byKeys(at("magnitude"), plots.plots, () => plots.plots().forEach((plot) => plot.setCursor({ left: -10, top: -10 })));
+const quiet = () => {}; // what cannot be drawn is told by the answer about results already
+const drawing = newestOnly("schematic", (found) => found.svg && schematic.show(found), quiet);
+const moving = newestOnly("motion", (found) => {
+  if (!found.modes) return;
+  motion.show(found.modes);
+  drawTorques(at("mean"), at("torques"), found);
+}, quiet);
 
-at("reset").addEventListener("click", () => change({ values: {} }));
-at("pin").addEventListener("click", pin);
-at("save").addEventListener("click", async () => say(await save(question(state)).catch((error) => error.message)));
-at("copy").addEventListener("click", async () => say(await copy(at("command"))));
-at("theme").addEventListener("click", () => change({ theme: isDark(state.theme) ? "light" : "dark" }, { ask: false }));
-whenSystemChanges(() => change({}, { ask: false }));
-addEventListener("hashchange", () => {
-  state = read(model);
-  test = null;
-  change({});
+let drawnFor = "";
+
+results.begin((state, isNewModel) => {
+  writing?.button();
+  if (!withText) return;
+  clearTimeout(later);
+  const key = JSON.stringify(state.choice);
+  later = setTimeout(() => {
+    drawing(state);
+    moving(state);
+  }, isNewModel || key !== drawnFor ? 0 : CALM);
+  drawnFor = key;
 });
-if (Object.keys(model.axes).length) at("plots").setAttribute("role", "tabpanel");
-change({});
 
-function bare(parameter) {
-  return { ...parameter, value: 1, default: 1, low: 0.1, high: 10, shown_unit: "", expression: "", remark: "" };
-}
-
-function changeValue(name, value, time) {
-  const values = { ...state.values };
-  if (value === null) delete values[name];
-  else values[name] = value;
-  edited = name;
-  change({ values }, { time });
-}
-
-// All speeds have been calculated already, frequencies have not.
-function zoom(ends) {
-  if (state.axis === "speed") change({ rpm: ends }, { ask: false });
-  else change({ band: ends });
-}
-
-// Everything that happens comes through here. Without `ask` only the look changes.
-function change(part, { ask: asks = true, time = performance.now() } = {}) {
-  const before = state.output + state.input + state.quantity;
-  state = { ...state, ...part, band: part.band === null ? fresh(model).band : (part.band ?? state.band) };
-  apply(state.theme);
-  at("theme").setAttribute("aria-label", isDark(state.theme) ? "Light colours" : "Dark colours");
-  at("theme").title = at("theme").getAttribute("aria-label");
-  drawTabs(at("tabs"), model.axes, state.choice, chooseTab);
-  fillChooser(state, last?.answer);
-  if (before !== state.output + state.input + state.quantity) test = null;
-  if (last && (!asks || "angle" in part || "decibels" in part)) redraw(); // the numbers are here already
-  if (asks) request({ ...question(state), rough: true }, time);
-  later();
-}
-
-function chooseTab(axis, name, time) {
-  const choice = { ...state.choice };
-  if (name) choice[axis] = name;
-  else delete choice[axis];
-  change({ choice }, { time });
-}
-
-function show(answer, asked, time) {
-  if (answer.refused) return refuse(answer.refused, answer);
-  at("refused").hidden = true;
-  sliders.fault("");
-  last = { answer, asked };
-  fillSliders(answer);
-  fillChooser(state, answer);
-  redraw();
-  finish(time);
-  if (!asked.rough) later();
-  if (model.overlay && answer.response && !test) fetchTest();
-  pins.refresh();
-}
-
-function fillSliders({ parameters, operating_point: point }) {
-  sliders.fill([...parameters, ...point]);
-}
-
-function refuse(reasons, answer = null) {
-  if (answer?.parameters) fillSliders(answer);
-  at("refused").replaceChildren(...reasons.map((reason) => Object.assign(document.createElement("p"), { textContent: reason })));
-  at("refused").hidden = false;
-  sliders.fault(edited);
-  at("reset").disabled = !Object.keys(state.values).length;
-  if (last) redraw(true);
-}
-
-async function fetchTest() {
-  const { output, input, quantity } = state;
-  const found = (await ask("overlay", question(state)).catch(() => ({}))).overlay ?? "none";
-  if (output !== state.output || input !== state.input || quantity !== state.quantity) return; // the next answer asks again
-  test = found;
-  redraw();
-}
-
-function redraw(faint = false) {
-  const { answer } = last;
-  const all = allCurves(answer, faint || !at("refused").hidden);
-  const alone = Boolean(answer.orders);
-  seen = all.filter((one) => !one.hidden);
-  at("phase").hidden = at("phase-title").hidden = alone;
-  at("plots").classList.toggle("alone", alone);
-  at("curves").classList.toggle("no-phase", alone);
-  at("magnitude").setAttribute("aria-label", over(answer).cursor);
-  over(answer).draw(plots, seen, answer, state);
-  readout.list([...seen, ...all.filter((one) => one.hidden)].filter((one) => !one.unlisted));
-  readValues();
-  words(answer);
-  drawModal(answer);
-  at("reset").disabled = !Object.keys(state.values).length;
-  at("pin").disabled = !canPin(state);
-}
-
-function over(answer) {
-  return answer.orders ? overSpeed : overFrequency;
-}
-
-function allCurves(answer, faint) {
-  const now = { key: "now", note: answer.title, faint, dashes: [] };
-  const kept = state.pins.flatMap((pin, k) => {
-    const found = pins.of(pin, state);
-    const look = { key: `pin ${k} ${state.pins.length} ${pin.name}`, name: pin.name, pin };
-    return found && over(found) === over(answer) ? [{ answer: found, k: k + 1, ...look }] : [];
-  });
-  return over(answer).curves(answer, state, now, kept, test && test !== "none" ? { ...test, name: model.overlay } : null);
-}
-
-function words(answer) {
-  const view = over(answer);
-  title("magnitude-title", view.title(answer, state), view.unit(answer, state));
-  title("phase-title", ["phase"], "deg");
-  at("summary").textContent = view.summary(answer, state);
-  const notes = [...view.notes(answer), ...answer.notes, ...answer.findings];
-  if (test === "none" && answer.response) notes.push(`${model.overlay} holds no ${answer.response.label}`);
-  at("notes").textContent = notes.join(" · ");
-  at("command").textContent = answer.command;
-}
-
-function title(id, content, inUnit) {
-  const small = document.createElement("small");
-  small.textContent = ` [${inUnit}]`;
-  at(id).replaceChildren(...content, small);
-}
-
-function drawModal(answer) {
-  at("which").hidden = !answer.cut;
-  const cut = state.of === "cut" && answer.cut;
-  which.fill(cut ? "cut" : "drivetrain");
-  which.rename("cut", `cut at ${state.input}`);
-  at("modes-title").textContent = cut ? `Poles of ${answer.response.label}` : "Modes";
-  const side = (one) => (cut ? one.cut : one.modes);
-  drawModes(at("modes"), side(answer));
-  const sets = state.pins.map((pin, k) => [pins.of(pin, state), k]).filter(([found]) => found && side(found));
-  drawPoles(at("poles"), [
-    { modes: side(answer), colour: curveColour(0) },
-    ...sets.map(([found, k]) => ({ modes: side(found), colour: curveColour(k + 1), pinned: true })),
-  ]);
-}
-
-// Without a cursor, the values at the largest peak.
-function readValues() {
-  if (!last) return;
-  const drawn = plots.plots();
-  if (!drawn.length || !drawn[0].data[0]?.length) return;
-  const { answer } = last;
-  const view = over(answer);
-  const found = valuesAt(drawn);
-  const largest = view.start(answer, state);
-  const range = view.range(answer, state);
-  const x = found?.[0] ?? largest ?? range[0];
-  const values = found?.[1] ?? valuesNear(drawn, drawn[0].valToIdx(x));
-  const unit = view.unit(answer, state);
-  readout.values(`at ${view.text(x)}${!found && largest ? ` (${view.peak})` : ""} [${unit}]`, values);
-  const slider = at("magnitude");
-  slider.setAttribute("aria-valuemin", range[0]);
-  slider.setAttribute("aria-valuemax", range[1]);
-  slider.setAttribute("aria-valuenow", x);
-  slider.setAttribute("aria-valuetext", `${view.text(x)}: ${view.said(values, unit, seen.map(({ name }) => name))}`);
-}
-
-function pin() {
-  if (!last || !canPin(state)) return;
-  const made = pinned(state, "as written", new Map(model.operating_point.rows.map(({ name, label }) => [name, label])));
-  pins.keep(made, state, last.answer);
-  change({ pins: [...state.pins, made] });
-}
-
-// uPlot draws in a microtask: when a task of its own comes after it, everything is on the canvases.
-function finish(time) {
-  queueMicrotask(() => queueMicrotask(() => {
-    const ms = performance.now() - time;
-    globalThis.torsionnet.lastUpdate = ms;
-    globalThis.torsionnet.updates += 1;
-    at("time").textContent = `${ms.toFixed(0)} ms`;
-  }));
-}
-
-function later() {
-  clearTimeout(quiet);
-  quiet = setTimeout(() => {
-    write(state);
-    if (last?.answer.orders?.thinned) return request(question(state), performance.now()); // comes back here
-    at("live").textContent = at("refused").hidden ? at("summary").textContent : "";
-  }, QUIET);
-}
-
-function say(text) {
-  at("said").textContent = text;
-  setTimeout(() => (at("said").textContent = ""), 6000);
-}
+if (withText) {
+  writing = await openText(nonce, schematic);
+  const model = await ask("model");
+  if (model.refused) results.refuse(model.refused);
+  else results.show(model);
+  writing.check();
+} else results.show(await ask("model"));

@@ -5,7 +5,7 @@ import { plain, short, symbol, unit } from "./numbers.js";
 import { STEPS, toPosition, toValue } from "./scale.js";
 
 export function makeSliders(place, parameters, point, change) {
-  const rows = new Map([...point, ...parameters].map((one) => [one.name, makeRow(one, change)]));
+  const rows = new Map([...point, ...parameters].map((one) => [one.name, makeRow(bare(one), change)]));
   place.replaceChildren(...[...rows.values()].map((row) => row.node));
   if (point.length && parameters.length) rows.get(parameters[0].name).node.classList.add("first");
   if (!rows.size) place.textContent = "The model has no parameters: name values under parameters: to move them here.";
@@ -14,8 +14,12 @@ export function makeSliders(place, parameters, point, change) {
       const given = new Map(now.map((one) => [one.name, one]));
       rows.forEach((row, name) => (given.has(name) ? fill(row, given.get(name)) : (row.node.hidden = true)));
     },
-    fault: (name) => rows.forEach((row, own) => row.field.toggleAttribute("aria-invalid", own === name)),
+    fault: (name) => rows.forEach((row, own) => row.field.toggleAttribute("aria-invalid", own === name || !row.gap.hidden)),
   };
+}
+
+function bare(parameter) {
+  return { ...parameter, value: 1, default: 1, low: 0.1, high: 10, shown_unit: "", expression: "", remark: "" };
 }
 
 function makeRow(parameter, change) {
@@ -40,11 +44,17 @@ function makeRow(parameter, change) {
   const track = element("div", "track");
   track.append(mark, slider);
   const derived = element("span", "derived");
-  node.append(label, description, field, units, track, derived, reset);
-  const row = { node, field, units, slider, mark, reset, derived, now: parameter };
+  const gap = element("p", "gap");
+  Object.assign(gap, { id: `${id}-gap`, hidden: true, role: "alert" });
+  node.append(label, description, field, units, track, derived, gap, reset);
+  const row = { node, field, units, slider, mark, reset, derived, gap, now: parameter };
   slider.addEventListener("input", (event) => drag(row, change, event));
   field.addEventListener("change", (event) => type(row, change, event));
-  const back = (event) => change(row.now.name, null, event.timeStamp);
+  const back = (event) => {
+    missing(row, false);
+    row.field.value = plain(row.now.value);
+    change(row.now.name, null, event.timeStamp);
+  };
   slider.addEventListener("dblclick", back);
   reset.addEventListener("click", back);
   return row;
@@ -52,6 +62,7 @@ function makeRow(parameter, change) {
 
 function drag(row, change, event) {
   const value = toValue(Number(row.slider.value), row.now);
+  missing(row, false);
   row.field.value = plain(value);
   row.slider.setAttribute("aria-valuetext", `${plain(value)} ${row.now.shown_unit}`);
   change(row.now.name, value === row.now.default ? null : withUnit(plain(value), row.now), event.timeStamp);
@@ -60,9 +71,22 @@ function drag(row, change, event) {
 // A bare number is meant in the unit beside the field; any other text goes to the library, which reads units.
 function type(row, change, event) {
   const text = row.field.value.trim();
-  const bare = text !== "" && Number.isFinite(Number(text));
-  const same = text === "" || (bare && Number(text) === row.now.default);
-  change(row.now.name, same ? null : bare ? withUnit(text, row.now) : text, event.timeStamp);
+  const isNumber = text !== "" && Number.isFinite(Number(text));
+  missing(row, text === "");
+  if (text === "") return;
+  const same = isNumber && Number(text) === row.now.default;
+  change(row.now.name, same ? null : isNumber ? withUnit(text, row.now) : text, event.timeStamp);
+}
+
+// An empty field is no value: it says what it waits for, and the last value stays in force.
+function missing(row, is) {
+  row.gap.hidden = !is;
+  row.field.toggleAttribute("aria-invalid", is);
+  if (!is) return row.field.removeAttribute("aria-describedby");
+  const { label, name, default: own, shown_unit: inUnit } = row.now;
+  row.gap.textContent = `${label ?? name} has no value: type a number, such as ${plain(own)}${inUnit ? ` ${inUnit}` : ""}, or ↺ for the file's value. Until then ${plain(row.now.value)} stays in force.`;
+  row.field.setAttribute("aria-describedby", row.gap.id);
+  row.reset.hidden = false;
 }
 
 function withUnit(text, parameter) {
@@ -76,9 +100,9 @@ function fill(row, parameter) {
   row.node.classList.toggle("is-derived", derived);
   row.node.classList.toggle("is-changed", parameter.changed);
   row.field.readOnly = derived;
-  if (document.activeElement !== row.field || derived) row.field.value = plain(parameter.value);
+  if (row.gap.hidden && (document.activeElement !== row.field || derived)) row.field.value = plain(parameter.value);
   row.units.textContent = unit(parameter.shown_unit);
-  row.reset.hidden = !parameter.changed;
+  row.reset.hidden = !parameter.changed && row.gap.hidden;
   row.derived.textContent = derived ? `= ${unit(parameter.expression)}` : parameter.remark;
   row.node.classList.toggle("has-remark", parameter.remark !== "");
   const position = toPosition(parameter.value, parameter);

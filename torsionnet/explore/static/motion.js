@@ -1,0 +1,129 @@
+// A mode on the schematic: at each node a disc swings as far as the mode moves it there.
+
+import { short } from "./numbers.js";
+
+const SVG = "http://www.w3.org/2000/svg";
+const SECONDS = 2.4; // of one swing, whatever the frequency of the mode
+const SWING = 70; // degrees, of the node that moves most
+const RADIUS = 7.5;
+const SMALL = 0.02; // of the largest amplitude; what moves less is said to stand still
+
+const at = (id) => document.getElementById(id);
+const calm = matchMedia("(prefers-reduced-motion: reduce)");
+
+export function makeMotion() {
+  let modes = [];
+  let discs = new Map(); // node -> {needle, disc}
+  let drawn = null;
+  let runs = !calm.matches;
+  let since = 0;
+  let frame = 0;
+
+  at("mode").addEventListener("change", begin);
+  at("play").addEventListener("click", () => {
+    runs = !runs;
+    begin();
+  });
+  calm.addEventListener("change", () => {
+    runs = !calm.matches;
+    begin();
+  });
+  document.addEventListener("visibilitychange", begin);
+
+  function show(found) {
+    const before = at("mode").value;
+    modes = found;
+    at("mode").replaceChildren(new Option("none", ""), ...modes.map(option));
+    at("mode").value = before !== "" && Number(before) < modes.length ? before : "";
+    begin();
+  }
+
+  function on(schematic) {
+    drawn = schematic;
+    layer();
+    begin();
+  }
+
+  // Discs stand in the middle of the drawn nodes, in the coordinates of the drawing.
+  function layer() {
+    discs = new Map();
+    const { svg, nodes } = drawn;
+    const back = svg.getScreenCTM()?.inverse();
+    if (!back || !svg.clientWidth) return;
+    const group = shape("g", { class: "swinging", "aria-hidden": "true" });
+    for (const [name, id] of Object.entries(nodes)) {
+      const box = svg.getElementById(id)?.getBoundingClientRect();
+      if (!box) continue;
+      const { x, y } = new DOMPoint(box.left + box.width / 2, box.top + box.height / 2).matrixTransform(back);
+      const spot = shape("g", { transform: `translate(${x} ${y})` });
+      const disc = shape("circle", { r: RADIUS });
+      const needle = shape("line", { x1: 0, y1: 0, x2: 0, y2: -RADIUS - 3 });
+      spot.append(disc, needle);
+      group.append(spot);
+      discs.set(name, { spot, disc, needle });
+    }
+    svg.append(group);
+  }
+
+  function chosen() {
+    return at("mode").value === "" ? null : modes[Number(at("mode").value)];
+  }
+
+  function begin() {
+    cancelAnimationFrame(frame);
+    const mode = chosen();
+    at("mode").disabled = at("play").disabled = !modes.length;
+    at("play").textContent = runs ? "Pause" : "Play";
+    at("play").hidden = !mode;
+    drawn?.svg.classList.toggle("is-moving", Boolean(mode));
+    at("moving").textContent = mode ? words(mode) : "";
+    if (!mode || !drawn) return;
+    if (!discs.size) layer();
+    since = performance.now();
+    if (runs && !document.hidden) frame = requestAnimationFrame(step);
+    else draw(mode, 0);
+  }
+
+  function step(now) {
+    const mode = chosen();
+    if (!mode) return;
+    draw(mode, (2 * Math.PI * (now - since)) / 1000 / SECONDS);
+    frame = requestAnimationFrame(step);
+  }
+
+  function draw(mode, angle) {
+    for (const [name, { spot, needle, disc }] of discs) {
+      const [size, phase] = mode.nodes[name] ?? [0, 0];
+      const now = size * Math.cos(angle + phase);
+      spot.classList.toggle("is-still", size < SMALL);
+      needle.setAttribute("transform", `rotate(${(SWING * now).toFixed(2)})`);
+      disc.setAttribute("fill-opacity", Math.abs(now).toFixed(3));
+      disc.classList.toggle("is-back", now < 0);
+    }
+  }
+
+  return { show, on, choose: (k) => {
+    at("mode").value = String(k);
+    begin();
+  } };
+}
+
+function option({ frequency_hz: frequency, damping_ratio: ratio }, k) {
+  const damping = ratio === null || ratio === undefined || frequency === 0 ? "" : `, ${short(100 * ratio, 3)} %`;
+  return new Option(`${k + 1}: ${frequency ? `${short(frequency)} Hz${damping}` : "rigid body"}`, String(k));
+}
+
+// For those who do not see it: who moves most, and who moves against it.
+function words({ frequency_hz: frequency, nodes }) {
+  const all = Object.entries(nodes).filter(([, [size]]) => size >= SMALL).sort(([, a], [, b]) => b[0] - a[0]);
+  if (!all.length) return "";
+  const lead = all[0][1][1];
+  const parts = all.map(([name, [size, phase]]) => `${name} ${short(size, 2)}${Math.cos(phase - lead) < 0 ? " against it" : ""}`);
+  return `${short(frequency)} Hz: ${parts.slice(0, 12).join(", ")}`;
+}
+
+function shape(tag, attributes) {
+  const node = document.createElementNS(SVG, tag);
+  for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
+  return node;
+}

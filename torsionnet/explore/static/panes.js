@@ -1,0 +1,162 @@
+// Panes: which are shown, how large they are, F6 from one to the next; on narrow screens one at a time, as tabs.
+
+const NARROW = matchMedia("(max-width: 960px)");
+const STEP = 24; // pixels for a press of an arrow key
+const PANES = [["text", "Text"], ["drawing", "Schematic"], ["results", "Results"]];
+const KEPT = "torsionnet panes";
+// Each bar between panes: the variable of the layout it sets, which way it goes, its limits in pixels, the pane it closes.
+const BARS = {
+  "split-text": { size: "--text", axis: "x", sign: 1, least: 240, most: 900, pane: "text", name: "Width of the text" },
+  "split-drawing": { size: "--drawing", axis: "y", sign: 1, least: 90, most: 600, pane: "drawing", name: "Height of the schematic" },
+  "split-values": { size: "--values", axis: "x", sign: -1, least: 240, most: 560, pane: "parameters", name: "Width of the values" },
+};
+
+const at = (id) => document.getElementById(id);
+
+export function makePanes(withText) {
+  const kept = recalled();
+  const hidden = new Set(kept.hidden ?? []);
+  const sizes = kept.sizes ?? {};
+  let tab = "results";
+  const toggles = [["text", "Text"], ["drawing", "Schematic"], ["parameters", "Values"]]
+    .filter(([id]) => withText || id === "parameters").map(([id, words]) => toggle(id, words));
+  at("shown").replaceChildren(...toggles.map(({ button }) => button));
+  at("pane-tabs").replaceChildren(...PANES.map(tabOf));
+  for (const [id, bar] of Object.entries(BARS)) prepare(at(id), bar);
+  NARROW.addEventListener("change", apply);
+  addEventListener("keydown", (event) => event.key === "F6" && !event.ctrlKey && !event.altKey && next(event));
+  apply();
+
+  function toggle(id, words) {
+    const button = Object.assign(document.createElement("button"), { type: "button", className: "quiet", textContent: words });
+    button.addEventListener("click", () => {
+      if (!hidden.delete(id)) hidden.add(id);
+      apply();
+    });
+    return { id, button };
+  }
+
+  function tabOf([id, words]) {
+    const button = Object.assign(document.createElement("button"), { type: "button", textContent: words });
+    button.setAttribute("role", "tab");
+    button.setAttribute("aria-controls", id);
+    button.addEventListener("click", () => show(id));
+    button.addEventListener("keydown", (event) => {
+      const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+      if (!step) return;
+      const ids = PANES.map(([one]) => one);
+      const to = (ids.indexOf(id) + step + ids.length) % ids.length;
+      show(ids[to]);
+      at("pane-tabs").children[to].focus();
+    });
+    return button;
+  }
+
+  // Brings a pane into sight.
+  function show(id) {
+    hidden.delete(id);
+    if (PANES.some(([one]) => one === id)) tab = id;
+    apply();
+  }
+
+  function apply() {
+    const narrow = NARROW.matches;
+    at("pane-tabs").hidden = !(narrow && withText);
+    at("shown").hidden = narrow;
+    document.body.dataset.tab = narrow && withText ? tab : "";
+    const seen = (id) => (withText || !["text", "drawing"].includes(id)) && (narrow ? !withText || ["parameters", tab].includes(id) || id === "right" : !hidden.has(id));
+    at("text").hidden = !seen("text");
+    at("drawing").hidden = !seen("drawing");
+    at("parameters").hidden = !narrow && hidden.has("parameters");
+    at("split-text").hidden = narrow || at("text").hidden;
+    at("split-drawing").hidden = narrow || at("drawing").hidden;
+    at("split-values").hidden = narrow || at("parameters").hidden;
+    toggles.forEach(({ id, button }) => button.setAttribute("aria-pressed", String(!hidden.has(id))));
+    PANES.forEach(([id], k) => {
+      const button = at("pane-tabs").children[k];
+      button.setAttribute("aria-selected", String(id === tab));
+      button.tabIndex = id === tab ? 0 : -1;
+    });
+    for (const [id, { size }] of Object.entries(BARS)) {
+      if (sizes[id]) document.documentElement.style.setProperty(size, `${sizes[id]}px`);
+      else document.documentElement.style.removeProperty(size);
+      describe(at(id), BARS[id]);
+    }
+    keep();
+  }
+
+  function prepare(node, bar) {
+    node.setAttribute("role", "separator");
+    node.tabIndex = 0;
+    node.setAttribute("aria-label", bar.name);
+    node.setAttribute("aria-orientation", bar.axis === "x" ? "vertical" : "horizontal");
+    node.setAttribute("aria-controls", bar.pane);
+    node.title = "Drag or arrow keys; Enter hides, double-click restores";
+    node.addEventListener("pointerdown", (event) => {
+      node.setPointerCapture(event.pointerId);
+      const start = { at: event[bar.axis], size: measured(bar) };
+      const move = (now) => set(node.id, start.size + bar.sign * (now[bar.axis] - start.at));
+      node.addEventListener("pointermove", move);
+      node.addEventListener("lostpointercapture", () => node.removeEventListener("pointermove", move), { once: true });
+      event.preventDefault();
+    });
+    node.addEventListener("dblclick", () => set(node.id, 0));
+    node.addEventListener("keydown", (event) => {
+      const step = { ArrowRight: STEP, ArrowLeft: -STEP, ArrowDown: STEP, ArrowUp: -STEP }[event.key];
+      if (step) set(node.id, measured(bar) + bar.sign * step);
+      else if (event.key === "Home") set(node.id, bar.least);
+      else if (event.key === "End") set(node.id, bar.most);
+      else if (event.key === "Enter") {
+        hidden.add(bar.pane);
+        apply();
+        toggles.find(({ id }) => id === bar.pane)?.button.focus();
+      } else return;
+      event.preventDefault();
+    });
+  }
+
+  function set(id, size) {
+    const { least, most } = BARS[id];
+    if (size) sizes[id] = Math.round(Math.max(least, Math.min(most, size)));
+    else delete sizes[id];
+    apply();
+  }
+
+  function keep() {
+    try {
+      localStorage.setItem(KEPT, JSON.stringify({ hidden: [...hidden], sizes }));
+    } catch {
+      // a browser that keeps nothing begins with the usual sizes
+    }
+  }
+
+  function next(event) {
+    const stops = [withText && ".cm-content", withText && "#schematic [tabindex='0'], #mode", "#magnitude", "#parameters input:not([readonly])"]
+      .map((one) => one && document.querySelector(one)).filter((node) => node && node.getClientRects().length);
+    const panes = ["#text", "#drawing", "#sheet", "#parameters"];
+    const here = panes.find((one) => document.activeElement?.closest(one));
+    const k = stops.findIndex((node) => here && node.closest(here));
+    stops[(k + (event.shiftKey ? stops.length - 1 + (k < 0) : 1)) % stops.length]?.focus();
+    event.preventDefault();
+  }
+  return { show };
+}
+
+function measured({ pane, axis }) {
+  const box = at(pane).getBoundingClientRect();
+  return axis === "x" ? box.width : box.height;
+}
+
+function describe(node, bar) {
+  node.setAttribute("aria-valuemin", bar.least);
+  node.setAttribute("aria-valuemax", bar.most);
+  node.setAttribute("aria-valuenow", Math.round(measured(bar)));
+}
+
+function recalled() {
+  try {
+    return JSON.parse(localStorage.getItem(KEPT)) ?? {};
+  } catch {
+    return {};
+  }
+}

@@ -1,0 +1,126 @@
+// The file: storing the text by an explicit act, and following what other programs write into it.
+
+import { ask, quietly } from "./api.js";
+import { decide, paragraph } from "./dialogs.js";
+import { replaceText } from "./edits.js";
+import { say } from "./saying.js";
+
+const PATIENCE = 3000; // ms until the next try where the server gave no answer
+const SOON = 400; // ms between questions, should answers come at once
+
+const at = (id) => document.getElementById(id);
+
+// `opened` is what api/open answered.
+export function makeFile(view, opened, changed) {
+  let disk = opened.disk;
+  let stored = opened.draft ? null : view.state.doc.toString(); // what the file holds, as far as this page knows
+  let bar = null;
+
+  const text = () => view.state.doc.toString();
+  const unsaved = () => stored !== text();
+
+  function mark() {
+    const is = unsaved();
+    at("stored").textContent = opened.can_save ? `${opened.path_shown}${is ? " – not stored" : ""}` : opened.is_template ? "template, no file" : `${opened.path_shown}, read only`;
+    at("store").disabled = !opened.can_save || !is;
+    at("store").hidden = !opened.can_save;
+    document.title = document.title.replace(/^● /, "").replace(/^/, is ? "● " : "");
+    changed(is);
+  }
+
+  function took(now, on) {
+    stored = now.replaceAll("\r\n", "\n");
+    disk = on;
+    bar?.remove();
+    bar = null;
+    mark();
+  }
+
+  async function store(force = false) {
+    if (!opened.can_save) return say("This model has no file to store into; Save as YAML downloads it.");
+    if (!unsaved() && !force) return say("The file holds this text already.");
+    const sent = text();
+    const found = await ask("store", { text: sent, disk, force });
+    if (found.stored) {
+      took(sent, found.disk);
+      return say(`Stored ${opened.path_shown}.`);
+    }
+    const act = await decide("The file has been changed by another program", [paragraph(found.reason), difference(found.difference)], [["mine", "Keep mine"], ["theirs", "Take theirs"], ["", "Cancel"]]);
+    if (act === "mine") await store(true);
+    if (act === "theirs") take(found.text, found.disk);
+    view.focus();
+  }
+
+  function take(theirs, on) {
+    replaceText(view, theirs, "theirs");
+    took(theirs, on);
+    say("The text is that of the file now. Ctrl-Z brings the other one back.");
+  }
+
+  async function follow() {
+    let known = disk;
+    for (;;) {
+      const begun = performance.now();
+      const found = await quietly("changes", { disk: known }).catch(() => null);
+      if (!found) await pause(PATIENCE);
+      else if (found.text !== undefined && found.text !== null && found.disk !== disk) heard(found);
+      known = found?.disk ?? known;
+      if (found && performance.now() - begun < SOON) await pause(SOON);
+    }
+  }
+
+  function heard({ text: theirs, disk: on }) {
+    const now = theirs.replaceAll("\r\n", "\n");
+    if (now === text()) return took(theirs, on);
+    if (!unsaved()) {
+      replaceText(view, theirs, "follow");
+      took(theirs, on);
+      return say(`${opened.path_shown} was changed by another program; the page follows.`);
+    }
+    bar?.remove();
+    bar = notice("Another program has changed the file; your text is not stored.", [
+      ["Compare", () => store()],
+      ["Take theirs", () => take(theirs, on)],
+      ["Keep mine", () => {
+        disk = on;
+        bar.remove();
+      }],
+    ]);
+  }
+
+  addEventListener("beforeunload", (event) => unsaved() && opened.can_save && event.preventDefault());
+  if (opened.can_save) follow();
+  mark();
+  return { store, mark, unsaved, tookFile: take };
+}
+
+function pause(ms) {
+  return new Promise((resolve) => setTimeout(resolve, ms));
+}
+
+// A bar above the panes with what can be done about it.
+export function notice(words, acts) {
+  const bar = Object.assign(document.createElement("div"), { className: "bar", role: "status" });
+  const buttons = [...acts, ["×", () => {}, "Close"]].map(([name, act, label]) => {
+    const button = Object.assign(document.createElement("button"), { type: "button", textContent: name });
+    if (label) button.setAttribute("aria-label", label);
+    button.addEventListener("click", () => {
+      if (label || name !== "Compare") bar.remove();
+      act();
+    });
+    return button;
+  });
+  bar.append(paragraph(words), ...buttons);
+  at("bars").append(bar);
+  return bar;
+}
+
+function difference(text) {
+  const box = Object.assign(document.createElement("pre"), { className: "difference", tabIndex: 0 });
+  box.setAttribute("aria-label", "Difference: minus is the file, plus is your text");
+  box.append(...text.split("\n").map((line) => {
+    const kind = line.startsWith("+") ? "plus" : line.startsWith("-") ? "minus" : "";
+    return Object.assign(document.createElement("span"), { className: kind, textContent: `${line}\n` });
+  }));
+  return box;
+}

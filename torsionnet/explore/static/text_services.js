@@ -1,0 +1,110 @@
+// What the server knows of the text at a place: completion, hover, definition, renaming, formatting, outline.
+
+import { hoverTooltip } from "./vendor/codemirror.min.js";
+import { ask, quietly } from "./api.js";
+import { chooseOne, writeOne } from "./dialogs.js";
+import { applyEdits, select } from "./edits.js";
+import { say } from "./saying.js";
+
+const BEGUN = /[\w.]$|[:,[{]\s$/; // typing on here asks for words by itself
+const KINDS = { "element type": "type", entry: "property", node: "variable", parameter: "constant", unit: "unit", size: "enum" };
+
+export async function complete(context) {
+  const { state, pos: at } = context;
+  const line = state.doc.lineAt(at);
+  if (!context.explicit && !BEGUN.test(line.text.slice(0, at - line.from))) return null;
+  const { options } = await ask("complete", { text: state.doc.toString(), at }).catch(() => ({}));
+  if (!options?.length || context.aborted) return null;
+  const [only] = options;
+  if (options.length === 1 && state.sliceDoc(only.from, only.to) === only.insert) return null; // it stands there already
+  const from = Math.min(...options.map((one) => one.from));
+  return { from, options: options.map((one, k) => option(one, from, at, k)), validFor: /^[\w.]*$/ };
+}
+
+function option({ label, kind, detail, documentation, insert, from, to }, start, at, place) {
+  return {
+    label,
+    type: KINDS[kind] ?? "text",
+    detail: detail || kind,
+    info: documentation || undefined,
+    boost: -Math.min(place, 90) / 10, // the server's order, unless what is typed speaks for another
+    apply: (view, _, begin, end) => {
+      const [first, last] = [begin + from - start, end + Math.max(0, to - at)];
+      view.dispatch({ changes: { from: first, to: last, insert }, selection: { anchor: first + insert.length }, userEvent: "input.complete", scrollIntoView: true });
+    },
+  };
+}
+
+export const hover = hoverTooltip(async (view, at) => {
+  const found = await quietly("hover", { text: view.state.doc.toString(), at }).catch(() => ({}));
+  if (!found.html_free_text) return null;
+  return { pos: found.from, end: found.to, above: true, create: () => ({ dom: drawn(found.html_free_text) }) };
+}, { hoverTime: 350 });
+
+// Paragraphs, lists, **bold** and `code` of Markdown as elements; whatever else stands there stays text.
+function drawn(text) {
+  const box = Object.assign(document.createElement("div"), { className: "cm-hover" });
+  for (const line of text.split("\n").filter((one) => one.trim())) {
+    const paragraph = document.createElement("p");
+    for (const part of line.replace(/^[-*] /, "• ").split(/(\*\*[^*]+\*\*|`[^`]+`)/)) {
+      const tag = part.startsWith("**") ? "strong" : part.startsWith("`") ? "code" : null;
+      paragraph.append(tag ? Object.assign(document.createElement(tag), { textContent: part.replaceAll(/\*\*|`/g, "") }) : part);
+    }
+    box.append(paragraph);
+  }
+  return box;
+}
+
+function place(view) {
+  return { text: view.state.doc.toString(), at: view.state.selection.main.head };
+}
+
+export async function goToDefinition(view) {
+  const { ranges = [] } = await ask("definition", place(view));
+  if (!ranges.length) return say("The cursor stands on no name that is defined in this text.");
+  select(view, ranges[0].from, ranges[0].to);
+}
+
+export async function showReferences(view) {
+  const { ranges = [] } = await ask("references", place(view));
+  if (!ranges.length) return say("The cursor stands on no name of this text.");
+  const rows = ranges.map(({ from, to }) => {
+    const line = view.state.doc.lineAt(from);
+    return { name: `${line.number}`, detail: line.text.trim(), from, to };
+  });
+  const found = await chooseOne(`Places of ${view.state.sliceDoc(ranges[0].from, ranges[0].to)}`, rows);
+  if (found) select(view, found.from, found.to);
+  else view.focus();
+}
+
+export async function rename(view) {
+  const asked = place(view);
+  const word = view.state.wordAt(asked.at);
+  const old = word ? view.state.sliceDoc(word.from, word.to) : "";
+  await writeOne(old ? `New name instead of ${old}` : "New name", old, async (name) => {
+    const answer = await ask("rename", { ...asked, name });
+    if (answer.refused) return answer.refused.join(" ");
+    applyEdits(view, answer.edits, "rename");
+    say(`Renamed at ${answer.edits.length} ${answer.edits.length === 1 ? "place" : "places"}. Ctrl-Z takes it back.`);
+    return "";
+  });
+  view.focus();
+}
+
+export async function format(view) {
+  const { edits = [] } = await ask("format", { text: view.state.doc.toString() });
+  say(applyEdits(view, edits, "format") ? "Formatted. Ctrl-Z takes it back." : "Nothing to format: the layout is in order, or the text is not sound.");
+}
+
+export async function showOutline(view) {
+  const { items = [] } = await ask("outline", { text: view.state.doc.toString() });
+  const rows = flat(items, 0);
+  if (!rows.length) return say("The text has no entries yet.");
+  const found = await chooseOne("Outline", rows);
+  if (found) select(view, found.name_from, found.name_to);
+  else view.focus();
+}
+
+export function flat(items, depth) {
+  return items.flatMap((item) => [{ ...item, depth }, ...flat(item.children ?? [], depth + 1)]);
+}
