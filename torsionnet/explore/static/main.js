@@ -32,11 +32,12 @@ const moving = newestOnly("motion", (found) => {
   drawTorques(at("mean"), at("torques"), found);
 }, quiet);
 
+const DRAWS = false; // until the server does
 let drawnFor = "";
 
 results.begin((state, isNewModel) => {
   writing?.button();
-  if (!withText) return;
+  if (!withText || !DRAWS) return;
   clearTimeout(later);
   const key = JSON.stringify(state.choice);
   later = setTimeout(() => {

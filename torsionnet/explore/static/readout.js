@@ -80,3 +80,10 @@ function eye(curve, actions) {
   const node = button(curve.hidden ? "show" : "hide", curve.hidden ? "Show the test" : "Hide the test", actions.toggleTest);
   return node;
 }
+
+// Words above a plot with their unit.
+export function title(place, content, inUnit) {
+  const small = document.createElement("small");
+  small.textContent = ` [${inUnit}]`;
+  place.replaceChildren(...content, small);
+}

@@ -9,7 +9,7 @@ import { drawModes } from "./modes.js";
 import { makePins, pinned } from "./pins.js";
 import { makePlots } from "./plots.js";
 import { drawPoles } from "./poles.js";
-import { makeReadout } from "./readout.js";
+import { makeReadout, title } from "./readout.js";
 import { say } from "./saying.js";
 import { makeSliders } from "./sliders.js";
 import { overSpeed } from "./speed.js";
@@ -165,7 +165,7 @@ function show(answer, asked, time) {
   fillChooser(state, answer);
   redraw();
   finish(time);
-  if (!asked.rough) later();
+  if (!asked.rough || answer.orders?.thinned) later(); // also where the answer took longer than the quiet time
   if (model.overlay && answer.response && !test) fetchTest();
   pins.refresh();
 }
@@ -225,19 +225,13 @@ function allCurves(answer, faint) {
 
 function words(answer) {
   const view = over(answer);
-  title("magnitude-title", view.title(answer, state), view.unit(answer, state));
-  title("phase-title", ["phase"], "deg");
+  title(at("magnitude-title"), view.title(answer, state), view.unit(answer, state));
+  title(at("phase-title"), ["phase"], "deg");
   at("summary").textContent = view.summary(answer, state);
   const notes = [...view.notes(answer), ...answer.notes, ...answer.findings];
   if (test === "none" && answer.response) notes.push(`${model.overlay} holds no ${answer.response.label}`);
   at("notes").textContent = notes.join(" · ");
   at("command").textContent = answer.command;
-}
-
-function title(id, content, inUnit) {
-  const small = document.createElement("small");
-  small.textContent = ` [${inUnit}]`;
-  at(id).replaceChildren(...content, small);
 }
 
 function drawModal(answer) {

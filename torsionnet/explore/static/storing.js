@@ -16,12 +16,14 @@ export function makeFile(view, opened, changed) {
   let stored = opened.draft ? null : view.state.doc.toString(); // what the file holds, as far as this page knows
   let bar = null;
 
+  const name = opened.is_template ? "template" : opened.path_shown.replace(/^.*[\\/]/, "");
   const text = () => view.state.doc.toString();
   const unsaved = () => stored !== text();
 
   function mark() {
     const is = unsaved();
-    at("stored").textContent = opened.can_save ? `${opened.path_shown}${is ? " – not stored" : ""}` : opened.is_template ? "template, no file" : `${opened.path_shown}, read only`;
+    at("stored").textContent = `${name}${is && opened.can_save ? " – not stored" : ""}`;
+    at("stored").title = opened.save_hint || opened.path_shown;
     at("store").disabled = !opened.can_save || !is;
     at("store").hidden = !opened.can_save;
     document.title = document.title.replace(/^● /, "").replace(/^/, is ? "● " : "");
@@ -37,7 +39,7 @@ export function makeFile(view, opened, changed) {
   }
 
   async function store(force = false) {
-    if (!opened.can_save) return say("This model has no file to store into; Save as YAML downloads it.");
+    if (!opened.can_save) return say(opened.save_hint);
     if (!unsaved() && !force) return say("The file holds this text already.");
     const sent = text();
     const found = await ask("store", { text: sent, disk, force });
@@ -46,7 +48,10 @@ export function makeFile(view, opened, changed) {
       return say(`Stored ${opened.path_shown}.`);
     }
     const act = await decide("The file has been changed by another program", [paragraph(found.reason), difference(found.difference)], [["mine", "Keep mine"], ["theirs", "Take theirs"], ["", "Cancel"]]);
-    if (act === "mine") await store(true);
+    if (act === "mine") {
+      disk = found.disk;
+      await store(true);
+    }
     if (act === "theirs") take(found.text, found.disk);
     view.focus();
   }
@@ -62,8 +67,10 @@ export function makeFile(view, opened, changed) {
     for (;;) {
       const begun = performance.now();
       const found = await quietly("changes", { disk: known }).catch(() => null);
-      if (!found) await pause(PATIENCE);
-      else if (found.text !== undefined && found.text !== null && found.disk !== disk) heard(found);
+      if (!found || found.superseded) await pause(PATIENCE);
+      else if (found.refused) say(found.refused.join(" "));
+      else if (found.text !== undefined && found.disk !== disk) heard(found);
+      if (found?.wait_s) await pause(1000 * found.wait_s);
       known = found?.disk ?? known;
       if (found && performance.now() - begun < SOON) await pause(SOON);
     }

@@ -8,6 +8,7 @@ import {
   previousDiagnostic, rectangularSelection, search, searchKeymap, yaml,
 } from "./vendor/codemirror.min.js";
 import { look } from "./editor_look.js";
+import { hanging } from "./hanging.js";
 
 const FAR = 40_000; // characters; larger texts are not marked along the lines of an element
 
@@ -36,7 +37,7 @@ export function makeTextPane(place, nonce, actions) {
       lineNumbers(), lintGutter({ hoverTime: 250 }), highlightActiveLineGutter(), foldGutter(), codeFolding(), highlightSpecialChars(),
       history(), drawSelection(), dropCursor(), EditorState.allowMultipleSelections.of(true), indentOnInput(), indentUnit.of("  "),
       EditorState.tabSize.of(2), bracketMatching(), closeBrackets(), rectangularSelection(), crosshairCursor(), highlightActiveLine(),
-      highlightSelectionMatches(), search({ top: true }), yaml(), EditorView.lineWrapping, look, chosen,
+      highlightSelectionMatches(), search({ top: true }), yaml(), EditorView.lineWrapping, hanging, look, chosen,
       placeholder("Type a model, paste a mass-elastic table, or press Ctrl-Space"),
       autocompletion({ override: [actions.complete], activateOnTypingDelay: 30, icons: false, maxRenderedOptions: 60 }),
       actions.hover,
