@@ -41,6 +41,12 @@ def valid_name(place: FaultPlace) -> Iterator[TextFix]:
     """A name of letters, digits and _ in all places that have it."""
     found = re.match(r'"([^"]*)" is not a valid name; use letters', place.fault.message)
     name = found[1] if found else ""
+    split = re.fullmatch(r"(\w+)(\s*)([{\[]\w*)", name)
+    if split:  # a colon is missing before the bracket
+        start = place.span.start + place.shown.find(name) + split.end(1)
+        blank = split[2] or " "
+        yield from place.fix(f'write "{split[1]}: "', TextEdit(TextSpan(start, start + len(split[2])), f":{blank}"))
+        return
     new = re.sub(r"[^A-Za-z0-9_]+", "_", name).strip("_")
     if not re.match("[A-Za-z]", new) or re.search(rf"(?<!\w){re.escape(new)}(?!\w)", place.written.text):
         return

@@ -6,10 +6,15 @@ import re
 from dataclasses import replace
 from pathlib import Path as FolderPath
 
-from torsionnet.core.errors import Fault, Path
+from torsionnet.core.errors import Fault, Path, Position
+from torsionnet.model.definition import Definition
+from torsionnet.model.files.fault_positions import located_faults
 from torsionnet.model.files.located_yaml import LocatedDocument
 from torsionnet.model.files.reader import read_document
 from torsionnet.text.tolerant_reading import tolerant_document
+
+_MISPLACED = re.compile('indentation|":" is not expected|outside of the model')
+"""Expression of the message on a break that leaves it open to which section the entries around belong."""
 
 
 def partial_faults(text: str, file: str, folder: FolderPath | None, broken: Fault) -> list[Fault]:
@@ -24,18 +29,39 @@ def partial_faults(text: str, file: str, folder: FolderPath | None, broken: Faul
     line = broken.position.line - 1
     home = _entry_at_line(document, line)
     document.faults = [replace(broken, path=home)]
-    touched = {line, _line_with_text(document, line, -1), _line_with_text(document, line, 1)}
+    found = read_document(document, folder)[1]
+    read = located_faults(Definition.read_entries(document.data)[1], document)
+    told = {(fault.message, fault.position) for fault in read}
+    lines = {line, _line_with_text(document, line, -1), _line_with_text(document, line, 1)}
+    lost = _lost_sections(document, home) if _MISPLACED.search(broken.message) else set()
     return [
         fault
-        for fault in read_document(document, folder)[1]
+        for fault in found
         if fault.severity == "error"
         and fault.position is not None
         and fault.position.file == file
-        and fault.position.line - 1 not in touched
+        and fault.position.line - 1 not in lines
         and len(fault.path) > 1
         and fault.path[: max(1, len(home))] != home
-        and (fault.kind != "unknown name" or len(re.findall(rf"(?<!\w){re.escape(fault.about)}(?!\w)", text)) < 2)
+        and fault.path[0] not in lost
+        and _is_certain(fault, text, told)
     ]
+
+
+def _is_certain(fault: Fault, text: str, told: set[tuple[str, Position | None]]) -> bool:
+    """Whether a fault is told by its own entry, or by a name that stands nowhere else."""
+    if fault.kind != "unknown name":
+        return (fault.message, fault.position) in told
+    if "." in fault.about:  # of the copies that a use makes no text has the names
+        return False
+    return len(re.findall(rf"(?<!\w){re.escape(fault.about)}(?!\w)", text)) < 2
+
+
+def _lost_sections(document: LocatedDocument, home: Path) -> set[str | int]:
+    """Sections into which entries of unclear indentation may have slipped, that of the break and those around it."""
+    keys = list(document.root.entries) if document.root else []
+    place = keys.index(home[0]) if home else 0
+    return set(keys[max(0, place - 1) : place + 2])
 
 
 def _entry_at_line(document: LocatedDocument, line: int) -> Path:

@@ -15,6 +15,8 @@ _COMMENT = re.compile(r"\s#")
 _MOST_TRIED = 12
 """Largest number of edits of which the best is searched, as each is read."""
 
+_PAIRS = {"}": "{", "]": "["}
+
 
 @dataclass(frozen=True)
 class _Break:
@@ -58,15 +60,21 @@ class _Break:
         return TextFix(title, (TextEdit(TextSpan(start, end), text),))
 
 
-def syntax_fixes(fault: Fault, span: TextSpan, lines: TextLines, file: str) -> tuple[TextFix, ...]:
-    """Fix of a text that is no sound YAML, the one after which most of it can be read; none where no fix is known."""
+def syntax_fixes(fault: Fault, span: TextSpan, lines: TextLines, file: str, known: int = 0) -> tuple[TextFix, ...]:
+    """Fix of a text that is no sound YAML, the one after which most of it can be read; none where no fix is known.
+
+    ``known`` is the number of other faults of the text. Quotes and deletions are only offered if they bring no others,
+    as nearly every text is sound YAML after them.
+    """
     here = _Break(fault, span.start, lines)
     best: tuple[int, TextFix] | None = None
     for _, fix in zip(range(_MOST_TRIED), _candidates(here), strict=False):
         left = _faults_left(edited(lines.text, fix.edits), file)
-        if left is not None and (best is None or left < best[0]):
+        if left is None or (left > known and fix.title.startswith(("put the text", "delete "))):
+            continue
+        if best is None or left < best[0]:
             best = left, fix
-        if best and best[0] == 0:
+        if best[0] == 0:
             break
     return (best[1],) if best else ()
 
@@ -162,6 +170,7 @@ def _bracket(here: _Break) -> Iterator[TextFix]:
         yield here.inserted(f"close with {close}", before, close)
     nested = "]" if close == "}" else "}"
     yield here.inserted(f"close with {nested}", there.content_end, nested)
+    yield here.replaced(f"delete {here.text[opened]}", opened, opened + 1, "")
 
 
 def _surplus(here: _Break) -> Iterator[TextFix]:
@@ -198,6 +207,22 @@ def _quoted_value(here: _Break) -> Iterator[TextFix]:
                 yield here.replaced("put the text in quotes", start, start + len(value), f'"{value}"')
 
 
+def _opening(here: _Break) -> Iterator[TextFix]:
+    """The opening bracket of a value that ends with one."""
+    found = re.match(r"\s*(- )?[^:#\s]+:\s+(?=\w)", here.line)
+    close = here.text[here.content_end - 1 : here.content_end]
+    if found and close in ("}", "]"):
+        yield here.inserted(f"insert {_PAIRS[close]}", here.start + found.end(), _PAIRS[close])
+
+
+def _behind(here: _Break) -> Iterator[TextFix]:
+    """What stands behind a value in brackets, deleted."""
+    found = re.search(r"(?<=[}\]])[^}\]\s,#]+$", here.text[here.start : here.content_end])
+    if found:
+        start = here.start + found.start()
+        yield here.replaced(f"delete {found[0]}", start, start + len(found[0]), "")
+
+
 def _single_quotes(here: _Break) -> Iterator[TextFix]:
     for found in re.finditer(r'"([^"]*)"', here.line):
         if "\\" in found[1] and "'" not in found[1]:
@@ -224,6 +249,8 @@ _RULES = (
     ("a quote is opened", _quote),
     (r"missing; it began|is not closed|closing \"[}\]]\"", _bracket),
     ("with a colon and a blank after the name", _colon),
+    ('a ":" is not expected|fit the indentation', _opening),
+    ('a ":" is not expected|cannot begin with|fit the indentation', _behind),
     ('a ":" is missing|a ":" is not expected|does not fit the indentation', _missing_colon),
     ('a ":" is not expected', _indentation),
     ('a ":" is not expected|cannot begin with|needs? quotes', _quoted_value),

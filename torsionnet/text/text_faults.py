@@ -66,7 +66,7 @@ def stretched_faults(text: str, found: list[Fault], file: str = "", folder: Path
         rest = partial_faults(text.removeprefix("\ufeff"), file, folder, found[-1])
         located = [_located(fault, lines, file) for fault in presentable_faults([*found, *rest])]
         return [
-            replace(one, fixes=syntax_fixes(one.fault, one.span, lines, file)) if one.fault in found else one
+            replace(one, fixes=syntax_fixes(one.fault, one.span, lines, file, len(rest))) if one.fault in found else one
             for one in located
         ]
     written = WrittenText(text, document, file.lower().endswith(".json"))
