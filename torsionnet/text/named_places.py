@@ -106,15 +106,16 @@ class _Walk:
         for name, part in parts.entries.items() if parts else ():
             if isinstance(part.value, Mapping):
                 self.sections(part, Part.entry_specs(part.value), Scope(("parts", name), part.value))
-        return self.with_nodes_defined(sorted(self.found.values(), key=lambda one: one.span))
+        return self.with_first_mentions(sorted(self.found.values(), key=lambda one: one.span))
 
     @staticmethod
-    def with_nodes_defined(places: list[NamedPlace]) -> tuple[NamedPlace, ...]:
-        """Places in the order of the text, with the first mention of each node in an element as its definition."""
+    def with_first_mentions(places: list[NamedPlace]) -> tuple[NamedPlace, ...]:
+        """Places in the order of the text, with the first mention of what has no entry of its own, as a node in an element."""
         first: dict[Path, NamedPlace] = {}
         for one in places:
             known = first.get(one.home)
-            if one.kind == "node" and (known is None or (_in_element(one) and not _in_element(known))):
+            is_first = known is None or (_in_element(one) and not _in_element(known))
+            if one.kind in ("node", "channel") and is_first:
                 first[one.home] = one
         return tuple(replace(one, is_definition=True) if first.get(one.home) is one else one for one in places)
 
