@@ -11,6 +11,7 @@ import pytest
 pytest.importorskip("pygls", reason='the language server needs pip install "torsionnet[lsp]"')
 
 from lsprotocol import types as lsp
+from pygls.exceptions import JsonRpcException
 from pygls.lsp.client import LanguageClient
 
 ROOT = Path(__file__).parents[1]
@@ -78,14 +79,14 @@ class Editor:
         """Diagnostics of the newest text of a file."""
         uri = self.uri(name)
         await self.until(lambda: uri in self.told and self.told[uri].version == self.versions[name])
-        return self.told[uri].diagnostics
+        return list(self.told[uri].diagnostics)
 
     async def anew(self, name="model.yaml"):
         """Diagnostics that come after now."""
         uri = self.uri(name)
         self.told.pop(uri, None)
         await self.until(lambda: uri in self.told)
-        return self.told[uri].diagnostics
+        return list(self.told[uri].diagnostics)
 
 
 def session(folder, talk, encodings=None):
@@ -169,3 +170,278 @@ def test_faults_come_and_go_with_the_text(tmp_path):
     assert editor.start.server_info.name == "torsionnet"
     assert editor.start.capabilities.position_encoding == "utf-16"
     assert editor.logged == []
+
+
+def with_error(faults):
+    return [one for one in faults if one.severity == lsp.DiagnosticSeverity.Error]
+
+
+def at(editor, word, name="model.yaml", units=len):
+    """Arguments of a question on the word in a file."""
+    return {
+        "text_document": lsp.TextDocumentIdentifier(editor.uri(name)),
+        "position": place(editor.texts[name], word, units),
+    }
+
+
+def test_what_mends_a_fault_is_offered_at_its_place_and_makes_it_vanish(tmp_path):
+    wrong = README.replace("stiffness: k_1", "stifness: k_1")
+
+    async def talk(editor):
+        document = editor.open(wrong)
+        (fault,) = with_error(await editor.faults())
+        context = lsp.CodeActionContext([fault])
+        actions = await editor.client.text_document_code_action_async(
+            lsp.CodeActionParams(document, fault.range, context)
+        )
+        (action,) = [one for one in actions if '"stiffness"' in one.title]
+        assert action.kind == lsp.CodeActionKind.QuickFix
+        assert list(action.diagnostics) == [fault]
+        mended = applied(wrong, action.edit.changes[document.uri])
+        assert mended == README
+        editor.change(mended)
+        assert with_error(await editor.faults()) == []
+
+        # elsewhere, and where an editor wants to refactor, there is nothing to mend
+        start = lsp.Range(lsp.Position(0, 0), lsp.Position(0, 3))
+        assert not await editor.client.text_document_code_action_async(lsp.CodeActionParams(document, start, context))
+        refactor = lsp.CodeActionContext([fault], only=[lsp.CodeActionKind.Refactor])
+        editor.change(wrong)
+        assert not await editor.client.text_document_code_action_async(
+            lsp.CodeActionParams(document, fault.range, refactor)
+        )
+
+    assert session(tmp_path, talk).logged == []
+
+
+def test_names_are_found_and_renamed_in_the_whole_file(tmp_path):
+    async def talk(editor):
+        document = editor.open(README)
+        client = editor.client
+        node = at(editor, "b], stiff")
+        allowed = await client.text_document_prepare_rename_async(lsp.PrepareRenameParams(**node))
+        assert extent(allowed) == (5, 35, 5, 36)
+        changed = await client.text_document_rename_async(lsp.RenameParams(**node, new_name="hub"))
+        text = applied(README, changed.changes[document.uri])
+        assert text == README.replace("[a, b]", "[a, hub]").replace("[b, c]", "[hub, c]")
+        editor.change(text)
+        assert with_error(await editor.faults()) == []
+        editor.change(README)
+
+        with pytest.raises(JsonRpcException, match="a") as refused:
+            await client.text_document_rename_async(lsp.RenameParams(**node, new_name="a"))
+        assert refused.value.code == lsp.LSPErrorCodes.RequestFailed
+        with pytest.raises(JsonRpcException):
+            await client.text_document_rename_async(lsp.RenameParams(**at(editor, "type: spring"), new_name="x"))
+        assert await client.text_document_prepare_rename_async(lsp.PrepareRenameParams(**at(editor, "type: spring"))) is None
+
+        parameter = at(editor, "k_1, damping")
+        defined = await client.text_document_definition_async(lsp.DefinitionParams(**parameter))
+        assert defined.uri == document.uri
+        assert extent(defined.range)[:2] == (2, 13)
+        everywhere = await client.text_document_references_async(
+            lsp.ReferenceParams(lsp.ReferenceContext(True), **parameter)
+        )
+        assert [extent(one.range) for one in everywhere] == [(2, 13, 2, 16), (5, 50, 5, 53)]
+        used = await client.text_document_references_async(
+            lsp.ReferenceParams(lsp.ReferenceContext(False), **parameter)
+        )
+        assert [extent(one.range) for one in used] == [(5, 50, 5, 53)]
+        marked = await client.text_document_document_highlight_async(lsp.DocumentHighlightParams(**parameter))
+        assert [(extent(one.range), one.kind) for one in marked] == [
+            ((2, 13, 2, 16), lsp.DocumentHighlightKind.Write),
+            ((5, 50, 5, 53), lsp.DocumentHighlightKind.Read),
+        ]
+
+    assert session(tmp_path, talk).logged == []
+
+
+def test_outline_and_explanations(tmp_path):
+    async def talk(editor):
+        document = editor.open(README)
+        symbols = await editor.client.text_document_document_symbol_async(lsp.DocumentSymbolParams(document))
+        (elements,) = [one for one in symbols if one.name == "elements"]
+        assert [one.name for one in elements.children] == ["motor", "shaft", "stage", "load"]
+        assert extent(elements.children[1].selection_range) == (5, 2, 5, 7)
+        said = await editor.client.text_document_hover_async(lsp.HoverParams(**at(editor, "k_1, damping")))
+        assert said.contents.kind == lsp.MarkupKind.Markdown
+        assert "13300" in said.contents.value.replace(" ", "").replace(",", "") or "13.3" in said.contents.value
+        assert extent(said.range) == (5, 50, 5, 53)
+
+    assert session(tmp_path, talk).logged == []
+
+
+def test_completion_offers_what_fits_and_its_edits_can_be_put_in(tmp_path):
+    begun = README.replace("type: gear, nodes: [b, c], ratio: tau", "type: ge")
+
+    async def talk(editor):
+        editor.open(begun)
+        assert set(editor.start.capabilities.completion_provider.trigger_characters) == set(" :[,{.")
+        where = at(editor, "ge}")
+        where["position"] = lsp.Position(where["position"].line, where["position"].character + 2)
+        offered = await editor.client.text_document_completion_async(lsp.CompletionParams(**where))
+        (gear,) = [one for one in offered.items if one.label == "gear"]
+        assert "type: gear" in applied(begun, [gear.text_edit])
+        assert gear.insert_text_mode == lsp.InsertTextMode.AsIs
+        labels = {one.label for one in offered.items}
+        assert "inertia" not in labels or len(labels) > 10
+
+        # a node that is there already, after the bracket that asks by itself
+        text = README.replace("nodes: [b, c]", "nodes: [")
+        editor.change(text)
+        where = at(editor, "[, ratio")
+        where["position"] = lsp.Position(where["position"].line, where["position"].character + 1)
+        offered = await editor.client.text_document_completion_async(lsp.CompletionParams(**where))
+        assert {"a", "b", "c"} <= {one.label for one in offered.items}
+
+    assert session(tmp_path, talk).logged == []
+
+
+def test_formatting_changes_the_layout_alone(tmp_path):
+    untidy = README.replace("name: motor", "name:   motor  ").replace("stage: {", "stage:   {")
+
+    async def talk(editor):
+        document = editor.open(untidy)
+        options = lsp.FormattingOptions(2, insert_spaces=True)
+        edits = await editor.client.text_document_formatting_async(lsp.DocumentFormattingParams(document, options))
+        assert edits
+        tidy = applied(untidy, edits)
+        assert "stage: {" in tidy
+        assert "name: motor" in tidy
+        line = next(number for number, one in enumerate(untidy.splitlines()) if "stage:" in one)
+        only = lsp.Range(lsp.Position(line, 0), lsp.Position(line + 1, 0))
+        edits = await editor.client.text_document_range_formatting_async(
+            lsp.DocumentRangeFormattingParams(document, only, options)
+        )
+        some = applied(untidy, edits)
+        assert "stage: {" in some
+        assert "name:   motor" in some
+
+    assert session(tmp_path, talk).logged == []
+
+
+GREEK = README.replace("motor: {", '"\N{MATHEMATICAL ITALIC SMALL TAU}\N{GREEK SMALL LETTER TAU}": {').replace("0.078 kg*m^2", "0.078 N*m")
+
+
+def utf16_units(text):
+    return len(text.encode("utf-16-le")) // 2
+
+
+def utf8_units(text):
+    return len(text.encode("utf-8"))
+
+
+@pytest.mark.parametrize(
+    ("encodings", "agreed", "units"),
+    [
+        (None, "utf-16", utf16_units),
+        (["utf-32", "utf-16"], "utf-32", len),
+        (["utf-8"], "utf-8", utf8_units),
+        (["utf-7"], "utf-16", utf16_units),
+    ],
+)
+def test_columns_count_as_agreed_with_the_editor(tmp_path, encodings, agreed, units):
+    line = next(one for one in GREEK.splitlines() if "0.078 N*m" in one)
+    start = units(line[: line.index("0.078")])
+
+    async def talk(editor):
+        assert editor.start.capabilities.position_encoding == agreed
+        editor.open(GREEK)
+        assert (4, start, 4, start + 9) in [extent(one.range) for one in with_error(await editor.faults())]
+        defined = await editor.client.text_document_definition_async(
+            lsp.DefinitionParams(**at(editor, "k_1, damping", units=units))
+        )
+        assert extent(defined.range)[:2] == (2, 13)
+
+    session(tmp_path, talk, encodings)
+
+
+def test_only_models_are_checked(tmp_path):
+    others = {
+        "compose.yaml": "services:\n  web: {image: nginx}\n",
+        "study.yaml": "torsionnet: 1\nmodel: amt_rig\nvary: {k: {}}\nquantities: {}\n",
+        "empty.yaml": "",
+    }
+
+    async def talk(editor):
+        for name, text in others.items():
+            document = editor.open(text, name)
+            assert not await editor.client.text_document_document_symbol_async(lsp.DocumentSymbolParams(document))
+        editor.open("", "new.torsionnet.yaml")
+        (fault,) = await editor.faults("new.torsionnet.yaml")
+        assert fault.message.startswith("the file is empty")
+        editor.open(README)
+        await editor.faults()
+        assert {editor.uri(name) for name in others}.isdisjoint(editor.told)
+
+        # the key of a model may be written anew while its faults stay, and go when it is closed
+        editor.change(README.replace("torsionnet: 1", "torsionnt: 1"))
+        assert "unknown key" in with_error(await editor.faults())[0].message
+        editor.client.text_document_did_close(
+            lsp.DidCloseTextDocumentParams(lsp.TextDocumentIdentifier(editor.uri("model.yaml")))
+        )
+        assert await editor.anew() == []
+
+    assert session(tmp_path, talk).logged == []
+
+
+HALVES = """torsionnet: 1
+parts:
+  half:
+    ports: [a]
+    elements:
+      disc: {type: inertia, node: a, inertia: 2 kg*m^2}
+"""
+USING = README.replace("elements:", "include: [halves.yaml]\nuse: {h: {part: half, at: {a: b}}}\nelements:")
+
+
+def test_included_files_count_as_the_editor_shows_them(tmp_path):
+    async def talk(editor):
+        editor.open(USING)
+        assert any("there is no file" in one.message for one in await editor.faults())
+        (tmp_path / "halves.yaml").write_text(HALVES, encoding="utf-8")
+        editor.client.workspace_did_change_watched_files(
+            lsp.DidChangeWatchedFilesParams([lsp.FileEvent(editor.uri("halves.yaml"), lsp.FileChangeType.Created)])
+        )
+        assert with_error(await editor.anew()) == []
+
+        editor.open(HALVES, "halves.yaml")
+        assert await editor.faults("halves.yaml") == []  # no model, and used elsewhere
+        editor.told.clear()
+        editor.change(HALVES.replace("2 kg*m^2", "2 kg*m"), "halves.yaml")  # and not saved
+        await editor.until(lambda: editor.uri("model.yaml") in editor.told)
+        (fault,) = with_error(editor.told[editor.uri("model.yaml")].diagnostics)
+        assert '"2 kg*m" is not a value of inertia' in fault.message
+        (own,) = await editor.faults("halves.yaml")
+        assert extent(own.range) == (5, 46, 5, 52)
+        assert [one.method for one in editor.registered] == ["workspace/didChangeWatchedFiles"]
+
+    assert session(tmp_path, talk).logged == []
+
+
+def test_related_places_are_told(tmp_path):
+    """A fault in a part is told with the place where the part is used."""
+    text = USING.replace("include: [halves.yaml]\n", "parts:\n  half: {ports: [a], parameters: {J: 1 kg*m}, elements: {disc: {type: inertia, node: a, inertia: J}}}\n")
+
+    async def talk(editor):
+        editor.open(text)
+        related = [one for fault in await editor.faults() for one in fault.related_information or []]
+        assert related
+        assert {one.location.uri for one in related} == {editor.uri("model.yaml")}
+        assert "used here" in {one.message for one in related}
+
+    assert session(tmp_path, talk).logged == []
+
+
+def test_the_newest_text_wins(tmp_path):
+    """Of many changes in a row the last one is checked; what is told belongs to the version that it names."""
+
+    async def talk(editor):
+        editor.open(README)
+        for number in range(40):
+            editor.change(README.replace("0.078 kg*m^2", f"{number} kg*m" if number < 39 else "1 kg*m^2"))
+        assert with_error(await editor.faults()) == []
+        await asyncio.sleep(0.5)
+        assert editor.told[editor.uri("model.yaml")].version == 41
+
+    assert session(tmp_path, talk).logged == []
