@@ -1,7 +1,10 @@
 """The language server asked by a client over stdio, as an editor asks it."""
 
 import asyncio
+import io
+import json
 import re
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -10,9 +13,12 @@ import pytest
 
 pytest.importorskip("pygls", reason='the language server needs pip install "torsionnet[lsp]"')
 
+from click.testing import CliRunner
 from lsprotocol import types as lsp
 from pygls.exceptions import JsonRpcException
 from pygls.lsp.client import LanguageClient
+
+from torsionnet.cli.app import app
 
 ROOT = Path(__file__).parents[1]
 COMMAND = [sys.executable, "-m", "torsionnet", "language-server"]
@@ -233,7 +239,10 @@ def test_names_are_found_and_renamed_in_the_whole_file(tmp_path):
         assert refused.value.code == lsp.LSPErrorCodes.RequestFailed
         with pytest.raises(JsonRpcException):
             await client.text_document_rename_async(lsp.RenameParams(**at(editor, "type: spring"), new_name="x"))
-        assert await client.text_document_prepare_rename_async(lsp.PrepareRenameParams(**at(editor, "type: spring"))) is None
+        assert (
+            await client.text_document_prepare_rename_async(lsp.PrepareRenameParams(**at(editor, "type: spring")))
+            is None
+        )
 
         parameter = at(editor, "k_1, damping")
         defined = await client.text_document_definition_async(lsp.DefinitionParams(**parameter))
@@ -320,7 +329,8 @@ def test_formatting_changes_the_layout_alone(tmp_path):
     assert session(tmp_path, talk).logged == []
 
 
-GREEK = README.replace("motor: {", '"\N{MATHEMATICAL ITALIC SMALL TAU}\N{GREEK SMALL LETTER TAU}": {').replace("0.078 kg*m^2", "0.078 N*m")
+TAU = "\N{MATHEMATICAL ITALIC SMALL TAU}\N{GREEK SMALL LETTER TAU}"
+GREEK = README.replace("motor: {", f'motor: {{description: "{TAU}", ').replace("0.078 kg*m^2", "0.078 N*m")
 
 
 def utf16_units(text):
@@ -421,7 +431,10 @@ def test_included_files_count_as_the_editor_shows_them(tmp_path):
 
 def test_related_places_are_told(tmp_path):
     """A fault in a part is told with the place where the part is used."""
-    text = USING.replace("include: [halves.yaml]\n", "parts:\n  half: {ports: [a], parameters: {J: 1 kg*m}, elements: {disc: {type: inertia, node: a, inertia: J}}}\n")
+    text = USING.replace(
+        "include: [halves.yaml]\n",
+        "parts:\n  half: {ports: [a], parameters: {J: 1 kg*m}, elements: {disc: {type: inertia, node: a, inertia: J}}}\n",
+    )
 
     async def talk(editor):
         editor.open(text)
@@ -445,3 +458,163 @@ def test_the_newest_text_wins(tmp_path):
         assert editor.told[editor.uri("model.yaml")].version == 41
 
     assert session(tmp_path, talk).logged == []
+
+
+def large(springs):
+    lines = [f"  s{i}: {{type: spring, nodes: [n{i}, n{i + 1}], stiffness: 1 kN*m/rad}}\n" for i in range(springs)]
+    discs = [f"  d{i}: {{type: inertia, node: n{i}, inertia: 1 kg*m^2}}\n" for i in range(springs + 1)]
+    return "".join(["torsionnet: 1\nname: large\nelements:\n", *lines, *discs])
+
+
+def test_a_model_of_2000_elements_is_checked_while_questions_are_answered(tmp_path):
+    text = large(1000)
+
+    async def talk(editor):
+        editor.open(text, "large.yaml")
+        editor.open(README)
+        (remark,) = await editor.faults("large.yaml")
+        assert "one rigid-body mode" in remark.message
+        editor.change(text.replace("n1000, inertia: 1 kg*m^2", "n1000, inertia: 1 kg*m"), "large.yaml")
+        said = await editor.client.text_document_prepare_rename_async(
+            lsp.PrepareRenameParams(**at(editor, "b], stiff"))
+        )
+        assert extent(said) == (5, 35, 5, 36)
+        (wrong,) = with_error(await editor.faults("large.yaml"))
+        assert extent(wrong.range) == (2003, 47, 2003, 53)
+
+    assert session(tmp_path, talk).logged == []
+
+
+def message(content):
+    body = content if isinstance(content, bytes) else json.dumps(content).encode()
+    return b"Content-Length: %d\r\n\r\n%s" % (len(body), body)
+
+
+def request(number, method, params=None):
+    return message({"jsonrpc": "2.0", "id": number, "method": method, "params": params})
+
+
+def notice(method, params=None):
+    return message({"jsonrpc": "2.0", "method": method, "params": params})
+
+
+START = request(1, "initialize", {"processId": None, "rootUri": None, "capabilities": {}})
+END = request(99, "shutdown") + notice("exit")
+
+
+def answers(sent):
+    """What the server answers to bytes on its standard input, as JSON, and the finished process."""
+    done = subprocess.run(COMMAND, input=sent, capture_output=True, timeout=PATIENCE, check=False, cwd=ROOT)
+    found, rest = [], done.stdout
+    while rest:  # nothing but messages of the protocol
+        header, _, rest = rest.partition(b"\r\n\r\n")
+        length = int(re.search(rb"Content-Length: (\d+)", header)[1])
+        found.append(json.loads(rest[:length]))
+        rest = rest[length:]
+    return found, done
+
+
+def opened(text, uri="file:///models/model.yaml"):
+    return notice(
+        "textDocument/didOpen", {"textDocument": {"uri": uri, "languageId": "yaml", "version": 1, "text": text}}
+    )
+
+
+BROKEN = {
+    "no JSON": message(b"{{{{"),
+    "no object": message([1, 2, 3]) + message("x") + message(None),
+    "no protocol": message({"id": 5}),
+    "other headers": b"garbage\r\n\r\nX-Length: 3\r\n\r\n",
+    "wrong arguments": request(5, "textDocument/hover", {"nonsense": 1}),
+    "places outside": request(
+        5,
+        "textDocument/hover",
+        {"textDocument": {"uri": "file:///x.yaml"}, "position": {"line": -3, "character": 10**12}},
+    ),
+    "unknown request": request(5, "no/such", {}),
+    "unknown notice": notice("no/such", {}),
+    "change of what is not open": notice(
+        "textDocument/didChange",
+        {"textDocument": {"uri": "file:///x.yaml", "version": 3}, "contentChanges": [{"text": "a"}]},
+    ),
+    "deep": message(b"[" * 100_000),
+    "addresses": opened(README, "file:///a%00b.yaml")
+    + opened(README, "untitled:Untitled-1")
+    + opened(README, "http://[x"),
+    "half a character": opened(README.replace("motor and", "\ud800 \ufeff \x00 \x1b[2J")),
+    "many anchors": opened("torsionnet: 1\na: &a [1,1]\n" + "".join(f"b{i}: &b{i} [*a,*a]\n" for i in range(999))),
+    "deep YAML": opened("torsionnet: 1\nelements: " + "[" * 5000),
+    "outside the folder": opened(README + "include: [../../etc/passwd, /etc/passwd, C:/x]\n"),
+}
+
+
+@pytest.mark.few(4)
+@pytest.mark.parametrize("broken", BROKEN)
+def test_no_message_ends_the_server(broken):
+    found, done = answers(START + BROKEN[broken] + request(7, "textDocument/hover", {
+        "textDocument": {"uri": "file:///models/model.yaml"}, "position": {"line": 4, "character": 3}}) + END)  # fmt: skip
+    numbers = [one["id"] for one in found if "id" in one]
+    assert {1, 7, 99} <= set(numbers)
+    assert done.returncode == 0
+    assert b"Traceback" not in done.stderr
+    if "request" in broken or "arguments" in broken or "places" in broken:
+        assert next(one for one in found if one.get("id") == 5)["error"]["code"] in (-32601, -32602)
+
+
+def test_a_message_that_is_too_long_is_passed_over():
+    from torsionnet.language_server import guarded_input
+
+    long = guarded_input.MOST_MESSAGE + 1
+    stream = guarded_input.GuardedInput(io.BytesIO(b"x" * long + message({"a": 1})))
+    assert stream.read(long) == b"{}"
+    assert stream.readline() == b"Content-Length: 8\r\n"
+    assert guarded_input.GuardedInput(io.BytesIO(b"short")).read(10**15) == b""
+
+
+def test_an_editor_that_goes_away_ends_the_server():
+    found, done = answers(START)
+    assert [one["id"] for one in found] == [1]
+    assert done.returncode == 1  # it did not say goodbye
+
+
+def test_a_failing_service_becomes_a_message_in_the_log(monkeypatch):
+    """Tried in this process, with a service that is broken on purpose."""
+    from torsionnet.language_server.editor_text import EditorText
+    from torsionnet.language_server.model_server import ModelServer
+    from torsionnet.language_server.open_model import OpenModel
+
+    server, told = ModelServer(), []
+    model = OpenModel("file:///model.yaml", EditorText(README), "/model.yaml", None)
+    monkeypatch.setattr(server, "open_model", lambda _: model)
+    monkeypatch.setattr(server, "window_log_message", lambda params: told.append(params.message))
+    monkeypatch.setattr(type(server), "workspace", type("NoFiles", (), {"text_documents": {}})())
+
+    def broken(_):
+        raise ZeroDivisionError("by nothing")
+
+    assert asyncio.run(server.answer(model.uri, broken)) is None
+    server.end()
+    assert "answering about /model.yaml (a bug)" in told[0]
+    assert "ZeroDivisionError: by nothing" in told[0]
+
+
+def test_without_the_extra_the_command_says_how_to_get_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pygls.lsp.server", None)
+    shown = CliRunner().invoke(app, ["language-server"])
+    assert shown.exit_code == 4
+    assert 'pip install "torsionnet[lsp]"' in shown.stderr
+    assert shown.stdout == ""
+
+
+def test_positions_are_those_of_the_protocol():
+    """Its lines end at line feed, carriage return or both; YAML and Python know more ends."""
+    from torsionnet.language_server.editor_text import EditorText
+
+    text = EditorText("a\r\nb\u2028c\x0cd\re\U0001d70ff\n")
+    assert [text.position(text.text.index(char)) for char in "abcdef"] == [
+        lsp.Position(0, 0), lsp.Position(1, 0), lsp.Position(1, 2), lsp.Position(1, 4), lsp.Position(2, 0), lsp.Position(2, 3),
+    ]  # fmt: skip
+    for offset in range(len(text.text) + 1):
+        assert text.offset(text.position(offset)) in (offset, offset - 1)  # between CR and LF there is no place
+    assert text.offset(lsp.Position(0, 99)) == 1
+    assert text.offset(lsp.Position(99, 0)) == len(text.text)
