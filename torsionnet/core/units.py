@@ -474,6 +474,15 @@ def expected_unit(dimension_name: str) -> str:
     return _EXPECTED[dimension_name]
 
 
+def known_units() -> tuple[str, ...]:
+    """Names of all units that stand alone, with their prefixes, in the order of the table.
+
+    >>> "kN" in known_units(), "rpm" in known_units()
+    (True, True)
+    """
+    return tuple(_ATOMS)
+
+
 def convert(value: float, unit: str, to: str) -> float:
     """Value converted from one unit to another of the same dimension.
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TypeAlias
+from functools import lru_cache
+from typing import Any, TypeAlias
 
 from torsionnet.core.errors import ModelError, Path
 from torsionnet.model.files.located_yaml import (
@@ -29,6 +30,9 @@ _ITEM = re.compile(r"\s*-(\s|$)")
 _LONGEST_WHOLE = 30
 """Number of lines up to which a block of entries is first tried as a whole."""
 
+_LONGEST_KEPT = 2000
+"""Number of characters up to which the value of a block is kept for later readings."""
+
 Entry: TypeAlias = "tuple[str | None, LocatedNode]"
 """Type of an entry of a mapping by its key, or of a list, whose key is None."""
 
@@ -49,12 +53,31 @@ def tolerant_document(text: str, file: str = "") -> LocatedDocument:
     except (ModelError, RecursionError, ValueError) as error:
         faults = list(error.faults) if isinstance(error, ModelError) else []
     document = LocatedDocument(file, _BREAK.split(text[:MOST_CHARACTERS]), faults=faults)
-    lines = [re.sub(_CONTROL, " ", line) for line in document.lines]
-    lines = ["" if line.startswith(("---", "...", "%")) else line for line in lines]
+    lines = _readable(document.lines)
     reading = _Reading(lines, document)
     found = list(reading.entries(0, len(lines), 0))
     document.root = reading.joined(found, (0, 0, len(lines) - 1, len(lines[-1])), ()) if found else None
     return document
+
+
+def tolerant_data(text: str) -> Any:
+    """Data that can be read of a text by its indentation, without places; what was read before is taken from memory.
+
+    Examples
+    --------
+    >>> tolerant_data("elements:\n  motor: {type: inertia, no")
+    {'elements': {'motor': {'type': 'inertia', 'no': None}}}
+    """
+    document = LocatedDocument("", _BREAK.split(text[:MOST_CHARACTERS]))
+    reading = _Reading(_readable(document.lines), document, has_places=False)
+    found = list(reading.entries(0, len(document.lines), 0))
+    return reading.joined(found, (0, 0, 0, 0), ()).value if found else None
+
+
+def _readable(lines: list[str]) -> list[str]:
+    """Lines with blanks in place of control characters, and nothing in place of marks between documents."""
+    lines = [line if line.isprintable() else re.sub(_CONTROL, " ", line) for line in lines]
+    return ["" if line.startswith(("---", "...", "%")) else line for line in lines]
 
 
 @dataclass
@@ -64,6 +87,7 @@ class _Reading:
     lines: list[str]
     document: LocatedDocument
     count: int = 0
+    has_places: bool = True
 
     def entries(self, start: int, end: int, depth: int) -> Iterator[Entry]:
         """Entries of the mapping or list that a block holds."""
@@ -111,17 +135,12 @@ class _Reading:
 
     def composed(self, text: str, line: int, depth: int) -> LocatedNode | None:
         """Value of a text that begins at a line, None where it is no sound YAML."""
-        try:
-            document = compose(text, "")
-        except (ModelError, RecursionError, ValueError):
-            return None
-        root = document.root
-        if root is None or _depth(root) + depth > MOST_LEVELS or self.count + root.size > MOST_NODES:
+        root, dropped, levels = _composed_once(text) if len(text) <= _LONGEST_KEPT else _composed(text)
+        if root is None or levels + depth > MOST_LEVELS or self.count + root.size > MOST_NODES:
             return None
         self.count += root.size
-        self.document.dropped += document.dropped
-        _move(root, line)
-        return root
+        self.document.dropped += dropped
+        return _moved_copy(root, line) if self.has_places else root
 
     def of(self, root: LocatedNode) -> Iterator[Entry]:
         """Entries of a value that stands where entries are expected: a word alone is a key without a value."""
@@ -130,10 +149,8 @@ class _Reading:
         elif isinstance(root.value, list):
             yield from ((None, node) for node in root.entries.values())
         elif root.value is not None:
-            line, column, end_line, end_column = root.place
-            words = self.lines[line][column : end_column if end_line == line else None].strip("\"' ")
-            end = (end_line, end_column, end_line, end_column)
-            yield words, LocatedNode(None, end, {}, key_place=root.place)
+            end = (*root.place[2:], *root.place[2:])
+            yield str(root.value), LocatedNode(None, end, {}, key_place=root.place)
 
     def item(self, first: int, last: int, depth: int) -> Iterator[Entry]:
         """Entry of a list, read as if its dash were blank."""
@@ -181,9 +198,10 @@ class _Reading:
         if root is None:
             place = (first, head.end(), first, len(line.rstrip()))
             root = LocatedNode(line[head.end() :].strip() or None, place, {})
-        else:
+        elif self.has_places:
             _move_to_origins(root, value, origins, rest, (first, head.end()))
-        root.key_place = (first, head.start(2), first, head.end(2))
+        if self.has_places:  # else the value is one that is kept for later readings
+            root.key_place = (first, head.start(2), first, head.end(2))
         yield head[2].strip("\"'"), root
         if not goes_on:
             yield from self.entries(first + 1, last, depth)
@@ -216,28 +234,36 @@ def _depth(node: LocatedNode) -> int:
     return 1 + max((_depth(entry) for entry in node.entries.values()), default=-1)
 
 
-def _nodes(root: LocatedNode) -> list[LocatedNode]:
-    """Value and all values in it, each once, though aliases may share some."""
-    found = {id(root): root}
-    open_ = [root]
-    while open_:
-        for entry in open_.pop().entries.values():
-            if id(entry) not in found:
-                found[id(entry)] = entry
-                open_.append(entry)
-    return list(found.values())
+def _composed(text: str) -> tuple[LocatedNode | None, list[tuple[Path, Any]], int]:
+    """Value of a text, what duplicate keys hide in it, and its levels; no value where it is no sound YAML."""
+    try:
+        document = compose(text, "")
+    except (ModelError, RecursionError, ValueError):
+        return None, [], 0
+    return document.root, document.dropped, 0 if document.root is None else _depth(document.root)
 
 
-def _move(root: LocatedNode, lines: int) -> None:
-    """Move the places of a value down by some lines."""
-    if not lines:
-        return
-    for node in _nodes(root):
-        line, column, end_line, end_column = node.place
-        node.place = (line + lines, column, end_line + lines, end_column)
-        if node.key_place is not None:
-            line, column, end_line, end_column = node.key_place
-            node.key_place = (line + lines, column, end_line + lines, end_column)
+_composed_once = lru_cache(maxsize=4096)(_composed)
+
+
+def _moved_copy(node: LocatedNode, lines: int) -> LocatedNode:
+    """Copy of a value in which all places are some lines further down."""
+    line, column, end_line, end_column = node.place
+    entries = {key: _moved_copy(one, lines) for key, one in node.entries.items()}
+    value = node.value
+    if isinstance(value, dict):
+        value = {key: one.value for key, one in entries.items()}
+    elif isinstance(value, list):
+        value = [one.value for one in entries.values()]
+    key = node.key_place
+    moved = None if key is None else (key[0] + lines, key[1], key[2] + lines, key[3])
+    return LocatedNode(value, (line + lines, column, end_line + lines, end_column), entries, node.size, moved)
+
+
+def _nodes(root: LocatedNode) -> Iterator[LocatedNode]:
+    yield root
+    for entry in root.entries.values():
+        yield from _nodes(entry)
 
 
 def _move_to_origins(root: LocatedNode, text: str, origins: list[int], written: str, start: tuple[int, int]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar
 
 from torsionnet.core.entries.composite import Composite, Listed, Nested
@@ -47,6 +47,9 @@ class SpringStages(
         if not faults and not any(one.names for _, _, one, _ in self.quantities(stages)):
             faults = stage_faults(stages, Values({}))
         return stages if not faults else (), faults
+
+    def entry_specs(self, raw: object) -> Mapping[Any, Spec[Any]]:
+        return self._listed.entry_specs(raw)
 
     def renamed(self, value: Any, names: Renaming) -> Any:
         return self._listed.renamed(value, names)

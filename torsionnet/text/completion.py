@@ -1,0 +1,115 @@
+"""Completion of a model text while it is written, from the specifications of its entries."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path as FolderPath
+
+from torsionnet.core.entries.format_version import FORMAT_VERSION, KEY
+from torsionnet.text.cursor_context import CursorContext, cursor_context
+from torsionnet.text.text_edits import TextSpan
+from torsionnet.text.tolerant_reading import tolerant_data
+
+MOST_OPTIONS = 1000
+"""Largest number of options of one completion, as nobody looks through more."""
+
+
+@dataclass(frozen=True)
+class Completion:
+    """Option that a text can be completed with: ``insert`` takes the place of ``span``.
+
+    Attributes
+    ----------
+    label : str
+        What a list of options shows; the word begun is compared with it.
+    kind : str
+        One of entry, element type, node, parameter, unit, size, configuration, sensor, part and word.
+    detail, documentation : str
+        Unit or kind in a word, and what the option means in a sentence.
+    """
+
+    label: str
+    kind: str
+    detail: str
+    documentation: str
+    insert: str
+    span: TextSpan
+
+
+_KINDS = {"element": "word", "excitation": "word", "input": "sensor"}
+"""Kind that a completion shows for things that have none of their own there."""
+
+
+def completions(text: str, offset: int, file: str = "", folder: FolderPath | None = None) -> list[Completion]:
+    """Options for the word at an offset of a model text, the likeliest first; none in comments, quotes and free text.
+
+    Of the file at ``file`` the folder is that of ``folder`` or its own; catalogues and parts are read there.
+
+    Examples
+    --------
+    >>> text = "elements:\\n  motor: {type: inertia, node: a, ine"
+    >>> [one.insert for one in completions(text, len(text))]
+    ['inertia: ']
+    >>> text += "rtia: 0.078 "
+    >>> completions(text, len(text))[0].label
+    'kg*m^2'
+    """
+    context = cursor_context(text, offset)
+    if context.is_text:
+        return []
+    offset = context.word.end
+    if context.path == (KEY,) and not context.is_key:
+        version = str(FORMAT_VERSION)
+        blank = " " if context.needs_blank else ""
+        found = Completion(version, "word", "", "version of the file format", f"{blank}{version}", context.word)
+        return [found] if version.startswith(text[context.word.start : offset]) else []
+    if folder is None and file:
+        folder = FolderPath(file).parent
+    return list(_fitting(text, offset, context, folder))[:MOST_OPTIONS]
+
+
+def _fitting(text: str, offset: int, context: CursorContext, folder: FolderPath | None) -> Iterator[Completion]:
+    from torsionnet.text.completion_keys import key_options
+    from torsionnet.text.completion_names import ModelNames
+    from torsionnet.text.completion_option import CompletionOption, Writing
+    from torsionnet.text.completion_places import entry_place, holds_entries
+    from torsionnet.text.completion_values import value_options
+
+    word = text[context.word.start : offset]
+    # The word begun is no name yet: it would be offered as the name of a node.
+    data = tolerant_data(text[: context.word.start] + text[offset:])
+    path = context.path
+    scope = path[:2] if path[:1] == ("parts",) and len(path) > 2 else ()
+    names = ModelNames(data if isinstance(data, dict) else {}, scope, folder)
+    writing = Writing(text, offset, context, entry_place(data, path), names, folder)
+    options: Iterable[CompletionOption] = key_options(writing) if context.is_key else ()
+    is_list_below = context.is_key and not context.is_flow and bool(path) and not holds_entries(writing.place.spec)
+    if not context.is_key or is_list_below:
+        options = [*options, *value_options(writing, writing.place.spec)]
+        if context.is_list_item and not word and not context.is_key:
+            options += key_options(writing) if not context.is_flow else ()
+    yield from _sorted(options, word, context)
+
+
+def _sorted(options: Iterable[object], word: str, context: CursorContext) -> Iterator[Completion]:
+    """Completions that begin with the word, then those that hold it, without repetition."""
+    from torsionnet.text.completion_option import CompletionOption
+
+    seen: set[tuple[str, str]] = set()
+    later: list[Completion] = []
+    for option in options:
+        assert isinstance(option, CompletionOption)
+        begun = word[option.begin :].casefold()
+        if option.begin > len(word) or begun not in option.label.casefold() or option[:2] in seen:
+            continue
+        seen.add(option[:2])
+        insert = f" {option.insert}" if context.needs_blank and option.insert[:1] != "\n" else option.insert
+        span = TextSpan(context.word.start + option.begin, context.word.end)
+        kind = _KINDS.get(option.kind, option.kind)
+        found = Completion(option.label, kind, option.detail, option.documentation, insert, span)
+        if option.label.casefold().startswith(begun):
+            yield found
+        else:
+            later.append(found)
+    yield from later

@@ -1,0 +1,139 @@
+"""Options for a key: the entries that may stand at a place, or the names that a table is by."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from torsionnet.core.damping import MEASURES
+from torsionnet.core.entries.composite import Typed
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.spec import Spec
+from torsionnet.model.channels import ChannelEntry
+from torsionnet.model.configurations import ChangedEntry
+from torsionnet.model.element_base.damping_entries import DampingQuantity, LossFactor
+from torsionnet.model.element_base.laws import GROUND
+from torsionnet.model.element_base.nodes import NodeName
+from torsionnet.model.element_base.quantity_table import TableByNode
+from torsionnet.text.completion_option import CompletionOption, Writing, summary, unit_text
+from torsionnet.text.completion_places import class_at, holds_entries, properties_of
+
+_NEW = "name of a new entry"
+"""Key that stands for any name in a table by name."""
+_COLON = re.compile(r"\w*\s*:(\s|$)")
+
+
+def key_options(writing: Writing) -> Iterator[CompletionOption]:
+    """Options for the key that is being written, those that have to be given first."""
+    spec, data = writing.place.spec, writing.place.data
+    given: Mapping[Any, Any] = data if isinstance(data, Mapping) else {}
+    if spec is None:
+        return
+    cls = class_at(writing.place)
+    if isinstance(spec, Typed) and spec.key not in given:
+        yield _key(writing, spec.key, spec, "required")
+        if not given:
+            yield from typed_options(writing, spec)
+    if cls is not None:
+        yield from _entries(writing, cls, given)
+    yield from _names(writing, spec, given)
+    if cls is None and not isinstance(spec, Typed):
+        yield from _keys_of_whole(writing, spec, given)
+
+
+def _entries(writing: Writing, cls: type[Declared], given: Mapping[Any, Any]) -> Iterator[CompletionOption]:
+    specs, required = dict(cls.specs()), cls.required()
+    for name in cls.head:
+        if name not in given:
+            yield CompletionOption(name, "entry", _with_colon(writing, name), "required", "version of the file format")
+    order = sorted(specs, key=lambda name: name not in required)
+    for name in order:
+        if name not in given:
+            yield _key(writing, name, specs[name], "required" if name in required else "")
+
+
+def _key(writing: Writing, name: str, spec: Spec[Any], note: str = "") -> CompletionOption:
+    unit = unit_text(spec)
+    detail = ", ".join(one for one in (unit, note) if one)
+    return CompletionOption(name, "entry", _with_colon(writing, name, spec), detail, spec.description)
+
+
+def _with_colon(writing: Writing, name: str, spec: Spec[Any] | None = None) -> str:
+    if _COLON.match(writing.after):
+        return name
+    if not writing.is_flow and holds_entries(spec):
+        return f"{name}:\n{' ' * (writing.context.indent + 2)}"
+    return f"{name}: "
+
+
+def _names(writing: Writing, spec: Spec[Any], given: Mapping[Any, Any]) -> Iterator[CompletionOption]:
+    """Names of nodes or other things that are keys of a table."""
+    named = NodeName("a node") if isinstance(spec, TableByNode) else spec.key_names({**given, _NEW: None}).get(_NEW)
+    if isinstance(named, ChangedEntry):
+        yield from _changed(writing, given)
+    elif named is not None:
+        for kind, name in writing.names.for_spec(named):
+            if name not in given and name != GROUND:
+                yield CompletionOption(name, kind, _with_colon(writing, name), kind)
+
+
+def _changed(writing: Writing, given: Mapping[Any, Any]) -> Iterator[CompletionOption]:
+    """What an alternative of a configuration changes: parameters, and entries as ``box.engaged``."""
+    for name in writing.names.names("parameters"):
+        if name not in given:
+            yield CompletionOption(name, "parameter", _with_colon(writing, name), "parameter")
+    owner = writing.word.rpartition(".")[0]
+    raw: Any = writing.names.table("elements").get(owner) if owner else None
+    if isinstance(raw, Mapping):
+        from torsionnet.model.element_base.element import ELEMENT_TYPES
+
+        kind = raw.get("type")
+        for name, spec in ELEMENT_TYPES[kind].specs() if isinstance(kind, str) and kind in ELEMENT_TYPES else ():
+            full = f"{owner}.{name}"
+            yield CompletionOption(full, "entry", _with_colon(writing, full), unit_text(spec), spec.description)
+
+
+def _keys_of_whole(writing: Writing, spec: Spec[Any], given: Mapping[Any, Any]) -> Iterator[CompletionOption]:
+    """Keys of an entry that is read as a whole, as a damping measure; of those that exclude each other only one."""
+    one_of: tuple[str, ...] = ()
+    if isinstance(spec, ChannelEntry):
+        one_of = spec.quantities
+    elif isinstance(spec, DampingQuantity | LossFactor):
+        one_of = tuple(MEASURES)
+    is_chosen = any(name in given for name in one_of)
+    for name, schema in properties_of(spec).items():
+        if name not in given and not (is_chosen and name in one_of):
+            text = schema.get("description", "") if isinstance(schema, Mapping) else ""
+            yield CompletionOption(str(name), "entry", _with_colon(writing, str(name)), "", str(text))
+
+
+def typed_options(writing: Writing, spec: Typed[Any], *, opens: bool = False) -> Iterator[CompletionOption]:
+    """Options for a whole entry of each type with the entries that it needs, in the layout of its neighbours.
+
+    ``opens`` says that the entry stands behind its key, so that it begins with a bracket or on a line of its own.
+    """
+    for kind, cls in spec.kinds().items():
+        lines = [f"{spec.key}: {kind}", *(f"{name}: " for name in cls.required())]
+        label = f"{kind} with {', '.join(cls.required())}" if cls.required() else kind
+        if writing.is_flow or (opens and _neighbours_are_flow(writing)):
+            insert = ", ".join(lines)
+            insert = f"{{{insert}}}" if opens else insert
+        else:
+            indent = writing.context.indent + (2 if opens else 0)
+            insert = f"\n{' ' * indent}".join(["", *lines] if opens else lines)
+        yield CompletionOption(label, kind_of(spec), insert, spec.what, summary(cls))
+
+
+def kind_of(spec: Typed[Any]) -> str:
+    """Kind of the options for a type: an element type, or a word."""
+    return "element type" if spec.what == "element" else "word"
+
+
+def _neighbours_are_flow(writing: Writing) -> bool:
+    """Whether the entries beside one are written in brackets on one line, as most models write elements."""
+    indent = " " * writing.context.indent
+    own = writing.text.rfind("\n", 0, writing.offset) + 1
+    beside = re.compile(rf"^{indent}[^\s#].*?:[ \t]*(\S?)", re.MULTILINE)
+    found = [one[1] for one in beside.finditer(writing.text) if one.start() != own]
+    return "" not in found or "{" in found
