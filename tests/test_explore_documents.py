@@ -190,7 +190,7 @@ class TestTurns:
     def test_faults_and_other_tabs_wait_for_no_response(self, page, monkeypatch):
         running, go_on, found = threading.Event(), threading.Event(), {}
 
-        def slow(session, state):
+        def slow(session, _):
             if session.base.parameters["k"] == 400:
                 running.set()
                 go_on.wait(20)
@@ -216,7 +216,7 @@ class TestTurns:
             first.join(20)
         assert found["slow"] == {"k": 400, "revision": 0}
         assert page.ask("answer") == {"k": 510, "revision": 10}
-        print(f"faults after {1e3 * sorted(waits)[-1]:.0f} ms at most")  # noqa: T201 (with -s)
+        print(f"faults after {1e3 * max(waits):.0f} ms at most")  # noqa: T201 (with -s)
         assert sorted(waits)[5] < 2  # 6 ms on a quiet machine; the response takes until it is told to end
 
 
@@ -243,7 +243,7 @@ class TestDrafts:
         opened = page.ask("open", "new")
         assert (opened["text"], opened["draft"]) == (RIG + "# mine\n", False)
 
-    def test_the_tab_longest_unused_goes_and_its_text_stays(self, page, monkeypatch):
+    def test_the_tab_longest_unused_goes_and_its_text_stays(self, page):
         page.type(RIG + "# first\n", 1, "first")
         for k in range(documents.MOST_DOCUMENTS):
             page.ask("open", f"tab-{k}")

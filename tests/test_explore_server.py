@@ -230,7 +230,7 @@ def test_two_requests_on_one_connection(server):
     connection = http.client.HTTPConnection("127.0.0.1", server.server_address[1], timeout=10)
     found = []
     for _ in range(2):
-        connection.request("GET", f"/{server.guard.token}/")
+        connection.request("GET", f"/{server.guard.token}/style.css")
         reply = connection.getresponse()
         found.append((reply.status, reply.read()))
     connection.close()

@@ -18,6 +18,10 @@ HEADER_SECONDS = 5.0
 """Longest time in seconds for the header of a request to come in, from its first byte."""
 IDLE_SECONDS = 60.0
 """Longest time in seconds that a connection waits for its next request."""
+PASSED_OVER_SECONDS = 2.0
+"""Longest time in seconds for which the rest of a request that is too large is read and forgotten."""
+GRACE_SECONDS = 0.25
+"""Seconds before a new connection without a request counts as waiting; its request is on its way."""
 END_OF_HEADER = b"\r\n\r\n"
 
 IDLE, HEADER, BODY, ANSWER = range(4)
@@ -95,8 +99,10 @@ class Places:
         return True
 
 
-def _patience(place: Place) -> tuple[int, float]:
-    return place.stage, place.since
+def _patience(place: Place) -> tuple[bool, float]:
+    """Order in which connections are sent away: those that wait for a request, then others by the time they take."""
+    waits = place.stage == IDLE and time.monotonic() - place.since > GRACE_SECONDS
+    return not waits, place.since
 
 
 class Incoming(RawIOBase):
@@ -127,6 +133,16 @@ class Incoming(RawIOBase):
                 place.enter(ANSWER)
             self._last = seen[-3:]
         return count
+
+
+def pass_over(connection: socket.socket) -> None:
+    """Read what still comes in, for a short time, and forget it."""
+    until = time.monotonic() + PASSED_OVER_SECONDS
+    with contextlib.suppress(OSError):
+        while (left := until - time.monotonic()) > 0:
+            connection.settimeout(left)
+            if not connection.recv(1 << 16):
+                return
 
 
 SECONDS = {

@@ -17,7 +17,7 @@ from typing import Any
 from torsionnet.core.errors import UsageError
 from torsionnet.explore import connections
 from torsionnet.explore.api import PATHS, largest_request, reply
-from torsionnet.explore.connections import ANSWER, BODY, IDLE, Incoming, Places
+from torsionnet.explore.connections import ANSWER, BODY, IDLE, Incoming, Places, pass_over
 from torsionnet.explore.documents import Documents
 from torsionnet.explore.guard import HEADERS, HOST, Guard, RefusedError, index_headers
 from torsionnet.explore.request_reading import TooLargeError
@@ -158,6 +158,9 @@ class Handler(BaseHTTPRequestHandler):
         except RefusedError as refused:
             self.close_connection = True  # a body that was not read would be taken for the next request
             self._send(refused.status, _words(str(refused)), JSON)
+            if refused.status == HTTPStatus.REQUEST_ENTITY_TOO_LARGE:
+                self._place.enter(BODY)
+                pass_over(self.connection)  # a browser reads no answer before it has sent everything
         except TooLargeError as error:
             self._send(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, _words(str(error)), JSON)
         except RequestError as error:
