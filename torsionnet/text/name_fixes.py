@@ -22,6 +22,11 @@ def name_meant(place: FaultPlace) -> Iterator[TextFix]:
         return
     if fault.path == ("parameters", meant):  # it would define itself
         return
+    if "is not connected to the rest" in fault.message:
+        both = (fault.message.partition(" ")[0], meant)
+        rare, right = sorted(both, key=lambda word: len(list(word_edits(word, text, 0, ""))))
+        yield from place.fix(f'write "{right}"', *word_edits(rare, text, 0, right))
+        return
     siblings = node_at(place.written.document, fault.path[:-1])
     if fault.on_key and siblings is not None and meant in siblings.entries and fault.kind == "unknown key":
         yield from place.without(fault.path)

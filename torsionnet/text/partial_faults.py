@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from pathlib import Path as FolderPath
 
-from torsionnet.core.errors import Fault, Path, Position
-from torsionnet.model.definition import Definition
+from torsionnet.core.entries.named_files import files_beside
+from torsionnet.core.errors import Fault, Path
+from torsionnet.core.garbage_collection import gc_paused
+from torsionnet.model.checks import names
+from torsionnet.model.defining import define
 from torsionnet.model.files.fault_positions import located_faults
 from torsionnet.model.files.located_yaml import LocatedDocument
-from torsionnet.model.files.reader import read_document
+from torsionnet.model.files.part_includes import include_parts
 from torsionnet.text.tolerant_reading import tolerant_document
 
 _MISPLACED = re.compile('indentation|":" is not expected|outside of the model')
 """Expression of the message on a break that leaves it open to which section the entries around belong."""
 
 
+@gc_paused()
 def partial_faults(text: str, file: str, folder: FolderPath | None, broken: Fault) -> list[Fault]:
     """Errors in the entries that a break of the YAML does not touch, in the order of the text.
 
@@ -28,15 +31,11 @@ def partial_faults(text: str, file: str, folder: FolderPath | None, broken: Faul
         return []
     line = broken.position.line - 1
     home = _entry_at_line(document, line)
-    document.faults = [replace(broken, path=home)]
-    found = read_document(document, folder)[1]
-    read = located_faults(Definition.read_entries(document.data)[1], document)
-    told = {(fault.message, fault.position) for fault in read}
     lines = {line, _line_with_text(document, line, -1), _line_with_text(document, line, 1)}
     lost = _lost_sections(document, home) if _MISPLACED.search(broken.message) else set()
     return [
         fault
-        for fault in found
+        for fault in located_faults(_certain_faults(document, text, folder), document)
         if fault.severity == "error"
         and fault.position is not None
         and fault.position.file == file
@@ -44,17 +43,27 @@ def partial_faults(text: str, file: str, folder: FolderPath | None, broken: Faul
         and len(fault.path) > 1
         and fault.path[: max(1, len(home))] != home
         and fault.path[0] not in lost
-        and _is_certain(fault, text, told)
     ]
 
 
-def _is_certain(fault: Fault, text: str, told: set[tuple[str, Position | None]]) -> bool:
-    """Whether a fault is told by its own entry, or by a name that stands nowhere else."""
-    if fault.kind != "unknown name":
-        return (fault.message, fault.position) in told
-    if "." in fault.about:  # of the copies that a use makes no text has the names
-        return False
-    return len(re.findall(rf"(?<!\w){re.escape(fault.about)}(?!\w)", text)) < 2
+def _certain_faults(document: LocatedDocument, text: str, folder: FolderPath | None) -> list[Fault]:
+    """Faults that an entry has by itself, and those of names that the text has nowhere else."""
+    with files_beside(folder):
+        include_parts(document)
+        definition, faults = define(document.data)
+    for fault in (one for check in names.CHECKS for one in check(definition)):
+        # The copies that a use makes have names with dots that no text has.
+        if fault.kind == "unknown name" and "." not in fault.about and _times(fault.about, text) < 2:
+            faults.append(fault)
+    if definition.authored is not None:
+        from torsionnet.model.parts.written_places import at_written_places
+
+        faults = at_written_places(definition.authored.authored, faults)
+    return faults
+
+
+def _times(name: str, text: str) -> int:
+    return len(re.findall(rf"(?<!\w){re.escape(name)}(?!\w)", text))
 
 
 def _lost_sections(document: LocatedDocument, home: Path) -> set[str | int]:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from torsionnet.core.errors import Fault, ModelError
+from torsionnet.core.garbage_collection import gc_paused
 from torsionnet.model.definition import Definition
 from torsionnet.model.files.located_yaml import compose
 from torsionnet.text.text_edits import TextEdit, TextFix, TextLines, TextSpan, edited
@@ -60,6 +61,7 @@ class _Break:
         return TextFix(title, (TextEdit(TextSpan(start, end), text),))
 
 
+@gc_paused()
 def syntax_fixes(fault: Fault, span: TextSpan, lines: TextLines, file: str, known: int = 0) -> tuple[TextFix, ...]:
     """Fix of a text that is no sound YAML, the one after which most of it can be read; none where no fix is known.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -81,14 +82,23 @@ def _with_fixes(located: LocatedFault, fault: Fault, written: WrittenText, other
 
 
 def _located(fault: Fault, lines: TextLines, file: str) -> LocatedFault:
-    """Fault with its stretch; the place in another file becomes that of its first use in this one."""
+    """Fault with its stretch; the place in another file becomes that where this one uses or names it."""
     position = fault.position
     if position is not None and position.file != file:
-        here = next((use for use in fault.used_at if use.file == file), None)
         said = f"in {Path(position.file).name}, line {position.line}: {fault.message}"
+        here = next((use for use in fault.used_at if use.file == file), None) or _naming(position, lines, file)
         fault = replace(fault, message=said, position=here)
         position = here
     return LocatedFault(fault, position_span(position, lines))
+
+
+def _naming(position: Position, lines: TextLines, file: str) -> Position:
+    """Position at which a text names the file, or the part of that name, in which a fault stands."""
+    other = Path(position.file)
+    names = (re.escape(other.name), rf"(?<=part: ){re.escape(other.stem)}", "(?<=include:)")
+    found = next((one for name in names if (one := re.search(rf"(?<!\w){name}(?!\w)", lines.text))), None)
+    line, column = lines.place(found.start() if found else 0)
+    return Position(file, line + 1, column + 1, column + 1 + max(1, len(found[0]) if found else 1))
 
 
 def position_span(position: Position | None, lines: TextLines) -> TextSpan:

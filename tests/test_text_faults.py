@@ -1,0 +1,247 @@
+"""Faults of texts: those of the check with their stretches, errors beside a break of the YAML, fixes that mend."""
+
+import random
+import re
+from pathlib import Path
+
+import campaigns
+import pytest
+from test_broken_files import BASE, CASES
+
+from torsionnet.cli.models import checked_model
+from torsionnet.core.errors import ModelError
+from torsionnet.model.files.library import library_models
+from torsionnet.model.files.located_yaml import compose
+from torsionnet.model.files.reader import read_text
+from torsionnet.text.text_edits import edited
+from torsionnet.text.text_faults import text_faults
+
+LIBRARY = {name: path.read_text(encoding="utf-8") for name, path in sorted(library_models().items())}
+QUICK = [name for name in LIBRARY if name not in ("front_wheel_drive_car", "marine_medium_speed")]
+
+
+def is_sound_yaml(text):
+    try:
+        compose(text.removeprefix("\ufeff"), "")
+    except ModelError:
+        return False
+    return True
+
+
+def errors(text, **where):
+    return [one for one in text_faults(text, "model.yaml", **where) if one.fault.severity == "error"]
+
+
+def messages(text, **where):
+    return [one.fault.message for one in errors(text, **where)]
+
+
+def marked(text):
+    """The stretches of the errors."""
+    return [text[one.span.start : one.span.end] for one in errors(text)]
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_faults_are_those_of_the_check_at_their_places(case):
+    found, checked = text_faults(case.text, "model.yaml"), read_text(case.text, "model.yaml")[1]
+    if is_sound_yaml(case.text):
+        assert [one.fault for one in found] == checked
+    else:
+        assert checked == [one.fault for one in found if one.fault in checked]
+    lines = case.text.split("\n")
+    for one in found:
+        start = sum(len(line) + 1 for line in lines[: one.fault.position.line - 1]) + one.fault.position.column - 1
+        assert one.span.start == start
+        assert one.span.end <= len(case.text)
+
+
+@pytest.mark.few(4)
+@pytest.mark.parametrize("name", LIBRARY)
+def test_faults_of_a_file_are_those_of_the_command_also_of_unstable_modes(name):
+    path = library_models()[name]
+    assert [one.fault for one in text_faults(LIBRARY[name], str(path), path.parent)] == checked_model(name)
+
+
+def test_a_mode_that_grows_is_told():
+    push = "  push: {type: controller, sense: {velocity: motor}, act: motor, law: 2}\ninputs:"
+    told = [one.fault.message for one in text_faults(BASE.replace("inputs:", push)) if one.fault.severity == "warning"]
+    assert any("push makes the" in one and "unstable" in one for one in told)
+
+
+@pytest.mark.parametrize("newline", ["\n", "\r\n", "\r", "\x85"])
+@pytest.mark.parametrize("mark", ["", "\ufeff"])
+def test_stretches_fit_texts_with_marks_and_all_breaks(mark, newline):
+    text = mark + BASE.replace("name:", "nam:").replace("angle: motor", "angle: motr").replace("\n", newline)
+    assert marked(text) == ["nam", "motr"]
+    first = mark + "torsionnt: 1" + BASE[len("torsionnet: 1") :].replace("\n", newline)
+    assert "torsionnt" in marked(first)
+
+
+def test_a_fault_of_an_included_file_stands_where_the_text_uses_it(tmp_path):
+    part = "torsionnet: 1\nports: [a]\nelements:\n  disc: {type: inertia, node: a, inertia: 1 kg}\n"
+    (tmp_path / "disc.yaml").write_text(part)
+    text = BASE + "include: [disc.yaml]\nuse:\n  extra: {part: disc, at: {a: motor}}\n"
+    (one,) = errors(text, folder=tmp_path)
+    assert one.fault.message.startswith('in disc.yaml, line 4: "1 kg" is not a value of inertia')
+    assert text[one.span.start : one.span.end] in ("extra", "disc.yaml")
+    assert one.fault.position.file == "model.yaml"
+    assert one.fixes == ()
+    (tmp_path / "disc.yaml").write_text(part.replace("[a]", "[a"))
+    (one,) = [one for one in errors(text, folder=tmp_path) if "disc.yaml, line" in one.fault.message]
+    assert text[one.span.start : one.span.end] == "disc.yaml"
+
+
+BESIDE = {  # a break, and an error elsewhere that is told all the same
+    "bracket": (("inertia: 2}", "inertia: 2"), ("0.1 kg*m^2", "0.1 kg*m"), '"0.1 kg*m" is not a value of inertia'),
+    "list": (("[motor, wheel]", "[motor, wheel"), ("torque: motor", "torqe: motor"), 'unknown key "torqe"'),
+    "quote": (("name: chain", 'name: "chain'), ("stiffness: k", "stiffness: kk"), 'no parameter is named "kk"'),
+    "name of a node": (("inertia: 2}", "inertia: 2"), ("angle: motor", "angle: motr"), 'no node is named "motr"'),
+    "missing entry": (("angle: motor}", "angle: motor"), (", inertia: 0.1 kg*m^2", ""), "inertia rotor needs inertia"),
+}
+
+
+@pytest.mark.parametrize(("broken", "wrong", "message"), BESIDE.values(), ids=BESIDE)
+def test_errors_beside_a_break_are_told(broken, wrong, message):
+    text = BASE.replace(*broken)
+    assert not is_sound_yaml(text)
+    assert len(errors(text)) == 1
+    found = messages(text.replace(*wrong))
+    assert len(found) == 2
+    assert any(one.startswith(message) for one in found)
+
+
+def test_what_follows_from_a_break_is_not_told():
+    for case in CASES:
+        if not is_sound_yaml(case.text) and len(case.text) < 1000:
+            assert len(errors(case.text)) == 1, case.name
+
+
+def test_a_sound_model_with_one_character_wrong_has_one_break_and_nothing_that_follows():
+    draw = random.Random(34)
+    told = 0
+    for _ in range(campaigns.examples(25, 1500)):
+        name = draw.choice(QUICK)
+        text = LIBRARY[name]
+        place = draw.choice([place for place, char in enumerate(text) if char in "{}[]\",:'\n"])
+        new = text[:place] + draw.choice(["", "{", "[", "\t", '"', "  " + text[place]]) + text[place + 1 :]
+        if is_sound_yaml(new):
+            continue
+        told += 1
+        assert len(messages(new, folder=library_models()[name].parent)) == 1, (name, place, new[place - 30 : place + 9])
+    assert told > 5
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_every_fix_ends_its_fault_and_brings_no_other(case):
+    found = text_faults(case.text, "model.yaml")
+    for one in found:
+        for fix in one.fixes:
+            after = messages(edited(case.text, fix.edits))
+            assert one.fault.message not in after, fix.title
+            assert set(after) <= {other.fault.message for other in found}, fix.title
+
+
+MENDED = {  # what is wrong in BASE, the title of the first fix; the fix gives BASE back or what stands last
+    "key": ("stiffness: k", "stiffnes: k", 'write "stiffness"', ""),
+    "node": ("angle: motor", "angle: motr", 'write "motor"', ""),
+    "element": ("torque: shaft", "torque: shft", 'write "shaft"', ""),
+    "type": ("type: spring", "type: sprng", 'write "spring"', ""),
+    "parameter in an expression": ("stiffness: k", "stiffness: 2*kk", 'write "k"', "stiffness: 2*k"),
+    "unit misspelt": ("kN*m/rad", "kN*m/rd", 'write "rad"', ""),
+    "wrong unit": ("0.1 kg*m^2", "0.1 kg*m", "write 0.1 kg*m^2", ""),
+    "decimal comma in brackets": ("inertia: 2}", "inertia: 0,152 kg*m^2}", "write a decimal point", "0.152 kg*m^2}"),
+    "decimal comma": ("1 kN*m/rad", "13,3 kN*m/rad", "write a decimal point", "13.3 kN*m/rad"),
+    "missing key": (", inertia: 0.1 kg*m^2", "", "insert inertia: 1 kg*m^2", ", inertia: 1 kg*m^2}"),
+    "missing nodes": ("nodes: [motor, wheel], ", "", "insert nodes: [motor, wheel]", "stiffness: k, nodes: [motor, wheel]}"),
+    "tab": ("  rotor:", "\trotor:", "indent with spaces", ""),
+    "indentation": ("  shaft:", "   shaft:", "indent as the lines around", ""),
+    "bracket": ("inertia: 2}", "inertia: 2", "close with }", ""),
+    "list": ("[motor, wheel]", "[motor, wheel", "close with ]", ""),
+    "opening bracket": ("shaft:   {", "shaft:   ", "insert {", ""),
+    "quote": ("name: chain", 'name: "chain', 'close with "', 'name: "chain"'),
+    "colon": ("vehicle: {", "vehicle {", 'write "vehicle: "', ""),
+    "blank": ("vehicle: {", "vehicle:{", 'write "vehicle: "', ""),
+    "text with a colon": ("name: chain", "name: chain: long", "put the text in quotes", 'name: "chain: long"'),
+    "duplicate": ("vehicle:", "rotor:  ", "rename to rotor_2", "rotor_2:  "),
+    "duplicate key": ("stiffness: k}", "stiffness: k, stiffness: 3}", 'delete this "stiffness"', ""),
+    "version": ("torsionnet: 1\n", "", "insert torsionnet: 1", ""),
+    "truth": ("inertia: 2}", "inertia: 2, enabled: no}", "write false", "inertia: 2, enabled: false}"),
+    "number as a name": ("name: chain", "name: 3", "put it in quotes", 'name: "3"'),
+    "thousands": ("inertia: 2}", "inertia: 13 300 kg*m^2}", "write 13300", "inertia: 13300 kg*m^2}"),
+    "cycles as speed": ("inputs:", "operating_point: {speed: {motor: 50 Hz}}\ninputs:", "write 3000 rpm", "motor: 3000 rpm}"),
+    "product": ("stiffness: k", "stiffness: 2 k", "write 2*k", "stiffness: 2*k"),
+    "unused": ("  k: 1", "  c: 3\n  k: 1", 'delete "c"', ""),
+    "misspelt definition": ("torque: motor", "torque: motr", 'write "motor"', ""),
+    "character": ("chain", "ch\x01ain", "delete this character", ""),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("right", "wrong", "title", "mended"), MENDED.values(), ids=MENDED)
+def test_the_first_fix_is_what_was_meant(right, wrong, title, mended):
+    text = BASE.replace(right, wrong, 1)
+    assert text != BASE
+    fixes = [fix for one in text_faults(text, "model.yaml") if one.fault.severity != "note" for fix in one.fixes]
+    assert fixes[0].title == title
+    new = edited(text, fixes[0].edits)
+    assert mended in new if mended else new == BASE
+    assert messages(new) == []
+
+
+def test_a_node_named_once_is_the_misspelt_one():
+    text = BASE.replace("node: motor", "node: moto", 1)
+    (fix,) = [fix for one in text_faults(text) for fix in one.fixes if fix.title == 'write "motor"']
+    assert edited(text, fix.edits) == BASE
+
+
+def test_fixes_of_a_json_file_are_json():
+    text = '{"torsionnet": 1, "elements": {"d": {"type": "inertia", "node": "a", "inertia": "2 kg"}, "s": {"type": "lock"}}}'
+    for one in text_faults(text, "model.json"):
+        if one.fault.severity == "error":
+            text = edited(text, one.fixes[0].edits)
+            break
+    assert '"inertia": "2 kg*m^2"' in text
+    fixes = [fix for one in text_faults(text, "model.json") for fix in one.fixes]
+    assert '{"type": "lock", "node": "a"}' in edited(text, fixes[0].edits)
+
+
+def test_parameters_are_not_deleted_while_their_use_may_be_unreadable():
+    text = BASE.replace("stiffness: k", "stiffness: (k")
+    assert [fix for one in text_faults(text) for fix in one.fixes if "delete" in fix.title] == []
+
+
+def test_a_study_or_a_list_has_faults_without_fixes():
+    assert errors("vary: {k: [1, 2]}\nmodel: x\n")[0].fixes == ()
+    assert errors("- a\n- b\n")[0].fixes == ()
+    assert errors("")[0].span.start == 0
+
+
+@pytest.mark.parametrize("name", ["two_stroke_ship", "wind_turbine_3mw"])
+@pytest.mark.parametrize("step", [97, pytest.param(1, marks=pytest.mark.slow)])
+def test_a_text_cut_anywhere_has_faults_within_it(name, step):
+    text, folder = LIBRARY[name], library_models()[name].parent
+    for end in range(step - 1, len(text), step):
+        for one in text_faults(text[:end], "model.yaml", folder):
+            assert 0 <= one.span.start <= one.span.end <= end
+            assert one.fault.message
+            for fix in one.fixes:
+                assert edited(text[:end], fix.edits) != text[:end]
+
+
+@pytest.mark.slow
+def test_fixes_of_misspelt_library_models_bring_no_errors():
+    draw = random.Random(5)
+    offered = stayed = 0
+    for _ in range(300):
+        name = draw.choice(QUICK)
+        text, folder = LIBRARY[name], Path(library_models()[name]).parent
+        word = draw.choice(list(re.finditer(r"[A-Za-z_]{4,}", text)))
+        at = word.start() + draw.randrange(len(word[0]))
+        text = text[:at] + text[at + 1 :]
+        found = errors(text, folder=folder)
+        for one in found:
+            for fix in one.fixes:
+                after = messages(edited(text, fix.edits), folder=folder)
+                offered += 1
+                stayed += one.fault.message in after or len(after) > len(found)
+    assert offered > 100
+    assert stayed <= 0.02 * offered  # a name that is nearest to another one of another kind
