@@ -210,6 +210,8 @@ class TestTurns:
             page.type(RIG.replace("400", "1600"), tab="other")
             assert page.ask("answer", "other")["k"] == 1600
             assert page.ask("model")["revision"] == 10
+            assert page.ask("schematic")["revision"] == 10
+            assert page.ask("motion")["modes"][-1]["frequency_hz"] == pytest.approx((510 / 400) ** 0.5 * NATURAL)
             assert not found
         finally:
             go_on.set()
@@ -349,6 +351,8 @@ class TestServices:
         edits = page.ask("rename", text=RIG, at=at, name="rotor")["edits"]
         assert [one["text"] for one in edits] == ["rotor"] * len(edits)
         assert "refused" in page.ask("rename", text=RIG, at=0, name="x")
+        options = page.ask("complete", text=RIG, at=at + 2)["options"]
+        assert [(one["label"], one["from"], one["to"]) for one in options][:1] == [("motor", at, at + 2)]
         for question in ("hover", "definition"):
             assert "refused" not in page.ask(question, text=RIG, at=at)
         assert isinstance(page.ask("format", text=RIG)["edits"], list)

@@ -11,6 +11,7 @@ from torsionnet.explore.answers import answer, fault_texts
 from torsionnet.explore.document import Answer
 from torsionnet.explore.documents import Documents
 from torsionnet.explore.line_ends import plain_line_ends
+from torsionnet.explore.picture_requests import motion_answer, schematic_answer
 from torsionnet.explore.request_reading import PageRequest, read_request
 from torsionnet.explore.session import Session
 from torsionnet.explore.state import State, read_state
@@ -37,6 +38,12 @@ QUESTIONS: Mapping[str, Callable[[Session, State], dict[str, Any]]] = {
     "api/save": _save,
 }
 """Calculations for a state of the page by their paths; each waits for the one before it of the same document."""
+
+PICTURES: Mapping[str, Callable[[Session, State], dict[str, Any]]] = {
+    "api/schematic": schematic_answer,
+    "api/motion": motion_answer,
+}
+"""Pictures of a state of the page by their paths; they wait for one another, and for no response."""
 
 
 def _model(documents: Documents, request: PageRequest, is_closed: Callable[[], bool]) -> Answer:
@@ -71,7 +78,7 @@ OF_THE_FILE: Mapping[str, Callable[[Documents, PageRequest, Callable[[], bool]],
     "api/store": _store,
 }
 """Answers to requests on the file and its model by their paths; the last argument tells whether the asker has gone."""
-PATHS = (*OF_THE_FILE, *TEXT_QUESTIONS, *QUESTIONS)
+PATHS = (*OF_THE_FILE, *TEXT_QUESTIONS, *QUESTIONS, *PICTURES)
 """Paths of all requests of the page."""
 
 
@@ -108,14 +115,16 @@ def _found(documents: Documents, path: str, request: PageRequest, is_closed: Cal
     if path in TEXT_QUESTIONS:
         return document.in_turn(kind, lambda: TEXT_QUESTIONS[path](document, request))
     state = read_state(request.entries)
-    found = document.calculated(kind, lambda session: _calculated(path, session, state))
+    if path in PICTURES:
+        return document.drawn(kind, lambda session: _calculated(PICTURES[path], session, state))
+    found = document.calculated(kind, lambda session: _calculated(QUESTIONS[path], session, state))
     if path == "api/save" and "text" in found:
         found["text"] = documents.ends().given_back(plain_line_ends(found["text"]))
     return found
 
 
-def _calculated(path: str, session: Session, state: State) -> Answer:
+def _calculated(question: Callable[[Session, State], Answer], session: Session, state: State) -> Answer:
     try:
-        return QUESTIONS[path](session, state)
+        return question(session, state)
     except TorsionnetError as error:
         return {"refused": fault_texts(error)}

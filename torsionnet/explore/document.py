@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
+from functools import cached_property
 from threading import Lock
 from typing import Any
 
 from torsionnet.core.errors import Fault, TorsionnetError
+from torsionnet.core.memo import RecentResults
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.explore.newest_turn import NewestTurn
 from torsionnet.explore.offset_counting import OffsetCounting
@@ -35,6 +38,12 @@ class SoundText:
     revision: int
     described: Answer
 
+    @cached_property
+    def for_pictures(self) -> Session:
+        """Session of the same model for schematic and modes, which share no results with responses under way."""
+        base = copy(self.session.base)
+        return replace(self.session, base=base, pictures=RecentResults(), _chosen={})
+
 
 @dataclass(frozen=True)
 class Draft:
@@ -55,8 +64,8 @@ class Draft:
 class Document:
     """Text of one tab with its revision, its faults and its last sound session.
 
-    Faults and calculations have a queue each, so that faults never wait for a response under way. A session is only
-    used by one calculation at a time: a drivetrain keeps results while it calculates them.
+    Faults, pictures and other calculations have a queue each, so that the first two never wait for a response under
+    way. A session is only used by one calculation at a time: a drivetrain keeps results while it calculates them.
 
     Parameters
     ----------
@@ -83,6 +92,7 @@ class Document:
         self._examining, self._changing = Lock(), Lock()
         self._texts: NewestTurn[Answer] = NewestTurn()
         self._calculations: NewestTurn[Answer] = NewestTurn()
+        self._pictures: NewestTurn[Answer] = NewestTurn()
         if start is not None:
             self.sound, self._examined = SoundText(start, 0, start.describe()), (0, text)
             self._is_sound = True
@@ -132,6 +142,11 @@ class Document:
         found = self._calculations.take(kind, lambda: self._with_revision(calculate))
         return SUPERSEDED if found is None else found
 
+    def drawn(self, kind: str, draw: Callable[[Session], Answer]) -> Answer:
+        """Answer with a picture of the last sound text once it has its turn, with the revision of that text."""
+        found = self._pictures.take(kind, lambda: self._with_revision(draw, for_pictures=True))
+        return SUPERSEDED if found is None else found
+
     def described(self) -> Answer:
         """Data that describe the model of the last sound text."""
         sound = self.examined()
@@ -147,9 +162,12 @@ class Document:
                 self._examined = now
             return self.sound
 
-    def _with_revision(self, calculate: Callable[[Session], Answer]) -> Answer:
+    def _with_revision(self, calculate: Callable[[Session], Answer], *, for_pictures: bool = False) -> Answer:
         sound = self.examined()
-        return self._refused() if sound is None else calculate(sound.session) | {"revision": sound.revision}
+        if sound is None:
+            return self._refused()
+        session = sound.for_pictures if for_pictures else sound.session
+        return calculate(session) | {"revision": sound.revision}
 
     def _refused(self) -> Answer:
         said = [one.fault.text for one in self.faults if one.fault.severity == "error"]

@@ -36,6 +36,24 @@ def _changed(document: Document, request: PageRequest) -> Answer:
     return document.change(request.number("revision"), request.text("text"))
 
 
+def _complete(document: Document, request: PageRequest) -> Answer:
+    from torsionnet.text.completion import completions
+
+    asked = TextQuestion(document, request, "at")
+    options = [
+        {
+            "label": one.label,
+            "kind": one.kind,
+            "detail": one.detail,
+            "documentation": one.documentation,
+            "insert": one.insert,
+        }
+        | asked.counting.span(one.span)
+        for one in completions(*asked.place)
+    ]
+    return {"options": options}
+
+
 def _hover(document: Document, request: PageRequest) -> Answer:
     from torsionnet.text.hovering import hover
 
@@ -100,6 +118,7 @@ def _paste(document: Document, request: PageRequest) -> Answer:
 
 TEXT_QUESTIONS: Mapping[str, Callable[[Document, PageRequest], Answer]] = {
     "api/text": _changed,
+    "api/complete": _complete,
     "api/hover": _hover,
     "api/definition": _definition,
     "api/references": _references,

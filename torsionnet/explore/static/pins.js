@@ -28,7 +28,7 @@ export function makePins(current, changed) {
     try {
       for (let pin = outdated(); pin; pin = outdated()) {
         const state = current();
-        const answer = await ask("answer", { kind: "pins", ...question(state), kind: "pin", choice: pin.choice, values: pin.values });
+        const answer = await ask("answer", { kind: "pins", ...question(state), choice: pin.choice, values: pin.values });
         answers.set(pin, { key: keyOf(pin, state), answer });
         changed();
       }
