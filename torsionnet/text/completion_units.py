@@ -65,4 +65,5 @@ def _fits(unit: str, dimension: str) -> bool:
 @lru_cache(maxsize=1)
 def usual_units() -> tuple[str, ...]:
     """Units of all dimensions of a drivetrain, those that are usual for each, for values of any dimension."""
-    return tuple(dict.fromkeys(unit for name in DIMENSIONS if name != "1" for unit in units_of(name)[:3]))
+    rarest_last = sorted((name for name in DIMENSIONS if name != "1"), key=lambda name: name == "cubic stiffness")
+    return tuple(dict.fromkeys(unit for name in rarest_last for unit in units_of(name)[:3]))

@@ -175,7 +175,10 @@ def _units_in_use(writing: Writing) -> tuple[str, ...]:
             specs = dict(ELEMENT_TYPES[kind].specs())
             used = (getattr(specs.get(key), "dimension", None) for key, value in raw.items() if value == parameter)
             first += [unit for one in used if one in DIMENSIONS for unit in units_of(str(one))]
-    own = _dimension(_written(_part_or_own(writing, parameter)))
+    written = _written(_part_or_own(writing, parameter))
+    own = _dimension(written)
+    if own is not None:
+        first.append(re.sub(r"^[-+.\d]+(?:[eE][-+]?\d+)?\s*", "", written.strip()))
     first += [unit for name, one in DIMENSIONS.items() if own is not None and one == own for unit in units_of(name)]
     return tuple(dict.fromkeys([*first, *usual_units()]))
 

@@ -122,7 +122,8 @@ class _Reading:
         head = _HEAD.match(line)
         has_children = head is not None and head[3] == ":" and not _bare(line[head.end() :]) and last - first > 1
         if last - first <= _LONGEST_WHOLE or not has_children:
-            whole = self.composed("\n".join(self.lines[first:last]), first, depth)
+            end = "\n" if last < len(self.lines) else ""
+            whole = self.composed("\n".join(self.lines[first:last]) + end, first, depth)
             if whole is not None:
                 yield from self.of(whole)
                 return
@@ -187,6 +188,7 @@ class _Reading:
         line = self.lines[first]
         head = _HEAD.match(line) or _WORD_AND_REST.match(line)
         if head is None:
+            yield from self.bare_value(first, last, depth)
             return
         rest = "\n".join([line[head.end() :], *self.lines[first + 1 : last]])
         after = [index for index in range(first + 1, last) if _bare(self.lines[index])]
@@ -205,6 +207,16 @@ class _Reading:
         yield head[2].strip("\"'"), root
         if not goes_on:
             yield from self.entries(first + 1, last, depth)
+
+    def bare_value(self, first: int, last: int, depth: int) -> Iterator[Entry]:
+        """Entries of a flow mapping or list without a key, as in a list or where the whole file is one."""
+        rest = "\n".join(self.lines[first:last])
+        value, origins = mended(rest)
+        root = self.composed(value, 0, depth) if rest.lstrip().startswith(("{", "[")) else None
+        if root is not None:
+            if self.has_places:
+                _move_to_origins(root, value, origins, rest, (first, 0))
+            yield from self.of(root)
 
     def joined(self, found: list[Entry], place: Place, path: Path) -> LocatedNode:
         """Mapping or list of entries; the first one tells which of the two, and of equal keys the first is kept."""
