@@ -138,11 +138,12 @@ class _Layout:
             last -= 1
         is_text = not isinstance(node.value, (dict, list))
         sign = self.line(first)[start : start + 1]
-        self.texts |= set(range(first, last)) if is_text and sign in ("'", '"', "|", ">") else set()
+        if is_text and sign in ("'", '"'):
+            self.texts |= set(range(first, last))
         rest = [number for number in range(line + 1, last + 1) if self.line(number).strip()]
         move = self.shift.get(line, 0)
         if is_text and sign in ("|", ">"):
-            self.texts |= {last}
+            self.texts |= set(range(first + 1, last + 1))
             if not re.match(r"[|>][-+]?[1-9]", self.line(first)[start:]) and rest:
                 move = column + _STEP - min(self.indent(number) for number in rest)
         elif rest:
@@ -207,7 +208,7 @@ class _Layout:
             place = (after.start_mark.line, after.start_mark.column)
             return old if not depth and place in self.aligned else " "
         if isinstance(after, (tokens.FlowEntryToken, *_CLOSING)):
-            return "" if not isinstance(before, (tokens.AliasToken, tokens.AnchorToken)) else old
+            return old if isinstance(before, tokens.AnchorToken) else ""
         if isinstance(after, tokens.ValueToken):
             return "" if isinstance(before, tokens.ScalarToken) else old
         if isinstance(before, tokens.FlowEntryToken):
