@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any
 
 from torsionnet.core.damping import MEASURES, DampingMeasure
@@ -32,6 +33,7 @@ STATES = ("state", "engaged")
 """Names of the entries of elements whose word a schematic shows as it is, as "slipping" of a clutch."""
 
 
+@lru_cache(maxsize=4096)
 def symbol(name: str) -> str:
     r"""Text of a name, set as mathtext if the name is a symbol: one letter or a Greek one, perhaps with an index.
 
@@ -49,6 +51,7 @@ def symbol(name: str) -> str:
     return f"${shown}_{{\\mathrm{{{escaped}}}}}$" if below else f"${shown}$"
 
 
+@lru_cache(maxsize=4096)
 def quantity(value: float, dimension: str) -> str:
     """Text of an SI value with its unit, with a prefix for large torques and stiffnesses.
 

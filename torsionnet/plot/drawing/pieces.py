@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Sequence
+from copy import copy
+from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
@@ -62,8 +62,7 @@ class Owner(NamedTuple):
     name: str
 
 
-@dataclass(frozen=True)
-class Stroke:
+class Stroke(NamedTuple):
     """Line or filled shape of a drawing through positions (x, y) in points of 1/72 inch.
 
     ``look`` is a name in the table of pens (``PENS``).
@@ -80,8 +79,7 @@ class Stroke:
         return Stroke(tuple([(x + dx, y + dy) for x, y in self.points]), self.look, self.closed, self.fill, self.owner)
 
 
-@dataclass(frozen=True)
-class Label:
+class Label(NamedTuple):
     """Text of a drawing at (x, y) in points, centred at x or beginning there, with its base line at y."""
 
     x: float
@@ -127,6 +125,8 @@ class Piece:
 
     def shifted(self, dx: float, dy: float) -> Piece:
         """Copy of the piece of a drawing moved by dx to the right and dy upwards, in points."""
+        if dx == 0 == dy:
+            return replace(self, **{entry.name: copy(getattr(self, entry.name)) for entry in fields(self)})
         return Piece(
             [stroke.shifted(dx, dy) for stroke in self.strokes],
             [label.shifted(dx, dy) for label in self.labels],
@@ -134,6 +134,15 @@ class Piece:
             [shifted_box(box, dx, dy) for box in self.wires],
             [end.shifted(dx, dy) for end in self.ends],
             {loop: (x + dx, y + dy) for loop, (x, y) in self.anchors.items()},
+        )
+
+    def room_shifted(self, dx: float, dy: float) -> Piece:
+        """Copy of what the piece of a drawing occupies, without strokes and labels, moved to the right and upwards."""
+        return Piece(
+            boxes=[shifted_box(box, dx, dy) for box in self.boxes],
+            wires=[shifted_box(box, dx, dy) for box in self.wires],
+            ends=[end.shifted(dx, dy) for end in self.ends],
+            anchors={loop: (x + dx, y + dy) for loop, (x, y) in self.anchors.items()},
         )
 
     def add(self, other: Piece) -> None:
@@ -145,16 +154,12 @@ class Piece:
         self.ends += other.ends
         self.anchors |= other.anchors
 
-    @contextmanager
-    def owned(self, kind: str, name: str) -> Iterator[None]:
+    def owned(self, kind: str, name: str) -> Owned:
         """Context manager within which whatever is drawn into the piece belongs to a part of the drivetrain.
 
         What belongs to another part already, because it was drawn within an inner context, remains with that.
         """
-        strokes, labels, owner = len(self.strokes), len(self.labels), Owner(kind, name)
-        yield
-        self.strokes[strokes:] = [one if one.owner else replace(one, owner=owner) for one in self.strokes[strokes:]]
-        self.labels[labels:] = [one if one.owner else replace(one, owner=owner) for one in self.labels[labels:]]
+        return Owned(self, Owner(kind, name))
 
     def line(self, *points: Point, look: str = "shaft") -> None:
         """Draw a shaft or wire of the drawing through positions (x, y) in points; other lines may cross it."""
@@ -187,6 +192,30 @@ class Piece:
             float(boxes[:, 2].min()),
             float(boxes[:, 3].max()),
         )
+
+
+class Owned:
+    """Context in which strokes and labels drawn into a piece get an owner."""
+
+    __slots__ = ("labels", "owner", "piece", "strokes")
+
+    def __init__(self, piece: Piece, owner: Owner) -> None:
+        self.piece, self.owner = piece, owner
+        self.strokes, self.labels = len(piece.strokes), len(piece.labels)
+
+    def __enter__(self) -> None:
+        """Begin the context, which counts what was drawn before."""
+
+    def __exit__(self, *error: object) -> None:
+        """Give what was drawn in the meantime its owner, where it has none."""
+        piece, owner = self.piece, self.owner
+        for place in range(self.strokes, len(piece.strokes)):
+            points, look, closed, fill, known = piece.strokes[place]
+            if known is None:
+                piece.strokes[place] = Stroke(points, look, closed, fill, owner)
+        for place in range(self.labels, len(piece.labels)):
+            if piece.labels[place].owner is None:
+                piece.labels[place] = piece.labels[place]._replace(owner=owner)
 
 
 def shifted_box(box: Box, dx: float, dy: float) -> Box:

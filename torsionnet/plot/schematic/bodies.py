@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from torsionnet.model.elements import GROUND, Element
 from torsionnet.plot.drawing.pieces import LEADING, ROLES, Piece, Stroke, Texts, label_width
 from torsionnet.plot.schematic import outlines
-from torsionnet.plot.schematic.glyphs import inline_glyph
 from torsionnet.plot.schematic.spring_chains import far_end
 
 if TYPE_CHECKING:
@@ -18,6 +17,14 @@ WALL, LEADER = 18.0, 14.0  # points: half height of a wall or disc at the end of
 
 def draw_body(line: PlannedRow, disc: Element | None, hanging: Element | None) -> None:
     """Draw at a node of the schematic a disc and the element that hangs below it, either of which may be missing."""
+    drawn, key = line.plan.bodies_drawn, (disc.name if disc else "", hanging.name if hanging else "")
+    if key not in drawn:
+        drawn[key] = _body(line, disc, hanging)
+    half_width = 10.0 * line.plan.scale
+    line.put(drawn[key], half_width, half_width)
+
+
+def _body(line: PlannedRow, disc: Element | None, hanging: Element | None) -> Piece:
     above = line.plan.texts(disc) if disc else []
     below = line.plan.texts(hanging) if hanging else []
     scale, piece = line.plan.scale, Piece()
@@ -30,8 +37,7 @@ def draw_body(line: PlannedRow, disc: Element | None, hanging: Element | None) -
     if hanging:
         with piece.owned("element", hanging.name):
             _hang(line, piece, hanging, -half, below)
-    half_width = 10.0 * scale
-    line.put(piece, half_width, half_width)
+    return piece
 
 
 def _hang(line: PlannedRow, piece: Piece, element: Element, y: float, texts: Texts) -> None:
@@ -41,7 +47,7 @@ def _hang(line: PlannedRow, piece: Piece, element: Element, y: float, texts: Tex
     if element.glyph == "clamp":
         piece.strokes.append(Stroke(((0, y), (0, y - length))))
     else:
-        glyph = inline_glyph(element, line.values).scaled(line.plan.scale)
+        glyph = line.plan.glyph(element)
         length, half_width = glyph.length, glyph.half_width
         piece.strokes += glyph.hanging(0, y)
     end = far_end(element, line.values)
@@ -71,7 +77,7 @@ def _tapped(line: PlannedRow, piece: Piece, element: Element, y: float) -> float
 def draw_line_end(line: PlannedRow, element: Element) -> float:
     """Draw the element to ground or a mass that ends a shaft line, and return the x in points where the shaft stops."""
     texts = line.plan.texts(element)
-    glyph = None if element.glyph == "clamp" else inline_glyph(element, line.values).scaled(line.plan.scale)
+    glyph = None if element.glyph == "clamp" else line.plan.glyph(element)
     length, half_width = (glyph.length, glyph.half_width) if glyph else (0.0, 0.0)
     end = far_end(element, line.values)
     last = outlines.wall(length / 2, WALL) if end == GROUND else outlines.disc(length / 2 + 4, WALL) if end else []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -83,7 +83,7 @@ class Branch:
             dot = Stroke(arc(self.x, self.y, 2.4, 2.4, 0, 360, 12), "part", closed=True, fill="part")
             block.strokes.append(dot)
             if self.owner is not None:
-                block.strokes = [replace(one, owner=self.owner) for one in block.strokes]
+                block.strokes = [one._replace(owner=self.owner) for one in block.strokes]
         for stage in self.stages:
             with block.owned("element", stage.element.name):
                 _wheels(block, stage, self.x + stage.offset, distance)

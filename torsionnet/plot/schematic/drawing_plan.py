@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from torsionnet.model.channels import Input
 from torsionnet.model.elements import GROUND, Element, Law, Values
 from torsionnet.plot.drawing.labels import value_lines
-from torsionnet.plot.drawing.pieces import Texts
+from torsionnet.plot.drawing.pieces import Box, Piece, Texts
 from torsionnet.plot.schematic.epicyclic import BoxElement, EpicyclicSet
-from torsionnet.plot.schematic.outlines import DRAGS
+from torsionnet.plot.schematic.glyphs import inline_glyph
+from torsionnet.plot.schematic.outlines import DRAGS, Glyph
 from torsionnet.plot.schematic.part_boxes import PartBox
 from torsionnet.plot.schematic.taps import Tap, is_on_link
 from torsionnet.plot.schematic.texts import break_lines, planetary_set_lines
@@ -50,6 +51,14 @@ class DrawingPlan:
     begin."""
     targets: dict[str, list[int]] = field(default_factory=dict)
     """Lists of the numbers of the schematic's loops that end at a node, by name of the node."""
+
+    bodies_drawn: dict[tuple[str, str], Piece] = field(default_factory=dict)
+    """Drawings of pairs of a disc and a hanging element, by their names, as both are measured and drawn."""
+    links_drawn: dict[int, tuple[Piece, float, list[Box]]] = field(default_factory=dict)
+    """Drawings of elements between two nodes, with width and room around, by the identity of their link."""
+    _glyphs: dict[str, Glyph] = field(default_factory=dict)
+    _scaled: dict[int, tuple[Glyph, Glyph]] = field(default_factory=dict)
+    _texts: dict[str, Texts] = field(default_factory=dict)
 
     @property
     def scale(self) -> float:
@@ -158,10 +167,24 @@ class DrawingPlan:
         gears = self.housings.get(node, []) if not self.compact else []
         return break_lines([*([(f"housing of {', '.join(gears)}", "what")] if gears else []), (node, "node")])
 
+    def glyph(self, element: Element) -> Glyph:
+        """Symbol of an element between two ends in the size of the schematic."""
+        if element.name not in self._glyphs:
+            full = inline_glyph(element, self.drivetrain.exact_values)
+            if id(full) not in self._scaled:
+                self._scaled[id(full)] = full, full.scaled(self.scale)
+            self._glyphs[element.name] = self._scaled[id(full)][1]
+        return self._glyphs[element.name]
+
     def texts(self, element: BoxElement) -> Texts:
         """Lines (text, role) of an element's label in the schematic, its name and its main values."""
         if self.compact:
             return []
+        if element.name not in self._texts:
+            self._texts[element.name] = self._new_texts(element)
+        return self._texts[element.name]
+
+    def _new_texts(self, element: BoxElement) -> Texts:
         if isinstance(element, PartBox):
             return break_lines([(element.name, "name"), (element.description, "what")])
         if isinstance(element, EpicyclicSet):

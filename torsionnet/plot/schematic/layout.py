@@ -92,7 +92,7 @@ class PartLayout:
         self.needs[head] = line_width(self.starts[head], self.steps[head])
 
     def _steps(self, head: Vertex) -> None:
-        route, line = self.routes[head], ShaftLine(self.plan)
+        route, line = self.routes[head], ShaftLine(self.plan, measures=True)
         if route.incoming is not None:
             line.begin(route.incoming, route.parent, head)
         self.starts[head] = line.x

@@ -27,6 +27,8 @@ class Glyph:
 
     def scaled(self, factor: float) -> Glyph:
         """Copy of the symbol with all its coordinates multiplied by a factor."""
+        if factor == 1:
+            return self
         strokes = (
             Stroke(tuple((factor * u, factor * v) for u, v in stroke.points), stroke.look, stroke.closed, stroke.fill)
             for stroke in self.strokes

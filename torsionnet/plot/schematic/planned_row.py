@@ -24,6 +24,8 @@ FAR_OUT = 1e5
 SIDE_GAP, VERTICAL_GAP = 7.0, 3.0
 """Least distances in points between neighbouring pieces of a schematic, sideways and up or down."""
 
+NEGLIGIBLE = 1e-6
+"""Distance in points far above rounding errors and far below a pixel."""
 RECENT_BOXES = 120
 """Number of rectangles drawn last in a row against which a new piece of the schematic is checked for overlap: more take
 time, fewer may let pieces overlap."""
@@ -32,8 +34,10 @@ time, fewer may let pieces overlap."""
 class Row:
     """Row of pieces of a schematic, placed along y = 0 from left to right; ``x`` is where the last symbol ends."""
 
-    def __init__(self, wall: float = -FAR_OUT) -> None:
+    def __init__(self, wall: float = -FAR_OUT, *, measures: bool = False) -> None:
         self.block = Piece()
+        self.measures = measures
+        """Whether only the room that the row takes is asked for, so that placed pieces need no strokes."""
         self.x = 0.0
         self.columns: list[Box] = []
         """Rectangles (x0, x1, y0, y1) in points above and below the row that are kept free for branches: wires and
@@ -48,11 +52,12 @@ class Row:
         """
         own = [*piece.boxes, *columns]
         x = max(self.x + left, *(self.wall - box[0] for box in own), -FAR_OUT)
+        near = min((box[0] for box in own), default=0.0) - SIDE_GAP - NEGLIGIBLE
         for there in [*self.block.boxes[-RECENT_BOXES:], *self.columns[-RECENT_BOXES:]]:
-            for box in own:
+            for box in own if there[1] > x + near else ():
                 if box[2] < there[3] + VERTICAL_GAP and there[2] < box[3] + VERTICAL_GAP:
                     x = max(x, there[1] + SIDE_GAP - box[0])
-        self.block.add(piece.shifted(x, 0))
+        self.block.add(piece.room_shifted(x, 0) if self.measures else piece.shifted(x, 0))
         self.columns += [shifted_box(box, x, 0) for box in columns]
         self.x = x + right
         return x
@@ -79,8 +84,8 @@ class Row:
 class PlannedRow(Row):
     """Row of a schematic with its plan, the branches that leave the row, and brackets for the names of its nodes."""
 
-    def __init__(self, plan: DrawingPlan, wall: float = -FAR_OUT) -> None:
-        super().__init__(wall)
+    def __init__(self, plan: DrawingPlan, wall: float = -FAR_OUT, *, measures: bool = False) -> None:
+        super().__init__(wall, measures=measures)
         self.plan = plan
         self.exits: list[BranchStart] = []
         self.brackets: list[tuple[float, float, str]] = []

@@ -11,7 +11,6 @@ from torsionnet.plot.drawing.pieces import LEADING, ROLES, Box, Piece, Texts, la
 from torsionnet.plot.schematic.bodies import draw_body, draw_line_end
 from torsionnet.plot.schematic.boxes import draw_box
 from torsionnet.plot.schematic.branch_lines import ELBOW, Branch, BranchStart, GearPair, place_branches, wheel_ratio
-from torsionnet.plot.schematic.glyphs import inline_glyph
 from torsionnet.plot.schematic.marks import Mark
 from torsionnet.plot.schematic.outlines import Glyph
 from torsionnet.plot.schematic.planned_row import PlannedRow
@@ -190,7 +189,10 @@ class ShaftLine(PlannedRow):
                 self.block.line((self.x, 0), (self.x + 12, 0))
             self.x += 12
             return
-        piece, span, columns = _between(self.plan, link)
+        drawn = self.plan.links_drawn
+        if id(link) not in drawn:
+            drawn[id(link)] = _between(self.plan, link)
+        piece, span, columns = drawn[id(link)]
         start, left, right = self.x, -span / 2, span / 2
         middle = self.put(piece, span / 2 + 3, span / 2 + 3, columns)
         with self.block.owned("element", link.elements[0].name):
@@ -211,7 +213,7 @@ class ShaftLine(PlannedRow):
 
 def _between(plan: DrawingPlan, link: Link) -> tuple[Piece, float, list[Box]]:
     """Drawing around x = 0 of the elements of a link, its width in points, and rectangles in points to be kept free."""
-    drawn = [inline_glyph(element, plan.drivetrain.exact_values).scaled(plan.scale) for element in link.elements]
+    drawn = [plan.glyph(element) for element in link.elements]
     texts = [plan.texts(element) for element in link.elements]
     rails = 12.0 if len(drawn) > 1 else 0.0
     # The texts of all but the first element stand between the rails.

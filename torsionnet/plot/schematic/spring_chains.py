@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any
 
 from torsionnet.model.element_base.damping_entries import LossFactor
@@ -90,17 +91,32 @@ def chain_symbol(element: Element, values: Mapping[str, Any], plain: str) -> Gly
     found = parallel_chains(element, values)
     if not any(plain in chain for chain in found):
         found = [(plain,), *found]
+    return _symbol(tuple(found), _spring_sign(element))
+
+
+def _spring_sign(element: Element) -> str:
+    """Word for what is drawn with the springs of an element: a pad behind them, an arrow across, or a bent line."""
+    kinds = [spec for _, spec in element.specs()]
+    if any(isinstance(spec, LossFactor) for spec in kinds):
+        return "loss factor"
+    if any(isinstance(spec, TableEntry) for spec in kinds):
+        return "table"
+    return "law of motion" if element.has_motion_laws else ""
+
+
+@cache
+def _symbol(found: tuple[SeriesChain, ...], sign: str) -> Glyph:
     length = LENGTH if any("spring" in chain for chain in found) else DASHPOT_LENGTH
     if any(len(chain) > 1 for chain in found):
         length = 2 * LENGTH - 8
     if len(found) == 1:
         half_width = 13.0 if "spring" in found[0] else 9.0
         half = 8.0 if found[0] == ("damper",) else HALF["damper"]
-        return Glyph(tuple(_chain_strokes(found[0], element, 0, length, 0, half)), length, half_width)
-    return _railed(found, element, length + 2 * RAIL if length > LENGTH else length)
+        return Glyph(tuple(_chain_strokes(found[0], sign, 0, length, 0, half)), length, half_width)
+    return _railed(found, sign, length + 2 * RAIL if length > LENGTH else length)
 
 
-def _railed(found: list[SeriesChain], element: Element, length: float) -> Glyph:
+def _railed(found: Sequence[SeriesChain], sign: str, length: float) -> Glyph:
     top = BETWEEN / 2 * (len(found) - 1)
     heights = [top - BETWEEN * place for place in range(len(found))]
     rails = [Stroke(((x, heights[-1]), (x, top))) for x in (RAIL, length - RAIL)]
@@ -108,38 +124,34 @@ def _railed(found: list[SeriesChain], element: Element, length: float) -> Glyph:
     drawn = [
         stroke
         for chain, y in zip(found, heights, strict=True)
-        for stroke in _chain_strokes(chain, element, RAIL, length - RAIL, y, HALF["damper"])
+        for stroke in _chain_strokes(chain, sign, RAIL, length - RAIL, y, HALF["damper"])
     ]
     return Glyph((*leads, *rails, *drawn), length, top + 12)
 
 
-def _chain_strokes(
-    chain: SeriesChain, element: Element, start: float, end: float, y: float, half: float
-) -> list[Stroke]:
+def _chain_strokes(chain: SeriesChain, sign: str, start: float, end: float, y: float, half: float) -> list[Stroke]:
     step = (end - start) / len(chain)
     strokes: list[Stroke] = []
     for place, what in enumerate(chain):
         x = start + place * step
-        strokes += _spring(element, x, x + step, y) if what == "spring" else dashpot(x, x + step, y, half)
+        strokes += _spring(sign, x, x + step, y) if what == "spring" else dashpot(x, x + step, y, half)
     return strokes
 
 
-def _spring(element: Element, start: float, end: float, y: float) -> list[Stroke]:
+def _spring(sign: str, start: float, end: float, y: float) -> list[Stroke]:
     """Strokes of a spring, with a pad behind it for a loss factor, an arrow across it for a table over frequency.
 
     Across one whose torque is not proportional to its twist goes a bent line.
     """
     core = zigzag(start, end, y)
-    kinds = [spec for _, spec in element.specs()]
-    if any(isinstance(spec, LossFactor) for spec in kinds):
+    middle = (start + end) / 2
+    if sign == "loss factor":
         edge = (end - start) / 6
         return [rectangle(start + edge, end - edge, y - 9, y + 9, "#d9d9d9", "thin"), core]
-    if any(isinstance(spec, TableEntry) for spec in kinds):
-        middle = (start + end) / 2
+    if sign == "table":
         shaft = ((middle - 15, y - 12), (middle + 14, y + 12))
         head = ((middle + 8.5, y + 11), (middle + 15, y + 12.8), (middle + 12.6, y + 6.6))
         return [core, Stroke(shaft, "thin"), Stroke(head, "thin")]
-    if element.has_motion_laws:
-        middle = (start + end) / 2
+    if sign:
         return [core, Stroke(((middle - 15, y - 9), (middle + 2, y - 3), (middle + 14, y + 12)), "thin")]
     return [core]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from itertools import groupby
 from xml.sax.saxutils import escape
@@ -20,24 +21,27 @@ INDEX_DROP = 0.16
 ILLEGAL = dict.fromkeys((*range(9), 11, 12, *range(14, 32), 65534, 65535, *range(55296, 57344)), "�")
 """Replacement of the characters that XML does not allow, by code."""
 
+_MARKUP = re.compile("[&<>\"'\x00-\x1f\ud800-\udfff\ufffe\uffff]")
+
 
 def number(value: float) -> str:
-    """Text of a coordinate in points with at most two decimals.
+    """Text of a coordinate in points with six digits.
 
-    >>> number(12.0), number(-0.001), number(3.14159)
-    ('12', '0', '3.14')
+    >>> number(12.0), number(-123.4567)
+    ('12', '-123.457')
     """
-    text = f"{value:.2f}".rstrip("0").rstrip(".")
-    return "0" if text == "-0" else text
+    return f"{value:.6g}"
 
 
 def content_text(text: str) -> str:
     """Text as content of an XML element, with replacements for what XML does not allow."""
-    return escape(text.translate(ILLEGAL))
+    return escape(text.translate(ILLEGAL)) if _MARKUP.search(text) else text
 
 
 def attribute_text(text: str) -> str:
     """Text as value of an XML attribute between double quotes."""
+    if not _MARKUP.search(text):
+        return text
     quoted = escape(text.translate(ILLEGAL), {'"': "&quot;", "'": "&#39;"})
     return quoted.replace("\n", "&#10;").replace("\t", "&#9;").replace("\r", "&#13;")
 
@@ -55,7 +59,7 @@ def strokes_svg(strokes: Iterable[Stroke]) -> str:
 
 
 def _outline(stroke: Stroke) -> str:
-    points = " ".join(f"{number(x)},{number(-y)}" for x, y in stroke.points)
+    points = " ".join([f"{x:.6g},{-y:.6g}" for x, y in stroke.points])
     return f"M{points}{'Z' if stroke.closed else ''}"
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import heapq
 from dataclasses import dataclass
+from heapq import heappop, heappush
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,10 @@ MOST_CORNERS = 4
 END_CELLS = 3
 """Number of grid cells at each end of a wire within which it may cross the shaft lines that it joins."""
 
-MOVES = ((1, 0), (0, 1), (-1, 0), (0, -1))
+_TURNS = ((0, 1, 3), (0, 1, 2), (1, 2, 3), (0, 2, 3))
+"""Headings after each heading, none of them back: 0 to the right, 1 up, 2 to the left, 3 down."""
+FAR = 1 << 60
+"""Cost above that of any way."""
 
 
 @dataclass(frozen=True)
@@ -107,27 +110,34 @@ def _cells(grid: Grid, box: Box, margin: float) -> tuple[slice, slice]:
 
 
 def _shortest(grid: Grid, start: tuple[int, int], goal: tuple[int, int]) -> list[tuple[int, int]] | None:
-    """Grid cells (column, row) of the cheapest way of a wire, which starts to the right and arrives up or down."""
-    begin = (*start, 0)
-    best = {begin: 0}
-    came: dict[tuple[int, int, int], tuple[int, int, int]] = {}
+    """Grid cells (column, row) of the cheapest way of a wire, which starts to the right and arrives up or down.
+
+    A state is one whole number: four times that of the cell, which a frame of forbidden cells surrounds, plus the
+    heading. Of ways that cost the same the one of the smallest states is taken.
+    """
+    column = grid.cost.shape[1] + 2
+    costs = np.pad(grid.cost, 1, constant_values=-1).ravel().tolist()
+    steps = (column, 1, -column, -1)  # in the order of the headings
+    begin = 4 * ((start[0] + 1) * column + start[1] + 1)
+    goal_cell = (goal[0] + 1) * column + goal[1] + 1
+    best, came = {begin: 0}, {begin: -1}
     queue = [(0, begin)]
     while queue:
-        cost, state = heapq.heappop(queue)
+        cost, state = heappop(queue)
         if cost > best[state]:
             continue
-        x, y, heading = state
-        if (x, y) == goal and heading % 2 == 1:
-            return _traced(state, came)
-        for turn, (dx, dy) in enumerate(MOVES):
-            if (turn - heading) % 4 == 2 or not _inside(grid, x + dx, y + dy):
-                continue
-            step = int(grid.cost[x + dx, y + dy])
-            new = (x + dx, y + dy, turn)
-            total = cost + step + CORNER * (turn != heading)
-            if step > 0 and total < best.get(new, 1 << 60):
-                best[new], came[new] = total, state
-                heapq.heappush(queue, (total, new))
+        cell, heading = divmod(state, 4)
+        if cell == goal_cell and heading % 2 == 1:
+            return _traced(state, came, column)
+        for turn in _TURNS[heading]:
+            there = cell + steps[turn]
+            step = costs[there]
+            if step > 0:
+                total = cost + step if turn == heading else cost + step + CORNER
+                new = 4 * there + turn
+                if total < best.get(new, FAR):
+                    best[new], came[new] = total, state
+                    heappush(queue, (total, new))
     return None
 
 
@@ -137,18 +147,12 @@ def _winds(grid: Grid, way: list[tuple[int, int]]) -> bool:
     return turns > MOST_CORNERS or any(grid.cost[cell] >= CROSSING for cell in way[END_CELLS:-END_CELLS])
 
 
-def _inside(grid: Grid, x: int, y: int) -> bool:
-    columns, rows = grid.cost.shape
-    return bool(0 <= x < columns and 0 <= y < rows)
-
-
-def _traced(
-    state: tuple[int, int, int], came: dict[tuple[int, int, int], tuple[int, int, int]]
-) -> list[tuple[int, int]]:
-    way = [state[:2]]
-    while state in came:
+def _traced(state: int, came: dict[int, int], column: int) -> list[tuple[int, int]]:
+    way = []
+    while state >= 0:
+        x, y = divmod(state // 4, column)
+        way.append((x - 1, y - 1))
         state = came[state]
-        way.append(state[:2])
     return way[::-1]
 
 
