@@ -113,32 +113,51 @@ def _shortest(grid: Grid, start: tuple[int, int], goal: tuple[int, int]) -> list
     """Grid cells (column, row) of the cheapest way of a wire, which starts to the right and arrives up or down.
 
     A state is one whole number: four times that of the cell, which a frame of forbidden cells surrounds, plus the
-    heading. Of ways that cost the same the one of the smallest states is taken.
+    heading. States are taken up by their cost and the least that the rest of the way can cost (A*).
     """
     column = grid.cost.shape[1] + 2
     costs = np.pad(grid.cost, 1, constant_values=-1).ravel().tolist()
-    steps = (column, 1, -column, -1)  # in the order of the headings
+    least = _least_rest(grid, goal)
     begin = 4 * ((start[0] + 1) * column + start[1] + 1)
-    goal_cell = (goal[0] + 1) * column + goal[1] + 1
-    best, came = {begin: 0}, {begin: -1}
-    queue = [(0, begin)]
+    goals = [4 * ((goal[0] + 1) * column + goal[1] + 1) + heading for heading in (1, 3)]
+    steps, size = (column, 1, -column, -1), len(least)  # steps in the order of the headings
+    best = [FAR] * size
+    best[begin] = 0
+    queue, bound = [least[begin] * size + begin], FAR
     while queue:
-        cost, state = heappop(queue)
+        whole, state = divmod(heappop(queue), size)
+        if whole > bound:
+            break
+        cost = whole - least[state]
         if cost > best[state]:
             continue
+        if state in goals:
+            bound = whole
+            continue
         cell, heading = divmod(state, 4)
-        if cell == goal_cell and heading % 2 == 1:
-            return _traced(state, came, column)
         for turn in _TURNS[heading]:
             there = cell + steps[turn]
             step = costs[there]
             if step > 0:
                 total = cost + step if turn == heading else cost + step + CORNER
                 new = 4 * there + turn
-                if total < best.get(new, FAR):
-                    best[new], came[new] = total, state
-                    heappush(queue, (total, new))
-    return None
+                if total < best[new]:
+                    best[new] = total
+                    heappush(queue, (total + least[new]) * size + new)
+    arrived = min(goals, key=lambda state: (best[state], state))
+    return _traced(arrived, begin, best, costs, column) if best[arrived] < FAR else None
+
+
+def _least_rest(grid: Grid, goal: tuple[int, int]) -> list[int]:
+    """Least cost of the rest of a way without anything in its way, by state: its length and its corners."""
+    x, y = np.meshgrid(*(np.arange(-1, count + 1) for count in grid.cost.shape), indexing="ij")
+    right, up = goal[0] - x, goal[1] - y
+    corners = np.empty((*x.shape, 4), dtype=int)
+    for heading, sign in ((0, 1), (2, -1)):
+        corners[..., heading] = np.where(sign * right >= 0, 1, 3)
+    for heading, sign in ((1, 1), (3, -1)):
+        corners[..., heading] = np.where(right != 0, 2, np.where(sign * up >= 0, 0, 4))
+    return list(((np.abs(right) + np.abs(up))[..., None] + CORNER * corners).ravel().tolist())
 
 
 def _winds(grid: Grid, way: list[tuple[int, int]]) -> bool:
@@ -147,13 +166,20 @@ def _winds(grid: Grid, way: list[tuple[int, int]]) -> bool:
     return turns > MOST_CORNERS or any(grid.cost[cell] >= CROSSING for cell in way[END_CELLS:-END_CELLS])
 
 
-def _traced(state: int, came: dict[int, int], column: int) -> list[tuple[int, int]]:
-    way = []
-    while state >= 0:
-        x, y = divmod(state // 4, column)
+def _traced(state: int, begin: int, best: list[int], costs: list[int], column: int) -> list[tuple[int, int]]:
+    """Cells of the cheapest way that arrives in a state; of two that cost the same, the cheaper beginning counts."""
+    steps, way = (column, 1, -column, -1), []
+    while True:
+        cell, turn = divmod(state, 4)
+        x, y = divmod(cell, column)
         way.append((x - 1, y - 1))
-        state = came[state]
-    return way[::-1]
+        if state == begin:
+            return way[::-1]
+        before = [(4 * (cell - steps[turn]) + heading, CORNER * (heading != turn)) for heading in _TURNS[turn]]
+        state = min(
+            (one for one, corner in before if best[one] + costs[cell] + corner == best[state]),
+            key=lambda one: (best[one], one),
+        )
 
 
 def _cornered(points: list[Point], start: Point, end: Point) -> list[Point]:
