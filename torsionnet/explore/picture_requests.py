@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import Any, TypeAlias
 
 from torsionnet.core.errors import TorsionnetError
-from torsionnet.core.memo import RecentResults
 from torsionnet.explore.answers import collected_notes, fault_texts, page_modes
 from torsionnet.explore.mode_motion import mode_motion
 from torsionnet.explore.session import Session
@@ -29,7 +28,7 @@ def schematic_answer(session: Session, state: State) -> dict[str, Any]:
     >>> schematic_answer(open_session("amt_rig"), State({"gear": "V"}))["elements"]["gearbox"]
     'element-gearbox'
     """
-    return _kept(session.pictures, session, state, _schematic)
+    return _kept(session, state, "schematic", _schematic)
 
 
 def motion_answer(session: Session, state: State) -> dict[str, Any]:
@@ -37,7 +36,7 @@ def motion_answer(session: Session, state: State) -> dict[str, Any]:
 
     Reasons under ``refused`` if the state is impossible.
     """
-    return _kept(session.motions, session, state, _motion)
+    return _kept(session, state, "motion", _motion)
 
 
 def _schematic(session: Session, state: State) -> dict[str, Any]:
@@ -59,9 +58,9 @@ def _motion(session: Session, state: State) -> dict[str, Any]:
     return found | {"notes": list(dict.fromkeys([*found["notes"], *notes]))}
 
 
-def _kept(recent: RecentResults, session: Session, state: State, make: Make) -> dict[str, Any]:
+def _kept(session: Session, state: State, what: str, make: Make) -> dict[str, Any]:
     """Answer that depends on the configuration and the values of a state alone, kept by the session."""
-    key = (tuple(state.choice.items()), tuple(state.values.items()))
+    key = (what, tuple(state.choice.items()), tuple(state.values.items()))
 
     def answer() -> dict[str, Any]:
         try:
@@ -69,7 +68,7 @@ def _kept(recent: RecentResults, session: Session, state: State, make: Make) -> 
         except TorsionnetError as error:
             return {"refused": fault_texts(error)}
 
-    return recent.once(dict, key, answer, _size)
+    return session.pictures.once(dict, key, answer, _size)
 
 
 def _size(found: dict[str, Any]) -> int:

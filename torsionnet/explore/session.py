@@ -79,9 +79,7 @@ class Session:
     point: Mapping[str, Any] = field(default_factory=dict)
     """Operating point in place of that of the file."""
     pictures: RecentResults = field(default_factory=RecentResults, repr=False)
-    """Recent schematics, each of which many states share; apart from motions, as both are made at the same time."""
-    motions: RecentResults = field(default_factory=RecentResults, repr=False)
-    """Recent motions of modes, each of which many states share."""
+    """Recent schematics and motions of modes, which many states share."""
     _chosen: dict[str, Drivetrain] = field(default_factory=dict, repr=False)
 
     def model_in(self, choice: Mapping[str, str]) -> Drivetrain:
