@@ -77,7 +77,7 @@ def inserted_element(
     new = {**(data or {}), "elements": _put_in(known, name, dict(entries), after)}
     if isinstance(elements, dict) or (data and "elements" in data):
         edit = written.insertion(("elements",), name, dict(entries), after)
-    elif data and written.is_flow(written.node(())):
+    elif data is not None and written.is_flow(written.node(())):
         edit = written.insertion((), "elements", {name: dict(entries)})
     else:
         edit = _new_section(written, name, entries)
@@ -126,6 +126,8 @@ def _written(text: str, file: str) -> WrittenText:
 
 def _new_section(written: WrittenText, name: str, entries: Mapping[str, Json]) -> TextEdit:
     """Edit that adds the section of elements with its first element at the end of a text."""
+    if written.is_json:
+        return TextEdit(TextSpan(0, len(written.text)), written.written({"elements": {name: dict(entries)}}))
     start = "" if not written.text or written.text.endswith(("\n", "\r")) else written.line_break
     lines = ("elements:", f"{STEP}{written.entry_text(name, dict(entries))}", "")
     place = len(written.text)
