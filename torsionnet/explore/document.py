@@ -1,4 +1,4 @@
-"""One text of the explore page, in one tab of the browser, with its faults and its last sound session."""
+"""Text in one tab of the explore page, with its faults and its last sound session."""
 
 from __future__ import annotations
 

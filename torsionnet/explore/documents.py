@@ -1,4 +1,4 @@
-"""All texts of one explore page, one for each tab of the browser, with the drafts of closed tabs and the model file."""
+"""Texts of the tabs of an explore page, with the drafts of closed tabs and the model file."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ RETRY_SECONDS = 2
 
 @dataclass(frozen=True)
 class TextSource:
-    """Where the text of the page comes from at its start.
+    """Text that the page begins with, and the file that it comes from.
 
     Attributes
     ----------

@@ -10,7 +10,7 @@ Result = TypeVar("Result")
 
 
 class NewestTurn(Generic[Result]):
-    """One calculation at a time; of several of a kind that wait, only the newest has its turn.
+    """Queue of calculations that run one at a time; of several of a kind that wait, only the newest has its turn.
 
     Kinds keep their places in the queue when a newer request of theirs comes, so that none starves.
 

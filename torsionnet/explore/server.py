@@ -15,9 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.core.errors import UsageError
-from torsionnet.explore import connections
 from torsionnet.explore.api import PATHS, largest_request, reply
-from torsionnet.explore.connections import ANSWER, BODY, IDLE, Incoming, Places, pass_over
+from torsionnet.explore.connections import ANSWER, BODY, IDLE, REQUEST_SECONDS, Incoming, Places, pass_over
 from torsionnet.explore.documents import Documents
 from torsionnet.explore.guard import HEADERS, HOST, Guard, RefusedError, index_headers
 from torsionnet.explore.request_reading import TooLargeError
@@ -211,7 +210,7 @@ class Handler(BaseHTTPRequestHandler):
         more = {"Content-Type": media_type, "Content-Length": str(len(content))}
         more |= {"Connection": "close"} if self.close_connection else {}
         lines = [f"{name}: {value}" for name, value in (HEADERS | more | headers).items()]
-        self.connection.settimeout(connections.REQUEST_SECONDS)
+        self.connection.settimeout(REQUEST_SECONDS)
         head = "\r\n".join([f"{self.protocol_version} {status.value} {status.phrase}", *lines, "", ""])
         self.wfile.write(head.encode("latin-1") + content)
 

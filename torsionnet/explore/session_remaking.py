@@ -20,7 +20,7 @@ from torsionnet.response import FrequencyResponse
 
 @dataclass(frozen=True)
 class SessionOptions:
-    """What the command line of the page says beside the model.
+    """Options of the command line that began the page, beside the model.
 
     Attributes
     ----------
