@@ -110,7 +110,7 @@ class _Walk:
 
     @staticmethod
     def with_first_mentions(places: list[NamedPlace]) -> tuple[NamedPlace, ...]:
-        """Places in the order of the text, with the first mention of what has no entry of its own, as a node in an element."""
+        """Places in order, with the first mention of what has no entry of its own as its definition."""
         first: dict[Path, NamedPlace] = {}
         for one in places:
             known = first.get(one.home)
