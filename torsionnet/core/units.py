@@ -154,6 +154,8 @@ def _product(names: str) -> _Atom:
 
 
 _ATOMS |= {name: _product(names) for name, names in _JOINED.items()}
+KNOWN_UNITS = tuple(_ATOMS)
+"""Names of all units that stand alone, with their prefixes, in the order of the table."""
 _SUGGESTED = tuple(name for name in _ATOMS if name != "K")
 """Units suggested for a misread one, without K: a lone letter is rather a cut unit than a temperature."""
 _SQUARED = "|".join(sorted((name[:-2] for name in _JOINED if name.endswith("^2")), key=len, reverse=True))
@@ -472,15 +474,6 @@ def expected_unit(dimension_name: str) -> str:
     if dimension_name not in _EXPECTED:
         raise UnitError(f'no dimension is named "{dimension_name}"{did_you_mean(dimension_name, _EXPECTED)}')
     return _EXPECTED[dimension_name]
-
-
-def known_units() -> tuple[str, ...]:
-    """Names of all units that stand alone, with their prefixes, in the order of the table.
-
-    >>> "kN" in known_units(), "rpm" in known_units()
-    (True, True)
-    """
-    return tuple(_ATOMS)
 
 
 def convert(value: float, unit: str, to: str) -> float:

@@ -32,11 +32,24 @@ class ModelNames:
 
     @cached_property
     def own(self) -> Mapping[str, Any]:
-        """Data of the model, or of the part in it, whose names count."""
+        """Data of the model, or of the part in it, whose names count; of a bench file those of its model too."""
         found: Any = self.data
+        if isinstance(found.get("model"), str) and "elements" not in found:
+            return {**self._model_of_bench(str(found["model"])), **found}
         for step in self.scope:
             found = found.get(step) if isinstance(found, Mapping) else None
         return found if isinstance(found, Mapping) else {}
+
+    def _model_of_bench(self, name: str) -> Mapping[str, Any]:
+        from torsionnet.model.files.library import library_models
+
+        if name in library_models():
+            return _read(library_models()[name])
+        with files_beside(self.folder):
+            try:
+                return _read(nearby_file(name))
+            except EntryError:
+                return {}
 
     def table(self, section: str) -> Mapping[str, Any]:
         """Entries of a section by name; empty where there is none."""
@@ -131,6 +144,8 @@ class ModelNames:
     def _of_kind(self, kind: str) -> Iterable[str]:
         if kind == "node":
             return self.nodes
+        if kind == "channel":
+            return tuple(map(str, _table(self.own.get("bench"), "channels")))
         return self.configurations if kind == "configuration" else self.names(f"{kind}s")
 
 
@@ -148,7 +163,7 @@ def _kinds(spec: Spec[Any] | None) -> tuple[str, ...]:
         ((MachineName,), ("element", "excitation")),
         ((ElementName,), ("element",)),
         ((ChannelName,), ("sensor", "input", "node")),
-        ((RecordedName,), ("sensor", "input")),
+        ((RecordedName,), ("sensor", "input", "channel")),
         ((ExcitationName,), ("excitation",)),
         ((ConfigurationName,), ("configuration",)),
     )

@@ -13,9 +13,12 @@ from torsionnet.core.entries.scalars import AnyQuantity, PhysicalQuantity
 from torsionnet.core.entries.spec import Spec
 from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import Path
+from torsionnet.model.configurations import AlternativeEntry
 from torsionnet.model.element_base.damping_entries import DampingQuantity, LossFactor
 from torsionnet.model.element_base.nodes import NodeName, NodePair
 from torsionnet.model.parameters import BoundsEntry
+from torsionnet.text.mentions import Scope
+from torsionnet.text.name_homes import changed_section
 
 
 @dataclass(frozen=True)
@@ -61,9 +64,19 @@ def entry_place(data: Any, path: Path) -> EntryPlace:
     raw = data
     for step in path:
         around = (*around, raw)
-        spec = None if spec is None else inner_spec(spec, raw, step)
+        if isinstance(spec, AlternativeEntry) and "." in str(step):
+            spec = _changed_spec(data, path, str(step))
+        else:
+            spec = None if spec is None else inner_spec(spec, raw, step)
         raw = _inner_data(raw, step)
     return EntryPlace(spec, raw, around, path)
+
+
+def _changed_spec(data: Any, path: Path, key: str) -> Spec[Any] | None:
+    """Specification of an entry that an alternative changes, as ``box.engaged``."""
+    inner = _inner_data(_inner_data(data, "parts"), path[1]) if path[:1] == ("parts",) else data
+    changed = changed_section(key, Scope((), inner if isinstance(inner, Mapping) else {}))
+    return changed.spec if changed else None
 
 
 def _inner_data(raw: Any, step: str | int) -> Any:

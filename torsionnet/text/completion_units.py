@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import lru_cache
 
-from torsionnet.core.units import CELSIUS, DIMENSIONS, UnitError, expected_unit, known_units, parse_unit
+from torsionnet.core.units import CELSIUS, DIMENSIONS, KNOWN_UNITS, UnitError, expected_unit, parse_unit
 
 _MULTIPLES = {
     "N": ("kN", "MN"), "Pa": ("MPa", "GPa", "bar"), "W": ("kW", "MW"), "m": ("mm",), "s": ("ms",),
@@ -31,10 +31,10 @@ def units_of(dimension: str) -> tuple[str, ...]:
     first = expected_unit(dimension)
     found = [first, *([CELSIUS] if dimension == "temperature" else [])]
     # A moment without rad could be a torque that was meant to be a stiffness.
-    atoms = [] if "/rad" in first else [one for one in known_units() if one not in _SHARES and _fits(one, dimension)]
+    atoms = [] if "/rad" in first else [one for one in KNOWN_UNITS if one not in _SHARES and _fits(one, dimension)]
     variants = [unit for unit in _variants(first) if _fits(unit, dimension)]
     found += [*atoms, *variants] if dimension in ("speed", "frequency") else [*variants, *atoms]
-    found += [unit for name in known_units() for unit in _joined(name, first) if _fits(unit, dimension)]
+    found += [unit for name in KNOWN_UNITS for unit in _joined(name, first) if _fits(unit, dimension)]
     return tuple(dict.fromkeys(found))
 
 

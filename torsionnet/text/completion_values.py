@@ -11,19 +11,21 @@ from torsionnet.core.entries.composite import Listed, Nested, PairOf, Typed
 from torsionnet.core.entries.named_files import files_beside, nearby_file
 from torsionnet.core.entries.scalars import AnyQuantity, QuantityKind
 from torsionnet.core.entries.spec import EntryError, Spec
-from torsionnet.core.entries.words import Text
+from torsionnet.core.entries.words import MODEL_NAME, Text
 from torsionnet.core.errors import TorsionnetError
 from torsionnet.core.units import DIMENSIONS, Dimension, UnitError, parse_quantity
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, CatalogueEntry, SizeName
 from torsionnet.model.channels import ELEMENT_QUANTITIES, ChannelName
 from torsionnet.model.element_base.element import ELEMENT_TYPES
 from torsionnet.model.element_base.nodes import NodePair
+from torsionnet.model.element_base.quantity_table import TableByName
+from torsionnet.model.files.library import library_models
 from torsionnet.model.parts.use import OneOrEach
 from torsionnet.model.report.report_pair import PairEntry
 from torsionnet.model.report.report_plan import SectionName
 from torsionnet.text.completion_keys import kind_of, typed_options
 from torsionnet.text.completion_option import CompletionOption, Writing, summary
-from torsionnet.text.completion_places import KindWord
+from torsionnet.text.completion_places import KindWord, entry_place
 from torsionnet.text.completion_units import units_of, usual_units
 
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s+(?=\D|$)")
@@ -55,6 +57,7 @@ def value_options(writing: Writing, spec: Spec[Any] | None) -> Iterator[Completi
         yield from _list(writing, spec)
     else:
         yield from _words(spec, writing.folder)
+        yield from _rows_by_name(writing, spec)
         yield from _names(writing, spec)
         yield from _quantities(writing, spec)
 
@@ -76,14 +79,33 @@ def _words(spec: Spec[Any], folder: FolderPath | None) -> Iterator[CompletionOpt
 
         yield from (CompletionOption(name, "word", name, "section") for name in SECTIONS)
         return
-    if isinstance(spec, Text) and spec.what == "the name of a file":
-        yield from (CompletionOption(name, "word", name, spec.what) for name in _files(folder, "*.yaml"))
+    if isinstance(spec, Text) and spec.what in ("the name of a file", MODEL_NAME):
+        library = library_models() if spec.what == MODEL_NAME else ()
+        names = [*_files(folder, "*.yaml"), *library]
+        yield from (CompletionOption(name, "word", name, spec.what) for name in names)
     schema: Any = spec.schema()
     for one in (schema, *schema.get("anyOf", ())):
         if one.get("type") == "boolean":
             yield from (CompletionOption(name, "word", name) for name in ("true", "false"))
         for value in (*one.get("enum", ()), *([one["const"]] if "const" in one else [])):
             yield CompletionOption(str(value), "word", str(value), "", spec.description)
+
+
+def _rows_by_name(writing: Writing, spec: Spec[Any]) -> Iterator[CompletionOption]:
+    """Names of the rows of the element's tables by name, as those of the gears for the one that is engaged."""
+    if not isinstance(spec, Text) or spec.what != "the name of a gear":
+        return
+    owner = str(writing.place.path[-1]).rpartition(".")[0]
+    element: Any = writing.names.table("elements").get(owner) if owner else writing.entries_around()
+    kind = element.get("type") if isinstance(element, Mapping) else None
+    if not isinstance(kind, str) or kind not in ELEMENT_TYPES:
+        return
+    from torsionnet.model.elements.gearbox import NEUTRAL
+
+    specs = dict(ELEMENT_TYPES[kind].specs())
+    tables = [table for key, table in element.items() if isinstance(specs.get(key), TableByName)]
+    rows = [str(name) for table in tables if isinstance(table, Mapping) for name in table]
+    yield from (CompletionOption(name, "word", name, "gear") for name in [*rows, NEUTRAL])
 
 
 def _names(writing: Writing, spec: Spec[Any]) -> Iterator[CompletionOption]:
@@ -93,26 +115,29 @@ def _names(writing: Writing, spec: Spec[Any]) -> Iterator[CompletionOption]:
         for name in writing.names.names("elements"):
             yield CompletionOption(name, "sensor", f"{name})", f"{call[1]} of an element", "", call.end())
         return
+    after = _after_in_pair(writing)
     for kind, name in writing.names.for_spec(spec):
-        insert = name
-        if writing.context.is_list_item and writing.place.around and _is_in_pair(writing):
-            first = writing.place.path[-1] == 0
-            following = writing.after.lstrip()[:1]
-            insert = f"{name}, " if first and following not in (",", "]") else name
-            insert = f"{name}]" if not first and following != "]" else insert
-        yield CompletionOption(name, kind, insert, kind)
+        yield CompletionOption(name, kind, f"{name}{after}", kind)
 
 
-def _is_in_pair(writing: Writing) -> bool:
-    from torsionnet.text.completion_places import entry_place
-
+def _after_in_pair(writing: Writing) -> str:
+    """Comma or bracket that is still missing after one of two values ``[a, b]``."""
+    if not (writing.context.is_list_item and writing.is_flow):
+        return ""
     around = entry_place(writing.names.data, writing.place.path[:-1]).spec
-    return writing.is_flow and isinstance(around, NodePair | PairOf)
+    following = writing.after.lstrip()[:1]
+    if not isinstance(around, NodePair | PairOf) or following == "]":
+        return ""
+    if writing.place.path[-1] == 0:
+        return "" if following == "," else ", "
+    return "]"
 
 
 def _list(writing: Writing, spec: Spec[Any]) -> Iterator[CompletionOption]:
     """Options for the first of several values, with the bracket that begins their list."""
     if writing.word:
+        if not isinstance(spec, NodePair):
+            yield from _words(spec, writing.folder)
         return
     is_pair = isinstance(spec, NodePair | PairOf)
     inner = spec if isinstance(spec, NodePair) else getattr(spec, "of", None)
