@@ -172,6 +172,7 @@ MENDED = {  # what is wrong in BASE, the title of the first fix; the fix gives B
     "product": ("stiffness: k", "stiffness: 2 k", "write 2*k", "stiffness: 2*k"),
     "unused": ("  k: 1", "  c: 3\n  k: 1", 'delete "c"', ""),
     "misspelt definition": ("torque: motor", "torque: motr", 'write "motor"', ""),
+    "line break": ("chain\nparameters:", "chain parameters:", "begin parameters on a line of its own", ""),
     "character": ("chain", "ch\x01ain", "delete this character", ""),
 }  # fmt: skip
 

@@ -217,6 +217,14 @@ def _opening(here: _Break) -> Iterator[TextFix]:
         yield here.inserted(f"insert {_PAIRS[close]}", here.start + found.end(), _PAIRS[close])
 
 
+def _joined(here: _Break) -> Iterator[TextFix]:
+    """A line break before a section of a model that begins in the middle of a line."""
+    sections = "|".join(("torsionnet", *dict(Definition.specs())))
+    for found in re.finditer(rf"(?<=[^\s{{,])[ \t]*(?=({sections}):)", here.line):
+        start = here.start + found.start()
+        yield here.replaced(f"begin {found[1]} on a line of its own", start, here.start + found.end(), "\n")
+
+
 def _behind(here: _Break) -> Iterator[TextFix]:
     """What stands behind a value in brackets, deleted."""
     found = re.search(r"(?<=[}\]])[^}\]\s,#]+$", here.text[here.start : here.content_end])
@@ -251,6 +259,7 @@ _RULES = (
     ("a quote is opened", _quote),
     (r"missing; it began|is not closed|closing \"[}\]]\"", _bracket),
     ("with a colon and a blank after the name", _colon),
+    ('a ":" is not expected|fit the indentation', _joined),
     ('a ":" is not expected|fit the indentation', _opening),
     ('a ":" is not expected|cannot begin with|fit the indentation', _behind),
     ('a ":" is missing|a ":" is not expected|does not fit the indentation', _missing_colon),
