@@ -90,6 +90,15 @@ def test_an_entry_before_its_colon_gets_no_second_one() -> None:
     )
 
 
+def test_the_rest_of_a_word_behind_the_cursor_is_replaced() -> None:
+    text = "elements: {m: {type: spr|ung, nodes: [a, b]}}"
+    assert completed(text, "spring") == "elements: {m: {type: spring, nodes: [a, b]}}"
+    text = "elements:\n  m:\n    type: spring\n    stif|nes: 3"
+    assert completed(text, "stiffness") == "elements:\n  m:\n    type: spring\n    stiffness: 3"
+    text = "elements: {m: {type: inertia, inertia: 3 k|g*m, node: a}}"
+    assert completed(text, "kg*m^2") == "elements: {m: {type: inertia, inertia: 3 kg*m^2, node: a}}"
+
+
 def test_nodes_of_the_model_are_offered_and_lists_closed() -> None:
     start = HEAD + "  shaft: {type: spring, nodes: "
     assert completed(start + "|", "a") == start + "[a, "
@@ -288,7 +297,7 @@ def test_all_keys_are_offered_where_they_stand_in_the_library() -> None:
 def try_offset(text: str, at: int) -> None:
     for cut in (text[:at], text):
         for option in completions(cut, at):
-            assert 0 <= option.span.start <= option.span.end == at
+            assert 0 <= option.span.start <= at <= option.span.end <= len(cut)
             assert option.label
             assert option.insert
 

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path as FolderPath
+from typing import TYPE_CHECKING
 
 from torsionnet.core.entries.format_version import FORMAT_VERSION, KEY
 from torsionnet.text.cursor_context import CursorContext, cursor_context
 from torsionnet.text.text_edits import TextSpan
 from torsionnet.text.tolerant_reading import tolerant_data
+
+if TYPE_CHECKING:
+    from torsionnet.text.completion_option import CompletionOption
 
 MOST_OPTIONS = 1000
 """Largest number of options of one completion, as nobody looks through more."""
@@ -37,6 +42,8 @@ class Completion:
     span: TextSpan
 
 
+_REST = re.compile(r"[\w.]*(?:[*/^][\w.*/^]*)?")
+"""Rest of a word behind the cursor, which an option replaces too."""
 _KINDS = {"element": "word", "excitation": "word", "input": "sensor"}
 """Kind that a completion shows for things that have none of their own there."""
 
@@ -72,40 +79,39 @@ def completions(text: str, offset: int, file: str = "", folder: FolderPath | Non
 def _fitting(text: str, offset: int, context: CursorContext, folder: FolderPath | None) -> Iterator[Completion]:
     from torsionnet.text.completion_keys import key_options
     from torsionnet.text.completion_names import ModelNames
-    from torsionnet.text.completion_option import CompletionOption, Writing
+    from torsionnet.text.completion_option import Writing
     from torsionnet.text.completion_places import entry_place, holds_entries
     from torsionnet.text.completion_values import value_options
 
     word = text[context.word.start : offset]
+    rest = _REST.match(text, offset) if word.strip() else None
+    end = rest.end() if rest else offset
     # The word begun is no name yet: it would be offered as the name of a node.
-    data = tolerant_data(text[: context.word.start] + text[offset:])
+    data = tolerant_data(text[: context.word.start] + text[end:])
     path = context.path
     scope = path[:2] if path[:1] == ("parts",) and len(path) > 2 else ()
     names = ModelNames(data if isinstance(data, dict) else {}, scope, folder)
-    writing = Writing(text, offset, context, entry_place(data, path), names, folder)
+    writing = Writing(text, offset, end, context, entry_place(data, path), names, folder)
     options: Iterable[CompletionOption] = key_options(writing) if context.is_key else ()
     is_list_below = context.is_key and not context.is_flow and bool(path) and not holds_entries(writing.place.spec)
     if not context.is_key or is_list_below:
         options = [*options, *value_options(writing, writing.place.spec)]
         if context.is_list_item and not word and not context.is_key:
             options += key_options(writing) if not context.is_flow else ()
-    yield from _sorted(options, word, context)
+    yield from _sorted(options, word, context, end)
 
 
-def _sorted(options: Iterable[object], word: str, context: CursorContext) -> Iterator[Completion]:
+def _sorted(options: Iterable[CompletionOption], word: str, context: CursorContext, end: int) -> Iterator[Completion]:
     """Completions that begin with the word, then those that hold it, without repetition."""
-    from torsionnet.text.completion_option import CompletionOption
-
     seen: set[tuple[str, str]] = set()
     later: list[Completion] = []
     for option in options:
-        assert isinstance(option, CompletionOption)
         begun = word[option.begin :].casefold()
         if option.begin > len(word) or begun not in option.label.casefold() or option[:2] in seen:
             continue
         seen.add(option[:2])
         insert = f" {option.insert}" if context.needs_blank and option.insert[:1] != "\n" else option.insert
-        span = TextSpan(context.word.start + option.begin, context.word.end)
+        span = TextSpan(context.word.start + option.begin, end)
         kind = _KINDS.get(option.kind, option.kind)
         found = Completion(option.label, kind, option.detail, option.documentation, insert, span)
         if option.label.casefold().startswith(begun):

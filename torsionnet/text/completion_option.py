@@ -29,10 +29,14 @@ class CompletionOption(NamedTuple):
 
 @dataclass(frozen=True)
 class Writing:
-    """Text that is being written: its data without the word begun, where the cursor is, and which names there are."""
+    """Text that is being written: its data without the word begun, where the cursor is, and which names there are.
+
+    The word goes on behind the cursor up to ``end``.
+    """
 
     text: str
     offset: int
+    end: int
     context: CursorContext
     place: EntryPlace
     names: ModelNames
@@ -45,9 +49,9 @@ class Writing:
 
     @cached_property
     def after(self) -> str:
-        """Rest of the line behind the cursor."""
-        end = self.text.find("\n", self.offset)
-        return self.text[self.offset : end if end >= 0 else None]
+        """Rest of the line behind the word at the cursor."""
+        end = self.text.find("\n", self.end)
+        return self.text[self.end : end if end >= 0 else None]
 
     @property
     def is_flow(self) -> bool:
