@@ -72,7 +72,7 @@ def _child_at(
     for key, child in node.entries.items():
         span = names.stretches.span(child.place)
         if span.start <= offset <= span.end:
-            return key, child, (names.stretches.whole(child.place) if not child.entries else span), False
+            return key, child, span, False
     return None
 
 

@@ -56,6 +56,8 @@ class KnownValues:
             found = DIMENSIONS[dimension] if dimension else value.dimension(self.dimensions)
         except (TorsionnetError, ArithmeticError, TypeError):
             return ""
+        if not dimension and found == DIMENSIONS["torque"] and _is_per_angle(value):
+            dimension = "stiffness"
         unit = expected_unit(dimension) if dimension else "" if found is None else str(found)
         return f"{screen_text(number)} {unit}".strip() if unit != "1" else screen_text(number)
 
@@ -72,3 +74,8 @@ class KnownValues:
             shown = (f"{code(name)} = {self.in_si(self.parameters[name].value) or '?'}" for name in known)
             text += f"\n\nwith {', '.join(shown)}"
         return text
+
+
+def _is_per_angle(value: Expression) -> bool:
+    """Whether a value is written per angle, which counts as 1 in dimensions."""
+    return isinstance(value, Number) and re.search("rad|deg", value.unit_written) is not None
