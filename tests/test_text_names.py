@@ -5,12 +5,14 @@ from functools import cache
 
 import pytest
 
+from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.files.library import library_models
 from torsionnet.model.files.reader import read_text
-from torsionnet.text.name_change import rename
+from torsionnet.text.name_change import renamable, rename
+from torsionnet.text.name_definition import definition, references
 from torsionnet.text.named_places import named_places
-from torsionnet.text.text_edits import edited
+from torsionnet.text.text_edits import TextSpan, edited
 
 FRESH = "zz_fresh"
 PLANT = """\
@@ -217,3 +219,107 @@ def test_renaming_leaves_the_natural_frequencies(name):
         after, _ = read_text(edited(text, rename(text, one.span.start, FRESH)), "")
         found = Drivetrain.from_definition(after).modes().undamped_natural_frequencies
         assert found == pytest.approx(expected, rel=1e-9, abs=1e-9)
+
+
+NODE, PARAMETER, ELEMENT = "  a: {type: inertia, node: ", "parameters:\n  ", "\nelements:\n  "
+
+
+@pytest.mark.parametrize(
+    ("before", "new", "message"),
+    [
+        (NODE, "b", '"b" is a node of this model already; choose another name'),
+        (NODE, "2b", '"2b" is not a valid name'),
+        (NODE, "ground", '"ground" is the node that never moves'),
+        (NODE, "left.x", "has a dot"),
+        (NODE, "true", "something else would be meant"),
+        (NODE, "phi", "something else would be meant"),  # in the report a sensor
+        (PARAMETER, "k", '"k" is a parameter of this model already'),
+        (PARAMETER, "pi", '"pi" is reserved: it stands for the number 3.14159'),
+        (PARAMETER, "lambda", "a word of the Python language"),
+        (PARAMETER, "rpm", '"rpm" is a unit'),
+        (ELEMENT, "left", '"left" is a part used in this model already'),
+        ("\ninp", "x", "nothing that has a name stands here"),
+        ("description: the", "x", "nothing that has a name stands here"),
+        ("heat: {", "so so", "no spaces, commas, ="),
+    ],
+)
+def test_refusals_name_their_reason(before, new, message):
+    with pytest.raises(UsageError, match=re.escape(message)):
+        rename(PLANT, PLANT.index(before) + len(before), new)
+
+
+def test_the_same_name_changes_nothing():
+    assert rename(PLANT, PLANT.index("node: a") + 6, "a") == []
+
+
+def test_a_name_that_is_defined_elsewhere_cannot_be_renamed():
+    text = "elements: {disc: {type: inertia, node: a, inertia: J}}\n"
+    with pytest.raises(UsageError, match='"J" is not defined in this text'):
+        rename(text, text.index("J}"), "K")
+    assert renamable(text, text.index("J}")) is None
+    node = text.index("node: a") + 6
+    assert renamable(text, node) == TextSpan(node, node + 1)
+
+
+def test_renaming_in_a_text_with_faults_elsewhere():
+    text = PLANT.replace("stiffness: k/tau^2", "stiffness: k/tau^^2").replace("bench:", "bench: {[")
+    new = edited(text, rename(text, text.index("node: d") + 6, "nose"))
+    assert "damper: {type: tuned_damper, node: nose," in new
+    assert 'nodes: [c, "nose"]' in new
+    assert "at: nose, referred_to: a" in new
+
+
+def test_a_name_in_an_anchor_is_renamed_once():
+    text = (
+        "elements:\n  disc: {type: inertia, node: &n hub, inertia: 2}\n  more: {type: inertia, node: *n, inertia: 3}\n"
+    )
+    new = edited(text, rename(text, text.index("hub"), "rim"))
+    assert new == text.replace("hub", "rim")
+
+
+def test_a_name_spelled_with_escapes_is_not_renamed():
+    text = 'elements:\n  a: {type: inertia, node: hub, inertia: 2}\n  b: {type: inertia, node: "h\\x75b", inertia: 3}\n'
+    with pytest.raises(UsageError, match="spelled with escapes"):
+        rename(text, text.index("hub"), "rim")
+
+
+def test_a_place_on_an_element_is_its_port_before_it_is_a_node():
+    text = """\
+torsionnet: 1
+name: gears
+elements:
+  first: {type: inertia, node: first, inertia: 2 kg*m^2}
+  wheel: {type: gear, nodes: [first, out], ratio: 2}
+  load: {type: inertia, node: out, inertia: 2 kg*m^2}
+sensors: {T: {torque: wheel, at: first}, T_out: {torque: wheel, at: out}}
+"""
+    new = edited(text, rename(text, text.index("node: first") + 6, "nose"))
+    assert "{torque: wheel, at: first}" in new
+    new = edited(text, rename(text, text.index("node: out") + 6, "end"))
+    assert "{torque: wheel, at: end}" in new
+
+
+def test_parts_of_the_library_are_used_by_their_names():
+    text = library_texts()["front_wheel_drive_car"]
+    kinds = {one.kind for one in named_places(text)}
+    assert "use" in kinds or "part" in kinds
+
+
+def test_definitions_and_references_of_parts():
+    def at(marker, shift=0):
+        found = definition(PLANT, PLANT.index(marker) + shift)
+        return None if found is None else PLANT[: found.end].splitlines()[-1]
+
+    assert at("left.spring", 6).strip() == "spring"
+    assert at("left.spring", 1).strip() == "left"
+    assert at("part: stage", 7).strip() == "stage"
+    assert at("left.k", 5) == "    parameters: {k"
+    assert at("hot,clutch", 1).endswith("cold: {}, hot")
+    assert at("drive: T_a", 8).strip() == "T_a"
+    assert len(references(PLANT, PLANT.index("part: stage") + 7)) == 3
+
+
+def test_every_place_holds_its_name():
+    for text in library_texts().values():
+        for one in named_places(text):
+            assert text[one.span.start : one.span.end] == one.name

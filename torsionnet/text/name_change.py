@@ -107,6 +107,8 @@ def _taken(found: NamedPlace, new: str, places: Iterable[NamedPlace]) -> str:
     depth = len(found.home) - (1 if found.kind == "configuration" else 2)
     for one in places:
         if one.name == new and one.kind in kinds and one.home[:depth] == found.home[:depth]:
+            if one.kind == "use":
+                return f'"{new}" is a part used in this model already; choose another name'
             article = "an" if one.kind[0] in "aeiou" else "a"
             return f'"{new}" is {article} {one.kind} of this model already; choose another name'
     return ""

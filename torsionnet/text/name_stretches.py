@@ -41,6 +41,11 @@ class Stretches:
             return TextSpan(start + 1, span.end - 1)
         return TextSpan(start, span.end)
 
+    def is_alias(self, place: Place) -> bool:
+        """Whether a value stands for one that is written elsewhere, as ``*n``."""
+        start = self.span(place).start
+        return self.lines.text[start : start + 1] == "*"
+
     def located(self, places: Iterable[Place], names: Sequence[str]) -> list[TextSpan | None]:
         """Stretch of each name among the words at some places, None of one that is not written there.
 
@@ -63,7 +68,7 @@ class Stretches:
     def _words(self, place: Place) -> Iterator[tuple[str, TextSpan]]:
         span = self.whole(place)
         text = self.lines.text
-        if text[span.start : span.start + 1] == "*":  # stands for what is written elsewhere
+        if self.is_alias(place):
             return
         for word in _WORD.finditer(text, span.start, span.end):
             if text[word.end() : word.end() + 1] != "(":  # a function or quantity

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FolderPath
 from typing import Any
@@ -159,7 +159,7 @@ class _Walk:
     def entry(self, spec: Spec[Any], node: LocatedNode, path: Path, scope: Scope) -> None:
         """Names in an entry, which its specification says, and those in the entries within it."""
         raw = node.value
-        if raw is None or isinstance(raw, bool | int | float):
+        if raw is None or isinstance(raw, bool | int | float) or self.stretches.is_alias(node.place):
             return
         keys, inner = spec.key_names(raw), spec.entry_specs(raw)
         if not inner and not keys:
@@ -180,12 +180,13 @@ class _Walk:
         found = changed_section(str(key), scope) if "." in str(key) else None
         return found and found.spec
 
-    def mentioned(self, mentions: list[Mention], places: Iterable[Place], path: Path, scope: Scope) -> None:
+    def mentioned(self, mentions: list[Mention], places: Sequence[Place], path: Path, scope: Scope) -> None:
         spans = self.stretches.located(places, [one.name for one in mentions]) if mentions else []
         for mention, span in zip(mentions, spans, strict=True):
             for one in homes(mention, scope, self.root):
                 if span is None:
-                    self.unplaced.add(one.home)
+                    is_elsewhere = any(map(self.stretches.is_alias, places))
+                    self.unplaced.update(() if is_elsewhere else (one.home,))
                     continue
                 own = TextSpan(span.start + one.start, span.start + one.start + len(one.name))
                 self.found.setdefault(own, NamedPlace(one.name, one.kind, own, False, path, one.home))
