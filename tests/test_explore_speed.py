@@ -10,7 +10,7 @@ from library_cases import library_cases
 
 import torsionnet as tn
 from torsionnet.cli import main
-from torsionnet.explore import open_session
+from torsionnet.explore import Documents, open_session
 from torsionnet.explore.answers import answer
 from torsionnet.explore.api import reply
 from torsionnet.explore.over_speed import MOST_ORDERS, ROUGH_SPEEDS
@@ -137,7 +137,7 @@ class TestRefusals:
     )
     def test_what_is_no_state(self, session, body, said):
         with pytest.raises(RequestError) as caught:
-            reply(session, "api/answer", json.dumps(body).encode())
+            reply(Documents.of(session), "api/answer", json.dumps(body).encode())
         assert said in str(caught.value)
 
     def test_a_state_comes_back_as_it_went(self):

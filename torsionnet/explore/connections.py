@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import select
 import socket
 import time
 from io import RawIOBase
@@ -33,6 +32,9 @@ class Place:
 
     def __init__(self, connection: socket.socket) -> None:
         self.connection = connection
+        # Looking never waits, also where the thread of the connection takes the bytes in the same moment.
+        self._look = connection.dup()
+        self._look.setblocking(False)
         self.enter(IDLE)
 
     def enter(self, stage: int) -> None:
@@ -43,19 +45,23 @@ class Place:
     def has_request(self) -> bool:
         """Whether the whole header of a request is there to be read."""
         try:
-            ready, _, _ = select.select([self.connection], [], [], 0)
-            return bool(ready) and END_OF_HEADER in self.connection.recv(1 << 16, socket.MSG_PEEK)
-        except (OSError, ValueError):
+            return END_OF_HEADER in self._look.recv(1 << 16, socket.MSG_PEEK)
+        except OSError:
             return False
 
     @property
     def is_closed(self) -> bool:
         """Whether the other side has closed the connection."""
         try:
-            ready, _, _ = select.select([self.connection], [], [], 0)
-            return bool(ready) and not self.connection.recv(1, socket.MSG_PEEK)
-        except (OSError, ValueError):
+            return not self._look.recv(1, socket.MSG_PEEK)
+        except BlockingIOError:
+            return False
+        except OSError:
             return True
+
+    def leave(self) -> None:
+        """Give the place up."""
+        self._look.close()
 
 
 class Places:
@@ -80,12 +86,17 @@ class Places:
     def leave(self, connection: socket.socket) -> None:
         """Free the place of a connection that has ended."""
         with self._lock:
-            self._places.pop(connection, None)
+            place = self._places.pop(connection, None)
+        if place is not None:
+            place.leave()
 
     def of(self, connection: socket.socket) -> Place:
-        """Place of a connection; one of its own where it has just been sent away."""
+        """Place of a connection; ConnectionError where it has just been sent away."""
         with self._lock:
-            return self._places.get(connection) or Place(connection)
+            place = self._places.get(connection)
+        if place is None:
+            raise ConnectionResetError
+        return place
 
     def _one_left(self) -> bool:
         """Send the least busy connection away; False where all are being answered."""
@@ -96,6 +107,7 @@ class Places:
         del self._places[gone.connection]
         with contextlib.suppress(OSError):
             gone.connection.shutdown(socket.SHUT_RDWR)
+        gone.leave()
         return True
 
 

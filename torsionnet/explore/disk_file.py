@@ -20,6 +20,8 @@ from torsionnet.model.files.decoding import MOST_BYTES, decode
 
 LOOK_SECONDS = 0.2
 """Seconds between two looks at the file on disk while a page waits for changes of it."""
+SETTLING_SECONDS = 0.03
+"""Seconds for which a changed file has to stay the same before the page is told: some editors write in pieces."""
 MOST_DIFFERENT_LINES = 4000
 """Largest number of lines of two texts together whose difference is shown; a longer one would take seconds."""
 GONE = "gone"
@@ -93,7 +95,9 @@ class DiskFile:
         while not ended():
             found = self.version()
             if found.name not in (disk, GONE):
-                return found
+                time.sleep(SETTLING_SECONDS)
+                if self.version().name == found.name:
+                    return found
             left = until - time.monotonic()
             if left <= 0:
                 break

@@ -119,8 +119,8 @@ class Handler(BaseHTTPRequestHandler):
 
     def setup(self) -> None:
         """Read requests with a time limit for the whole of each, not for every few bytes of it."""
+        self._place = self.server.places.of(self.request)
         super().setup()
-        self._place = self.server.places.of(self.connection)
         self.rfile.close()
         self.rfile = BufferedReader(Incoming(self._place))
 

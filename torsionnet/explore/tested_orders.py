@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,9 +12,10 @@ from torsionnet.core.errors import UsageError
 from torsionnet.core.units import RPM
 from torsionnet.explore.page_numbers import json_numbers
 from torsionnet.response.frequency_response import Channel
-from torsionnet.response.measured.order_agreement import NO_INTERVAL
-from torsionnet.response.order_comparison import MeasuredOrder, compared_orders
 from torsionnet.response.order_response import OrderResponse
+
+if TYPE_CHECKING:
+    from torsionnet.response.order_comparison import MeasuredOrder
 
 MOST_DOTS = 1000
 """Largest number of measured speeds drawn of an order; a screen has about as many columns of pixels."""
@@ -37,8 +38,15 @@ def tested_orders(run: OrderResponse, measured: Sequence[MeasuredOrder], most: i
 
     Those of largest measured amplitude, at most ``most``; empty where none of them is calculated.
     """
+    if not measured:
+        return []
+    from torsionnet.response.measured.order_agreement import (
+        NO_INTERVAL,
+    )  # loads what a page without a test does without
+    from torsionnet.response.order_comparison import compared_orders
+
     try:
-        pairs = compared_orders(run, None, measured) if measured else ()
+        pairs = compared_orders(run, None, measured)
     except UsageError:
         return []
     largest = sorted(pairs, key=lambda one: -float(one.measured.amplitude.max()))[:most]
