@@ -1,4 +1,4 @@
-"""What the server can do: each message of an editor with the function that answers it."""
+"""Features of the server: each message of an editor with the function that answers it."""
 
 from __future__ import annotations
 

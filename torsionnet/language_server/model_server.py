@@ -1,15 +1,13 @@
-"""Language server of model files on standard input and output."""
+"""Language server of model files: what is open, what was found in it, and work beside the messages."""
 
 from __future__ import annotations
 
 import asyncio
-import logging
-import os
 import traceback
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import BinaryIO, TypeVar
+from typing import TypeVar
 
 from lsprotocol import types
 from pygls.exceptions import JsonRpcException
@@ -190,27 +188,3 @@ def _real_path(uri: str) -> Path | None:
         return Path(path).resolve() if path else None
     except (OSError, RuntimeError, ValueError):
         return None
-
-
-def serve(requests: BinaryIO, answers: BinaryIO) -> int:
-    """Answer an editor until it says that it ends, and return the exit code: 1 where it went away without a word."""
-    from torsionnet.language_server.features import add_features
-    from torsionnet.language_server.guarded_input import GuardedInput
-
-    if not os.environ.get("TORSIONNET_DEBUG"):
-        logging.getLogger("pygls").setLevel(logging.CRITICAL)  # what matters goes to the log of the editor
-    server = ModelServer()
-    add_features(server)
-    try:
-        server.start_io(GuardedInput(requests), answers)  # type: ignore[arg-type]
-    finally:
-        server.end()
-    return 0 if server.shut_down else 1
-
-
-def serve_standard_streams() -> int:
-    """Answer an editor on standard input and output; whatever else is printed goes to the messages on stderr."""
-    requests = os.fdopen(os.dup(0), "rb")
-    answers = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)
-    return serve(requests, answers)

@@ -21,7 +21,7 @@ class LanguageServerCommand(Command):
             import pygls.lsp.server  # noqa: F401
         except ImportError as error:
             raise MissingExtraError(LSP_NEEDED) from error
-        from torsionnet.language_server.model_server import serve_standard_streams
+        from torsionnet.language_server.standard_streams import serve_standard_streams
 
         return Answer(exit_code=serve_standard_streams())
 
