@@ -1,6 +1,7 @@
 // The page: text, schematic, results and values, each following the others.
 
 import { ask, newestOnly } from "./api.js";
+import { markMode, modesAreChosen } from "./modes.js";
 import { makeMotion } from "./motion.js";
 import { makePanes } from "./panes.js";
 import { results } from "./results.js";
@@ -16,7 +17,8 @@ const withText = nonce !== "";
 const panes = makePanes(withText);
 let writing = null;
 let later = 0;
-const motion = makeMotion();
+const motion = makeMotion((k) => markMode(at("modes"), k));
+modesAreChosen(withText ? motion.choose : null);
 const schematic = makeSchematic(at("schematic"), {
   drawn: motion.on,
   choose: (kind, name) => {
@@ -29,7 +31,7 @@ const drawing = newestOnly("schematic", (found) => found.svg && schematic.show(f
 const moving = newestOnly("motion", (found) => {
   if (!found.modes) return;
   motion.show(found.modes);
-  drawTorques(at("mean"), at("torques"), found);
+  drawTorques(at("mean"), at("torques"), found.elements);
 }, quiet);
 
 const DRAWS = false; // until the server does

@@ -4,27 +4,57 @@ import { short } from "./numbers.js";
 
 const COLUMNS = [["", "mode"], ["f₀ [Hz]", "natural"], ["f_d [Hz]", "damped"], ["ζ [%]", "ratio"], ["kind", "kind"], ["", "words"]];
 
-export function drawModes(table, modes) {
+let choose = null; // what shows a mode on the schematic
+let chosen = null;
+
+// From now on a mode of the table can be chosen; `choose` is told its place, or null.
+export function modesAreChosen(act) {
+  choose = act;
+}
+
+export function markMode(table, k) {
+  chosen = k;
+  table.querySelectorAll("tbody tr").forEach((node, at) => {
+    node.classList.toggle("is-shown", at === k);
+    node.querySelector("button")?.setAttribute("aria-pressed", String(at === k));
+  });
+}
+
+// Poles of the drivetrain cut at a sensor (`isCut`) are no modes of what is drawn.
+export function drawModes(table, modes, isCut) {
   const head = document.createElement("thead");
   head.append(row(COLUMNS.map(([text, kind]) => cell("th", kind, text === "f_d [Hz]" ? damped() : text))));
   const body = document.createElement("tbody");
-  body.append(...modes.natural.map((_, k) => row(cells(modes, k))));
+  body.append(...modes.natural.map((_, k) => row(cells(modes, k, !isCut && choose))));
   const foot = document.createElement("caption");
   foot.textContent = modes.notes.join("; ");
   table.replaceChildren(foot, head, body);
+  if (!isCut) markMode(table, chosen);
 }
 
-function cells(modes, k) {
+function cells(modes, k, canChoose) {
   const vibrates = modes.damped[k] > 0;
   const ratio = modes.kinds[k] === "rigid body" || modes.ratio[k] === null ? "–" : short(100 * modes.ratio[k], 4);
   return [
-    cell("th", "mode", modes.numbers[k] === null ? "–" : String(modes.numbers[k])),
+    cell("th", "mode", canChoose ? button(modes, k) : numbered(modes, k)),
     cell("td", "natural", short(modes.natural[k], 5)),
     cell("td", "damped", vibrates ? short(modes.damped[k], 5) : "–"),
     cell("td", "ratio", ratio),
     cell("td", "kind", modes.kinds[k]),
     cell("td", "words", modes.descriptions[k]),
   ];
+}
+
+function numbered({ numbers }, k) {
+  return numbers[k] === null ? "–" : String(numbers[k]);
+}
+
+function button(modes, k) {
+  const node = Object.assign(document.createElement("button"), { type: "button", className: "quiet", textContent: numbered(modes, k) });
+  node.title = "Show this mode on the schematic";
+  node.setAttribute("aria-label", `Mode ${numbered(modes, k)} on the schematic`);
+  node.addEventListener("click", () => choose(k === chosen ? null : k));
+  return node;
 }
 
 function damped() {

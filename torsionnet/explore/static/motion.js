@@ -11,7 +11,8 @@ const SMALL = 0.02; // of the largest amplitude; what moves less is said to stan
 const at = (id) => document.getElementById(id);
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
 
-export function makeMotion() {
+// `changed` is told which mode is shown.
+export function makeMotion(changed) {
   let modes = [];
   let discs = new Map(); // node -> {needle, disc}
   let drawn = null;
@@ -19,7 +20,7 @@ export function makeMotion() {
   let since = 0;
   let frame = 0;
 
-  at("mode").addEventListener("change", begin);
+  at("mode").addEventListener("change", () => choose(at("mode").value));
   at("play").addEventListener("click", () => {
     runs = !runs;
     begin();
@@ -34,8 +35,7 @@ export function makeMotion() {
     const before = at("mode").value;
     modes = found;
     at("mode").replaceChildren(new Option("none", ""), ...modes.map(option));
-    at("mode").value = before !== "" && Number(before) < modes.length ? before : "";
-    begin();
+    choose(before !== "" && Number(before) < modes.length ? before : null);
   }
 
   function on(schematic) {
@@ -77,11 +77,19 @@ export function makeMotion() {
     at("play").hidden = !mode;
     drawn?.svg.classList.toggle("is-moving", Boolean(mode));
     at("moving").textContent = mode ? words(mode) : "";
+    if (drawn) strain(mode);
     if (!mode || !drawn) return;
     if (!discs.size) layer();
     since = performance.now();
     if (runs && !document.hidden) frame = requestAnimationFrame(step);
     else draw(mode, 0);
+  }
+
+  // Elements that are twisted in the mode, by their share of its energy.
+  function strain(mode) {
+    for (const [name, id] of Object.entries(drawn.elements)) {
+      drawn.svg.getElementById(id)?.style.setProperty("--strain", `${100 * Math.min(1, mode?.strain?.[name] ?? 0)}%`);
+    }
   }
 
   function step(now) {
@@ -102,24 +110,26 @@ export function makeMotion() {
     }
   }
 
-  return { show, on, choose: (k) => {
-    at("mode").value = String(k);
+  function choose(k) {
+    at("mode").value = k === null ? "" : String(k);
+    changed(at("mode").value === "" ? null : Number(at("mode").value));
     begin();
-  } };
+  }
+  return { show, on, choose };
 }
 
-function option({ frequency_hz: frequency, damping_ratio: ratio }, k) {
-  const damping = ratio === null || ratio === undefined || frequency === 0 ? "" : `, ${short(100 * ratio, 3)} %`;
-  return new Option(`${k + 1}: ${frequency ? `${short(frequency)} Hz${damping}` : "rigid body"}`, String(k));
+function option({ name, kind, frequency_hz: frequency, damping_ratio: ratio }, k) {
+  const size = ratio === null ? "" : ` ${short(frequency)} Hz, ${short(100 * ratio, 3)} %`;
+  return new Option(/^\d/.test(name) ? `${name}:${size}` : `${kind}${kind === "rigid body" ? "" : size}`, String(k));
 }
 
 // For those who do not see it: who moves most, and who moves against it.
-function words({ frequency_hz: frequency, nodes }) {
+function words({ frequency_hz: frequency, description, nodes }) {
   const all = Object.entries(nodes).filter(([, [size]]) => size >= SMALL).sort(([, a], [, b]) => b[0] - a[0]);
   if (!all.length) return "";
   const lead = all[0][1][1];
   const parts = all.map(([name, [size, phase]]) => `${name} ${short(size, 2)}${Math.cos(phase - lead) < 0 ? " against it" : ""}`);
-  return `${short(frequency)} Hz: ${parts.slice(0, 12).join(", ")}`;
+  return `${short(frequency)} Hz: ${description}. Amplitudes: ${parts.slice(0, 12).join(", ")}`;
 }
 
 function shape(tag, attributes) {

@@ -241,7 +241,7 @@ function drawModal(answer) {
   which.rename("cut", `cut at ${state.input}`);
   at("modes-title").textContent = cut ? `Poles of ${answer.response.label}` : "Modes";
   const side = (one) => (cut ? one.cut : one.modes);
-  drawModes(at("modes"), side(answer));
+  drawModes(at("modes"), side(answer), Boolean(cut));
   const sets = state.pins.map((pin, k) => [pins.of(pin, state), k]).filter(([found]) => found && side(found));
   drawPoles(at("poles"), [
     { modes: side(answer), colour: curveColour(0) },

@@ -14,13 +14,13 @@ export function makeSchematic(place, actions) {
     if (!svg) return;
     const kept = place.contains(document.activeElement) ? nameOf(document.activeElement) : "";
     const groups = new Map();
-    for (const [kind, names] of [["element", found.elements], ["node", found.nodes]]) {
+    for (const [kind, names] of [["node", found.nodes], ["element", found.elements]]) {
       for (const [name, id] of Object.entries(names)) {
         const group = svg.getElementById(id);
         if (group) groups.set(group, { kind, name });
       }
     }
-    drawn = { svg, groups, nodes: found.nodes };
+    drawn = { svg, groups, nodes: found.nodes, elements: found.elements };
     groups.forEach((one, group) => prepare(group, one));
     svg.setAttribute("role", "graphics-document");
     svg.setAttribute("aria-label", "Schematic: arrow keys move along, Enter goes to the text");
