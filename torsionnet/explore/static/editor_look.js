@@ -38,6 +38,8 @@ const theme = EditorView.theme({
   ".cm-diagnosticAction": { font: "inherit", color: "var(--accent)", backgroundColor: "var(--paper)", border: "1px solid var(--edge)", borderRadius: "4px", padding: "1px 8px", margin: "4px 8px 0 0" },
   ".cm-lintRange-error": { backgroundImage: "none", textDecoration: "underline wavy var(--alarm)", textDecorationSkipInk: "none", textUnderlineOffset: "3px" },
   ".cm-lintRange-warning": { backgroundImage: "none", textDecoration: "underline wavy var(--warn)", textDecorationSkipInk: "none", textUnderlineOffset: "3px" },
+  ".cm-diagnostic-info": { borderLeftColor: "var(--edge)" },
+  ".cm-lintRange-info": { backgroundImage: "none", textDecoration: "underline dotted var(--muted)", textUnderlineOffset: "3px" },
   ".cm-lintRange-active": { backgroundColor: "var(--alarm-soft)" },
 });
 

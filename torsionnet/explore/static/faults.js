@@ -4,6 +4,7 @@ import { setDiagnostics } from "./vendor/codemirror.min.js";
 import { decide, paragraph } from "./dialogs.js";
 import { applyEdits, select } from "./edits.js";
 
+const KINDS = ["error", "warning", "note"];
 const QUIET = 700; // ms without change until the faults are read aloud
 const at = (id) => document.getElementById(id);
 
@@ -16,7 +17,7 @@ export function makeFaults(view) {
     faults = found.map((fault) => ({ ...fault, from: Math.min(fault.from, end), to: Math.min(fault.to, end) }));
     view.dispatch(setDiagnostics(view.state, faults.map((fault) => diagnostic(fault))));
     at("fault-count").textContent = counted(faults);
-    at("faults").classList.toggle("is-sound", !faults.length);
+    at("faults").classList.toggle("is-sound", !faults.some(({ severity }) => severity === "error"));
     const focused = document.activeElement?.closest?.("#fault-list li")?.dataset.at;
     at("fault-list").replaceChildren(...faults.map((fault, k) => row(view, fault, k)));
     if (focused !== undefined) (at("fault-list").children[Math.min(focused, faults.length - 1)]?.querySelector("button") ?? view.contentDOM).focus();
@@ -42,13 +43,15 @@ export function makeFaults(view) {
 
 function diagnostic({ from, to, severity, message, fixes }) {
   const actions = fixes.map(({ title, edits }) => ({ name: title, apply: (view) => applyEdits(view, edits, "fix") }));
-  return { from, to: Math.max(from, to), severity: severity === "error" ? "error" : "warning", message, actions };
+  return { from, to: Math.max(from, to), severity: severity === "note" ? "info" : severity, message, actions };
 }
 
 function counted(faults) {
-  const errors = faults.filter(({ severity }) => severity === "error").length;
-  const parts = [[errors, "error"], [faults.length - errors, "warning"]].filter(([count]) => count);
-  return parts.length ? parts.map(([count, word]) => `${count} ${word}${count > 1 ? "s" : ""}`).join(", ") : "No faults";
+  const parts = KINDS.flatMap((word) => {
+    const count = faults.filter(({ severity }) => severity === word).length;
+    return count ? [`${count} ${word}${count > 1 ? "s" : ""}`] : [];
+  });
+  return parts.length ? parts.join(", ") : "No faults";
 }
 
 function said({ line, message }) {
@@ -57,7 +60,7 @@ function said({ line, message }) {
 
 function row(view, fault, k) {
   const node = document.createElement("li");
-  node.className = fault.severity === "error" ? "error" : "warning";
+  node.className = fault.severity;
   node.dataset.at = k;
   const place = Object.assign(document.createElement("span"), { className: "place", textContent: `${fault.line}:${fault.column}` });
   const go = Object.assign(document.createElement("button"), { type: "button", className: "go" });

@@ -12,6 +12,7 @@ export function makeSync(view, first, shown) {
   let since = 0;
   let waiting = 0;
   let sound = false;
+  let answered = -1;
   let items = [];
   const failed = (error) => say(error.message);
   const outline = newestOnly("outline", (found) => {
@@ -20,14 +21,17 @@ export function makeSync(view, first, shown) {
   }, failed);
   const send = newestOnly("text", (answer, sent, begun) => {
     if (answer.revision !== revision) return; // a newer text is on its way
+    answered = revision;
     sound = answer.sound;
     shown.faults(answer.faults);
     globalThis.torsionnet.lastFaults = performance.now() - begun;
-    globalThis.torsionnet.revision = answer.revision;
     shown.stale(!sound);
     if (answer.model && !answer.model.refused) shown.model(answer.model, begun);
     outline({ text: sent.text }, begun);
   }, failed);
+
+  // For tests: the text, and whether its faults are shown.
+  Object.assign(globalThis.torsionnet, { text: () => view.state.doc.toString(), isChecked: () => answered === revision });
 
   function now() {
     send({ revision, text: view.state.doc.toString() }, since);
