@@ -75,7 +75,8 @@ export async function chooseOne(title, rows) {
   const filter = () => {
     const words = field.value.toLowerCase();
     rows.forEach((row, k) => (nodes[k].hidden = !`${row.name} ${row.kind ?? ""} ${row.detail ?? ""}`.toLowerCase().includes(words)));
-    move(shown()[0]);
+    const all = shown();
+    move(all.find((k) => rows[k].name.toLowerCase().startsWith(words)) ?? all.find((k) => rows[k].name.toLowerCase().includes(words)) ?? all[0]);
   };
   field.addEventListener("input", filter);
   field.addEventListener("keydown", (event) => {

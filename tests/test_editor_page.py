@@ -1,0 +1,286 @@
+"""Writing a model in the explore page, by keyboard and mouse in headless Chromium; skipped where there is none."""
+
+import re
+
+import numpy as np
+import pytest
+from editor_pages import README_MODEL, serving_text, writing_on
+
+import torsionnet as tn
+
+MODES_OF_README = "80.87"
+"""Hz; the page shows five digits of the 80.8702 that the README prints."""
+
+BROKEN = {
+    "no unit of inertia": ("inertia: 0.078 kg*m^2", "inertia: 0.078 kg*m", "is not a value of inertia", "write 0.078 kg*m^2"),
+    "no element type": ("type: spring", "type: sprng", 'did you mean "spring"', 'write "spring"'),
+    "no parameter": ("stiffness: k_1", "stiffness: k_2", 'did you mean "k_1"', 'write "k_1"'),
+    "no key": ("stiffness:", "stifness:", 'did you mean "stiffness"', 'write "stiffness"'),
+    "brace not closed": ("ratio: tau}", "ratio: tau", "is not closed", "close with }"),
+    "bracket not closed": ("nodes: [a, b]", "nodes: [a, b", 'closing "]" is missing', "close with ]"),
+    "name twice": ("  load:  {", "  motor: {", "already given at line 5", ""),
+    "decimal comma": ("0.078 kg", "0,078 kg", "has a decimal comma", "write a decimal point"),
+    "no element": ("torque: shaft", "torque: shft", 'did you mean "shaft"', 'write "shaft"'),
+    "tab": ("  shaft: {", "\tshaft: {", "a tab stands here", "indent with spaces"),
+    "no number": ("ratio: tau", "ratio: 3:1", 'expected a number, got "3:1"', "write 3.0"),
+}  # fmt: skip
+
+TABLE = "station\tJ [kg*m^2]\tk [MN*m/rad]\nCyl 1\t100\t50\nCyl 2\t100\t40\nFlywheel\t900\t\n"
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "model.yaml"
+    path.write_text(README_MODEL)
+    return path
+
+
+@pytest.fixture
+def writing(chromium, file):
+    with serving_text(file) as server, writing_on(chromium, server) as found:
+        yield found
+
+
+def natural_frequencies(writing):
+    return writing.page.locator("#modes tbody td.natural").all_inner_texts()
+
+
+def test_fault_is_shown_and_mended_while_the_last_results_stay(writing):
+    assert MODES_OF_README in natural_frequencies(writing)
+    writing.exchange("stiffness: k_1", "stiffness: k_2")
+    (fault,) = writing.faults()
+    assert fault.startswith("6:40")
+    assert 'no parameter is named "k_2"' in fault
+    assert writing.page.is_visible("#stale")
+    assert MODES_OF_README in natural_frequencies(writing)
+    writing.keys.press("Control+.")
+    assert writing.faults() == []
+    assert writing.text == README_MODEL
+    assert writing.page.is_hidden("#stale")
+
+
+@pytest.mark.slow
+def test_ten_breaks_are_mended_from_their_messages(writing):
+    """By the button of the fix where one is offered, else at the place that the message leads to."""
+    for name, (old, new, message, fix) in BROKEN.items():
+        writing.put(README_MODEL)
+        assert writing.faults() == [], name
+        broken = README_MODEL.replace(old, new, 1)
+        writing.put(broken)
+        faults = writing.faults()
+        assert any(message in fault for fault in faults), (name, faults)
+        fault = writing.page.locator("#fault-list li.error", has_text=message)
+        if fix:
+            button = fault.get_by_role("button", name=fix)
+            button.focus()
+            writing.keys.press("Enter")
+        else:
+            fault.locator(".go").click()
+            writing.keys.insert_text("load")
+        assert writing.faults() == [], name
+        found = tn.loads(writing.text)
+        assert len(found.elements) == 4, name
+        writing.focus()
+        writing.keys.press("Control+z")
+        assert writing.checked().text == broken, name
+
+
+@pytest.mark.slow
+def test_everything_is_undone(writing):
+    writing.exchange("13.3", "26.6")
+    assert MODES_OF_README not in natural_frequencies(writing)
+    writing.exchange("motor and load", "another")
+    assert writing.page.inner_text("h1") == "another"
+    writing.focus()
+    for _ in range(2):
+        writing.keys.press("Control+z")
+    assert writing.checked().text == README_MODEL
+    assert MODES_OF_README in natural_frequencies(writing)
+    assert not writing.is_title_marked()
+    writing.keys.press("Control+y")
+    assert "26.6" in writing.checked().text
+
+
+@pytest.mark.slow
+def test_slider_values_are_written_into_the_text(writing):
+    writing.page.fill("#parameter-k_1", "26.6")
+    writing.keys.press("Enter")
+    writing.found.settle()
+    expected = tn.loads(README_MODEL).configured(k_1="26.6 kN*m/rad").modes().natural_frequencies[-1]
+    assert float(natural_frequencies(writing)[-1]) == pytest.approx(expected, rel=1e-4)
+    writing.page.get_by_role("button", name="Write values into text").click()
+    assert "k_1: 26.6 kN*m/rad" in writing.checked().text
+    assert float(natural_frequencies(writing)[-1]) == pytest.approx(expected, rel=1e-4)
+    assert writing.page.get_by_role("button", name="Reset all").is_disabled()
+    writing.keys.press("Control+z")
+    assert writing.checked().text == README_MODEL
+    assert MODES_OF_README in natural_frequencies(writing)
+
+
+@pytest.mark.slow
+def test_store_is_explicit(writing, file):
+    assert writing.page.get_by_role("button", name="Store").is_disabled()
+    writing.exchange("13.3", "15")
+    assert writing.is_title_marked()
+    assert file.read_text() == README_MODEL
+    writing.keys.press("Control+s")
+    writing.until(lambda: writing.said().startswith("Stored"), "the word about it")
+    assert file.read_text() == README_MODEL.replace("13.3", "15")
+    assert not writing.is_title_marked()
+
+
+@pytest.mark.slow
+def test_two_writers_of_one_file(writing, file):
+    file.write_text(README_MODEL.replace("13.3", "14"))
+    writing.until(lambda: "14 kN" in writing.text, "the text of the other writer")
+    assert not writing.is_title_marked()
+    writing.exchange("14 kN", "15 kN")
+    file.write_text(README_MODEL.replace("13.3", "16"))
+    writing.until(lambda: writing.page.locator(".bar").count() == 1, "the bar")
+    assert "15 kN" in writing.text
+    writing.keys.press("Control+s")
+    dialog = writing.dialog()
+    difference = dialog.locator(".difference").inner_text()
+    assert re.search(r"^-.*16 kN", difference, re.M)
+    assert re.search(r"^\+.*15 kN", difference, re.M)
+    writing.keys.press("Escape")
+    writing.until(lambda: writing.page.locator("dialog").count() == 0, "the end of the dialog")
+    assert "16 kN" in file.read_text()
+    writing.keys.press("Control+s")
+    writing.dialog().get_by_role("button", name="Take theirs").click()
+    writing.until(lambda: "16 kN" in writing.text, "their text")
+    writing.focus()
+    writing.keys.press("Control+z")
+    assert "15 kN" in writing.text
+    file.write_text(README_MODEL.replace("13.3", "17"))
+    writing.keys.press("Control+s")
+    writing.dialog().get_by_role("button", name="Keep mine").click()
+    writing.until(lambda: "15 kN" in file.read_text(), "the stored text")
+    assert not writing.is_title_marked()
+
+
+@pytest.mark.slow
+def test_unsaved_text_survives_a_closed_tab(chromium, file):
+    with serving_text(file) as server:
+        with writing_on(chromium, server) as first:
+            first.exchange("13.3", "15")
+        with writing_on(chromium, server) as second:
+            second.until(lambda: "15 kN" in second.text, "the unsaved text")
+            assert second.is_title_marked()
+            second.page.get_by_role("button", name="Take the file instead").click()
+            second.until(lambda: second.text == README_MODEL, "the text of the file")
+        assert file.read_text() == README_MODEL
+
+
+@pytest.mark.slow
+def test_pasted_table_becomes_a_model(writing):
+    writing.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    writing.page.evaluate("(text) => navigator.clipboard.writeText(text)", TABLE)
+    writing.focus()
+    writing.keys.press("Control+v")
+    assert "table of 4 lines" in writing.dialog().inner_text()
+    writing.keys.press("Enter")
+    assert writing.faults() == []
+    inertia, stiffness = np.diag([100.0, 100.0, 900.0]), np.array([[50.0, -50, 0], [-50, 90, -40], [0, -40, 40]]) * 1e6
+    expected = np.sqrt(np.linalg.eigvals(np.linalg.solve(inertia, stiffness)).real.clip(0)) / (2 * np.pi)
+    shown = [float(text) for text in natural_frequencies(writing)]
+    np.testing.assert_allclose(np.sort(shown)[-2:], np.sort(expected)[-2:], rtol=1e-4)
+    writing.focus()
+    writing.keys.press("Control+z")
+    assert writing.checked().text == README_MODEL
+
+
+@pytest.mark.slow
+def test_node_is_renamed_everywhere(writing):
+    writing.go_to("node: a")
+    writing.keys.press("ArrowRight")
+    writing.keys.press("F2")
+    dialog = writing.dialog()
+    writing.keys.press("Control+a")
+    writing.keys.insert_text("not a name")
+    writing.keys.press("Enter")
+    writing.until(lambda: "not a valid name" in dialog.inner_text(), "the refusal")
+    writing.keys.press("Control+a")
+    writing.keys.insert_text("crank")
+    writing.keys.press("Enter")
+    writing.until(lambda: "crank" in writing.text, "the new name")
+    assert writing.faults() == []
+    assert "nodes: [crank, b]" in writing.text
+    assert "{torque: crank}" in writing.text
+    assert set(tn.loads(writing.text).nodes) == {"crank", "b", "c"}
+    writing.keys.press("Control+z")
+    assert writing.checked().text == README_MODEL
+
+
+@pytest.mark.slow
+def test_outline_leads_to_an_element(writing):
+    writing.focus()
+    writing.keys.press("Control+Shift+o")
+    writing.dialog()
+    writing.keys.insert_text("stage")
+    writing.keys.press("Enter")
+    writing.until(lambda: writing.page.locator("dialog").count() == 0, "the end of the dialog")
+    writing.keys.insert_text("gears")
+    assert "  gears: {type: gear" in writing.checked().text
+
+
+@pytest.mark.slow
+def test_panes_by_keyboard(writing):
+    writing.focus()
+    inside = "(pane) => document.querySelector(pane).contains(document.activeElement)"
+    assert writing.page.evaluate(inside, "#text")
+    writing.keys.press("Tab")
+    assert writing.page.evaluate(inside, "#text")
+    writing.keys.press("Control+z")
+    writing.keys.press("Escape")
+    writing.keys.press("Tab")
+    assert not writing.page.evaluate(inside, "#editor")
+    writing.focus()
+    seen = []
+    for _ in range(4):
+        writing.keys.press("F6")
+        seen.append(next(pane for pane in ("#text", "#drawing", "#sheet", "#parameters") if writing.page.evaluate(inside, pane)))
+    assert set(seen) == {"#text", "#drawing", "#sheet", "#parameters"}
+    bar = writing.page.get_by_role("separator", name="Width of the text")
+    bar.focus()
+    before = writing.page.locator("#text").bounding_box()["width"]
+    writing.keys.press("ArrowRight")
+    assert writing.page.locator("#text").bounding_box()["width"] == pytest.approx(before + 24, abs=1)
+    writing.keys.press("Enter")
+    assert writing.page.is_hidden("#text")
+    writing.keys.press("Enter")  # on the button that shows it again
+    assert writing.page.is_visible("#text")
+
+
+@pytest.mark.slow
+def test_cleared_field_says_what_is_missing(writing):
+    field = writing.page.locator("#parameter-k_1")
+    field.fill("")
+    writing.keys.press("Tab")
+    assert "type a number, such as 13.3 kN" in writing.page.inner_text("#parameter-k_1-gap")
+    assert field.get_attribute("aria-invalid") is not None
+    assert field.get_attribute("aria-describedby") == "parameter-k_1-gap"
+    writing.page.get_by_role("button", name="Reset k_1").click()
+    assert writing.page.is_hidden("#parameter-k_1-gap")
+    assert field.input_value() == "13.3"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [1440, 1024, 800])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_text_can_be_read_at_any_width(chromium, file, width, scheme):
+    with (
+        serving_text(file) as server,
+        writing_on(chromium, server, viewport={"width": width, "height": 800}, color_scheme=scheme) as found,
+    ):
+        page = found.page
+        if width <= 960:
+            page.get_by_role("tab", name="Text").click()
+        assert page.locator(".cm-content").bounding_box()["width"] > 250
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        ground, ink = (
+            page.evaluate(f"getComputedStyle(document.querySelector('.cm-editor')).{name}") for name in ("backgroundColor", "color")
+        )
+        levels = [sum(int(one) for one in re.findall(r"\d+", colour)[:3]) for colour in (ground, ink)]
+        assert (levels[0] < levels[1]) is (scheme == "dark")
+        assert abs(levels[0] - levels[1]) > 400
