@@ -70,7 +70,7 @@ class Writing:
         self.keys.press("Control+Home")
         self.keys.press("Control+f")
         self.keys.press("Control+a")
-        self.keys.insert_text(word)
+        self.keys.type(word)  # the search listens to keys
         self.keys.press("Enter")
         self.keys.press("Escape")
 
@@ -103,7 +103,7 @@ def writing_on(chromium, server, **options):
     """The page of a server; afterwards nothing was said on its console and nothing asked of anyone else."""
     with visit(chromium, server.address, **({"viewport": WIDE} | options)) as found:
         yield ready(found)
-        assert found.console == []
+        assert found.console == [], found.console
         asked = {urlsplit(url).netloc for url in found.requests if not url.startswith(("blob:", "data:"))}
         assert asked == {urlsplit(server.address).netloc}
 

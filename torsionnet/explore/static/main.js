@@ -13,12 +13,11 @@ const CALM = 120; // ms; a drawing and its motion need not follow every step of 
 const at = (id) => document.getElementById(id);
 
 const nonce = document.querySelector("meta[name=style-nonce]").content;
-const withText = nonce !== "";
-const panes = makePanes(withText);
+const panes = makePanes();
 let writing = null;
 let later = 0;
 const motion = makeMotion((k) => markMode(at("modes"), k));
-modesAreChosen(withText ? motion.choose : null);
+modesAreChosen(motion.choose);
 const schematic = makeSchematic(at("schematic"), {
   drawn: motion.on,
   choose: (kind, name) => {
@@ -34,12 +33,10 @@ const moving = newestOnly("motion", (found) => {
   drawTorques(at("mean"), at("torques"), found.elements);
 }, quiet);
 
-const DRAWS = false; // until the server does
 let drawnFor = "";
 
 results.begin((state, isNewModel) => {
   writing?.button();
-  if (!withText || !DRAWS) return;
   clearTimeout(later);
   const key = JSON.stringify(state.choice);
   later = setTimeout(() => {
@@ -49,10 +46,8 @@ results.begin((state, isNewModel) => {
   drawnFor = key;
 });
 
-if (withText) {
-  writing = await openText(nonce, schematic);
-  const model = await ask("model");
-  if (model.refused) results.refuse(model.refused);
-  else results.show(model);
-  writing.check();
-} else results.show(await ask("model"));
+writing = await openText(nonce, schematic);
+const model = await ask("model");
+if (model.refused) results.refuse(model.refused);
+else results.show(model);
+writing.check();

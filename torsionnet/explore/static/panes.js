@@ -13,13 +13,13 @@ const BARS = {
 
 const at = (id) => document.getElementById(id);
 
-export function makePanes(withText) {
+export function makePanes() {
   const kept = recalled();
   const hidden = new Set(kept.hidden ?? []);
   const sizes = kept.sizes ?? {};
   let tab = "results";
   const toggles = [["text", "Text"], ["drawing", "Schematic"], ["parameters", "Values"]]
-    .filter(([id]) => withText || id === "parameters").map(([id, words]) => toggle(id, words));
+    .map(([id, words]) => toggle(id, words));
   at("shown").replaceChildren(...toggles.map(({ button }) => button));
   at("pane-tabs").replaceChildren(...PANES.map(tabOf));
   for (const [id, bar] of Object.entries(BARS)) prepare(at(id), bar);
@@ -61,10 +61,10 @@ export function makePanes(withText) {
 
   function apply() {
     const narrow = NARROW.matches;
-    at("pane-tabs").hidden = !(narrow && withText);
+    at("pane-tabs").hidden = !narrow;
     at("shown").hidden = narrow;
-    document.body.dataset.tab = narrow && withText ? tab : "";
-    const seen = (id) => (withText || !["text", "drawing"].includes(id)) && (narrow ? !withText || ["parameters", tab].includes(id) || id === "right" : !hidden.has(id));
+    document.body.dataset.tab = narrow ? tab : "";
+    const seen = (id) => (narrow ? tab === id : !hidden.has(id));
     at("text").hidden = !seen("text");
     at("drawing").hidden = !seen("drawing");
     at("parameters").hidden = !narrow && hidden.has("parameters");
@@ -131,8 +131,8 @@ export function makePanes(withText) {
   }
 
   function next(event) {
-    const stops = [withText && ".cm-content", withText && "#schematic [tabindex='0'], #mode", "#magnitude", "#parameters input:not([readonly])"]
-      .map((one) => one && document.querySelector(one)).filter((node) => node && node.getClientRects().length);
+    const stops = [".cm-content", "#schematic [tabindex='0']", "#magnitude", "#parameters input:not([readonly])"]
+      .map((one) => document.querySelector(one)).filter((node) => node && node.getClientRects().length);
     const panes = ["#text", "#drawing", "#sheet", "#parameters"];
     const here = panes.find((one) => document.activeElement?.closest(one));
     const k = stops.findIndex((node) => here && node.closest(here));
