@@ -61,7 +61,10 @@ class Writing:
         """Take the place of the whole text, in one go."""
         self.focus()
         self.keys.press("Control+a")
-        self.keys.insert_text(text)
+        if text:
+            self.keys.insert_text(text)
+        else:
+            self.keys.press("Delete")
         return self.checked()
 
     def go_to(self, word):

@@ -25,6 +25,19 @@ BROKEN = {
     "no number": ("ratio: tau", "ratio: 3:1", 'expected a number, got "3:1"', "write 3.0"),
 }  # fmt: skip
 
+SCRIPT = (
+    ("to", "torsionnet"), "1", "Enter", ("na", "name"), "motor and load", "Enter",
+    ("pa", "parameters"), "k_1: 13.3 kN*m/rad", "Enter", "tau: 4.14", "Enter", "Backspace",
+    ("el", "elements"), "motor: ", ("ine", "inertia with node, inertia"), "a", "Tab", "0.078 ", ("kg", "kg*m^2"), "Enter",
+    "shaft: ", ("spr", "spring with nodes"), "[a, b]", ", ", ("st", "stiffness"), ("k_", "k_1"), ", ", ("damp", "damping"),
+    "{", ("ze", "zeta"), "0.02, ", ("at", "at"), "60 Hz", "Enter",
+    "stage: ", ("gea", "gear with nodes"), "[b, c]", ", ", ("ra", "ratio"), ("ta", "tau"), "Enter",
+    "load: ", ("ine", "inertia with node, inertia"), "c", "Tab", "2.6 ", ("kg", "kg*m^2"), "Enter", "Backspace",
+    ("inp", "inputs"), "T_M: {", ("tor", "torque"), "a", "Enter", "Backspace",
+    ("sen", "sensors"), "T_S: {", ("tor", "torque"), ("sh", "shaft"),
+)  # fmt: skip
+"""What is typed, (beginning, word) of what completion writes, and keys."""
+
 TABLE = "station\tJ [kg*m^2]\tk [MN*m/rad]\nCyl 1\t100\t50\nCyl 2\t100\t40\nFlywheel\t900\t\n"
 
 
@@ -49,7 +62,7 @@ def test_fault_is_shown_and_mended_while_the_last_results_stay(writing):
     assert MODES_OF_README in natural_frequencies(writing)
     writing.exchange("stiffness: k_1", "stiffness: k_2")
     (fault,) = writing.faults()
-    assert fault.startswith("6:40")
+    assert fault.startswith("6:51")
     assert 'no parameter is named "k_2"' in fault
     assert writing.page.is_visible("#stale")
     assert MODES_OF_README in natural_frequencies(writing)
@@ -57,6 +70,42 @@ def test_fault_is_shown_and_mended_while_the_last_results_stay(writing):
     assert writing.faults() == []
     assert writing.text == README_MODEL
     assert writing.page.is_hidden("#stale")
+
+
+@pytest.mark.slow
+def test_readme_model_is_written_from_nothing_with_completion(writing):
+    """Words come from the completion where it offers them; numbers and names are typed."""
+    keys, page = writing.keys, writing.page
+    writing.put("")
+    offered = []
+
+    def take(begun, label):
+        """Type the beginning of a word and take the one completion offers."""
+        keys.type(begun)
+        keys.press("Control+Space")
+        labels = page.locator(".cm-tooltip-autocomplete .cm-completionLabel")
+        writing.until(lambda: label in labels.all_inner_texts(), f"the completion {label}")
+        for _ in range(labels.all_inner_texts().index(label)):
+            keys.press("ArrowDown")
+        assert page.inner_text("[role=option][aria-selected] .cm-completionLabel") == label
+        offered.append(label)
+        keys.press("Enter")
+
+    for part in SCRIPT:
+        if isinstance(part, tuple):
+            take(*part)
+        elif part in ("Enter", "Backspace", "Tab"):
+            if part == "Enter":
+                keys.press("Escape")  # completions that opened by themselves
+                keys.press("End")
+            keys.press(part)
+        else:
+            keys.type(part)
+    print(writing.text)
+    assert writing.faults() == []
+    assert len(offered) > 12
+    built, expected = tn.loads(writing.text), tn.loads(README_MODEL)
+    np.testing.assert_allclose(built.modes().eigenvalues, expected.modes().eigenvalues, rtol=1e-12)
 
 
 @pytest.mark.slow
@@ -156,11 +205,12 @@ def test_two_writers_of_one_file(writing, file):
     writing.keys.press("Control+s")
     writing.dialog().get_by_role("button", name="Keep mine").click()
     writing.until(lambda: "15 kN" in file.read_text(), "the stored text")
-    assert not writing.is_title_marked()
+    writing.until(lambda: not writing.is_title_marked(), "the end of the mark")
 
 
 @pytest.mark.slow
-def test_unsaved_text_survives_a_closed_tab(chromium, file):
+def test_unsaved_text_survives_a_closed_tab(chromium, file, monkeypatch):
+    monkeypatch.setattr("torsionnet.explore.document.ALIVE_SECONDS", 0.0)
     with serving_text(file) as server:
         with writing_on(chromium, server) as first:
             first.exchange("13.3", "15")
@@ -222,6 +272,53 @@ def test_outline_leads_to_an_element(writing):
     writing.until(lambda: writing.page.locator("dialog").count() == 0, "the end of the dialog")
     writing.keys.insert_text("gears")
     assert "  gears: {type: gear" in writing.checked().text
+
+
+@pytest.mark.slow
+def test_cursor_and_schematic_choose_each_other(writing):
+    chosen = "[...document.querySelectorAll('#schematic .is-chosen')].map((one) => one.id).sort().join()"
+    writing.go_to("zeta")
+    writing.until(lambda: writing.page.evaluate(chosen) == "element-shaft", "the spring in the schematic")
+    writing.go_to("[b, c]")
+    writing.until(lambda: writing.page.evaluate(chosen) == "element-stage", "the gear")
+    writing.keys.press("ArrowLeft")
+    writing.keys.press("ArrowRight")
+    writing.until(lambda: writing.page.evaluate(chosen) == "element-stage,node-b", "the gear and its node")
+    writing.page.locator("#element-load .text-name, #element-load text").first.click()
+    writing.keys.insert_text("wheel")
+    assert "  wheel:  {type: inertia, node: c" in writing.checked().text
+    writing.keys.press("Control+z")
+    writing.checked()
+    writing.page.locator("#schematic [tabindex='0']").focus()
+    writing.keys.press("Home")
+    names = []
+    for _ in range(9):
+        names.append(writing.page.evaluate("document.activeElement.id"))
+        writing.keys.press("ArrowRight")
+    assert {f"element-{name}" for name in ("motor", "shaft", "stage", "load")} <= set(names)
+    writing.page.locator("#element-shaft").focus()
+    writing.keys.press("Enter")
+    writing.keys.insert_text("spindle")
+    assert "  spindle: {type: spring" in writing.checked().text
+
+
+@pytest.mark.slow
+def test_mode_swings_on_the_schematic(chromium, file):
+    """Amplitudes of the two masses are as their inertias, with the gear between: I_1 phi_1 + I_2/tau phi_2 = 0."""
+    angles = "[...document.querySelectorAll('.swinging line')].map((one) => Number(/-?[\\d.]+/.exec(one.getAttribute('transform'))[0]))"
+    with serving_text(file) as server, writing_on(chromium, server, reduced_motion="reduce") as found:
+        page = found.page
+        page.get_by_role("button", name="Mode 1 on the schematic").click()
+        assert page.locator("#mode option:checked").inner_text().startswith("1: 80.87 Hz")
+        assert page.inner_text("#play") == "Play"
+        a, b, c = page.evaluate(angles)
+        assert a / b == pytest.approx(-2.6 / 4.14**2 / 0.078, rel=1e-2)
+        assert b / c == pytest.approx(4.14, rel=1e-2)
+        assert "against it" in page.inner_text("#moving")
+        page.get_by_role("button", name="Play").click()
+        found.until(lambda: abs(page.evaluate(angles)[0] - a) > 5, "motion")
+        page.get_by_role("button", name="Pause").click()
+        assert page.evaluate(angles) == page.evaluate(angles)
 
 
 @pytest.mark.slow

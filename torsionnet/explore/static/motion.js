@@ -44,17 +44,15 @@ export function makeMotion(changed) {
     begin();
   }
 
-  // Discs stand in the middle of the drawn nodes, in the coordinates of the drawing.
   function layer() {
     discs = new Map();
     const { svg, nodes } = drawn;
-    const back = svg.getScreenCTM()?.inverse();
-    if (!back || !svg.clientWidth) return;
+    if (!svg.clientWidth) return;
     const group = shape("g", { class: "swinging", "aria-hidden": "true" });
     for (const [name, id] of Object.entries(nodes)) {
-      const box = svg.getElementById(id)?.getBoundingClientRect();
-      if (!box) continue;
-      const { x, y } = new DOMPoint(box.left + box.width / 2, box.top + box.height / 2).matrixTransform(back);
+      const node = svg.getElementById(id);
+      if (!node) continue;
+      const [x, y] = middle(node);
       const spot = shape("g", { transform: `translate(${x} ${y})` });
       const disc = shape("circle", { r: RADIUS });
       const needle = shape("line", { x1: 0, y1: 0, x2: 0, y2: -RADIUS - 3 });
@@ -116,6 +114,25 @@ export function makeMotion(changed) {
     begin();
   }
   return { show, on, choose };
+}
+
+// On the shaft of a node, below its name; where a node has no shaft, in the middle of what is drawn of it.
+function middle(node) {
+  const { x, y, width, height } = node.getBBox();
+  const name = node.querySelector(":scope > .text-node");
+  const at = name ? Number(name.getAttribute("x")) : x + width / 2;
+  const below = name ? Number(name.getAttribute("y")) : y;
+  const found = [...node.querySelectorAll(":scope > .pen-shaft")].flatMap(levels).filter(([left, right]) => left <= at && at <= right);
+  const [nearest] = found.map(([, , level]) => level).sort((a, b) => Math.abs(a - below) - Math.abs(b - below));
+  return [at, nearest ?? y + height / 2];
+}
+
+// Level stretches of a path of straight lines: [left, right, y].
+function levels(path) {
+  return path.getAttribute("d").split("M").flatMap((line) => {
+    const points = line.replace("Z", "").trim().split(/\s+/).map((point) => point.split(",").map(Number));
+    return points.slice(1).flatMap(([x, y], k) => (y === points[k][1] ? [[Math.min(x, points[k][0]), Math.max(x, points[k][0]), y]] : []));
+  });
 }
 
 function option({ name, kind, frequency_hz: frequency, damping_ratio: ratio }, k) {

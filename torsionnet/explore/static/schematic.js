@@ -1,8 +1,8 @@
 // The schematic: the server's SVG, whose groups are elements and nodes that can be chosen by mouse and keys.
 
 const SVG = "http://www.w3.org/2000/svg";
-const LEAST = 0.8; // scale; a longer drivetrain is scrolled rather than made smaller
-const MOST = 1.4;
+const LEAST = 0.75; // scale; a longer drivetrain is scrolled rather than made smaller
+const MOST = 1.5;
 const FORBIDDEN = "script, foreignObject, style, a, image, iframe, animate, set";
 
 export function makeSchematic(place, actions) {
@@ -46,7 +46,7 @@ export function makeSchematic(place, actions) {
     if (!drawn) return;
     const { width, height } = drawn.svg.viewBox.baseVal;
     if (!width || !place.clientWidth) return;
-    const scale = Math.max(LEAST, Math.min(MOST, place.clientWidth / width, Math.max(LEAST, place.clientHeight / height)));
+    const scale = Math.max(LEAST, Math.min(MOST, place.clientWidth / width, place.clientHeight / height));
     drawn.svg.style.width = `${width * scale}px`;
     drawn.svg.style.height = `${height * scale}px`;
   }

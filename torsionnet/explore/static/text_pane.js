@@ -46,7 +46,7 @@ export function makeTextPane(place, nonce, actions) {
         if (step.docChanged) actions.changed(step.view, step);
         if (step.docChanged || step.selectionSet) actions.moved(step.view);
       }),
-      EditorView.domEventHandlers({ paste: (event, view) => actions.paste(event, view) }),
+      EditorView.domEventHandlers({ paste: (event, view) => actions.paste(event, view), beforeinput: overwrite }),
       writable.of(EditorState.readOnly.of(false)),
     ],
   });
@@ -57,6 +57,18 @@ export function makeTextPane(place, nonce, actions) {
     begin: (text) => view.setState(extensions(text.replaceAll("\r\n", "\n"))),
     mark: (range) => view.dispatch({ effects: choose.of(range) }),
   };
+}
+
+// Chromium gives what is typed over a selection a style of its own, which the page forbids: the editor inserts it itself.
+function overwrite(event, view) {
+  const { from, to, empty } = view.state.selection.main;
+  const text = event.data;
+  if (event.inputType !== "insertText" || empty || view.composing || !text) return false;
+  const insert = () => view.state.update(view.state.replaceSelection(text), { userEvent: "input.type", scrollIntoView: true });
+  const isHandled = view.state.facet(EditorView.inputHandler).some((handle) => handle(view, from, to, text, insert));
+  if (!isHandled) view.dispatch(insert());
+  event.preventDefault();
+  return true;
 }
 
 function linesOf(state, range) {

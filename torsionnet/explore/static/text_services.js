@@ -1,20 +1,25 @@
 // What the server knows of the text at a place: completion, hover, definition, renaming, formatting, outline.
 
-import { hoverTooltip } from "./vendor/codemirror.min.js";
+import { hoverTooltip, snippet } from "./vendor/codemirror.min.js";
 import { ask, quietly } from "./api.js";
 import { chooseOne, writeOne } from "./dialogs.js";
 import { applyEdits, select } from "./edits.js";
 import { say } from "./saying.js";
 
 const BEGUN = /[\w.]$|[:,[{]\s$/; // typing on here asks for words by itself
+const GAP = /: [,}]/; // a value that is still to be written; Tab goes from one to the next
 const KINDS = { "element type": "type", entry: "property", node: "variable", parameter: "constant", unit: "unit", size: "enum" };
 
 export async function complete(context) {
   const { state, pos: at } = context;
   const line = state.doc.lineAt(at);
   if (!context.explicit && !BEGUN.test(line.text.slice(0, at - line.from))) return null;
-  const { options } = await ask("complete", { text: state.doc.toString(), at }).catch(() => ({}));
-  if (!options?.length || context.aborted) return null;
+  const begun = context.matchBefore(/[\w.]+/);
+  const text = state.doc.toString();
+  const offered = async (place) => (await ask("complete", { text, at: place }).catch(() => ({}))).options ?? [];
+  let options = await offered(at);
+  if (!options.length && begun) options = await offered(begun.from); // what may stand here, for the editor to choose from
+  if (!options.length || context.aborted) return null;
   const [only] = options;
   if (options.length === 1 && state.sliceDoc(only.from, only.to) === only.insert) return null; // it stands there already
   const from = Math.min(...options.map((one) => one.from));
@@ -30,7 +35,8 @@ function option({ label, kind, detail, documentation, insert, from, to }, start,
     boost: -Math.min(place, 90) / 10, // the server's order, unless what is typed speaks for another
     apply: (view, _, begin, end) => {
       const [first, last] = [begin + from - start, end + Math.max(0, to - at)];
-      view.dispatch({ changes: { from: first, to: last, insert }, selection: { anchor: first + insert.length }, userEvent: "input.complete", scrollIntoView: true });
+      if (GAP.test(insert) && !insert.includes("\n")) return snippet(insert.replaceAll(/: (?=[,}])/g, ": ${}"))(view, null, first, last);
+      return view.dispatch({ changes: { from: first, to: last, insert }, selection: { anchor: first + insert.length }, userEvent: "input.complete", scrollIntoView: true });
     },
   };
 }
