@@ -171,6 +171,25 @@ def test_parts_of_the_model_its_files_and_the_library(tmp_path: Path) -> None:
     assert "more.yaml" in labels("include: [|", tmp_path)
 
 
+def test_bands_have_units() -> None:
+    assert labels("report: {band: 0.3..40 |")[0] == "Hz"
+    assert labels("report: {band: [0.3 |")[0] == "Hz"
+    assert "rpm" in labels("speeds: {of: a, range: 300..750 |")
+
+
+def test_nodes_of_used_parts_have_the_name_of_the_use() -> None:
+    use = "use: {left: {part: half_shaft, at: {inner: d, road: e}}}\nelements: {m: {type: lock, node: "
+    found = labels(use + "|")
+    assert {"d", "e", "left.hub"} <= set(found)
+    assert "left.inner" not in found
+    assert "left.k" in labels(use + "d}, n: {type: spring, stiffness: 2 * lef|")
+
+
+def test_lines_may_end_as_on_windows() -> None:
+    text = "elements:\r\n  m: {type: lock, node: |}\r\n  n: {type: lock, node: q}\r\n"
+    assert labels(text) == ["q"]
+
+
 def test_channels_configurations_and_the_report() -> None:
     text = HEAD + "  shaft: {type: spring, nodes: [a, b], stiffness: k}\n"
     assert labels(text + "inputs: {T: {|") == ["torque", "angle"]

@@ -62,14 +62,15 @@ class ModelNames:
         for _, use in self._uses():
             for at in _table(use, "at").values():
                 found |= dict.fromkeys(one for one in (at if isinstance(at, list) else [at]) if isinstance(one, str))
-        for prefix, part in self._copies():
-            found |= dict.fromkeys(f"{prefix}.{node}" for node in _nodes_of(_table(part, "elements").values()))
+        for prefix, part, joined in self._copies():
+            inner = _nodes_of(_table(part, "elements").values())
+            found |= dict.fromkeys(f"{prefix}.{node}" for node in inner if node not in joined)
         found.pop(GROUND, None)
         return tuple(found)
 
     def names(self, section: str) -> tuple[str, ...]:
         """Names in a section of the model, and of those in the parts that it uses, which begin with that of the use."""
-        used = [f"{prefix}.{name}" for prefix, part in self._copies() for name in _table(part, section)]
+        used = [f"{prefix}.{name}" for prefix, part, _ in self._copies() for name in _table(part, section)]
         return (*map(str, self.table(section)), *used)
 
     @cached_property
@@ -104,14 +105,14 @@ class ModelNames:
     def _uses(self) -> Iterator[tuple[str, Mapping[str, Any]]]:
         yield from ((str(name), use) for name, use in self.table("use").items() if isinstance(use, Mapping))
 
-    def _copies(self) -> Iterator[tuple[str, Mapping[str, Any]]]:
-        """Prefix of each copy of a part that the model uses, and the data of the part."""
+    def _copies(self) -> Iterator[tuple[str, Mapping[str, Any], set[str]]]:
+        """Prefix of each copy of a part that the model uses, the data of the part, and nodes with another name here."""
         for name, use in self._uses():
             part = self.parts.get(str(use.get("part")), {})
             repeat = use.get("repeat")
             count = min(repeat, _MOST_COPIES_SHOWN) if isinstance(repeat, int) else 0
             for prefix in [f"{name}{number}" for number in range(1, count + 1)] or [name]:
-                yield prefix, part
+                yield prefix, part, {GROUND, *map(str, _table(use, "at")), *map(str, _listed(use.get("chain")))}
 
     def places_on(self, element: str) -> tuple[str, ...]:
         """Ports of an element and its nodes."""

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from torsionnet.core.entries.band import Band, Bands
 from torsionnet.core.entries.composite import Named, Nested, Typed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.number_table import NumberTable
@@ -101,6 +102,8 @@ def _of_whole(spec: Spec[Any], step: str | int) -> Spec[Any] | None:
     """Specification of an entry within one that is read as a whole."""
     if isinstance(spec, NodePair):
         return NodeName("a node")
+    if isinstance(spec, Band | Bands) or type(spec).__name__ == "SpeedBand":
+        return spec
     if isinstance(spec, BoundsEntry):
         return AnyQuantity("a bound")
     if isinstance(spec, DampingQuantity | LossFactor):

@@ -28,7 +28,7 @@ from torsionnet.text.completion_option import CompletionOption, Writing, summary
 from torsionnet.text.completion_places import KindWord, entry_place
 from torsionnet.text.completion_units import units_of, usual_units
 
-_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s+(?=\D|$)")
+_NUMBER = re.compile(r"(?:\S+?\s*\.\.\s*)?[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s+(?![\d*/+()-])")
 _NAME = re.compile(r"[A-Za-z_][\w.]*$|$")
 _CALL = re.compile(rf"({'|'.join(ELEMENT_QUANTITIES)})\(\s*")
 
@@ -160,7 +160,7 @@ def _pair(writing: Writing) -> Iterator[CompletionOption]:
 
 def _quantities(writing: Writing, spec: Spec[Any]) -> Iterator[CompletionOption]:
     """Units after a number, and parameters in expressions."""
-    named = getattr(spec, "dimension", "")
+    named = _dimension_name(spec)
     number = _NUMBER.match(writing.word)
     takes_parameters = isinstance(spec, QuantityKind | AnyQuantity)
     if number and (named in DIMENSIONS or isinstance(spec, AnyQuantity)):
@@ -175,6 +175,15 @@ def _quantities(writing: Writing, spec: Spec[Any]) -> Iterator[CompletionOption]
             dimension = _dimension(written)
             if parameter not in writing.place.path and (wanted is None or dimension in (None, wanted)):
                 yield CompletionOption(parameter, "parameter", parameter, str(written or ""), "", begin)
+
+
+def _dimension_name(spec: Spec[Any]) -> str:
+    """Name of the dimension of an entry, also of one that holds a band."""
+    from torsionnet.core.entries.band import Band, Bands
+
+    if isinstance(spec, Band | Bands):
+        return "frequency"
+    return "speed" if type(spec).__name__ == "SpeedBand" else getattr(spec, "dimension", "")
 
 
 def _written(raw: Any) -> Any:
