@@ -128,7 +128,10 @@ class Piece:
         if dx == 0 == dy:
             return replace(self, **{entry.name: copy(getattr(self, entry.name)) for entry in fields(self)})
         return Piece(
-            [stroke.shifted(dx, dy) for stroke in self.strokes],
+            [
+                Stroke(tuple([(x + dx, y + dy) for x, y in points]), look, closed, fill, owner)
+                for points, look, closed, fill, owner in self.strokes
+            ],
             [label.shifted(dx, dy) for label in self.labels],
             [shifted_box(box, dx, dy) for box in self.boxes],
             [shifted_box(box, dx, dy) for box in self.wires],
@@ -185,13 +188,8 @@ class Piece:
     @property
     def extent(self) -> Box:
         """Edges x0, x1, y0, y1 in points of the smallest rectangle around the piece of the drawing and the origin."""
-        boxes = np.array([*self.boxes, *self.wires, (0, 0, 0, 0)])
-        return (
-            float(boxes[:, 0].min()),
-            float(boxes[:, 1].max()),
-            float(boxes[:, 2].min()),
-            float(boxes[:, 3].max()),
-        )
+        left, right, low, high = zip(*self.boxes, *self.wires, (0.0, 0.0, 0.0, 0.0), strict=True)
+        return float(min(left)), float(max(right)), float(min(low)), float(max(high))
 
 
 class Owned:
