@@ -173,6 +173,21 @@ MENDED = {  # what is wrong in BASE, the title of the first fix; the fix gives B
     "unused": ("  k: 1", "  c: 3\n  k: 1", 'delete "c"', ""),
     "misspelt definition": ("torque: motor", "torque: motr", 'write "motor"', ""),
     "line break": ("chain\nparameters:", "chain parameters:", "begin parameters on a line of its own", ""),
+    "no colon": ("  k: 1", "  k 1", 'write "k: "', ""),
+    "equals sign": ("  k: 1", "  k = 1", 'write "k: "', ""),
+    "equals sign in brackets": ("stiffness: k", "stiffness = k", 'write "stiffness: "', ""),
+    "no colon after type": ("type: spring", "type spring", 'write "type: "', ""),
+    "no colon before brackets": ("T_M: {", "T_M {", "write a colon before the bracket", ""),
+    "no brackets": ("[motor, wheel]", "motor, wheel", "write [motor, wheel]", ""),
+    "parentheses": ("[motor, wheel]", "(motor, wheel)", "write [motor, wheel]", ""),
+    "semicolon": ("[motor, wheel]", "[motor; wheel]", "write [motor, wheel]", ""),
+    "one node in brackets": ("node: wheel", "node: [wheel]", "write wheel", ""),
+    "no indentation": (
+        "  vehicle: {type: inertia, node: wheel, inertia: 2}",
+        "  vehicle:\n  type: inertia\n  node: wheel\n  inertia: 2",
+        'indent the entries of "vehicle"',
+        "  vehicle:\n    type: inertia\n    node: wheel\n    inertia: 2",
+    ),
     "character": ("chain", "ch\x01ain", "delete this character", ""),
 }  # fmt: skip
 
@@ -192,6 +207,13 @@ def test_a_node_named_once_is_the_misspelt_one():
     text = BASE.replace("node: motor", "node: moto", 1)
     (fix,) = [fix for one in text_faults(text) for fix in one.fixes if fix.title == 'write "motor"']
     assert edited(text, fix.edits) == BASE
+
+
+def test_a_number_without_unit_gets_the_likely_one():
+    shaft = "type: shaft, nodes: [motor, wheel], outer_diameter: 480, length: 1 m"
+    text = BASE.replace("type: spring, nodes: [motor, wheel], stiffness: k", shaft)
+    titles = [fix.title for one in text_faults(text) for fix in one.fixes]
+    assert "write 480 mm" in titles
 
 
 def test_fixes_of_a_json_file_are_json():

@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 
 from torsionnet.core.errors import Fault, UsageError
-from torsionnet.text import entry_fixes, name_fixes, value_fixes
+from torsionnet.text import entry_fixes, name_fixes, notation_fixes, value_fixes
 from torsionnet.text.entry_edits import WrittenText
 from torsionnet.text.fault_place import FaultPlace
 from torsionnet.text.text_edits import TextEdit, TextFix, TextSpan
 
 _RULES: tuple[Callable[[FaultPlace], Iterable[TextFix]], ...] = (
+    notation_fixes.colon_for_equals,
+    notation_fixes.nodes_in_brackets,
+    notation_fixes.entries_indented,
     name_fixes.name_meant,
     value_fixes.sign_of_product,
     value_fixes.number_meant,

@@ -166,6 +166,8 @@ def _bracket(here: _Break) -> Iterator[TextFix]:
     yield here.inserted(f"close with {close}", there.content_end, close)
     for found in re.finditer(r"(?<=[\w\]}\"'])\s+(?=\w+\s*:)", inside):
         yield here.inserted("insert a comma", opened + found.start(), ",")
+    for found in re.finditer(r"(?<=\w)\s*(?=\{)", inside):
+        yield here.replaced("write a colon before the bracket", opened + found.start(), opened + found.end(), ": ")
     if here.offset > opened:
         before = len(here.text[: here.offset].rstrip())
         yield here.inserted("insert a comma", before, ",")
@@ -190,6 +192,11 @@ def _colon(here: _Break) -> Iterator[TextFix]:
 def _missing_colon(here: _Break) -> Iterator[TextFix]:
     """A colon after a word alone on its line, here or above."""
     for number in range(here.number, here.number - 3, -1):
+        line = here.line_at(number).partition(" #")[0]
+        pair = re.fullmatch(r"(\s*[A-Za-z_]\w*)(\s*[=:]\s*|\s+)(\S.*)", line)
+        if pair and pair[2] != ": " and 0 <= number < len(here.lines.starts):
+            start = here.lines.starts[number] + pair.end(1)
+            yield here.replaced(f'write "{pair[1].strip()}: "', start, start + len(pair[2]), ": ")
         word = re.fullmatch(r"(\s*\w+)\s*", here.line_at(number).partition(" #")[0])
         if word and 0 <= number < len(here.lines.starts):
             yield here.inserted("write a colon after the name", here.lines.starts[number] + word.end(1), ":")

@@ -1,0 +1,78 @@
+"""Quick fixes for who does not know YAML: equals signs, parentheses, lists without brackets, no indentation."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from torsionnet.model.files.located_yaml import LocatedNode
+from torsionnet.model.files.value_editing import node_at
+from torsionnet.text.entry_edits import STEP
+from torsionnet.text.fault_place import FaultPlace
+from torsionnet.text.text_edits import TextEdit, TextFix, TextSpan
+
+_NAME_AND_VALUE = re.compile(r"(\w+)(\s*[=:]\s*|\s+)(\S.*)")
+_EQUALS = re.compile(r"(\w+)\s*=\s*(\S.*)")
+
+
+def colon_for_equals(place: FaultPlace) -> Iterator[TextFix]:
+    """A colon and a blank between a name and its value, where an equals sign or nothing stands."""
+    path, span = place.fault.path, place.span
+    if place.fault.message.startswith("expected entries by name, got '"):
+        found = _NAME_AND_VALUE.fullmatch(place.shown)
+    elif place.fault.kind == "unknown key":
+        found = _EQUALS.fullmatch(place.shown)
+    elif place.fault.message.startswith("an element needs a type"):
+        node = node_at(place.written.document, path)
+        key = next((key for key in (node.entries if node else ()) if re.fullmatch(r"type[\s=:]+\w+", str(key))), "")
+        if not key or node is None:
+            return
+        start = place.written.key_start(node.entries[key])
+        span = TextSpan(start, start + len(str(key)))
+        found = re.fullmatch(r"(type)([\s=:]+)(\w+)", str(key))
+    else:
+        return
+    if found:
+        value = found[found.re.groups]
+        yield from place.fix(f'write "{found[1]}: "', TextEdit(span, f"{found[1]}: {value}"))
+
+
+def nodes_in_brackets(place: FaultPlace) -> Iterator[TextFix]:
+    """Two nodes as a list in brackets, one node without."""
+    message, text, span = place.fault.message, place.written.text, place.value_span
+    if span is None:
+        return
+    shown = text[span.start : span.end]
+    if message.startswith("expected two nodes"):
+        several = re.match(r"\(?\s*(\w+)\s*[,;]\s*(\w+)\s*\)?(?=\s*([,}]|$))", text[span.start :], re.MULTILINE)
+        listed = re.fullmatch(r"\[\s*(\w+)\s*[;/-]\s*(\w+)\s*\]", shown)
+        found = listed or several
+        if found:
+            new = f"[{found[1]}, {found[2]}]"
+            yield from place.fix(f"write {new}", TextEdit(TextSpan(span.start, span.start + found.end()), new))
+    elif message.startswith("expected the name of a node, got ["):
+        one = re.fullmatch(r"\[\s*(\w+)\s*\]", shown)
+        if one:
+            yield from place.fix(f"write {one[1]}", TextEdit(span, one[1]))
+
+
+def entries_indented(place: FaultPlace) -> Iterator[TextFix]:
+    """Entries of an element indented that stand in one column with its name."""
+    path, written = place.fault.path, place.written
+    if not place.fault.message.endswith("got nothing") or len(path) < 2 or path[-2] != "elements":
+        return
+    siblings = written.node(path[:-1])
+    if written.is_flow(siblings):
+        return
+    keys = list(siblings.entries)
+    own: list[LocatedNode] = []
+    for key in keys[keys.index(path[-1]) + 1 :]:
+        node = siblings.entries[key]
+        if node.value is None or isinstance(node.value, dict):
+            break
+        own.append(node)
+    if own:
+        first, last = written.lines.place(written.key_start(own[0]))[0], written.lines.place(written.end(own[-1]))[0]
+        starts = written.lines.starts[first : last + 1]
+        edits = [TextEdit(TextSpan(start, start), STEP) for start in starts]
+        yield from place.fix(f'indent the entries of "{path[-1]}"', *edits)
