@@ -347,6 +347,30 @@ def test_no_broken_text_raises(seed: int) -> None:
         try_offset("".join(chars), dice.randrange(len(chars)))
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "[" * 50_000,
+        "{a: " * 20_000,
+        "- " * 10_000,
+        "a:\n" * 5_000,
+        "a: [\n" * 5_000,
+        "".join(" " * depth + "a:\n" for depth in range(800)),
+        "".join(" " * depth + "a: [1]\n" for depth in range(400)),
+        "".join(" " * depth + "a: [\n" for depth in range(400)),
+        "elements: {" + "a: {type: spring, nodes: [a, b]}, " * 3_000,
+        "name: " + "1.." * 20_000,
+        "x" * 100_000,
+    ],
+)
+def test_hostile_texts_take_bounded_time(text: str) -> None:
+    before = time.process_time()
+    for end in (len(text), len(text) // 2):
+        completions(text, end)
+        completions(text[:end], end)
+    assert time.process_time() - before < 10
+
+
 def test_completion_keeps_pace_with_typing() -> None:
     ship = MODELS["two_stroke_ship"].read_text(encoding="utf-8")
     at = ship.index("inertia:") + 4

@@ -156,6 +156,8 @@ def test_no_text_raises(seed: int) -> None:
         "- " * 10_000,
         "a:\n" * 10_000,
         "".join(" " * depth + "a:\n" for depth in range(1500)),
+        "".join(" " * depth + "a: [1]\n" for depth in range(400)),
+        "".join(" " * depth + "a: [\n" for depth in range(400)),
         "'" * 50_000,
         "a: [\n" * 5_000,
         "a: *b\n" * 1_000,

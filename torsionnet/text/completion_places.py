@@ -17,6 +17,7 @@ from torsionnet.core.errors import Path
 from torsionnet.model.configurations import AlternativeEntry
 from torsionnet.model.element_base.damping_entries import DampingQuantity, LossFactor
 from torsionnet.model.element_base.nodes import NodeName, NodePair
+from torsionnet.model.files.located_yaml import MOST_LEVELS
 from torsionnet.model.parameters import BoundsEntry
 from torsionnet.text.mentions import Scope
 from torsionnet.text.name_homes import changed_section
@@ -63,6 +64,8 @@ def entry_place(data: Any, path: Path) -> EntryPlace:
     spec: Spec[Any] | None = Nested("the file", lambda: cls, "file")
     around: tuple[Any, ...] = ()
     raw = data
+    if len(path) > MOST_LEVELS:
+        return EntryPlace(None, None)
     for step in path:
         around = (*around, raw)
         if isinstance(spec, AlternativeEntry) and "." in str(step):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from torsionnet.core.errors import Path
@@ -141,16 +141,17 @@ class _Cursor:
         )  # fmt: skip
 
     def path_above(self, indent: int, is_dash: bool) -> Path:
-        found = self.above(indent, is_dash)
+        """Keys and indices of the entries that the line of the cursor belongs to by its indentation alone."""
+        found = self.above(indent, is_dash, by_indent=True)
         return () if isinstance(found, CursorContext) else found
 
-    def above(self, level: int, is_dash: bool) -> Path | CursorContext:
+    def above(self, level: int, is_dash: bool, *, by_indent: bool = False) -> Path | CursorContext:
         """Keys and indices of the entries that the line of the cursor belongs to by its indentation.
 
         Where one of them opens a flow mapping or a text that still holds the cursor, the place in it.
         """
         path: list[str | int] = []
-        open_ = self.open_flow() if self.row else None
+        open_ = self.open_flow() if self.row and not by_indent else None
         if open_ is not None:
             return open_
         for row in range(self.row - 1, -1, -1):
@@ -166,11 +167,11 @@ class _Cursor:
                 continue
             levels, rest = _levels(line)
             value = line[rest:].strip()
-            if value[:1] in ("{", "["):
-                found = self.flow(row, rest, self.path_of(row), levels)
+            if value[:1] in ("{", "[") and not by_indent:
+                found = self.flow(row, rest, (), levels)
                 if found is not None:
-                    return found
-            if value[:1] in ("|", ">"):
+                    return replace(found, path=(*self.path_of(row), *found.path))
+            if value[:1] in ("|", ">") and not by_indent:
                 return self.plain((), True, self.column, is_text=True)
             for inner in reversed(levels):
                 is_above = inner.column < level or (is_dash and inner.column == level and inner.key is not None)
@@ -205,7 +206,7 @@ class _Cursor:
             if self.line(above)[rest : rest + 1] in ("{", "["):
                 found = self.flow(above, rest, (), levels)
                 if found is not None:
-                    return self.flow(above, rest, self.path_of(above), levels)
+                    return replace(found, path=(*self.path_of(above), *found.path))
                 if levels:
                     return None
         return None

@@ -205,8 +205,8 @@ class _Reading:
         if self.has_places:  # else the value is one that is kept for later readings
             root.key_place = (first, head.start(2), first, head.end(2))
         yield head[2].strip("\"'"), root
-        if not goes_on:
-            yield from self.entries(first + 1, last, depth)
+        if not goes_on:  # one level deeper, so that a staircase of lines ends
+            yield from self.entries(first + 1, last, depth + 1)
 
     def bare_value(self, first: int, last: int, depth: int) -> Iterator[Entry]:
         """Entries of a flow mapping or list without a key, as in a list or where the whole file is one."""
