@@ -1,8 +1,8 @@
 // The schematic: the server's SVG, whose groups are elements and nodes that can be chosen by mouse and keys.
 
 const SVG = "http://www.w3.org/2000/svg";
-const LEAST = 0.75; // scale; a longer drivetrain is scrolled rather than made smaller
-const MOST = 1.5;
+const LEAST = 1.15; // pixels for a point; a longer drivetrain is scrolled rather than made smaller
+const MOST = 1.7;
 const FORBIDDEN = "script, foreignObject, style, a, image, iframe, animate, set";
 
 export function makeSchematic(place, actions) {
