@@ -19,8 +19,8 @@ from torsionnet.model.element_base.damping_entries import DampingQuantity, LossF
 from torsionnet.model.element_base.nodes import NodeName, NodePair
 from torsionnet.model.files.located_yaml import MOST_LEVELS
 from torsionnet.model.parameters import BoundsEntry
-from torsionnet.text.mentions import Scope
-from torsionnet.text.name_homes import changed_section
+from torsionnet.text.naming.mentions import Scope
+from torsionnet.text.naming.name_homes import changed_section
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path as FolderPath
 
 from torsionnet.core.entries.named_files import files_beside
-from torsionnet.text.entry_under import entry_under
-from torsionnet.text.hover_entries import key_words, value_words
-from torsionnet.text.hover_things import thing_words
+from torsionnet.text.explaining.entry_under import entry_under
+from torsionnet.text.explaining.hover_entries import key_words, value_words
+from torsionnet.text.explaining.hover_things import thing_words
 from torsionnet.text.name_definition import place_at
 from torsionnet.text.named_places import NamesInText
 from torsionnet.text.text_edits import TextSpan

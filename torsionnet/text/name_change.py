@@ -115,7 +115,7 @@ def _taken(found: NamedPlace, new: str, places: Iterable[NamedPlace]) -> str:
 
 
 def _homes(places: Iterable[NamedPlace], home: Path, new: str) -> Counter[Path]:
-    """How often each thing is named, after one of them has another name."""
+    """Number of times that each thing is named, after one of them has another name."""
 
     def changed(path: Path) -> Path:
         return (*home[:-1], new, *path[len(home) :]) if path[: len(home)] == home else path

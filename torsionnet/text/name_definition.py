@@ -1,4 +1,4 @@
-"""Where the thing that a model text names at a place is defined, and where else it is named."""
+"""Definition of what a model text names at a place, and the other places that name it."""
 
 from __future__ import annotations
 

@@ -11,9 +11,9 @@ from torsionnet.core.entries.named_files import files_beside
 from torsionnet.core.entries.spec import Spec
 from torsionnet.core.errors import Path
 from torsionnet.model.files.located_yaml import LocatedNode, Place
-from torsionnet.text.mentions import Mention, Scope
-from torsionnet.text.name_homes import changed_section, homes
-from torsionnet.text.name_stretches import Stretches, scalar_places
+from torsionnet.text.naming.mentions import Mention, Scope
+from torsionnet.text.naming.name_homes import changed_section, homes
+from torsionnet.text.naming.name_stretches import TextStretches, scalar_places
 from torsionnet.text.text_edits import TextLines, TextSpan
 
 SECTION_KINDS = {
@@ -71,7 +71,7 @@ class NamesInText:
     """
 
     root: LocatedNode | None
-    stretches: Stretches
+    stretches: TextStretches
     places: tuple[NamedPlace, ...] = ()
     unplaced: set[Path] = field(default_factory=set)
 
@@ -81,7 +81,7 @@ class NamesInText:
         from torsionnet.text.tolerant_reading import tolerant_document
 
         document = tolerant_document(text.removeprefix("\ufeff"), file)
-        stretches = Stretches(TextLines(text), 1 if text.startswith("\ufeff") else 0)
+        stretches = TextStretches(TextLines(text), 1 if text.startswith("\ufeff") else 0)
         found = cls(document.root, stretches)
         if document.root is not None and isinstance(document.root.value, Mapping):
             with files_beside(None):  # what other files hold names nothing here
@@ -92,7 +92,7 @@ class NamesInText:
 class _Walk:
     """Walk through the entries of a model, each by its specification."""
 
-    def __init__(self, root: LocatedNode, stretches: Stretches, unplaced: set[Path]) -> None:
+    def __init__(self, root: LocatedNode, stretches: TextStretches, unplaced: set[Path]) -> None:
         self.root, self.stretches, self.unplaced = root, stretches, unplaced
         self.found: dict[TextSpan, NamedPlace] = {}
 

@@ -14,8 +14,8 @@ from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.errors import TorsionnetError
 from torsionnet.core.expressions import Expression
 from torsionnet.core.units import expected_unit
-from torsionnet.text.entry_under import EntryUnder
-from torsionnet.text.value_words import KnownValues, code, prose
+from torsionnet.text.explaining.entry_under import EntryUnder
+from torsionnet.text.explaining.value_words import KnownValues, code, prose
 
 
 def key_words(entry: EntryUnder) -> str:

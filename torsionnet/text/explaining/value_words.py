@@ -12,7 +12,7 @@ from torsionnet.core.errors import TorsionnetError
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.core.number_text import screen_text
 from torsionnet.core.units import DIMENSIONS, Dimension, expected_unit
-from torsionnet.text.mentions import Scope
+from torsionnet.text.naming.mentions import Scope
 
 _MARKS = re.compile(r"([\\`*_<>\[\]])")
 

@@ -7,10 +7,10 @@ from typing import Any
 
 from torsionnet.core.errors import TorsionnetError
 from torsionnet.core.number_text import screen_text
-from torsionnet.text.hover_entries import class_of, first_sentence
-from torsionnet.text.mentions import Scope
+from torsionnet.text.explaining.hover_entries import class_of, first_sentence
+from torsionnet.text.explaining.value_words import KnownValues, code, prose
 from torsionnet.text.named_places import NamedPlace, NamesInText
-from torsionnet.text.value_words import KnownValues, code, prose
+from torsionnet.text.naming.mentions import Scope
 
 MOST_LISTED = 12
 """Largest number of things that an explanation lists."""
@@ -134,7 +134,7 @@ def _element(place: NamedPlace, scope: Scope) -> str:
 def _values(cls: Any, raw: Mapping[str, Any]) -> Iterable[tuple[str, Any, str]]:
     """Key, expression and dimension of each value that an element gives."""
     from torsionnet.core.expressions import Expression
-    from torsionnet.text.hover_entries import read_expression
+    from torsionnet.text.explaining.hover_entries import read_expression
 
     for key, spec in cls.specs() if cls else ():
         if isinstance(raw.get(key), str | int | float) and not isinstance(raw[key], bool):

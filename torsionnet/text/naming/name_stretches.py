@@ -14,7 +14,7 @@ _ANCHOR = re.compile(r"[&!]\S*\s+")
 
 
 @dataclass(frozen=True)
-class Stretches:
+class TextStretches:
     """Text of a model with the places of its values.
 
     Places are counted from ``first``, where the text begins after its byte order mark.

@@ -1,4 +1,4 @@
-"""What a name in a model stands for: a thing of the model, of a part that it uses, or within an element."""
+"""Things that a name in a model stands for: those of the model, of a part that it uses, or of an element."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.spec import Spec
 from torsionnet.core.errors import Path
 from torsionnet.model.files.located_yaml import LocatedNode
-from torsionnet.text.mentions import CHANGED, Mention, Scope
+from torsionnet.text.naming.mentions import CHANGED, Mention, Scope
 
 _TABLES = {"element": "elements", "parameter": "parameters", "excitation": "excitations"}
 

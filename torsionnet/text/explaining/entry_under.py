@@ -9,9 +9,9 @@ from typing import Any
 from torsionnet.core.entries.spec import Spec
 from torsionnet.core.errors import Path
 from torsionnet.model.files.located_yaml import LocatedNode
-from torsionnet.text.mentions import Scope
-from torsionnet.text.name_homes import changed_section
 from torsionnet.text.named_places import NamesInText
+from torsionnet.text.naming.mentions import Scope
+from torsionnet.text.naming.name_homes import changed_section
 from torsionnet.text.text_edits import TextSpan
 
 

@@ -1,0 +1,1 @@
+"""Words on the names, keys and values of a model text."""
