@@ -254,3 +254,16 @@ def test_wires_go_the_cheapest_way(seed):
         assert way == plain_search(cost, start, goal)
         found += way is not None
     assert found > 20
+
+
+def test_of_two_ways_around_a_wall_the_same_one_is_always_taken():
+    """Above and below the wall it is as far to the gap behind it."""
+    cost = np.ones((12, 11), dtype=int)
+    cost[3, 2:9] = -1
+    cost[6, :] = -1
+    cost[6, 5] = 1
+    way = wiring._shortest(wiring.Grid(0.0, 0.0, cost), (0, 5), (9, 7))
+    assert way == plain_search(cost, (0, 5), (9, 7))
+    mirrored = wiring._shortest(wiring.Grid(0.0, 0.0, cost), (0, 5), (9, 3))
+    assert mirrored == plain_search(cost, (0, 5), (9, 3))
+    assert (6, 5) in way
