@@ -11,9 +11,9 @@ from torsionnet.model.files.fault_positions import presentable_faults
 from torsionnet.model.files.located_yaml import compose
 from torsionnet.model.files.reader import read_text
 from torsionnet.text.entry_edits import WrittenText
+from torsionnet.text.fixes.quick_fixes import quick_fixes
+from torsionnet.text.fixes.syntax_fixes import syntax_fixes
 from torsionnet.text.partial_faults import partial_faults
-from torsionnet.text.quick_fixes import quick_fixes
-from torsionnet.text.syntax_fixes import syntax_fixes
 from torsionnet.text.text_edits import TextFix, TextLines, TextSpan
 from torsionnet.text.unstable_configurations import unstable_configurations
 

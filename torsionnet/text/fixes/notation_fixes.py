@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from torsionnet.model.files.located_yaml import LocatedNode
 from torsionnet.model.files.value_editing import node_at
 from torsionnet.text.entry_edits import STEP
-from torsionnet.text.fault_place import FaultPlace
+from torsionnet.text.fixes.fault_place import FaultPlace
 from torsionnet.text.text_edits import TextEdit, TextFix, TextSpan
 
 _NAME_AND_VALUE = re.compile(r"(\w+)(\s*[=:]\s*|\s+)(\S.*)")

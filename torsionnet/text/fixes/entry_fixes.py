@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from torsionnet.core.errors import ModelError
 from torsionnet.model.files.located_yaml import compose
 from torsionnet.text.entry_edits import WrittenText
-from torsionnet.text.example_values import example_values
-from torsionnet.text.fault_place import FaultPlace
+from torsionnet.text.fixes.example_values import example_values
+from torsionnet.text.fixes.fault_place import FaultPlace
 from torsionnet.text.text_edits import TextEdit, TextFix, TextSpan, edited
 
 _SECTIONS_OF_NAMES = ("elements", "parameters", "inputs", "sensors", "excitations", "use", "parts", "scenarios")

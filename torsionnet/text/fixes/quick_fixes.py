@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 
 from torsionnet.core.errors import Fault, UsageError
-from torsionnet.text import entry_fixes, name_fixes, notation_fixes, value_fixes
 from torsionnet.text.entry_edits import WrittenText
-from torsionnet.text.fault_place import FaultPlace
+from torsionnet.text.fixes import entry_fixes, name_fixes, notation_fixes, value_fixes
+from torsionnet.text.fixes.fault_place import FaultPlace
 from torsionnet.text.text_edits import TextEdit, TextFix, TextSpan
 
 _RULES: tuple[Callable[[FaultPlace], Iterable[TextFix]], ...] = (

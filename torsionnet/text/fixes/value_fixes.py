@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterator
 
 from torsionnet.model.files.value_editing import node_at
-from torsionnet.text.example_values import example_values
-from torsionnet.text.fault_place import MEANT, NUMBER, QUOTED, FaultPlace
+from torsionnet.text.fixes.example_values import example_values
+from torsionnet.text.fixes.fault_place import MEANT, NUMBER, QUOTED, FaultPlace
 from torsionnet.text.text_edits import TextEdit, TextFix, TextSpan
 
 _TO_WRITE = re.compile(r"write (?:the ratio as a number \()?([^;)]+)")

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from torsionnet.model.files.value_editing import node_at
-from torsionnet.text.fault_place import MEANT, NUMBER, QUOTED, FaultPlace, word_edits
+from torsionnet.text.fixes.fault_place import MEANT, NUMBER, QUOTED, FaultPlace, word_edits
 from torsionnet.text.text_edits import TextEdit, TextFix, TextSpan
 
 _GOT = re.compile(r"got '([^']*)'")

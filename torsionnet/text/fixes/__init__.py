@@ -1,0 +1,1 @@
+"""Quick fixes: edits of a model text that mend one of its faults each."""
