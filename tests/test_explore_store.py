@@ -181,7 +181,7 @@ class TestLinks:
         assert "leads elsewhere now" in store(server, NEW, disk)["reason"]
         assert (elsewhere / "rig.yaml").read_text(encoding="utf-8") == RIG
 
-    @pytest.mark.parametrize("swap", ["link", "pipe", "folder"])
+    @pytest.mark.parametrize("swap", ["link", "circle", "pipe", "folder"])
     def test_a_swap_in_the_last_moment_writes_nowhere_else(self, file, tmp_path, monkeypatch, swap):
         """The file is exchanged between the check and the replacement."""
         own, other = DiskFile(file), tmp_path / "other.yaml"
@@ -192,6 +192,8 @@ class TestLinks:
             file.unlink()
             if swap == "link":
                 file.symlink_to(other)
+            elif swap == "circle":
+                file.symlink_to(file)
             elif swap == "pipe":
                 os.mkfifo(file)
             else:

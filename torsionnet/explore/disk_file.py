@@ -129,15 +129,20 @@ class DiskFile:
             return Stored(_version(content, self.path.name))
 
     def _reason(self, found: DiskVersion, disk: str) -> str:
-        if self._given.resolve() != self.path:
+        if not self._leads_here():
             return "the name of the file leads elsewhere now; nothing is written: start torsionnet explore again"
-        if self.path.is_symlink():
-            return "a link stands where the file was; nothing is written: start torsionnet explore again"
         if found.name == disk:
             return "" if disk == GONE else self.refusal
         if found.name == GONE:
             return "the file is gone; store again to write it anew, or save the text as a file of its own"
         return "the file has been changed by another program since the page read it"
+
+    def _leads_here(self) -> bool:
+        """Whether the name of the start still leads to the file of the start, and to no link in its place."""
+        try:
+            return self._given.resolve() == self.path
+        except (OSError, RuntimeError):  # the latter of links that lead in a circle, up to Python 3.12
+            return False
 
     def _signature(self) -> Signature | None:
         try:
