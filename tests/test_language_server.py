@@ -37,12 +37,13 @@ class Editor:
     def __init__(self, client, folder):
         self.client, self.folder = client, folder
         self.told, self.logged, self.registered = {}, [], []
-        self.versions, self.texts = {}, {}
+        self.versions, self.texts, self.count = {}, {}, 0
         self.news = asyncio.Event()
 
         @client.feature(lsp.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS)
         def published(params):
             self.told[params.uri] = params
+            self.count += 1
             self.news.set()
 
         @client.feature(lsp.WINDOW_LOG_MESSAGE)
@@ -456,6 +457,7 @@ def test_the_newest_text_wins(tmp_path):
         assert with_error(await editor.faults()) == []
         await asyncio.sleep(0.5)
         assert editor.told[editor.uri("model.yaml")].version == 41
+        assert editor.count <= 10  # what was typed over was not told
 
     assert session(tmp_path, talk).logged == []
 

@@ -87,10 +87,10 @@ class ModelServer(LanguageServer):
     def closed(self, uri: str) -> None:
         """Forget a file, and take its diagnostics away."""
         self.checks.drop(uri)
-        for kept in (self.found, self.read):
-            kept.pop(uri, None)
+        self.read.pop(uri, None)
         self.models.discard(uri)
-        self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, []))
+        if self.found.pop(uri, None) is not None:
+            self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, []))
         for other in self._reading(_real_path(uri)):
             self.checks.ask(other, CHANGE_DELAY)
 
@@ -104,21 +104,12 @@ class ModelServer(LanguageServer):
             return
         version = self.workspace.text_documents[uri].version
         try:
-            faults, shown = await self._run(self._checking, uri, lambda: self._checked(model))
+            faults, shown, read = await self._run(self._checking, uri, lambda: _checked(model))
         except Exception as error:  # noqa: BLE001
             self.tell(f"checking {model.file}", error)
             return
-        self.found[uri] = model, faults
+        self.found[uri], self.read[uri] = (model, faults), read
         self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, shown, version))
-
-    def _checked(self, model: OpenModel) -> tuple[list[LocatedFault], list[types.Diagnostic]]:
-        """Faults of a model and its diagnostics; the files that it reads are noted, whatever the check ends with."""
-        with files_recorded() as recorded:
-            try:
-                faults = faults_in_editor(model)
-            finally:
-                self.read[model.uri] = set(recorded)
-        return faults, diagnostics(model, faults)
 
     def faults(self, model: OpenModel) -> list[LocatedFault]:
         """Faults of a text, found anew where the last ones are of another text."""
@@ -180,6 +171,13 @@ class ModelServer(LanguageServer):
         """Stop the threads; a check that is running is not waited for by the editor."""
         for workers in (self._checking, self._answering):
             workers.shutdown(wait=False, cancel_futures=True)
+
+
+def _checked(model: OpenModel) -> tuple[list[LocatedFault], list[types.Diagnostic], set[Path]]:
+    """Faults of a model, its diagnostics, and the files that it reads."""
+    with files_recorded() as recorded:
+        faults = faults_in_editor(model)
+    return faults, diagnostics(model, faults), set(recorded)
 
 
 def _real_path(uri: str) -> Path | None:
