@@ -157,6 +157,27 @@ class TestLibrary:
         assert "360 N·m·s/rad" not in schematic_answer(session, State({"gear": "V"}))["svg"]
 
 
+def test_of_a_large_model_the_lowest_modes_move(tmp_path):
+    """A chain of equal discs, free at both ends: omega_n = 2 sqrt(k/J) sin(n pi/(2 N))."""
+    count, elements = 130, []
+    for place in range(count):
+        elements.append(f"  J{place}: {{type: inertia, node: n{place}, inertia: 2 kg*m^2}}")
+        if place:
+            elements.append(f"  k{place}: {{type: spring, nodes: [n{place - 1}, n{place}], stiffness: 800 N*m/rad}}")
+    path = tmp_path / "chain.yaml"
+    inputs = "inputs:\n  T: {torque: n0}\n"
+    path.write_text("torsionnet: 1\nname: chain\nelements:\n" + "\n".join(elements) + f"\n{inputs}", encoding="utf-8")
+    found = motion_answer(open_session(path), State())
+    expected = [2 * math.sqrt(800 / 2) * math.sin(n * math.pi / (2 * count)) / (2 * math.pi) for n in range(12)]
+    np.testing.assert_allclose([mode["frequency_hz"] for mode in found["modes"]], expected, rtol=1e-8, atol=1e-6)
+    assert found["notes"][0] == "130 nodes: the 12 lowest modes can be moved"
+    # Both ends swing alike, in phase for even numbers and against each other for odd ones.
+    for number, mode in enumerate(found["modes"]):
+        (first, phase), (last, other) = mode["nodes"]["n0"], mode["nodes"][f"n{count - 1}"]
+        assert first == pytest.approx(last, abs=1e-4)
+        assert math.cos(phase - other) == pytest.approx((-1) ** number, abs=1e-4)
+
+
 class TestRequests:
     def test_pictures_are_answered_with_the_revision(self, documents):
         drawing, moved = (

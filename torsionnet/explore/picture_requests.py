@@ -6,12 +6,14 @@ from collections.abc import Callable
 from typing import Any, TypeAlias
 
 from torsionnet.core.errors import TorsionnetError
-from torsionnet.explore.answers import collected_notes, fault_texts, page_modes
+from torsionnet.explore.answers import MANY_NODES, collected_notes, fault_texts, page_modes
 from torsionnet.explore.mode_motion import mode_motion
 from torsionnet.explore.session import Session
 from torsionnet.explore.state import State
 
 Make: TypeAlias = Callable[[Session, State], dict[str, Any]]
+MOST_MOVING = 12
+"""Number of lowest modes of a large model that the page can move; each more takes time while the text is written."""
 BYTES_OF_MOTION = 100
 """Size in bytes of the motion of one node in one mode, roughly."""
 
@@ -54,8 +56,10 @@ def _schematic(session: Session, state: State) -> dict[str, Any]:
 def _motion(session: Session, state: State) -> dict[str, Any]:
     rig = session.model_for(state)
     with collected_notes() as notes:
-        found = mode_motion(rig, page_modes(rig))
-    return found | {"notes": list(dict.fromkeys([*found["notes"], *notes]))}
+        is_large = len(rig.nodes) > MANY_NODES
+        found = mode_motion(rig, rig.modes(lowest=MOST_MOVING) if is_large else page_modes(rig))
+    said = [f"{len(rig.nodes)} nodes: the {MOST_MOVING} lowest modes can be moved"] if is_large else []
+    return found | {"notes": list(dict.fromkeys([*said, *found["notes"], *notes]))}
 
 
 def _kept(session: Session, state: State, what: str, make: Make) -> dict[str, Any]:
