@@ -351,8 +351,8 @@ class TestServices:
         edits = page.ask("rename", text=RIG, at=at, name="rotor")["edits"]
         assert [one["text"] for one in edits] == ["rotor"] * len(edits)
         assert "refused" in page.ask("rename", text=RIG, at=0, name="x")
-        options = page.ask("complete", text=RIG, at=at + 2)["options"]
-        assert [(one["label"], one["from"], one["to"]) for one in options][:1] == [("motor", at, at + 2)]
+        options = page.ask("complete", text=RIG, at=at + len("motor"))["options"]
+        assert [(one["label"], one["from"], one["to"]) for one in options][:1] == [("motor", at, at + len("motor"))]
         for question in ("hover", "definition"):
             assert "refused" not in page.ask(question, text=RIG, at=at)
         assert isinstance(page.ask("format", text=RIG)["edits"], list)
