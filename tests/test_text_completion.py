@@ -16,8 +16,8 @@ from torsionnet.core.units import DIMENSIONS, parse_unit
 from torsionnet.model.element_base.element import ELEMENT_TYPES
 from torsionnet.model.files.library import library_models
 from torsionnet.model.files.located_yaml import LocatedNode, compose
+from torsionnet.text.completing.completion_units import units_of
 from torsionnet.text.completion import Completion, completions
-from torsionnet.text.completion_units import units_of
 from torsionnet.text.text_edits import TextEdit, TextLines, edited
 
 MODELS = library_models()

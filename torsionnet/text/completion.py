@@ -14,7 +14,7 @@ from torsionnet.text.text_edits import TextSpan
 from torsionnet.text.tolerant_reading import tolerant_data
 
 if TYPE_CHECKING:
-    from torsionnet.text.completion_option import CompletionOption
+    from torsionnet.text.completing.completion_option import CompletionOption
 
 MOST_OPTIONS = 1000
 """Largest number of options of one completion, as nobody looks through more."""
@@ -77,11 +77,11 @@ def completions(text: str, offset: int, file: str = "", folder: FolderPath | Non
 
 
 def _fitting(text: str, offset: int, context: CursorContext, folder: FolderPath | None) -> Iterator[Completion]:
-    from torsionnet.text.completion_keys import key_options
-    from torsionnet.text.completion_names import ModelNames
-    from torsionnet.text.completion_option import Writing
-    from torsionnet.text.completion_places import entry_place, holds_entries
-    from torsionnet.text.completion_values import value_options
+    from torsionnet.text.completing.completion_keys import key_options
+    from torsionnet.text.completing.completion_names import ModelNames
+    from torsionnet.text.completing.completion_option import Writing
+    from torsionnet.text.completing.completion_places import entry_place, holds_entries
+    from torsionnet.text.completing.completion_values import value_options
 
     word = text[context.word.start : offset]
     rest = _REST.match(text, offset) if word.strip() else None

@@ -23,10 +23,10 @@ from torsionnet.model.files.library import library_models
 from torsionnet.model.parts.use import OneOrEach
 from torsionnet.model.report.report_pair import PairEntry
 from torsionnet.model.report.report_plan import SectionName
-from torsionnet.text.completion_keys import kind_of, typed_options
-from torsionnet.text.completion_option import CompletionOption, Writing, summary
-from torsionnet.text.completion_places import KindWord, entry_place
-from torsionnet.text.completion_units import units_of, usual_units
+from torsionnet.text.completing.completion_keys import kind_of, typed_options
+from torsionnet.text.completing.completion_option import CompletionOption, Writing, summary
+from torsionnet.text.completing.completion_places import KindWord, entry_place
+from torsionnet.text.completing.completion_units import units_of, usual_units
 
 _NUMBER = re.compile(r"(?:\S+?\s*\.\.\s*)?[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s+(?![\d*/+()-])")
 _NAME = re.compile(r"[A-Za-z_][\w.]*$|$")

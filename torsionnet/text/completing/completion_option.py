@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 from torsionnet.core.entries.scalars import QuantityKind, Value
 from torsionnet.core.entries.spec import Spec
 from torsionnet.core.units import expected_unit
-from torsionnet.text.completion_names import ModelNames
-from torsionnet.text.completion_places import EntryPlace
+from torsionnet.text.completing.completion_names import ModelNames
+from torsionnet.text.completing.completion_places import EntryPlace
 from torsionnet.text.cursor_context import CursorContext
 
 

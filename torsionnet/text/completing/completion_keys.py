@@ -16,8 +16,8 @@ from torsionnet.model.element_base.damping_entries import DampingQuantity, LossF
 from torsionnet.model.element_base.laws import GROUND
 from torsionnet.model.element_base.nodes import NodeName
 from torsionnet.model.element_base.quantity_table import TableByNode
-from torsionnet.text.completion_option import CompletionOption, Writing, summary, unit_text
-from torsionnet.text.completion_places import class_at, holds_entries, properties_of
+from torsionnet.text.completing.completion_option import CompletionOption, Writing, summary, unit_text
+from torsionnet.text.completing.completion_places import class_at, holds_entries, properties_of
 
 _NEW = "name of a new entry"
 """Key that stands for any name in a table by name."""
