@@ -41,7 +41,8 @@ def entry_under(names: NamesInText, offset: int) -> EntryUnder | None:
         return None
     scope = Scope((), names.root.value)
     specs: Mapping[Any, Spec[Any]] = Definition.entry_specs(names.root.value)
-    node, path, owner = names.root, (), None
+    node, owner = names.root, None
+    path: Path = ()
     found: EntryUnder | None = None
     while True:
         hit = _child_at(names, node, offset)
