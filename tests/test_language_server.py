@@ -3,7 +3,9 @@
 import asyncio
 import io
 import json
+import os
 import re
+import signal
 import subprocess
 import sys
 import time
@@ -577,6 +579,16 @@ def test_an_editor_that_goes_away_ends_the_server():
     found, done = answers(START)
     assert [one["id"] for one in found] == [1]
     assert done.returncode == 1  # it did not say goodbye
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows sends no SIGINT to one process")
+def test_ctrl_c_ends_a_server_that_somebody_started_by_hand():
+    with subprocess.Popen(COMMAND, stdin=subprocess.PIPE, stdout=subprocess.PIPE, cwd=ROOT) as process:
+        process.stdin.write(START)
+        process.stdin.flush()
+        assert process.stdout.readline().startswith(b"Content-Length")
+        process.send_signal(signal.SIGINT)
+        assert process.wait(PATIENCE) == 130
 
 
 def test_a_failing_service_becomes_a_message_in_the_log(monkeypatch):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Awaitable, Callable
 
-CHANGE_DELAY = 0.15
+CHANGE_DELAY = 0.1
 """Time in s without a further change after which a changed text is checked, as nobody reads while typing."""
 
 

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import logging
 import os
+import signal
 from typing import BinaryIO
 
 from torsionnet.language_server.features import add_features
 from torsionnet.language_server.guarded_input import GuardedInput
 from torsionnet.language_server.model_server import ModelServer
+
+INTERRUPTED = 130
+"""Exit code after Ctrl-C."""
 
 
 def serve(requests: BinaryIO, answers: BinaryIO) -> int:
@@ -26,6 +30,8 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> int:
 
 def serve_standard_streams() -> int:
     """Answer an editor on standard input and output; whatever else is printed goes to the messages on stderr."""
+    # A thread waits for the next message and cannot be interrupted; there is nothing to be saved.
+    signal.signal(signal.SIGINT, lambda *_: os._exit(INTERRUPTED))
     requests = os.fdopen(os.dup(0), "rb")
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)

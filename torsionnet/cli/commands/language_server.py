@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import sys
+
 from torsionnet.cli.command import Answer, Command, click_command
+from torsionnet.cli.terminal import message
 
 LSP_NEEDED = 'the language server needs the package pygls: pip install "torsionnet[lsp]"'
 
@@ -21,6 +24,8 @@ class LanguageServerCommand(Command):
             import pygls.lsp.server  # noqa: F401
         except ImportError as error:
             raise MissingExtraError(LSP_NEEDED) from error
+        if sys.stdin is not None and sys.stdin.isatty():
+            message("note", "an editor starts this command and talks with it; Ctrl-C ends it")
         from torsionnet.language_server.standard_streams import serve_standard_streams
 
         return Answer(exit_code=serve_standard_streams())
