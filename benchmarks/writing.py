@@ -1,0 +1,128 @@
+"""Times from a keystroke in the text pane to faults, schematic with modes, and response, beside the commands for them.
+
+The server of the page runs in a process of its own. Another client asks it for responses over speed all the time, as a
+page does while a slider moves; each keystroke is one digit of a stiffness.
+"""
+
+import itertools
+import json
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import urllib.request
+from contextlib import contextmanager
+from pathlib import Path
+
+from benchmarks._sizes import sized
+
+ROOT = Path(__file__).parents[1]
+GOALS = {"two_stroke_ship": (80, 150, 200), "200 nodes": (400, 400, 400)}
+"""Model -> goals in ms for faults, schematic with modes, and response, as 95th percentiles."""
+WHAT = ("faults", "schematic and modes", "response")
+KEYSTROKES, RUNS = sized(40, 3), sized(5, 1)
+
+
+def chain(nodes=200):
+    """Text of a model of that many discs on shafts, one line for each element."""
+    lines = ["torsionnet: 1", f"name: chain of {nodes} discs", "elements:"]
+    for k in range(nodes):
+        lines.append(f"  disc_{k}: {{type: inertia, node: n{k}, inertia: {1 + k % 7} kg*m^2}}")
+        if k:
+            ends = f"nodes: [n{k - 1}, n{k}]"
+            lines.append(
+                f"  shaft_{k}: {{type: spring, {ends}, stiffness: {1 + k % 5}00 kN*m/rad, damping: 20 N*m*s/rad}}"
+            )
+    return "\n".join([*lines, "inputs: {T: {torque: n0}}", "sensors: {theta: {angle: n9}}", ""])
+
+
+@contextmanager
+def page(path):
+    """Address of a page of that model, served by a process of its own."""
+    command = [sys.executable, "-m", "torsionnet", "explore", str(path), "--no-browser"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, cwd=ROOT) as server:
+        try:
+            yield server.stdout.readline().strip()
+        finally:
+            server.terminate()
+
+
+def asked(address, question, **entries):
+    """Answer of the page's server, a JSON object."""
+    request = urllib.request.Request(
+        f"{address}api/{question}", json.dumps(entries).encode(), {"Content-Type": "application/json"}
+    )
+    with urllib.request.urlopen(request) as answer:
+        return json.load(answer)
+
+
+def keystrokes(text):
+    """Texts that differ in one digit of the first stiffness from one to the next."""
+    found = re.search(r"\n +(?:k_\w+|shaft_1): [^\n]*?(?:value|stiffness): (\d)", text)
+    assert found is not None
+    for digit in itertools.cycle("123456789"):
+        yield text[: found.start(1)] + digit + text[found.end(1) :]
+
+
+def measured(path):
+    """Times in ms of all keystrokes, to faults, to schematic with modes, and to the response."""
+    with page(path) as address:
+        opened = asked(address, "open", document="bench")
+        state = asked(address, "model", document="bench")["start"]
+        stop = threading.Event()
+
+        def busy():
+            while not stop.is_set():
+                asked(address, "answer", document="bench", kind="other", **state)
+
+        other = threading.Thread(target=busy, daemon=True)
+        other.start()
+        times = []
+        for revision, text in zip(range(1, KEYSTROKES + 1), keystrokes(opened["text"]), strict=False):
+            began = time.perf_counter()
+            found = asked(address, "text", document="bench", revision=opened["revision"] + revision, text=text)
+            assert found["sound"], found
+            faults = time.perf_counter()
+            asked(address, "schematic", document="bench", **state)
+            asked(address, "motion", document="bench", **state)
+            picture = time.perf_counter()
+            asked(address, "answer", document="bench", **state)
+            times.append([1000 * (at - began) for at in (faults, picture, time.perf_counter())])
+            time.sleep(0.05)
+        stop.set()
+        other.join()
+    return times[1:]  # the first one loads what the others find loaded
+
+
+def command(*words):
+    """Time in ms of a command that tells the same, once for each saved file."""
+    began = time.perf_counter()
+    subprocess.run(
+        [sys.executable, "-m", "torsionnet", *map(str, words)], stdout=subprocess.DEVNULL, cwd=ROOT, check=True
+    )
+    return 1000 * (time.perf_counter() - began)
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        ship, line = Path(folder) / "two_stroke_ship.yaml", Path(folder) / "chain.yaml"
+        ship.write_text((ROOT / "library" / "two_stroke_ship.yaml").read_text("utf-8"), "utf-8")
+        line.write_text(chain(), "utf-8")
+        for (name, goals), path in zip(GOALS.items(), (ship, line), strict=True):
+            times = measured(path)
+            for what, goal, column in zip(WHAT, goals, zip(*times, strict=True), strict=True):
+                ordered = sorted(column)
+                late = ordered[min(int(0.95 * len(ordered)), len(ordered) - 1)]
+                verdict = "reached" if late <= goal else "missed"
+                half = statistics.median(ordered)
+                print(f"{name}: to {what} {half:.0f} ms, 95th percentile {late:.0f} ms (goal {goal}: {verdict})")
+            for what in ("check", "modes"):
+                took = statistics.median(command(what, path) for _ in range(RUNS))
+                print(f"{name}: torsionnet {what} on the saved file {took:.0f} ms")
+
+
+if __name__ == "__main__":
+    main()
