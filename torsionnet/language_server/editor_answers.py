@@ -63,7 +63,7 @@ _SYMBOLS = {
 
 
 def completion_list(model: OpenModel, at: EditorPosition) -> CompletionList:
-    """What can be written at a position, in the order of the service."""
+    """Proposals for what is written at a position, in the order of the service."""
     from torsionnet.text.completion import completions
 
     found = completions(model.text, model.shown.offset(at), model.file, model.folder)
