@@ -50,4 +50,4 @@ writing = await openText(nonce, schematic);
 const model = await ask("model");
 if (model.refused) results.refuse(model.refused);
 else results.show(model);
-writing.check();
+writing.begin();

@@ -26,7 +26,7 @@ export function makeSync(view, first, shown) {
     shown.faults(answer.faults);
     globalThis.torsionnet.lastFaults = performance.now() - begun;
     shown.stale(!sound);
-    if (answer.model && !answer.model.refused) shown.model(answer.model, begun);
+    if (answer.model && revision !== first) shown.model(answer.model, begun); // the first one is there already
     outline({ text: sent.text }, begun);
   }, failed);
 

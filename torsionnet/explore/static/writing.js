@@ -100,7 +100,10 @@ export async function openText(nonce, schematic) {
     view,
     opened,
     button,
-    check: () => sync.now(),
+    begin: () => {
+      file.mark();
+      sync.now();
+    },
     // The place where an element or a node is written.
     goTo(kind, name) {
       const found = sync.outline().find((item) => item.kind === kind && item.name === name);
