@@ -12,7 +12,11 @@ from torsionnet.explore import ExploreServer, open_documents
 
 ROOT = Path(__file__).parents[1]
 WIDE = {"width": 1440, "height": 900}
-README_MODEL = re.search(r"```yaml\n(torsionnet: 1\nname: motor and load\n.*?)```", (ROOT / "README.md").read_text(), re.S)[1]
+README_MODEL = re.search(
+    r"```yaml\n(torsionnet: 1\nname: motor and load\n.*?)```",
+    (ROOT / "README.md").read_text(encoding="utf-8"),
+    re.DOTALL,
+)[1]
 
 
 @contextmanager
@@ -109,5 +113,3 @@ def writing_on(chromium, server, **options):
         assert found.console == [], found.console
         asked = {urlsplit(url).netloc for url in found.requests if not url.startswith(("blob:", "data:"))}
         assert asked == {urlsplit(server.address).netloc}
-
-

@@ -400,6 +400,19 @@ def test_static_files_are_all_there_and_ask_for_nothing_else():
     assert "MIT" in (STATIC / "vendor" / "LICENSE-uPlot.txt").read_text(encoding="utf-8")
 
 
+def test_text_pane_is_built_from_a_lockfile_without_hosts():
+    """The licences name each package in the version that the lockfile has."""
+    bundle = STATIC.parent / "bundle"
+    lock = (bundle / "package-lock.json").read_text(encoding="utf-8")
+    assert "http" not in lock
+    licences = (STATIC / "vendor" / "LICENSE-codemirror.txt").read_text(encoding="utf-8")
+    packages = {path.removeprefix("node_modules/"): one for path, one in json.loads(lock)["packages"].items() if path}
+    bundled = {name: one for name, one in packages.items() if "esbuild" not in name}
+    assert "@codemirror/view" in bundled
+    for name, one in bundled.items():
+        assert f"{name} {one['version']} (MIT)" in licences
+
+
 class TestCommand:
     @pytest.mark.parametrize(
         ("arguments", "code", "said"),

@@ -76,6 +76,7 @@ def test_wheel_holds_models_and_type_marker(wheel, library_names):
     assert files >= {f"torsionnet/library/{name}.yaml" for name in library_names}
     page = ("index.html", "main.js", "style.css", "vendor/uPlot.iife.min.js", "vendor/LICENSE-uPlot.txt")
     page += ("vendor/codemirror.min.js", "vendor/LICENSE-codemirror.txt")
+    assert not any(name.startswith("torsionnet/explore/bundle/") for name in files)
     assert files >= {f"torsionnet/explore/static/{name}" for name in page}
     templates = Path(__file__).parents[1] / "torsionnet" / "report" / "writers" / "templates"
     assert files >= {f"torsionnet/report/writers/templates/{template.name}" for template in templates.iterdir()}
