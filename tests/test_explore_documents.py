@@ -58,6 +58,12 @@ def natural(answer):
 
 
 class TestTexts:
+    def test_every_tab_is_told_the_same_of_the_text_of_the_start(self, page):
+        """The first one takes the drivetrain that the page was opened with, the second reads the text itself."""
+        first, second = (page.type(page.ask("open", tab)["text"], 1, tab)["faults"] for tab in ("first", "second"))
+        assert first == second
+        assert "can turn freely" in first[0]["message"]
+
     def test_a_text_is_opened_typed_and_calculated(self, page):
         opened = page.ask("open")
         assert opened["text"] == RIG

@@ -19,7 +19,7 @@ from torsionnet.explore.session import Session
 from torsionnet.explore.session_remaking import SessionOptions, remade_session
 from torsionnet.model.files.reader import read_text
 from torsionnet.text.text_edits import TextLines, TextSpan
-from torsionnet.text.text_faults import LocatedFault, stretched_faults
+from torsionnet.text.text_faults import LocatedFault, stretched_faults, text_faults
 from torsionnet.text.unstable_configurations import unstable_configurations
 
 Answer = dict[str, Any]
@@ -88,14 +88,14 @@ class Document:
         self.faults: list[LocatedFault] = []
         self.sound: SoundText | None = None
         self._examined: tuple[int, str] | None = None
-        self._is_sound = False
+        self._is_sound, self._has_faults = False, True
         self._examining, self._changing = Lock(), Lock()
         self._texts: NewestTurn[Answer] = NewestTurn()
         self._calculations: NewestTurn[Answer] = NewestTurn()
         self._pictures: NewestTurn[Answer] = NewestTurn()
         if start is not None:
             self.sound, self._examined = SoundText(start, 0, start.describe()), (0, text)
-            self._is_sound = True
+            self._is_sound, self._has_faults = True, False
 
     @property
     def is_alive(self) -> bool:
@@ -159,7 +159,7 @@ class Document:
                 now = self.revision, self.text
             if self._examined != now:
                 self._examine(*now)
-                self._examined = now
+                self._examined, self._has_faults = now, True
             return self.sound
 
     def _with_revision(self, calculate: Callable[[Session], Answer], *, for_pictures: bool = False) -> Answer:
@@ -176,6 +176,10 @@ class Document:
     def _text_answer(self) -> Answer:
         self.examined()
         revision, text = self._examined or (self.revision, self.text)
+        with self._examining:
+            if not self._has_faults:  # the text of the start was read before it had this document
+                self.faults = text_faults(text, str(self.options.path), self.options.folder)
+                self._has_faults = True
         model = self.sound.described | {"revision": revision} if self.sound and self._is_sound else None
         faults = faults_data(text, self.faults)
         return {"revision": revision, "sound": model is not None, "faults": faults, "model": model}

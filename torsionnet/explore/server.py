@@ -241,7 +241,7 @@ def pages() -> dict[str, Page]:
     """Content and media type of every file of the explore page by URL path, the start page also by the empty path.
 
     >>> sorted(path for path in pages() if path.endswith((".html", ".css")))
-    ['index.html', 'style.css', 'vendor/uPlot.min.css']
+    ['index.html', 'panes.css', 'style.css', 'vendor/uPlot.min.css']
     """
     files = [path for path in sorted(STATIC.rglob("*")) if path.suffix in TYPES]
     found = {path.relative_to(STATIC).as_posix(): Page(path.read_bytes(), TYPES[path.suffix]) for path in files}

@@ -27,7 +27,7 @@ def pasted_model(table: str) -> dict[str, Any]:
     --------
     >>> found = pasted_model("mass\\tJ [kg m²]\\tk [MNm/rad]\\ncyl 1\\t0,45\\t2,1\\nflywheel\\t14\\t")
     >>> found["text"].splitlines()[4]
-    '  cyl_1: {type: inertia, node: cyl_1, inertia: 0.45 kg*m^2}'
+    '  cyl_1: {type: inertia, node: cyl_1, inertia: 0.45 kg m², description: cyl 1}'
     >>> pasted_model("elements:\\n  a: {type: inertia}")
     {'no_table': True}
     """

@@ -58,7 +58,7 @@ def names_a_model(text: str) -> bool:
 
 
 def is_parts_text(text: str) -> bool:
-    """Whether a text is that of a file of parts, which models include, and which is no model itself.
+    r"""Whether a text is that of a file of parts, which models include, and which is no model itself.
 
     >>> is_parts_text("torsionnet: 1\nparts: {}"), is_parts_text("torsionnet: 1\nparts: {}\nelements: {}")
     (True, False)

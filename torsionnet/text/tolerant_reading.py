@@ -61,7 +61,7 @@ def tolerant_document(text: str, file: str = "") -> LocatedDocument:
 
 
 def tolerant_data(text: str) -> Any:
-    """Data that can be read of a text by its indentation, without places; what was read before is taken from memory.
+    r"""Data that can be read of a text by its indentation, without places; what was read before is taken from memory.
 
     Examples
     --------

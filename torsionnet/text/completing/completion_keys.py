@@ -79,7 +79,7 @@ def _names(writing: Writing, spec: Spec[Any], given: Mapping[Any, Any]) -> Itera
 
 
 def _changed(writing: Writing, given: Mapping[Any, Any]) -> Iterator[CompletionOption]:
-    """What an alternative of a configuration changes: parameters, and entries as ``box.engaged``."""
+    """Options for what an alternative of a configuration changes: parameters, and entries as ``box.engaged``."""
     for name in writing.names.names("parameters"):
         if name not in given:
             yield CompletionOption(name, "parameter", _with_colon(writing, name), "parameter")

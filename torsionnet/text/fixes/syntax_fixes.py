@@ -233,7 +233,7 @@ def _joined(here: _Break) -> Iterator[TextFix]:
 
 
 def _behind(here: _Break) -> Iterator[TextFix]:
-    """What stands behind a value in brackets, deleted."""
+    """Fix that deletes what stands behind a value in brackets."""
     found = re.search(r"(?<=[}\]])[^}\]\s,#]+$", here.text[here.start : here.content_end])
     if found:
         start = here.start + found.start()

@@ -51,7 +51,7 @@ def point_for_comma(place: FaultPlace) -> Iterator[TextFix]:
 
 
 def as_said(place: FaultPlace) -> Iterator[TextFix]:
-    """What the message says one should write."""
+    """Fix that writes what the message says one should write."""
     message = place.fault.message
     found, quoted = _TO_WRITE.search(message), QUOTED.search(message)
     if not found or not quoted or "decimal comma" in message or "it is a parameter" in message or '"' in found[1]:
