@@ -1,1 +1,1 @@
-"""Options that may follow at a place of a model text, keys, values, names and units, from the specifications of entries."""
+"""Options for what is written at a place of a model text: keys, values, names, units, by the specifications of entries."""
