@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
 import tempfile
 from pathlib import Path
@@ -32,7 +33,7 @@ elements:
 operating_point: {torque: {crank: 200 N*m, wheel: -800 N*m}}
 """
 """The model on the page about laws of motion, under 200 N m."""
-SIZE = {"width": 1440, "height": 900}
+SIZE, TALL = {"width": 1440, "height": 900}, {"width": 1440, "height": 1100}
 ESTIMATE = "--input T_T --output theta_1 --preset paper --from 0.5 --to 40"
 
 
@@ -42,6 +43,19 @@ def write_test_response(folder: Path) -> Path:
     torsionnet(["bench", "amt_bench", "-c", "V", "-o", str(record)])
     torsionnet(["estimate", str(record), *ESTIMATE.split(), "--csv", str(response)])
     return response
+
+
+def _line() -> Path:
+    path = Path("line.yaml")
+    path.write_text(LINE, encoding="utf-8")
+    return path
+
+
+def hide(found: Any, *panes: str) -> None:
+    """Hide panes of the explore page by their buttons, so that the curves have their place."""
+    for pane in panes:
+        found.page.locator("header button", has_text=pane).first.click()
+    found.page.wait_for_timeout(300)
 
 
 def pin_and_change_oil_damping(found: Any) -> None:
@@ -90,19 +104,23 @@ def main() -> None:
         overlay = write_test_response(Path(folder))
         with (
             serving("amt_rig", configuration="V", pairs=[ResponseChoice("theta_1", "T_T")], overlay=overlay) as server,
-            visit(browser, server.address, viewport=SIZE) as found,
+            visit(browser, server.address, viewport=TALL) as found,
         ):
             pin_and_change_oil_damping(found)
-            found.page.screenshot(path=str(PICTURE), full_page=True)
+            found.page.screenshot(path=str(PICTURE))
         with (
             serving("marine_medium_speed", over_speed=["T_crank"]) as server,
             visit(browser, server.address, viewport=SIZE) as found,
         ):
+            hide(found, "Text", "Schematic")
             pin_and_soften_damper(found)
             found.page.screenshot(path=str(OVER_SPEED))
-        line = Path(folder) / "line.yaml"
-        line.write_text(LINE)
-        with serving(line) as server, visit(browser, server.address, viewport=SIZE) as found:
+        with (
+            contextlib.chdir(folder),  # for a short command at the bottom
+            serving(_line()) as server,
+            visit(browser, server.address, viewport=SIZE) as found,
+        ):
+            hide(found, "Schematic")
             pin_and_reduce_torque(found)
             found.page.screenshot(path=str(POINT))
         browser.close()
