@@ -11,6 +11,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.core.units import RPM
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.explore.page_numbers import CONVENTIONS_BY_ANGLE, json_numbers
+from torsionnet.explore.speed_limits import speed_limits
 from torsionnet.explore.tested_orders import orders_of_test, tested_orders
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import OrderResponse
@@ -30,6 +31,8 @@ def over_speed(
     rig: Drivetrain, output: str, *, rough: bool = False, test: str | os.PathLike[str] | None = None
 ) -> dict[str, Any]:
     """Half range of all orders and amplitudes of the largest ones over speed, as JSON data in SI with their units.
+
+    With them the limits of the model that hold for the output, see :func:`.speed_limits`.
 
     Parameters
     ----------
@@ -66,6 +69,7 @@ def over_speed(
         "tested": tested,
         "count": len(run.lines),
         "thinned": thinned,
+        **speed_limits(rig, run),
     }
 
 

@@ -14,7 +14,7 @@ export function makePlots(places, actions) {
   // `panels` say which side of the curves a plot shows and with which options of uPlot; `form` is what these depend on.
   // Plots are made anew only if something changes that uPlot cannot change in place.
   function draw(curves, panels, form) {
-    const looks = curves.map(({ kind, colour: ink, faint, dash, width }) => [kind, ink, faint, dash, width]);
+    const looks = curves.map(({ kind, colour: ink, faint, dash, width, isFar }) => [kind, ink, faint, dash, width, isFar]);
     const wanted = JSON.stringify([looks, form]);
     const data = panels.map(({ side }) => joined(curves, side));
     if (wanted === shape) {
@@ -53,7 +53,7 @@ function common(place, curves, actions) {
       sync: { key: "plots" },
       y: false,
       drag: { x: true, y: false, setScale: false },
-      dataIdx: (plot, number, index) => (curves[number - 1]?.doubtful ? null : nearestValue(plot, number, index)),
+      dataIdx: (plot, number, index) => (curves[number - 1]?.doubtful ? null : curves[number - 1]?.isLimit ? index : nearestValue(plot, number, index)),
       points: { size: 7, width: 2, fill: colour("paper") },
       bind: { dblclick: () => () => actions.widen() },
     },
@@ -70,7 +70,7 @@ function series(curve, index) {
     alpha: curve.faint || curve.doubtful ? 0.3 : 1,
     dash: DASHES[curve.dash],
     spanGaps: true,
-    auto: !curve.doubtful, // lines of a test that nobody should trust do not set the scale
+    auto: !curve.doubtful && !curve.isFar, // lines of a test that nobody should trust and far limits do not set the scale
     pxAlign: 0,
     paths: dots ? () => null : undefined,
     points: { show: dots || curve.x.length === 1, size: dots ? 4 : 7, fill: curve.colour, width: 0 },

@@ -1,11 +1,14 @@
-// The plot over speed: linear, from 0, with a mark at the rated speed.
+// The plot over speed: linear, from 0, with a mark at the rated speed, bands of barred ranges and words on the limits.
 
 import { linearTicks, roundUp } from "./axes.js";
+import { short } from "./numbers.js";
 import { AXIS_WIDTH, axis, labelled } from "./plots.js";
 import { colour } from "./theme.js";
 
 const TEXT = 12; // pixels
 const DASH = [6, 4];
+const BAND = 0.16; // opacity of a barred range, on which curves and words stay readable
+const GAP = 4; // pixels between words and lines
 const FAINT = 0.6; // of intervals, behind which the curves stay visible
 
 export function speedPanels(form) {
@@ -15,7 +18,16 @@ export function speedPanels(form) {
     x: { time: false, range: () => form.range },
     y: { range: (_, __, high) => [0, high > 0 ? roundUp(high) : 1] },
   };
-  return [{ side: "magnitude", options: { axes: [x, y], scales, hooks: { draw: [(plot) => mark(plot, form.rated), (plot) => uprights(plot, form.whiskers)] } } }];
+  const hooks = {
+    drawClear: [(plot) => bands(plot, form.barred)],
+    draw: [
+      (plot) => mark(plot, form.rated),
+      (plot) => uprights(plot, form.whiskers),
+      (plot) => bandWords(plot, form.barred),
+      (plot) => limitWords(plot, form.limits),
+    ],
+  };
+  return [{ side: "magnitude", options: { axes: [x, y], scales, hooks } }];
 }
 
 function mark(plot, rated) {
@@ -53,5 +65,74 @@ function uprights(plot, whiskers) {
     ctx.lineTo(at, plot.valToPos(high, "y", true));
     ctx.stroke();
   }
+  ctx.restore();
+}
+
+// Ends of a barred range on the canvas, [] where it is outside of what is shown.
+function ends(plot, [from, to]) {
+  const { left, width } = plot.bbox;
+  const [low, high] = [from, to].map((rpm) => Math.min(left + width, Math.max(left, plot.valToPos(rpm, "x", true))));
+  return high > low ? [low, high] : [];
+}
+
+function bands(plot, barred) {
+  const { ctx, bbox } = plot;
+  ctx.save();
+  ctx.fillStyle = colour("alarm");
+  ctx.globalAlpha = BAND;
+  for (const one of barred) {
+    const [low, high] = ends(plot, one);
+    if (low !== undefined) ctx.fillRect(low, bbox.top, high - low, bbox.height);
+  }
+  ctx.restore();
+}
+
+// Below the top of the band, where it is wide enough, else beside it.
+function bandWords(plot, barred) {
+  const { bbox } = plot;
+  for (const one of barred) {
+    const [low, high] = ends(plot, one);
+    if (low === undefined) continue;
+    const onRight = low < bbox.left + 0.7 * bbox.width;
+    words(plot, "barred", onRight ? low : high, bbox.top + GAP * devicePixelRatio, onRight ? "left" : "right", "top");
+  }
+}
+
+// On the line at its left end; at the top with an arrow where the line is above what is shown.
+function limitWords(plot, limits) {
+  const { x, y } = plot.scales;
+  const above = limits.filter(({ points }) => !points.some(([rpm, size]) => rpm >= x.min && rpm <= x.max && size <= y.max));
+  for (const one of limits) {
+    const seen = one.points.filter(([rpm, size]) => rpm >= x.min && rpm <= x.max && size <= y.max);
+    if (!seen.length) continue;
+    const at = plot.valToPos(seen[0][0], "x", true);
+    const line = plot.valToPos(seen[0][1], "y", true);
+    const below = line - plot.bbox.top < 2 * TEXT * devicePixelRatio;
+    words(plot, one.words, at, line + (below ? GAP : -GAP) * devicePixelRatio, "left", below ? "top" : "bottom");
+  }
+  const off = above.flatMap(({ words: said, points }) => {
+    const sizes = points.filter(([rpm]) => rpm >= x.min && rpm <= x.max).map(([, size]) => size);
+    return sizes.length ? [`${said} above, from ${short(Math.min(...sizes))}`] : [];
+  });
+  off.forEach((said, k) => {
+    const down = plot.bbox.top + (2 * GAP + (k + 1) * (TEXT + GAP)) * devicePixelRatio;
+    words(plot, `↑ ${said}`, plot.bbox.left, down, "left", "top");
+  });
+}
+
+// With the ground of the page behind, so that curves do not cross them.
+function words(plot, said, x, y, align, baseline) {
+  const { ctx } = plot;
+  const inset = (align === "right" ? -GAP : GAP) * devicePixelRatio;
+  ctx.save();
+  ctx.font = `${TEXT * devicePixelRatio}px system-ui, sans-serif`;
+  ctx.textAlign = align;
+  ctx.textBaseline = baseline;
+  ctx.lineWidth = 3 * devicePixelRatio;
+  ctx.lineJoin = "round";
+  ctx.strokeStyle = colour("paper");
+  ctx.fillStyle = colour("alarm");
+  ctx.strokeText(said, x + inset, y);
+  ctx.fillText(said, x + inset, y);
   ctx.restore();
 }
