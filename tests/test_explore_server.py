@@ -236,3 +236,31 @@ def test_two_requests_on_one_connection(server):
     connection.close()
     assert found[0] == found[1]
     assert found[0][0] == 200
+
+
+HIDDEN = "GET /{token}/icon.svg HTTP/1.1\r\nHost: {host}\r\n\r\n"
+
+
+@pytest.mark.parametrize(
+    ("method", "lines"),
+    [
+        ("POST", "Content-Length: 2\r\nContent-Length: {length}\r\n"),
+        ("POST", "Content-Length: {length}\r\nContent-Length: 2\r\n"),
+        ("POST", "Content-Length: 2, {length}\r\n"),
+        ("POST", "Content-Length: 2\r\nno colon\r\nContent-Length: {length}\r\n"),
+        ("POST", "Content-Length: 2\r\nX: a\r\n Content-Length: {length}\r\n"),
+        ("POST", "Content-Length: 2\r\nTransfer-Encoding: chunked\r\n"),
+        ("GET", "Content-Length: {length}\r\n"),
+        ("GET", "Transfer-Encoding: chunked\r\n"),
+    ],
+)
+def test_nothing_in_a_body_is_taken_for_a_request(server, method, lines):
+    places = {"token": server.guard.token, "host": own(server)}
+    hidden = HIDDEN.format(**places)
+    path = "api/model" if method == "POST" else "style.css"
+    head = (
+        f"{method} /{server.guard.token}/{path} HTTP/1.1\r\nHost: {own(server)}\r\nContent-Type: application/json\r\n"
+    )
+    found = raw(server, head + lines.format(length=2 + len(hidden)) + "\r\n{}" + hidden)
+    assert re.findall(r"HTTP/1.1 (\d+)", found) in (["400"], ["411"])
+    assert "Connection: close" in found

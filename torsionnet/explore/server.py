@@ -152,6 +152,7 @@ class Handler(BaseHTTPRequestHandler):
 
     def _guarded(self, respond: Any) -> None:
         try:
+            self._check_end()
             self.server.guard.check_headers(self._only("Host"), self._only("Origin"))
             respond(self.server.guard.path(self.path))
         except RefusedError as refused:
@@ -169,6 +170,13 @@ class Handler(BaseHTTPRequestHandler):
         except Exception as error:  # noqa: BLE001
             text = f"unexpected {type(error).__name__} (a bug in torsionnet; report it with the model file): {error}"
             self._send(HTTPStatus.INTERNAL_SERVER_ERROR, _words(text), JSON)
+
+    def _check_end(self) -> None:
+        """Refuse a header that leaves open where the request ends: its rest would be taken for the next request."""
+        has_body = "Content-Length" in self.headers or "Transfer-Encoding" in self.headers
+        is_folded = any("\n" in value or "\r" in value for value in self.headers.values())
+        if self.headers.defects or is_folded or (self.command == "GET" and has_body):
+            raise RefusedError(HTTPStatus.BAD_REQUEST, "the header of the request is not sound, or GET has a body")
 
     def _only(self, header: str) -> str | None:
         found = self.headers.get_all(header, [])
@@ -195,7 +203,7 @@ class Handler(BaseHTTPRequestHandler):
         self._send(HTTPStatus.OK, found, JSON)
 
     def _body(self, most: int) -> bytes:
-        length = self.headers.get("Content-Length", "")
+        length = self._only("Content-Length") or ""
         if "Transfer-Encoding" in self.headers or not (length.isascii() and length.isdigit()):
             raise RefusedError(HTTPStatus.LENGTH_REQUIRED, "a request needs its Content-Length")
         if len(length) > len(str(most)) or int(length) > most:
