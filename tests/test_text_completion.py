@@ -53,7 +53,16 @@ def test_an_empty_element_offers_its_types_with_what_they_need(place: str) -> No
     found = labels(f"elements:\n  m: {place}")
     assert found[0] == "type"
     assert "inertia with node, inertia" in found
-    assert "spring with nodes" in found
+    assert "spring with nodes, stiffness" in found
+    assert found[1:3] == ["inertia with node, inertia", "spring with nodes, stiffness"]
+
+
+def test_the_usual_types_are_offered_before_those_that_begin_alike() -> None:
+    head = "elements:\n  a: {type: inertia, node: x, inertia: 1}\n  m: "
+    assert labels(f"{head}in|")[0] == "inertia with node, inertia"
+    assert labels(f"{head}s|")[:2] == ["spring with nodes, stiffness", "shaft with nodes, outer_diameter, length"]
+    assert labels("elements: {m: {type: |")[:3] == ["inertia", "spring", "damper"]
+    assert completed(f"{head}gea|", "gear with nodes, ratio").endswith("m: {type: gear, nodes: , ratio: }")
 
 
 def test_a_whole_element_is_laid_out_like_its_neighbours() -> None:

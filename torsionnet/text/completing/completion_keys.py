@@ -21,6 +21,20 @@ from torsionnet.text.completing.completion_places import class_at, holds_entries
 
 _NEW = "name of a new entry"
 """Key that stands for any name in a table by name."""
+USUAL_TYPES = (
+    "inertia",
+    "spring",
+    "damper",
+    "shaft",
+    "gear",
+    "flexible_coupling",
+    "propeller",
+    "planetary",
+    "hysteretic_spring",
+)
+"""Element types that most models are made of, which are offered before the others."""
+_USUAL_ENTRIES = {"spring": ("stiffness",), "flexible_coupling": ("stiffness",), "gear": ("ratio",)}
+"""Entries that nearly every element of a type has though another one can take their place, by type."""
 _COLON = re.compile(r"\w*\s*:(\s|$)")
 
 
@@ -113,9 +127,10 @@ def typed_options(writing: Writing, spec: Typed[Any], *, opens: bool = False) ->
 
     ``opens`` says that the entry stands behind its key, so that it begins with a bracket or on a line of its own.
     """
-    for kind, cls in spec.kinds().items():
-        lines = [f"{spec.key}: {kind}", *(f"{name}: " for name in cls.required())]
-        label = f"{kind} with {', '.join(cls.required())}" if cls.required() else kind
+    for kind, cls in usual_first(spec):
+        needed = (*cls.required(), *(_USUAL_ENTRIES.get(kind, ()) if kind_of(spec) == "element type" else ()))
+        lines = [f"{spec.key}: {kind}", *(f"{name}: " for name in needed)]
+        label = f"{kind} with {', '.join(needed)}" if needed else kind
         if writing.is_flow or (opens and _neighbours_are_flow(writing)):
             insert = ", ".join(lines)
             insert = f"{{{insert}}}" if opens else insert
@@ -123,6 +138,12 @@ def typed_options(writing: Writing, spec: Typed[Any], *, opens: bool = False) ->
             indent = writing.context.indent + (2 if opens else 0)
             insert = f"\n{' ' * indent}".join(["", *lines] if opens else lines)
         yield CompletionOption(label, kind_of(spec), insert, spec.what, summary(cls))
+
+
+def usual_first(spec: Typed[Any]) -> list[tuple[str, type[Declared]]]:
+    """Types with their names, those that most models are made of first."""
+    ranks = {name: rank for rank, name in enumerate(USUAL_TYPES)}
+    return sorted(spec.kinds().items(), key=lambda one: ranks.get(one[0], len(ranks)))
 
 
 def kind_of(spec: Typed[Any]) -> str:

@@ -23,7 +23,7 @@ from torsionnet.model.files.library import library_models
 from torsionnet.model.parts.use import OneOrEach
 from torsionnet.model.report.report_pair import PairEntry
 from torsionnet.model.report.report_plan import SectionName
-from torsionnet.text.completing.completion_keys import kind_of, typed_options
+from torsionnet.text.completing.completion_keys import kind_of, typed_options, usual_first
 from torsionnet.text.completing.completion_option import CompletionOption, Writing, summary
 from torsionnet.text.completing.completion_places import KindWord, entry_place
 from torsionnet.text.completing.completion_units import units_of, usual_units
@@ -45,7 +45,7 @@ def value_options(writing: Writing, spec: Spec[Any] | None) -> Iterator[Completi
     if isinstance(spec, KindWord) and spec.typed is not None:
         yield from _kinds(writing, spec.typed)
     elif isinstance(spec, Typed):
-        if not word:
+        if not word or word.isidentifier():
             yield from typed_options(writing, spec, opens=True)
     elif isinstance(spec, SizeName):
         yield from ((CompletionOption(size, "size", size)) for size in _sizes(writing))
@@ -64,7 +64,7 @@ def value_options(writing: Writing, spec: Spec[Any] | None) -> Iterator[Completi
 
 def _kinds(writing: Writing, typed: Typed[Any]) -> Iterator[CompletionOption]:
     kind = kind_of(typed)
-    for name, cls in typed.kinds().items():
+    for name, cls in usual_first(typed):
         yield CompletionOption(name, kind, name, typed.what, summary(cls))
     entries = writing.entries_around()
     if not entries.keys() - {typed.key} and not writing.after.strip(" }"):
