@@ -38,7 +38,10 @@ class Watching:
     """A running check of some files, whose lines on both streams are read one after the other."""
 
     def __init__(self, folder, *models):
-        command = [sys.executable, "-u", "-m", "torsionnet", "check", "--watch", *models]
+        # A run in the background of a shell ignores Ctrl-C, and its children do.
+        heard = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)"
+        program = f"{heard}; from torsionnet.cli import main; sys.exit(main())"
+        command = [sys.executable, "-u", "-c", program, "check", "--watch", *models]
         new_group = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP} if os.name == "nt" else {}
         self.process = subprocess.Popen(
             command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, encoding="utf-8",

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -98,6 +99,12 @@ class Editor:
         return list(self.told[uri].diagnostics)
 
 
+def finished(work):
+    """Result of asynchronous work, done in a thread of its own: in this one a browser of another test may have a loop."""
+    with ThreadPoolExecutor(1) as pool:
+        return pool.submit(asyncio.run, work).result()
+
+
 def session(folder, talk, encodings=None):
     """Talk of an editor with a server of its own, from the first message to the exit."""
 
@@ -123,7 +130,7 @@ def session(folder, talk, encodings=None):
         assert client._server.returncode == 0
         return editor
 
-    return asyncio.run(all_of_it())
+    return finished(all_of_it())
 
 
 def extent(shown):
@@ -606,7 +613,7 @@ def test_a_failing_service_becomes_a_message_in_the_log(monkeypatch):
     def broken(_):
         raise ZeroDivisionError("by nothing")
 
-    assert asyncio.run(server.answer(model.uri, broken)) is None
+    assert finished(server.answer(model.uri, broken)) is None
     server.end()
     assert "answering about /model.yaml (a bug)" in told[0]
     assert "ZeroDivisionError: by nothing" in told[0]
