@@ -227,6 +227,34 @@ class TestTurns:
         print(f"faults after {1e3 * max(waits):.0f} ms at most")  # noqa: T201 (with -s)
         assert sorted(waits)[5] < 2  # 6 ms on a quiet machine; the response takes until it is told to end
 
+    def test_an_answer_is_made_of_one_text(self, page, monkeypatch):
+        """The faults of a text are answered with it, also while a newer one is examined already."""
+        held = page.documents.named("tab")
+        examined, remade, begun, go_on = held.examined, document.remade_session, threading.Event(), threading.Event()
+        newer = threading.Thread(target=examined)
+
+        def slow(base, text, options):
+            if "name: newer" in text:
+                begun.set()
+                go_on.wait(1)
+            return remade(base, text, options)
+
+        def overtaken(**options):
+            found = examined(**options)
+            held.text, held.revision = RIG.replace("name: rig", "name: newer").replace("400", "7"), 2
+            newer.start()
+            assert begun.wait(10)
+            return found
+
+        monkeypatch.setattr(document, "remade_session", slow)
+        monkeypatch.setattr(held, "examined", overtaken)
+        try:
+            found = page.type(RIG.replace("400", "1600"), 1)
+        finally:
+            go_on.set()
+            newer.join(10)
+        assert found == page.type(RIG.replace("400", "1600"), 1, tab="other")
+
 
 class TestDrafts:
     def test_unsaved_text_of_a_closed_tab_comes_back_once(self, page, monkeypatch):

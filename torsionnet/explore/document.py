@@ -46,6 +46,28 @@ class SoundText:
 
 
 @dataclass(frozen=True)
+class Examined:
+    """Text that has been examined, with its faults, None until they are asked for, and the last sound text."""
+
+    revision: int
+    text: str
+    faults: list[LocatedFault] | None
+    sound: SoundText | None
+    is_sound: bool
+
+    def to_data(self) -> Answer:
+        """Faults as JSON data, and what describes the model if this very text is sound."""
+        model = self.sound.described | {"revision": self.revision} if self.sound and self.is_sound else None
+        faults = faults_data(self.text, self.faults or [])
+        return {"revision": self.revision, "sound": model is not None, "faults": faults, "model": model}
+
+    def refused(self) -> Answer:
+        """Reasons why there is no model, as JSON data."""
+        said = [one.fault.text for one in self.faults or [] if one.fault.severity == "error"]
+        return {"refused": said or ["the text is no sound model yet"], "revision": self.revision}
+
+
+@dataclass(frozen=True)
 class Draft:
     """Text that is stored nowhere, with the version of the file that it began from and when its tab last asked."""
 
@@ -85,17 +107,13 @@ class Document:
         self.polls = 0
         self.poll_count = 0
         self.last_used = time.monotonic()
-        self.faults: list[LocatedFault] = []
-        self.sound: SoundText | None = None
-        self._examined: tuple[int, str] | None = None
-        self._is_sound, self._has_faults = False, True
+        self._examined: Examined | None = None
         self._examining, self._changing = Lock(), Lock()
         self._texts: NewestTurn[Answer] = NewestTurn()
         self._calculations: NewestTurn[Answer] = NewestTurn()
         self._pictures: NewestTurn[Answer] = NewestTurn()
         if start is not None:
-            self.sound, self._examined = SoundText(start, 0, start.describe()), (0, text)
-            self._is_sound, self._has_faults = True, False
+            self._examined = Examined(0, text, None, SoundText(start, 0, start.describe()), is_sound=True)
 
     @property
     def is_alive(self) -> bool:
@@ -130,7 +148,7 @@ class Document:
             if revision < self.revision:
                 return SUPERSEDED
             self.text, self.revision, self.is_handed_on = text, revision, False
-        return self.in_turn("text", self._text_answer)
+        return self.in_turn("text", lambda: self.examined(with_faults=True).to_data())
 
     def in_turn(self, kind: str, examine: Callable[[], Answer]) -> Answer:
         """Answer of a service on texts once it has its turn."""
@@ -149,53 +167,42 @@ class Document:
 
     def described(self) -> Answer:
         """Data that describe the model of the last sound text."""
-        sound = self.examined()
-        return self._refused() if sound is None else sound.described | {"revision": sound.revision}
+        found = self.examined()
+        return found.refused() if found.sound is None else found.sound.described | {"revision": found.sound.revision}
 
-    def examined(self) -> SoundText | None:
-        """Last sound text once the text of now has been examined, None where no text was sound yet."""
+    def examined(self, *, with_faults: bool = False) -> Examined:
+        """What has been found in the text of now; an answer is made of it as a whole, as the text changes meanwhile."""
         with self._examining:
             with self._changing:
-                now = self.revision, self.text
-            if self._examined != now:
-                self._examine(*now)
-                self._examined, self._has_faults = now, True
-            return self.sound
+                revision, text = self.revision, self.text
+            last = self._examined
+            if last is None or (last.revision, last.text) != (revision, text):
+                last = self._examine(revision, text, last.sound if last else None)
+            if with_faults and last.faults is None:  # the text of the start was read before it had this document
+                last = replace(last, faults=text_faults(text, str(self.options.path), self.options.folder))
+            self._examined = last
+            return last
 
     def _with_revision(self, calculate: Callable[[Session], Answer], *, for_pictures: bool = False) -> Answer:
-        sound = self.examined()
-        if sound is None:
-            return self._refused()
-        session = sound.for_pictures if for_pictures else sound.session
-        return calculate(session) | {"revision": sound.revision}
+        found = self.examined()
+        if found.sound is None:
+            return found.refused()
+        session = found.sound.for_pictures if for_pictures else found.sound.session
+        return calculate(session) | {"revision": found.sound.revision}
 
-    def _refused(self) -> Answer:
-        said = [one.fault.text for one in self.faults if one.fault.severity == "error"]
-        return {"refused": said or ["the text is no sound model yet"], "revision": self.revision}
-
-    def _text_answer(self) -> Answer:
-        self.examined()
-        revision, text = self._examined or (self.revision, self.text)
-        with self._examining:
-            if not self._has_faults:  # the text of the start was read before it had this document
-                self.faults = text_faults(text, str(self.options.path), self.options.folder)
-                self._has_faults = True
-        model = self.sound.described | {"revision": revision} if self.sound and self._is_sound else None
-        faults = faults_data(text, self.faults)
-        return {"revision": revision, "sound": model is not None, "faults": faults, "model": model}
-
-    def _examine(self, revision: int, text: str) -> None:
+    def _examine(self, revision: int, text: str, before: SoundText | None) -> Examined:
         file, folder = str(self.options.path), self.options.folder
         definition, found = read_text(text, file, folder, unstable_configurations)
-        self.faults = stretched_faults(text, found, file, folder)
-        self._is_sound = False
+        faults = stretched_faults(text, found, file, folder)
         if definition is None:
-            return
+            return Examined(revision, text, faults, before, is_sound=False)
         try:
             session = remade_session(Drivetrain.from_definition(definition, found), text, self.options)
-            self.sound, self._is_sound = SoundText(session, revision, session.describe()), True
+            sound = SoundText(session, revision, session.describe())
         except TorsionnetError as error:
-            self.faults += [LocatedFault(Fault(str(error)), TextSpan(0, 0))]
+            faults = [*faults, LocatedFault(Fault(str(error)), TextSpan(0, 0))]
+            return Examined(revision, text, faults, before, is_sound=False)
+        return Examined(revision, text, faults, sound, is_sound=True)
 
 
 def faults_data(text: str, faults: list[LocatedFault]) -> list[Answer]:
