@@ -235,3 +235,72 @@ class TestCommand:
         captured = capsys.readouterr()
         assert captured.out == ""
         assert said in captured.err
+
+
+class TestLimits:
+    """Values allowed and barred ranges beside those of the command, which examines all speeds of the page and more."""
+
+    @staticmethod
+    def printed(capsys, model, *arguments):
+        main(["limits", model, "--json", *arguments])
+        (found,) = json.loads(capsys.readouterr().out)
+        return found
+
+    @staticmethod
+    def allowed(printed, name, criterion, rpm):
+        (one,) = [one for one in printed["limits"] if (one["limit"], one["criterion"]) == (name, criterion)]
+        known = [np.nan if value is None else value for value in one["allowed_over_speed"]]
+        return np.take(known, np.searchsorted(printed["speeds_rpm"], np.multiply(rpm, 1 - 1e-9)))
+
+    def test_stress_of_a_shaft_with_a_barred_range(self, capsys):
+        orders = answer(open_session("bulk_carrier"), State(output="stress(int_shaft)", axis="speed"))["orders"]
+        expected = self.printed(capsys, "bulk_carrier", "--limit", "intermediate")
+        assert [one["name"] for one in orders["limits"]] == ["intermediate tau_C", "intermediate tau_T"]
+        for one in orders["limits"]:
+            shown = [np.nan if value is None else value for value in one["allowed"]]
+            own = self.allowed(expected, *one["name"].split(), orders["rpm"])
+            np.testing.assert_allclose(shown, own, rtol=1e-9)
+        assert [one["in_passing"] for one in orders["limits"]] == [False, True]
+        (band,) = orders["barred"]
+        assert [[band["from"], band["to"]]] == [pytest.approx(span, rel=1e-3) for span in expected["barred_rpm"]]
+        assert any("torsionnet limits" in note for note in orders["limit_notes"])
+
+    def test_torque_that_a_limit_of_stress_allows(self):
+        session = open_session("bulk_carrier")
+        stress, torque = (
+            answer(session, State(output=f"{what}(int_shaft)", axis="speed"))["orders"] for what in ("stress", "torque")
+        )
+        section = np.pi * 0.440**3 / 16  # m^3
+        assert torque["limits"][0]["allowed"] == pytest.approx(np.multiply(stress["limits"][0]["allowed"], section))
+        assert torque["barred"] == stress["barred"]
+
+    def test_a_value_of_a_maker_over_speed_ratio(self):
+        orders = answer(open_session("bulk_carrier"), State(output="torque(k6f)", axis="speed"))["orders"]
+        (one,) = orders["limits"]
+        expected = np.interp(np.array(orders["rpm"]) / 105, [0.2, 1.05], [1500e3, 900e3])
+        assert (one["name"], orders["barred"]) == ("crank", [])
+        assert one["allowed"] == pytest.approx(expected, rel=1e-9)
+
+    def test_a_constant_value_and_an_output_without_limit(self):
+        session = open_session("marine_medium_speed")
+        orders = answer(session, State(output="torque(cyl3.shaft)", axis="speed", rough=True))["orders"]
+        assert orders["limits"] == [{"name": "crankshaft", "allowed": [149e3] * ROUGH_SPEEDS, "in_passing": False}]
+        orders = answer(session, State(output="torque(cyl2.shaft)", axis="speed", rough=True))["orders"]
+        assert (orders["limits"], orders["barred"], orders["limit_notes"]) == ([], [], [])
+
+    def test_what_else_is_judged_is_said(self):
+        session = open_session("marine_medium_speed")
+        orders = answer(session, State(output="torque(coupling)", axis="speed", rough=True))["orders"]
+        assert [(one["name"], one["allowed"][0]) for one in orders["limits"]] == [("rubber T_KW", 15e3)]
+        assert orders["limit_notes"] == ["torsionnet limits judges also rubber T_KN, rubber T_Kmax, rubber P_KV"]
+
+    @pytest.mark.slow
+    def test_many_cases_have_curves_alone(self, capsys):
+        state = State({"firing": "misfire"}, output="stress(int_shaft)", axis="speed")
+        orders = answer(open_session("marine_medium_speed"), state)["orders"]
+        expected = self.printed(capsys, "marine_medium_speed", "-c", "firing=misfire", "--limit", "intermediate")
+        own = self.allowed(expected, "intermediate", "tau_C", orders["rpm"])
+        shown = np.array(orders["limits"][0]["allowed"], dtype=float)
+        np.testing.assert_allclose(shown, own, rtol=1e-3)  # a parabola between few speeds; none above 1.05 rated
+        assert orders["barred"] == []
+        assert any("torsionnet limits" in note for note in orders["limit_notes"])

@@ -247,3 +247,62 @@ def test_time_of_an_update(opened):
         times.append(opened.page.evaluate("torsionnet.lastUpdate"))
     print(f"median {np.median(times):.0f} ms, slowest of 30 {max(times):.0f} ms")  # noqa: T201 (with -s)
     assert np.median(times) < SLOW
+
+
+LIMITS = "() => torsionnet.drawn().filter(({ isLimit }) => isLimit).map(({ name, magnitude, dash }) => ({ name, magnitude, dash }))"
+REDDISH = """
+(ranges) => {
+  const canvas = document.querySelector("#magnitude canvas");
+  const [outer, inner] = [canvas, document.querySelector("#magnitude .u-over")].map((one) => one.getBoundingClientRect());
+  const row = Math.round((inner.top + 0.9 * inner.height - outer.top) * devicePixelRatio);
+  const { data } = canvas.getContext("2d").getImageData(0, row, canvas.width, 1);
+  return ranges.map((range) => {
+    const [low, high] = range.map((share) => Math.round((inner.left + share * inner.width - outer.left) * devicePixelRatio));
+    const seen = [...Array(high - low).keys()].map((k) => 4 * (low + k));
+    return seen.filter((k) => data[k + 3] > 0 && data[k] > data[k + 2] + 5).length / seen.length;
+  });
+}
+"""
+"""Shares of red pixels in ranges of the width of the plot, near its lower end; read once, as browsers advise."""
+
+
+@pytest.fixture(scope="module")
+def ship():
+    with serving("bulk_carrier", over_speed=["stress(int_shaft)"]) as server:
+        yield server
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_limits_and_barred_ranges(chromium, ship, scheme):
+    """Data of the command, a band where it bars speeds, and both in words."""
+    verdicts = tn.load("bulk_carrier").check_limits("intermediate").verdicts
+    span = verdicts[0].barred[0]
+    rpm = [end * 30 / np.pi for end in (span.low, span.high)]
+    with visit(chromium, ship.address, viewport=WIDE, color_scheme=scheme) as found:
+        settled(found)
+        limits = found.page.evaluate(LIMITS)
+        assert [one["name"] for one in limits] == ["limit intermediate τ_C", "limit intermediate τ_T"]
+        assert limits[0]["magnitude"][0] == pytest.approx(1e-6 * verdicts[0].allowed[0], rel=1e-9)
+        assert all(one["dash"] for one in limits)
+        low, high = ((end - 30) / 78 for end in rpm)  # shares of the speeds shown, 30 to 108 r/min
+        inside, outside = found.page.evaluate(REDDISH, [[low + 0.01, high - 0.01], [high + 0.02, high + 0.1]])
+        assert (inside > 0.6, outside < 0.1) == (True, True)
+        said = re.search(r"barred from (\S+) to (\S+) r/min \(limit intermediate τ_C\)", found.text("#summary"))
+        assert [float(end) for end in said.groups()] == pytest.approx(rpm, rel=1e-3)
+        assert re.search(r"limit intermediate τ_C \S+ to \S+ N/mm²", found.text("#summary"))
+        assert "torsionnet limits" in found.text("#notes")
+        assert "51 r/min, barred range" in found.page.locator("#magnitude").get_attribute("aria-valuetext")
+        assert kept_quiet(found, ship)
+
+
+@pytest.mark.slow
+def test_a_limit_far_above_does_not_flatten_the_curves(chromium):
+    with (
+        serving("marine_medium_speed", over_speed=["stress(int_shaft)"]) as server,
+        visit(chromium, server.address, viewport=WIDE) as found,
+    ):
+        settled(found)
+        found.until(lambda: len(found.page.evaluate(LIMITS)) == 2, "the limits")
+        assert found.page.evaluate("torsionnet.drawn().filter(({ isFar }) => isFar).length") == 2
+        assert re.search(r"limit intermediate τ_C 35\.7\d to 69\.38 N/mm²", found.text("#summary"))

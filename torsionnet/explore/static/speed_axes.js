@@ -98,17 +98,16 @@ function bandWords(plot, barred) {
   }
 }
 
-// On the line at its left end; at the top with an arrow where the line is above what is shown.
+// On the line at its left end, at the right one where it comes in through the top of the plot; at the top with an arrow
+// where the line is above what is shown.
 function limitWords(plot, limits) {
   const { x, y } = plot.scales;
-  const above = limits.filter(({ points }) => !points.some(([rpm, size]) => rpm >= x.min && rpm <= x.max && size <= y.max));
+  const above = [];
   for (const one of limits) {
-    const seen = one.points.filter(([rpm, size]) => rpm >= x.min && rpm <= x.max && size <= y.max);
-    if (!seen.length) continue;
-    const at = plot.valToPos(seen[0][0], "x", true);
-    const line = plot.valToPos(seen[0][1], "y", true);
-    const below = line - plot.bbox.top < 2 * TEXT * devicePixelRatio;
-    words(plot, one.words, at, line + (below ? GAP : -GAP) * devicePixelRatio, "left", below ? "top" : "bottom");
+    const inside = one.points.filter(([rpm]) => rpm >= x.min && rpm <= x.max);
+    const seen = inside.filter(([, size]) => size <= y.max);
+    if (!seen.length) above.push(one);
+    else limitWord(plot, one.words, seen, seen[0] === inside[0]);
   }
   const off = above.flatMap(({ words: said, points }) => {
     const sizes = points.filter(([rpm]) => rpm >= x.min && rpm <= x.max).map(([, size]) => size);
@@ -118,6 +117,14 @@ function limitWords(plot, limits) {
     const down = plot.bbox.top + (2 * GAP + (k + 1) * (TEXT + GAP)) * devicePixelRatio;
     words(plot, `↑ ${said}`, plot.bbox.left, down, "left", "top");
   });
+}
+
+function limitWord(plot, said, seen, isWhole) {
+  const [rpm, size] = isWhole ? seen[0] : seen.at(-1);
+  const [at, line] = [plot.valToPos(rpm, "x", true), plot.valToPos(size, "y", true)];
+  if (!isWhole) return words(plot, said, at, line, at > plot.bbox.left + 0.7 * plot.bbox.width ? "right" : "left", "middle");
+  const below = line - plot.bbox.top < (TEXT + GAP) * devicePixelRatio;
+  words(plot, said, at, line + (below ? GAP : -GAP) * devicePixelRatio, "left", below ? "top" : "bottom");
 }
 
 // With the ground of the page behind, so that curves do not cross them.
