@@ -407,3 +407,44 @@ def test_completion_of_elements_loads_no_numpy() -> None:
         "assert completions('', 0)\nassert 'numpy' not in sys.modules\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+
+
+@pytest.mark.parametrize(
+    "begun",
+    [
+        "parameters:\n  k: {value: 3 N*m/rad}\n  |\n",
+        "parameters:\n  |\n  k: {value: 3 N*m/rad}\n",
+        "elements:\n  a: {type: lock, node: x}\n  |",
+        "inputs:\n  T|",
+        "sensors: {a|",
+        "scenarios:\n  |",
+        "limits:\n  |",
+    ],
+)
+def test_the_name_of_a_new_entry_is_free(begun: str) -> None:
+    """The keys of the entry are offered within it, not in place of its name."""
+    assert labels(begun) == []
+
+
+@pytest.mark.parametrize("damping", ["{zeta: |", "{zeta: ze|", "{zeta: 2*z|"])
+def test_a_parameter_with_the_name_of_the_key_is_offered(damping: str) -> None:
+    begun = f"parameters: {{zeta: 0.1}}\nelements:\n  s: {{type: spring, nodes: [a, b], damping: {damping}"
+    assert labels(begun) == ["zeta"]
+
+
+def test_no_parameter_is_offered_for_its_own_value() -> None:
+    assert labels("parameters:\n  k_2: 1\n  k_1: k|") == ["k_2"]
+    assert labels("parameters: {k_2: 1, k_1: 2}\nconfigurations: {hard: {k_1: 3}, soft: {k_1: k|") == ["k_2"]
+    assert labels("parts:\n  p:\n    parameters:\n      k_2: 1\n      k_1: k|") == ["k_2"]
+
+
+ENGINE = (
+    "excitations:\n  engine: {type: reciprocating_engine}\nelements:\n  box: {type: gear}\nconfigurations:\n  one: "
+)
+
+
+def test_an_alternative_changes_entries_of_excitations_too() -> None:
+    assert "engine.misfire" in labels(f"{ENGINE}{{engine.mis|")
+    assert "engine." in labels(f"{ENGINE}{{en|")
+    assert "box." in labels(f"{ENGINE}{{b|")
+    assert "engine.misfire" not in labels(f"{ENGINE}{{engine.misfire: [2], engine.|")

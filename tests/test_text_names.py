@@ -323,3 +323,17 @@ def test_every_place_holds_its_name():
     for text in library_texts().values():
         for one in named_places(text):
             assert text[one.span.start : one.span.end] == one.name
+
+
+def test_a_parameter_with_the_name_of_a_key_beside_it_is_renamed_in_the_value() -> None:
+    text = (
+        "parameters: {zeta: 0.01}\nelements:\n  s: {type: spring, nodes: [a, b], damping: {zeta: 2*zeta, at: 10 Hz}}\n"
+    )
+    new = edited(text, rename(text, text.index("zeta"), "D"))
+    assert new == text.replace("{zeta: 0.01}", "{D: 0.01}").replace("2*zeta", "2*D")
+
+
+def test_a_node_with_the_name_of_a_quantity_is_renamed_in_the_value() -> None:
+    text = "elements: {a: {type: inertia, node: angle, inertia: 1 kg*m^2}}\nsensors: {phi: {angle: angle}}\n"
+    new = edited(text, rename(text, text.index("angle"), "hub"))
+    assert new == text.replace("node: angle", "node: hub").replace("{angle: angle}", "{angle: hub}")

@@ -11,6 +11,7 @@ from torsionnet.core.entries.named_files import files_beside
 from torsionnet.core.entries.spec import Spec
 from torsionnet.core.errors import Path
 from torsionnet.model.files.located_yaml import LocatedNode, Place
+from torsionnet.text.naming.fixed_keys import properties_of
 from torsionnet.text.naming.mentions import Mention, Scope
 from torsionnet.text.naming.name_homes import changed_section, homes
 from torsionnet.text.naming.name_stretches import TextStretches, scalar_places
@@ -163,8 +164,10 @@ class _Walk:
             return
         keys, inner = spec.key_names(raw), spec.entry_specs(raw)
         if not inner and not keys:
-            if _has_words(raw):
-                self.mentioned(scope.recorder.mentions(spec, raw), [*scalar_places(node)], path, scope)
+            mentions = scope.recorder.mentions(spec, raw) if _has_words(raw) else []
+            if mentions:
+                fixed = properties_of(spec) if isinstance(raw, Mapping) else ()
+                self.mentioned(mentions, [*scalar_places(node, fixed)], path, scope)
             return
         for key, one in node.entries.items():
             below = (*path, key)

@@ -17,7 +17,9 @@ from torsionnet.model.element_base.laws import GROUND
 from torsionnet.model.element_base.nodes import NodeName
 from torsionnet.model.element_base.quantity_table import TableByNode
 from torsionnet.text.completing.completion_option import CompletionOption, Writing, summary, unit_text
-from torsionnet.text.completing.completion_places import class_at, holds_entries, properties_of
+from torsionnet.text.completing.completion_places import EntryPlace, class_at, holds_entries
+from torsionnet.text.naming.fixed_keys import properties_of
+from torsionnet.text.naming.name_homes import changeable_sections
 
 _NEW = "name of a new entry"
 """Key that stands for any name in a table by name."""
@@ -52,7 +54,7 @@ def key_options(writing: Writing) -> Iterator[CompletionOption]:
     if cls is not None:
         yield from _entries(writing, cls, given)
     yield from _names(writing, spec, given)
-    if cls is None and not isinstance(spec, Typed):
+    if cls is None and not holds_entries(spec):  # of a table by name the keys are free
         yield from _keys_of_whole(writing, spec, given)
 
 
@@ -98,14 +100,16 @@ def _changed(writing: Writing, given: Mapping[Any, Any]) -> Iterator[CompletionO
         if name not in given:
             yield CompletionOption(name, "parameter", _with_colon(writing, name), "parameter")
     owner = writing.word.rpartition(".")[0]
-    raw: Any = writing.names.table("elements").get(owner) if owner else None
-    if isinstance(raw, Mapping):
-        from torsionnet.model.element_base.element import ELEMENT_TYPES
-
-        kind = raw.get("type")
-        for name, spec in ELEMENT_TYPES[kind].specs() if isinstance(kind, str) and kind in ELEMENT_TYPES else ():
+    for section, table in changeable_sections().items():
+        kind = section[:-1]
+        if not owner:
+            yield from (CompletionOption(f"{one}.", kind, f"{one}.", kind) for one in writing.names.table(section))
+            continue
+        cls = class_at(EntryPlace(table.of, writing.names.table(section).get(owner)))
+        for name, spec in cls.specs() if cls else ():
             full = f"{owner}.{name}"
-            yield CompletionOption(full, "entry", _with_colon(writing, full), unit_text(spec), spec.description)
+            if full not in given:
+                yield CompletionOption(full, "entry", _with_colon(writing, full), unit_text(spec), spec.description)
 
 
 def _keys_of_whole(writing: Writing, spec: Spec[Any], given: Mapping[Any, Any]) -> Iterator[CompletionOption]:

@@ -20,6 +20,7 @@ from torsionnet.model.element_base.nodes import NodeName, NodePair
 from torsionnet.model.files.located_yaml import MOST_LEVELS
 from torsionnet.model.parameters import BoundsEntry
 from torsionnet.text.naming.mentions import Scope
+from torsionnet.text.naming.fixed_keys import properties_of
 from torsionnet.text.naming.name_homes import changed_section
 
 
@@ -125,19 +126,6 @@ def _of_whole(spec: Spec[Any], step: str | int) -> Spec[Any] | None:
         return PhysicalQuantity(spec.description, named)
     properties = properties_of(spec)
     return Text(_description(properties[step])) if step in properties else None
-
-
-def properties_of(spec: Spec[Any]) -> Mapping[Any, Any]:
-    """JSON Schema of each key of an entry that is read as a whole, empty where it has none."""
-    schema: Any = spec.schema()
-    definitions: Any = spec.definitions()
-    for one in (schema, *schema.get("anyOf", ()), *definitions.values()):
-        found = definitions.get(one["$ref"].rpartition("/")[2], {}) if "$ref" in one else one
-        for inner in (found, *found.get("anyOf", ())):
-            if isinstance(inner.get("properties"), Mapping):
-                properties: Mapping[Any, Any] = inner["properties"]
-                return properties
-    return {}
 
 
 def _description(schema: Any) -> str:

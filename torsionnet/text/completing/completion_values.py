@@ -170,10 +170,13 @@ def _quantities(writing: Writing, spec: Spec[Any]) -> Iterator[CompletionOption]
         name = _NAME.search(writing.word)
         begin = name.start() if name else len(writing.word)
         wanted = DIMENSIONS[named] if named in DIMENSIONS and begin == 0 else None
+        path, scope = writing.place.path, writing.names.scope
+        is_defined_here = path[len(scope) : len(scope) + 1] == ("parameters",) or path[:1] == ("configurations",)
+        own = path[len(scope) + 1 :] if is_defined_here else ()
         for parameter in writing.names.names("parameters"):
             written = _written(writing.names.table("parameters").get(parameter))
             dimension = _dimension(written)
-            if parameter not in writing.place.path and (wanted is None or dimension in (None, wanted)):
+            if parameter not in own and (wanted is None or dimension in (None, wanted)):
                 yield CompletionOption(parameter, "parameter", parameter, str(written or ""), "", begin)
 
 

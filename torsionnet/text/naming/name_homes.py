@@ -109,16 +109,20 @@ class ChangedSection(NamedTuple):
     spec: Spec[Any] | None
 
 
-def changed_section(key: str, scope: Scope) -> ChangedSection | None:
-    """Excitation, element or scenario whose entry a key as ``box.engaged`` names; None for another key."""
+def changeable_sections() -> dict[str, Any]:
+    """Specifications of the sections of which an alternative of a configuration may change entries, by name."""
     import torsionnet.model.section_entries as sections
 
+    return {"excitations": sections.EXCITATIONS, "elements": sections.ELEMENTS, "scenarios": sections.SCENARIOS}
+
+
+def changed_section(key: str, scope: Scope) -> ChangedSection | None:
+    """Excitation, element or scenario whose entry a key as ``box.engaged`` names; None for another key."""
     name, _, entry = key.rpartition(".")
     if key in scope.table("parameters"):
         return None
-    tables = {"excitations": sections.EXCITATIONS, "elements": sections.ELEMENTS, "scenarios": sections.SCENARIOS}
     found: list[ChangedSection] = []
-    for section, table in tables.items():
+    for section, table in changeable_sections().items():
         raw = scope.table(section).get(name)
         if raw is not None:
             cls = _class_of(table.of, raw)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from torsionnet.model.files.located_yaml import LocatedNode, Place
@@ -75,12 +75,12 @@ class TextStretches:
                 yield word[0], TextSpan(*word.span())
 
 
-def scalar_places(node: LocatedNode) -> Iterator[Place]:
-    """Places of the keys and scalars in a value, in the order of the text."""
+def scalar_places(node: LocatedNode, fixed: Container[object] = ()) -> Iterator[Place]:
+    """Places of the keys and scalars in a value, in the order of the text, without those of keys that are fixed."""
     if not node.entries:
         yield node.place
         return
-    for entry in node.entries.values():
-        if entry.key_place:
+    for key, entry in node.entries.items():
+        if entry.key_place and key not in fixed:
             yield entry.key_place
         yield from scalar_places(entry)
