@@ -14,13 +14,13 @@ from torsionnet.core.entries.scalars import AnyQuantity, PhysicalQuantity
 from torsionnet.core.entries.spec import Spec
 from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import Path
-from torsionnet.model.configurations import AlternativeEntry
+from torsionnet.model.configurations import AlternativeEntry, AxesEntry
 from torsionnet.model.element_base.damping_entries import DampingQuantity, LossFactor
 from torsionnet.model.element_base.nodes import NodeName, NodePair
 from torsionnet.model.files.located_yaml import MOST_LEVELS
 from torsionnet.model.parameters import BoundsEntry
-from torsionnet.text.naming.mentions import Scope
 from torsionnet.text.naming.fixed_keys import properties_of
+from torsionnet.text.naming.mentions import Scope
 from torsionnet.text.naming.name_homes import changed_section
 
 
@@ -72,9 +72,23 @@ def entry_place(data: Any, path: Path) -> EntryPlace:
         if isinstance(spec, AlternativeEntry) and "." in str(step):
             spec = _changed_spec(data, path, str(step))
         else:
+            if isinstance(spec, AxesEntry):
+                raw = _with_values(raw, _inner_data(around[-2], "parameters"))
             spec = None if spec is None else inner_spec(spec, raw, step)
         raw = _inner_data(raw, step)
     return EntryPlace(spec, raw, around, path)
+
+
+def _with_values(alternatives: Any, parameters: Any) -> Any:
+    """Alternatives with a number for each parameter without value, without which they would seem an axis of others."""
+    if not isinstance(alternatives, Mapping) or not isinstance(parameters, Mapping):
+        return alternatives
+    return {
+        name: {key: 0 if value is None and key in parameters else value for key, value in one.items()}
+        if isinstance(one, Mapping)
+        else one
+        for name, one in alternatives.items()
+    }
 
 
 def _changed_spec(data: Any, path: Path, key: str) -> Spec[Any] | None:
