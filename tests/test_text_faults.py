@@ -180,6 +180,17 @@ MENDED = {  # what is wrong in BASE, the title of the first fix; the fix gives B
     "no colon before brackets": ("T_M: {", "T_M {", "write a colon before the bracket", ""),
     "no brackets": ("[motor, wheel]", "motor, wheel", "write [motor, wheel]", ""),
     "parentheses": ("[motor, wheel]", "(motor, wheel)", "write [motor, wheel]", ""),
+    "no blank behind a colon": ("stiffness: k", "stiffness:k", 'write "stiffness: "', ""),
+    "no colon in brackets": ("stiffness: k", "stiffness k", 'write "stiffness: "', ""),
+    "two words": ("[motor, wheel]", "motor wheel", "write [motor, wheel]", ""),
+    "hyphen": ("[motor, wheel]", "motor-wheel", "write [motor, wheel]", ""),
+    "damper of one node": (
+        "inputs:",
+        "  drag: {type: damper, node: wheel, damping: 1}\ninputs:",
+        "write nodes: [wheel, ground]",
+        "  drag: {type: damper, nodes: [wheel, ground], damping: 1}",
+    ),
+    "word of a drawing": ("type: inertia, node: wheel", "type: cylinder, node: wheel", 'write "inertia"', ""),
     "semicolon": ("[motor, wheel]", "[motor; wheel]", "write [motor, wheel]", ""),
     "one node in brackets": ("node: wheel", "node: [wheel]", "write wheel", ""),
     "no indentation": (
@@ -201,6 +212,31 @@ def test_the_first_fix_is_what_was_meant(right, wrong, title, mended):
     new = edited(text, fixes[0].edits)
     assert mended in new if mended else new == BASE
     assert messages(new) == []
+
+
+def test_the_message_of_a_key_run_together_with_its_value_names_what_is_missing():
+    assert messages(BASE.replace("stiffness: k", "stiffness:k")) == [
+        'a blank is missing after "stiffness:"; write stiffness: k'
+    ]
+    assert messages(BASE.replace("stiffness: k", "stiffness k")) == [
+        'a colon is missing after "stiffness"; write stiffness: k'
+    ]
+    in_text = BASE.replace("stiffness: k", "stiffness: k, description: steel, length 3 m")
+    assert "text with a comma needs quotes" in messages(in_text)[0]
+
+
+def test_the_number_of_a_share_is_not_made_one_of_damping():
+    (fault,) = errors(BASE.replace("stiffness: k", "stiffness: k, damping: 1%"))
+    assert "write {zeta: 1%, at: ... Hz}" in fault.fault.message
+    assert fault.fixes == ()
+
+
+def test_a_shaft_that_is_given_by_its_stiffness_becomes_a_spring():
+    text = BASE.replace("type: spring", "type: shaft")
+    (fault,) = [one for one in errors(text) if one.fault.kind == "unknown key"]
+    assert "a shaft of known stiffness is a spring" in fault.fault.message
+    (fix,) = [fix for fix in fault.fixes if fix.title == "write type: spring"]
+    assert edited(text, fix.edits) == BASE
 
 
 def test_a_node_named_once_is_the_misspelt_one():

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, Field, fields, replace
 from functools import cache
 from typing import Any, ClassVar, Self
@@ -134,7 +135,8 @@ class Declared:
             if key not in known:
                 # A comma in a text without quotes makes such a key.
                 comma = "text with a comma needs quotes; " if raw[key] is None else ""
-                faults.append(unknown_key(key, known, (key,), comma + rest))
+                run_together = _run_together(key, known, raw) if raw[key] is None else None
+                faults.append(run_together or unknown_key(key, known, (key,), comma + rest))
         faults += [cls.missing(key, name) for key in required if key not in raw]
         empty = [key for key, spec in specs.items() if key in raw and raw[key] is None and not spec.may_be_empty]
         for key in empty:
@@ -225,3 +227,16 @@ def _with_default(declared: Field[Any]) -> Schema:
         schema.setdefault("description", spec.description)
     default = declared.default
     return {**schema, "default": default} if isinstance(default, bool | int | float | str) and default != "" else schema
+
+
+def _run_together(key: Any, known: Iterable[str], raw: Mapping[Any, Any]) -> Fault | None:
+    """Fault of an entry in brackets without a colon, or without a blank behind it: all of it is read as a key."""
+    found = re.match(r"(\w+)(\s*:\s*|\s+)[^\s=:]", str(key))
+    if not found or found[1] not in known or found[1] in raw:
+        return None
+    keys = list(raw)
+    if ":" not in found[2] and keys.index(key) and keys[keys.index(key) - 1] in ("description", "source", "name"):
+        return None  # rather a comma in that text
+    lacks = f'a blank is missing after "{found[1]}:"' if ":" in found[2] else f'a colon is missing after "{found[1]}"'
+    text = f"{lacks}; write {found[1]}: {str(key)[found.end() - 1 :]}"
+    return Fault(text, (key,), on_key=True, kind="unknown key", about=str(key), meant=found[1])

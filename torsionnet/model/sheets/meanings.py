@@ -58,9 +58,11 @@ MEANINGS = (
     _meaning("zeta", "damping ratio", "1", rf".*(?:{_DAMP}\w*\ ratio|critical|{_DAMP}ungsgrad|lehr).*|zeta|ζ|d",
              "zeta"),
     _meaning("absolute", "damping to ground", "damping", rf".*(?:abs|extern|äusser|aeusser|ground|mass).*{_DAMP}.*"
-             rf"|{_DAMP}.*(?:abs|extern|ground|mass).*|outer\ {_DAMP}.*", "absolute damping [N*m*s/rad]"),
+             rf"|{_DAMP}.*(?:abs|extern|ground|mass).*|outer\ {_DAMP}.*"
+             r"|[bcd]\ (?:abs|ext|mass|ground)\w*", "absolute damping [N*m*s/rad]"),
     _meaning("relative", "damping of the shaft", "damping", rf".*(?:rel|intern|inner|shaft|welle|material).*{_DAMP}.*"
-             rf"|{_DAMP}.*(?:rel|intern|shaft).*", "relative damping [N*m*s/rad]"),
+             rf"|{_DAMP}.*(?:rel|intern|shaft).*"
+             r"|[bcd]\ (?:rel|int|shaft)\w*", "relative damping [N*m*s/rad]"),
     _meaning(DAMPING, "damping", "damping,1", rf".*{_DAMP}.*|b|c", "absolute damping [N*m*s/rad]"),
     _meaning("stiffness", "stiffness", "stiffness,compliance",
              r".*(?:stiff|rigidity|steifigkeit|federkonst|spring\ (?:rate|const)|complian|elasticity|flexib|nachgieb"

@@ -100,6 +100,13 @@ def left_out(place: FaultPlace) -> Iterator[TextFix]:
         yield from place.without(path)
 
 
+def spring_for_shaft(place: FaultPlace) -> Iterator[TextFix]:
+    """A spring where a shaft is given by its stiffness."""
+    if "a shaft of known stiffness is a spring" in place.fault.message:
+        edit = place.written.replacement((*place.fault.path[:-1], "type"), "spring")
+        yield from place.fix("write type: spring", edit)
+
+
 def entry_to_add(place: FaultPlace) -> Iterator[TextFix]:
     """An entry that the message says to add, with the value it names."""
     found = re.search(r"; add (\w+): ([^;:]+)$", place.fault.message)

@@ -13,6 +13,8 @@ from torsionnet.text.text_edits import TextEdit, TextFix, TextSpan
 
 _NAME_AND_VALUE = re.compile(r"(\w+)(\s*[=:]\s*|\s+)(\S.*)")
 _EQUALS = re.compile(r"(\w+)\s*=\s*(\S.*)")
+_RUN_TOGETHER = re.compile(r"(\w+)(?:\s*:\s*|\s+)(\S.*)")
+_TWO_NAMES = re.compile(r"(\w+)\s*(?:\s|[-–/>;]|->|\bto\b)\s*(\w+)")
 
 
 def colon_for_equals(place: FaultPlace) -> Iterator[TextFix]:
@@ -20,6 +22,8 @@ def colon_for_equals(place: FaultPlace) -> Iterator[TextFix]:
     path, span = place.fault.path, place.span
     if place.fault.message.startswith("expected entries by name, got '"):
         found = _NAME_AND_VALUE.fullmatch(place.shown)
+    elif " is missing after " in place.fault.message and place.fault.kind == "unknown key":
+        found = _RUN_TOGETHER.fullmatch(place.shown)
     elif place.fault.kind == "unknown key":
         found = _EQUALS.fullmatch(place.shown)
     elif place.fault.message.startswith("an element needs a type"):
@@ -45,8 +49,9 @@ def nodes_in_brackets(place: FaultPlace) -> Iterator[TextFix]:
     shown = text[span.start : span.end]
     if message.startswith("expected two nodes"):
         several = re.match(r"\(?\s*(\w+)\s*[,;]\s*(\w+)\s*\)?(?=\s*([,}]|$))", text[span.start :], re.MULTILINE)
+        named = _TWO_NAMES.fullmatch(shown)
         listed = re.fullmatch(r"\[\s*(\w+)\s*[;/-]\s*(\w+)\s*\]", shown)
-        found = listed or several
+        found = listed or several or named
         if found:
             new = f"[{found[1]}, {found[2]}]"
             yield from place.fix(f"write {new}", TextEdit(TextSpan(span.start, span.start + found.end()), new))
@@ -54,6 +59,19 @@ def nodes_in_brackets(place: FaultPlace) -> Iterator[TextFix]:
         one = re.fullmatch(r"\[\s*(\w+)\s*\]", shown)
         if one:
             yield from place.fix(f"write {one[1]}", TextEdit(span, one[1]))
+
+
+def damper_to_ground(place: FaultPlace) -> Iterator[TextFix]:
+    """Ground as the second node of a damper that is given one."""
+    path, written = place.fault.path, place.written
+    node = node_at(written.document, path)
+    if place.fault.kind != "unknown key" or path[-1:] != ("node",) or node is None or not isinstance(node.value, str):
+        return
+    if getattr(node_at(written.document, (*path[:-1], "type")), "value", None) != "damper":
+        return
+    new = f"[{node.value}, ground]"
+    edits = (TextEdit(place.span, "nodes"), TextEdit(written.value_span(node), new))
+    yield from place.fix(f"write nodes: {new}", *edits)
 
 
 def entries_indented(place: FaultPlace) -> Iterator[TextFix]:

@@ -13,6 +13,7 @@ from torsionnet.text.text_edits import TextEdit, TextFix, TextSpan
 _RULES: tuple[Callable[[FaultPlace], Iterable[TextFix]], ...] = (
     notation_fixes.colon_for_equals,
     notation_fixes.nodes_in_brackets,
+    notation_fixes.damper_to_ground,
     notation_fixes.entries_indented,
     name_fixes.name_meant,
     value_fixes.sign_of_product,
@@ -24,6 +25,7 @@ _RULES: tuple[Callable[[FaultPlace], Iterable[TextFix]], ...] = (
     value_fixes.value_missing,
     entry_fixes.missing_entry,
     entry_fixes.entry_to_add,
+    entry_fixes.spring_for_shaft,
     entry_fixes.entry_without_value,
     entry_fixes.given_twice,
     name_fixes.text_with_comma,

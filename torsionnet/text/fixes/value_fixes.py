@@ -83,6 +83,8 @@ def expected_unit_written(place: FaultPlace) -> Iterator[TextFix]:
     number = NUMBER.match(found[1]) if found else None
     if not found or number is None or place.shown.strip("'\"") != found[1]:
         return
+    if "a share is a damping ratio" in place.fault.message:  # the number of a share is none of that unit
+        return
     if "Hz counts cycles" in place.fault.message and found[1][number.end() :].strip() == "Hz":
         yield from place.written_as(place.span, f"{60 * float(number[0]):.15g} rpm")
         return

@@ -1,0 +1,48 @@
+"""Shafting of a two-stroke ship pasted from a spreadsheet, in words and numbers of makers: one model each time."""
+
+import numpy as np
+import pytest
+
+import torsionnet as tn
+from torsionnet.explore.table_paste import pasted_model
+
+HEADINGS = {
+    "symbols": "No.\tMass\tJ [kgm²]\tk [MNm/rad]\tc_abs [Nms/rad]\tc_rel [kNms/rad]\tOD [mm]\tLength [mm]",
+    "words": "Item\tDescription\tMass moment of inertia (kg m2)\tTorsional stiffness (MN.m/rad)\tAbs. damping (N.m.s/rad)"
+    "\tRel. damping (kN.m.s/rad)\tShaft diameter (mm)\tShaft length (mm)",
+    "German": "Pos.\tBezeichnung\tTrägheitsmoment [kg·m²]\tDrehsteifigkeit [MN·m/rad]\tDämpfung abs. [N·m·s/rad]"
+    "\tDämpfung rel. [kN·m·s/rad]\tAußendurchmesser [mm]\tLänge [mm]",
+    "units below": "Mass no.\tName\tInertia\tStiffness\tDamping to ground\tShaft damping\tOuter dia.\tLength\n"
+    "\t\tkgm2\tMNm/rad\tNms/rad\tkNms/rad\tmm\tmm",
+}
+ROWS = (
+    *((f"Cyl. {number}", 9600, 910 if number < 6 else 1100, 900, 80 if number < 6 else "", "", "") for number in range(1, 7)),
+    ("Flywheel", 6200, "", "", 20, 480, 12155),
+    ("Flange", 800, "", "", 20, 575, 5674),
+    ("Propeller", 39000, "", "", "", "", ""),
+)  # fmt: skip
+
+
+def table(heading, number=str):
+    lines = [[at, *(number(cell) if isinstance(cell, int) else cell for cell in row)] for at, row in enumerate(ROWS, 1)]
+    return "\n".join([heading, *("\t".join(map(str, line)) for line in lines)])
+
+
+NUMBERS = {
+    "plain": str,
+    "decimal point": lambda value: f"{value:,.1f}",
+    "decimal comma": lambda value: f"{value:,.1f}".translate(str.maketrans(",.", ".,")),
+}
+
+
+@pytest.mark.parametrize("number", NUMBERS.values(), ids=NUMBERS)
+@pytest.mark.parametrize("heading", HEADINGS.values(), ids=HEADINGS)
+def test_a_pasted_table_has_the_frequencies_of_the_ship(heading, number):
+    found = pasted_model(table(heading, number))
+    assert "refused" not in found, found
+    built, expected = tn.loads(found["text"]).modes(), tn.load("two_stroke_ship").modes()
+    # The two lowest modes of the library's model are damped by its propeller, which no table of masses tells.
+    np.testing.assert_allclose(built.natural_frequencies[2:], expected.natural_frequencies[2:], rtol=2e-5)
+    assert built.natural_frequencies[1] == pytest.approx(5.21, abs=0.005)
+    assert "damping: 80" in found["text"]
+    assert "900" in found["text"]
