@@ -26,6 +26,8 @@ Answer = dict[str, Any]
 
 SUPERSEDED: Answer = {"superseded": True}
 """Answer to a request in whose place a newer one was taken up."""
+MOST_FAULTS = 1000
+"""Largest number of faults of a text that the page shows; more would hold up the browser."""
 ALIVE_SECONDS = 5.0
 """Seconds without any request after which a tab counts as closed."""
 
@@ -209,7 +211,9 @@ def faults_data(text: str, faults: list[LocatedFault]) -> list[Answer]:
     """Faults of a text as JSON data, with offsets as browsers count them."""
     counting, lines = OffsetCounting(text), TextLines(text)
     found = []
-    for one in faults:
+    rest = len(faults) - MOST_FAULTS
+    more = [LocatedFault(Fault(f"{rest} more faults are not shown", severity="note"), TextSpan(0, 0))]
+    for one in [*faults[:MOST_FAULTS], *(more if rest > 0 else ())]:
         line, column = lines.place(one.span.start)
         fixes = [{"title": fix.title, "edits": counting.edits(fix.edits)} for fix in one.fixes]
         said = {"severity": one.fault.severity, "message": one.fault.text, "line": line + 1, "column": column + 1}

@@ -17,6 +17,11 @@ from torsionnet.text.partial_faults import partial_faults
 from torsionnet.text.text_edits import TextFix, TextLines, TextSpan
 from torsionnet.text.unstable_configurations import unstable_configurations
 
+MOST_RECOVERED = 500_000
+"""Largest number of characters of a broken text whose unbroken rest is examined as well; it takes seconds."""
+MOST_MENDED = 300
+"""Largest number of faults of a text that get fixes; nobody reads more of them, and each takes a while."""
+
 
 @dataclass(frozen=True)
 class LocatedFault:
@@ -64,14 +69,17 @@ def stretched_faults(text: str, found: list[Fault], file: str = "", folder: Path
     try:
         document = compose(text.removeprefix("\ufeff"), file)
     except ModelError:
-        rest = partial_faults(text.removeprefix("\ufeff"), file, folder, found[-1])
+        is_short = len(text) <= MOST_RECOVERED
+        rest = partial_faults(text.removeprefix("\ufeff"), file, folder, found[-1]) if is_short else []
         located = [_located(fault, lines, file) for fault in presentable_faults([*found, *rest])]
         return [
             replace(one, fixes=syntax_fixes(one.fault, one.span, lines, file, len(rest))) if one.fault in found else one
             for one in located
         ]
     written = WrittenText(text, document, file.lower().endswith(".json"))
-    return [_with_fixes(_located(fault, lines, file), fault, written, found) for fault in found]
+    located = [_located(fault, lines, file) for fault in found]
+    mended = zip(located[:MOST_MENDED], found, strict=False)
+    return [*(_with_fixes(one, fault, written, found) for one, fault in mended), *located[MOST_MENDED:]]
 
 
 def _with_fixes(located: LocatedFault, fault: Fault, written: WrittenText, others: list[Fault]) -> LocatedFault:

@@ -102,7 +102,8 @@ def nearby_file(name: str) -> Path:
     except (OSError, RuntimeError):  # the latter of links that lead in a circle, up to Python 3.12
         there, inside, size = False, True, 0
     if not there:
-        raise EntryError(f'there is no file "{name}" beside the model file{_others(path)}')
+        hint = _others(path) if inside else ""  # what lies elsewhere, behind a link, is not told
+        raise EntryError(f'there is no file "{name}" beside the model file{hint}')
     if not inside:
         raise EntryError(f'"{name}" is a link that leads out of the folder of the model file; put the file there')
     if size > MOST_FILE_BYTES:

@@ -18,6 +18,8 @@ _FILE_OF_PARTS = (KEY, "name", "source", "description", "parts", "include")
 """Keys that a file of parts may have."""
 _OF_THE_WHOLE = (KEY, "name", "operating_point", "speeds", "load", "scenarios", "bench", "report", "parts", "include")
 """Keys of a model that describe it as a whole and are left out where the model is used as a part."""
+MOST_INCLUDED = 200
+"""Largest number of files that one file includes; each is looked for on disk whenever the text is read."""
 
 
 def include_parts(document: LocatedDocument) -> None:
@@ -79,6 +81,10 @@ class _Including:
             return
         if not isinstance(node.value, list):
             self.refuse(Fault("include is a list of files: [throws.yaml]", ("include",)), document)
+            return
+        if len(node.value) > MOST_INCLUDED:
+            text = f"{len(node.value)} files are included, at most {MOST_INCLUDED} can be; put several parts into one"
+            self.refuse(Fault(text, ("include",), on_key=True), document)
             return
         for index, name in enumerate(node.value):
             try:
