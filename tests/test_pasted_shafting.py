@@ -41,8 +41,9 @@ def test_a_pasted_table_has_the_frequencies_of_the_ship(heading, number):
     found = pasted_model(table(heading, number))
     assert "refused" not in found, found
     built, expected = tn.loads(found["text"]).modes(), tn.load("two_stroke_ship").modes()
-    # The two lowest modes of the library's model are damped by its propeller, which no table of masses tells.
-    np.testing.assert_allclose(built.natural_frequencies[2:], expected.natural_frequencies[2:], rtol=2e-5)
-    assert built.natural_frequencies[1] == pytest.approx(5.21, abs=0.005)
+    # The one-node mode of the library's model is damped by its propeller, which no table of masses tells.
+    one_node, others = 2, slice(3, None)
+    np.testing.assert_allclose(built.natural_frequencies[others], expected.natural_frequencies[others], rtol=2e-5)
+    assert built.natural_frequencies[one_node] == pytest.approx(5.21, abs=0.005)
     assert "damping: 80" in found["text"]
     assert "900" in found["text"]
