@@ -182,6 +182,7 @@ MENDED = {  # what is wrong in BASE, the title of the first fix; the fix gives B
     "parentheses": ("[motor, wheel]", "(motor, wheel)", "write [motor, wheel]", ""),
     "no blank behind a colon": ("stiffness: k", "stiffness:k", 'write "stiffness: "', ""),
     "no colon in brackets": ("stiffness: k", "stiffness k", 'write "stiffness: "', ""),
+    "unit begun with a prefix": ("stiffness: k", "stiffness: 3 MN", "write 3 MN*m/rad", "stiffness: 3 MN*m/rad"),
     "two words": ("[motor, wheel]", "motor wheel", "write [motor, wheel]", ""),
     "hyphen": ("[motor, wheel]", "motor-wheel", "write [motor, wheel]", ""),
     "damper of one node": (

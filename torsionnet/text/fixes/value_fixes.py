@@ -88,7 +88,10 @@ def expected_unit_written(place: FaultPlace) -> Iterator[TextFix]:
     if "Hz counts cycles" in place.fault.message and found[1][number.end() :].strip() == "Hz":
         yield from place.written_as(place.span, f"{60 * float(number[0]):.15g} rpm")
         return
-    yield from place.written_as(place.span, f"{number[0]} {found[2]}")
+    symbol = re.match(r"[A-Za-z]+", found[2])
+    prefix = re.match(rf"[kMGmµ](?={symbol[0]}(?![a-z]))", found[1][number.end() :].strip()) if symbol else None
+    # The expected unit alone would be smaller or larger by a power of ten.
+    yield from place.written_as(place.span, f"{number[0]} {prefix[0] if prefix else ''}{found[2]}")
 
 
 def other_form(place: FaultPlace) -> Iterator[TextFix]:
