@@ -45,5 +45,6 @@ def test_a_pasted_table_has_the_frequencies_of_the_ship(heading, number):
     one_node, others = 2, slice(3, None)
     np.testing.assert_allclose(built.natural_frequencies[others], expected.natural_frequencies[others], rtol=2e-5)
     assert built.natural_frequencies[one_node] == pytest.approx(5.21, abs=0.005)
+    assert found["text"].splitlines()[2] == "source: pasted mass-elastic table"
     assert "damping: 80" in found["text"]
     assert "900" in found["text"]

@@ -43,7 +43,7 @@ def pasted_model(table: str) -> dict[str, Any]:
 
     try:
         sheet = parse_sheet(grid)
-        text = sheet_drivetrain(sheet).to_yaml()
+        text = sheet_drivetrain(sheet).to_yaml().replace(f"mass-elastic sheet {TABLE}", "pasted mass-elastic table", 1)
     except ModelError as error:
         return {
             "refused": [f"line {one.position.line}: {one.text}" if one.position else one.text for one in error.faults]
