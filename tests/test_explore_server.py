@@ -4,6 +4,7 @@ import http.client
 import json
 import re
 import socket
+import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -264,3 +265,17 @@ def test_nothing_in_a_body_is_taken_for_a_request(server, method, lines):
     found = raw(server, head + lines.format(length=2 + len(hidden)) + "\r\n{}" + hidden)
     assert re.findall(r"HTTP/1.1 (\d+)", found) in (["400"], ["411"])
     assert "Connection: close" in found
+
+
+def test_a_refusal_arrives_though_the_body_is_not_read(server):
+    """A connection that is closed with bytes left unread is reset, and what was sent on it is lost."""
+    head = f"POST /{server.guard.token}/api/model HTTP/1.1\r\nHost: {own(server)}\r\nContent-Type: text/plain\r\n"
+    for _ in range(5):
+        with socket.create_connection(server.server_address, timeout=10) as connection:
+            connection.sendall(f"{head}Content-Length: 90000\r\n\r\n".encode() + b" " * 30_000)
+            time.sleep(0.1)
+            connection.sendall(b" " * 60_000)
+            found = b""
+            while piece := connection.recv(65536):
+                found += piece
+        assert found.startswith(b"HTTP/1.1 415 ")

@@ -7,11 +7,13 @@ import json
 import re
 import secrets
 from dataclasses import dataclass
+from email.errors import MissingHeaderBodySeparatorDefect
 from functools import cache
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from io import BufferedReader
 from pathlib import Path
+from socket import SHUT_WR
 from typing import Any
 
 from torsionnet.core.errors import UsageError
@@ -158,9 +160,12 @@ class Handler(BaseHTTPRequestHandler):
         except RefusedError as refused:
             self.close_connection = True  # a body that was not read would be taken for the next request
             self._send(refused.status, _words(str(refused)), JSON)
-            if refused.status == HTTPStatus.REQUEST_ENTITY_TOO_LARGE:
+            if self.command == "POST":
                 self._place.enter(BODY)
-                pass_over(self.connection)  # a browser reads no answer before it has sent everything
+                # A browser reads no answer before it has sent everything, and bytes left unread would reset it.
+                with contextlib.suppress(OSError):
+                    self.connection.shutdown(SHUT_WR)
+                pass_over(self.connection)
         except TooLargeError as error:
             self._send(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, _words(str(error)), JSON)
         except RequestError as error:
@@ -173,9 +178,10 @@ class Handler(BaseHTTPRequestHandler):
 
     def _check_end(self) -> None:
         """Refuse a header that leaves open where the request ends: its rest would be taken for the next request."""
-        has_body = "Content-Length" in self.headers or "Transfer-Encoding" in self.headers
+        has_body = self.headers.get_all("Content-Length", ["0"]) != ["0"] or "Transfer-Encoding" in self.headers
+        is_broken = any(isinstance(one, MissingHeaderBodySeparatorDefect) for one in self.headers.defects)
         is_folded = any("\n" in value or "\r" in value for value in self.headers.values())
-        if self.headers.defects or is_folded or (self.command == "GET" and has_body):
+        if is_broken or is_folded or (self.command == "GET" and has_body):
             raise RefusedError(HTTPStatus.BAD_REQUEST, "the header of the request is not sound, or GET has a body")
 
     def _only(self, header: str) -> str | None:

@@ -15,6 +15,7 @@ from torsionnet.model.channels import ChannelName, RecordedName
 from torsionnet.model.element_base.element import ELEMENT_TYPES
 from torsionnet.model.element_base.laws import GROUND
 from torsionnet.model.element_base.nodes import ElementName, NodeName, NodePair, NodeText, PlaceOnElement
+from torsionnet.model.files.part_includes import MOST_INCLUDED
 from torsionnet.model.parts.use import PartName, PartParameter, PortName
 from torsionnet.text.tolerant_reading import tolerant_document
 
@@ -91,7 +92,7 @@ class ModelNames:
 
         found = {name: _read(path) for name, path in library_parts().items()}
         with files_beside(self.folder):
-            for name in _listed(self.data.get("include")):
+            for name in _listed(self.data.get("include"))[:MOST_INCLUDED]:
                 try:
                     path = nearby_file(str(name))
                 except EntryError:
