@@ -316,3 +316,12 @@ def test_fixes_of_misspelt_library_models_bring_no_errors():
     assert offered > 100
     # Measured: 3 % put in the nearest name that has another dimension, or a node that is locked.
     assert stayed <= 0.05 * offered
+
+
+def test_fixes_of_many_faults_in_a_long_text_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each fix is tried on the whole text; with one for each of 1000 faults that takes minutes."""
+    monkeypatch.setattr("torsionnet.text.text_faults._MOST_REREAD", 0)
+    spring = "  s{}: {{type: spring, nodes: [a, b], stifness: 3 N*m/rad}}\n"
+    text = "torsionnet: 1\nelements:\n" + "".join(map(spring.format, range(25)))
+    mended = [bool(one.fixes) for one in text_faults(text) if "stifness" in one.fault.message]
+    assert mended == [True] * 20 + [False] * 5

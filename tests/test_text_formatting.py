@@ -172,3 +172,13 @@ def test_untidy_library_models_become_as_they_are():
 
 def test_the_base_of_the_broken_models_is_laid_out():
     assert formatted(BASE) == []
+
+
+@pytest.mark.parametrize("text", ["---", "...", "null", "--- # nothing", "\ufeff---"])
+def test_a_text_without_data_is_left_alone(text: str) -> None:
+    assert formatted(text) == []
+
+
+def test_the_bracket_that_opens_a_json_file_stays_at_the_margin() -> None:
+    text = '{\n "name": "rig",\n "elements": {\n  "a": {"type": "lock"}\n }\n}\n'
+    assert formatted(text) == []

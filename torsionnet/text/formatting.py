@@ -41,7 +41,7 @@ def formatted(text: str) -> list[TextEdit]:
         document = compose(body, "")
     except ModelError:
         return []
-    if document.faults or document.root is None:
+    if document.faults or document.root is None or document.root.value is None:
         return []
     layout = _Layout(TextLines(body), document)
     for edits in (list(layout.edits()), list(layout.edits(last_break=False))):
@@ -109,6 +109,7 @@ class _Layout:
     def entries(self, node: LocatedNode, column: int) -> None:
         """Move the lines of a value in block style so that its entries begin at a column."""
         if not self.is_block(node):
+            self.shift.setdefault(node.place[0], 0)
             self.scalar(node, 0, -_STEP)
             return
         is_list = isinstance(node.value, list)

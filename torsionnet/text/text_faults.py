@@ -21,6 +21,10 @@ MOST_RECOVERED = 500_000
 """Largest number of characters of a broken text whose unbroken rest is examined as well; it takes seconds."""
 MOST_MENDED = 300
 """Largest number of faults of a text that get fixes; nobody reads more of them, and each takes a while."""
+_FEWEST_MENDED = 20
+"""Number of faults that get fixes in a text of any length; each fix is tried by reading the whole text again."""
+_MOST_REREAD = 1_500_000
+"""Number of characters read again for fixes, after which the faults that follow get none until others are mended."""
 
 
 @dataclass(frozen=True)
@@ -77,9 +81,10 @@ def stretched_faults(text: str, found: list[Fault], file: str = "", folder: Path
             for one in located
         ]
     written = WrittenText(text, document, file.lower().endswith(".json"))
+    many = min(MOST_MENDED, max(_FEWEST_MENDED, _MOST_REREAD // max(1, len(text))))
     located = [_located(fault, lines, file) for fault in found]
-    mended = zip(located[:MOST_MENDED], found, strict=False)
-    return [*(_with_fixes(one, fault, written, found) for one, fault in mended), *located[MOST_MENDED:]]
+    mended = [_with_fixes(*pair, written, found) for pair in zip(located[:many], found[:many], strict=True)]
+    return [*mended, *located[many:]]
 
 
 def _with_fixes(located: LocatedFault, fault: Fault, written: WrittenText, others: list[Fault]) -> LocatedFault:
