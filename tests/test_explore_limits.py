@@ -90,6 +90,7 @@ def test_the_rest_of_a_large_broken_text_is_not_examined(page, monkeypatch):
     assert len(page.type(broken, 2)["faults"]) == 1
 
 
+@pytest.mark.slow
 def test_of_many_faults_the_first_are_shown_and_mended(page):
     wrong = "".join(
         f"  e{k}: {{type: sprnig, nodes: [a, b], stiffness: 1 N*m/rad}}\n" for k in range(MOST_FAULTS + 200)

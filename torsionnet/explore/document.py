@@ -173,7 +173,7 @@ class Document:
         return found.refused() if found.sound is None else found.sound.described | {"revision": found.sound.revision}
 
     def examined(self, *, with_faults: bool = False) -> Examined:
-        """What has been found in the text of now; an answer is made of it as a whole, as the text changes meanwhile."""
+        """Findings on the text of now; an answer is made of it as a whole, as the text changes meanwhile."""
         with self._examining:
             with self._changing:
                 revision, text = self.revision, self.text

@@ -18,6 +18,9 @@ from torsionnet.text.tolerant_reading import tolerant_document
 _MISPLACED = re.compile('indentation|":" is not expected|outside of the model')
 """Expression of the message on a break that leaves it open to which section the entries around belong."""
 
+_WITHOUT_COLON = '":" is missing'
+"""Part of the message on a break that may be the name of a section, which then holds all that follows."""
+
 
 @gc_paused()
 def partial_faults(text: str, file: str, folder: FolderPath | None, broken: Fault) -> list[Fault]:
@@ -31,6 +34,8 @@ def partial_faults(text: str, file: str, folder: FolderPath | None, broken: Faul
         return []
     line = broken.position.line - 1
     home = _entry_at_line(document, line)
+    if _WITHOUT_COLON in broken.message:
+        home = home[:1]
     lines = {line, _line_with_text(document, line, -1), _line_with_text(document, line, 1)}
     lost = _lost_sections(document, home) if _MISPLACED.search(broken.message) else set()
     return [

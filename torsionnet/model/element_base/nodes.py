@@ -54,7 +54,6 @@ class ElementName(Text):
         return names.element(value)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class NodeText(Text):
     """Entry for the name of a node, or nothing."""
 
