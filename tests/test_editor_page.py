@@ -232,6 +232,7 @@ def test_pasted_table_becomes_a_model(writing):
     writing.focus()
     writing.keys.press("Control+v")
     assert "table of 4 lines" in writing.dialog().inner_text()
+    assert '"J [kg*m^2]": inertia' in writing.dialog().inner_text()  # as what each column is understood
     writing.keys.press("Enter")
     assert writing.faults() == []
     inertia, stiffness = np.diag([100.0, 100.0, 900.0]), np.array([[50.0, -50, 0], [-50, 90, -40], [0, -40, 40]]) * 1e6
@@ -241,6 +242,18 @@ def test_pasted_table_becomes_a_model(writing):
     writing.focus()
     writing.keys.press("Control+z")
     assert writing.checked().text == README_MODEL
+
+
+@pytest.mark.slow
+def test_tab_within_a_line_and_the_band_of_a_new_text(writing):
+    """Tab with nothing left to fill in leaves the line in its section; the band is that of the curve."""
+    writing.go_to("node: a")
+    writing.keys.press("Tab")
+    assert writing.text == README_MODEL
+    writing.exchange("0.078", "0.079")
+    assert writing.faults() == []
+    low, high = (float(field.input_value()) for field in writing.page.locator(".band:visible input").all())
+    assert 0 < low < high
 
 
 @pytest.mark.slow

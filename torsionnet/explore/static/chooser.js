@@ -37,7 +37,7 @@ export function makeChooser(form, model, change) {
     quantity.control.value = state.quantity;
     angle.fill(state.angle);
     scale.fill(state.decibels ? "db" : "");
-    band.fill(state.band);
+    band.fill(state.band[1] ? state.band : (answer?.band ?? state.band));
     if (answer?.orders) rpm.fill(state.rpm ?? answer.orders.range);
   };
 }

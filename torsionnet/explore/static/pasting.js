@@ -36,7 +36,7 @@ async function offer(table, view) {
     return view.focus();
   }
   const words = view.state.doc.length ? "The model takes the place of the whole text; Ctrl-Z brings it back." : "";
-  const act = await decide(`Make a model of this table of ${rows.length} lines?`, [seen, paragraph(words)], [["model", "Make a model"], ["raw", "Paste as it is"], ["", "Cancel"]]);
+  const act = await decide(`Make a model of this table of ${rows.length} lines?`, [seen, ...(found.notes ?? []).map((note) => paragraph(note, "reason")), paragraph(words)], [["model", "Make a model"], ["raw", "Paste as it is"], ["", "Cancel"]]);
   if (act === "model") {
     replaceText(view, found.text, "paste");
     say("The table is a model now.");

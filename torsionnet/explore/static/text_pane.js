@@ -32,7 +32,7 @@ export function makeTextPane(place, nonce, actions) {
       keymap.of([
         ...actions.keys,
         { key: "F8", run: nextDiagnostic, shift: previousDiagnostic },
-        ...closeBracketsKeymap, ...completionKeymap, ...searchKeymap, ...foldKeymap, ...historyKeymap, ...defaultKeymap, indentWithTab,
+        ...closeBracketsKeymap, ...completionKeymap, ...searchKeymap, ...foldKeymap, ...historyKeymap, ...defaultKeymap, { ...indentWithTab, run: indentBefore },
       ]),
       lineNumbers(), lintGutter({ hoverTime: 250 }), highlightActiveLineGutter(), foldGutter(), codeFolding(), highlightSpecialChars(),
       history(), drawSelection(), dropCursor(), EditorState.allowMultipleSelections.of(true), indentOnInput(), indentUnit.of("  "),
@@ -69,6 +69,14 @@ function overwrite(event, view) {
   if (!isHandled) view.dispatch(insert());
   event.preventDefault();
   return true;
+}
+
+// Tab behind the first word of a line does nothing: it would move the line out of its section.
+function indentBefore(view) {
+  const { from, to } = view.state.selection.main;
+  const line = view.state.doc.lineAt(from);
+  const isWithin = to <= line.to && line.text.slice(0, from - line.from).trim();
+  return isWithin ? true : indentWithTab.run(view);
 }
 
 function linesOf(state, range) {

@@ -6,7 +6,7 @@ import { chooseOne, writeOne } from "./dialogs.js";
 import { applyEdits, select } from "./edits.js";
 import { say } from "./saying.js";
 
-const BEGUN = /[\w.]$|[:,[{]\s$/; // typing on here asks for words by itself
+const BEGUN = /[\w.]$|[:,[{]\s$|:\s+[-+.\deE]+\s$/; // typing on here asks for words by itself
 const GAP = /: [,}]/; // a value that is still to be written; Tab goes from one to the next
 const KINDS = { "element type": "type", entry: "property", node: "variable", parameter: "constant", unit: "unit", size: "enum" };
 
