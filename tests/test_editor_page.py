@@ -400,3 +400,34 @@ def test_text_can_be_read_at_any_width(chromium, file, width, scheme):
         levels = [sum(int(one) for one in re.findall(r"\d+", colour)[:3]) for colour in (ground, ink)]
         assert (levels[0] < levels[1]) is (scheme == "dark")
         assert abs(levels[0] - levels[1]) > 400
+
+
+HOSTILE = """torsionnet: 1
+name: "<img src=x onerror=window.hit=1><script>window.hit=1</script>"
+source: "<iframe src=javascript:parent.hit=1>"
+description: "'><svg onload=window.hit=1>"
+parameters:
+  k: {value: 13.3 kN*m/rad, description: "<img src=x onerror=window.hit=1> [a](javascript:window.hit=1)"}
+elements:
+  motor: {type: inertia, node: a, inertia: 0.078 kg*m^2, description: "<img src=x onerror=window.hit=1>"}
+  shaft: {type: spring, nodes: [a, b], stiffness: k}
+  load: {type: inertia, node: b, inertia: 2.6 kg*m^2}
+"""
+
+
+@pytest.mark.slow
+def test_texts_of_a_model_are_no_part_of_the_page(writing):
+    """Names, descriptions, faults and explanations are shown as they are written, whatever they hold."""
+    page = writing.page
+    writing.put(HOSTILE)
+    assert not [fault for fault in writing.faults() if "turn freely" not in fault]
+    assert "<img src=x" in page.inner_text("#name")
+    box = page.locator(".cm-line", has_text="k: {value").locator("span").first.bounding_box()
+    page.mouse.move(box["x"] + 2, box["y"] + box["height"] / 2)
+    writing.until(lambda: page.locator(".cm-tooltip-hover").count(), "the explanation of k")
+    assert "javascript:" in page.inner_text(".cm-tooltip-hover")
+    writing.put(HOSTILE.replace("node: a", 'node: "<img src=x onerror=window.hit=1>"'))
+    assert any("<img src=x" in fault for fault in writing.faults())
+    foreign = "document.querySelectorAll('body img, body iframe, body script, body a[href^=javascript]').length"
+    assert page.evaluate(foreign) == 0
+    assert page.evaluate("window.hit === undefined")
