@@ -21,6 +21,12 @@ TEMPLATE = "rig"
 TEMPLATE_NAME, TEMPLATE_FILE = "new rig", "model.yaml"
 """Name of that model, and of the file that the page offers to save."""
 
+TEMPLATE_HEAD = """# A test rig to begin with: motor, torque meter, specimen, brake. ALL FIGURES ARE EXAMPLES: replace every one.
+# Ctrl-Space completes, F8 goes to the next fault, Ctrl-. mends it, Ctrl-Z undoes. A mass-elastic table pasted over
+# this text becomes a model.
+"""
+"""Comment above that model in the page."""
+
 
 class ExploreCommand(ModelCommand):
     """A page in the browser to write a model and to play with it: text, sliders, responses, modes. Ctrl-C ends it.
@@ -92,7 +98,8 @@ class ExploreCommand(ModelCommand):
         if not self.model:
             from torsionnet.cli.commands.new import starting_model
 
-            return starting_model(TEMPLATE, TEMPLATE_NAME)
+            text = starting_model(TEMPLATE, TEMPLATE_NAME)
+            return TEMPLATE_HEAD + text[text.index("torsionnet: 1") :]  # without its commands for a terminal
         return standard_input_text() if self.model == STANDARD_INPUT else None
 
 
