@@ -456,7 +456,7 @@ class TestCommand:
         assert (opened["is_template"], opened["can_save"], opened["file"]) == (True, False, "model.yaml")
         assert "torsionnet explore FILE" in opened["save_hint"]
         assert opened["text"].count("\n") > 30
-        assert "Ctrl-Space completes" in opened["text"].splitlines()[1]
+        assert "Ctrl-Space completes" in opened["text"].splitlines()[2]
         assert "torsionnet check" not in opened["text"]  # which is for a terminal
         assert capsys.readouterr().out == ""
 

@@ -21,7 +21,8 @@ TEMPLATE = "rig"
 TEMPLATE_NAME, TEMPLATE_FILE = "new rig", "model.yaml"
 """Name of that model, and of the file that the page offers to save."""
 
-TEMPLATE_HEAD = """# A test rig to begin with: motor, torque meter, specimen, brake. ALL FIGURES ARE EXAMPLES: replace every one.
+TEMPLATE_HEAD = """# A test rig to begin with: motor, torque meter, specimen, brake.
+# ALL FIGURES ARE EXAMPLES: replace every one of them.
 # Ctrl-Space completes, F8 goes to the next fault, Ctrl-. mends it, Ctrl-Z undoes. A mass-elastic table pasted over
 # this text becomes a model.
 """
