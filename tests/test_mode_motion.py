@@ -190,7 +190,7 @@ class TestRequests:
 
     @pytest.mark.parametrize("path", ["api/schematic", "api/motion"])
     def test_an_impossible_state_is_refused_in_words(self, documents, path):
-        session = documents.named("").examined().session
+        session = documents.named("").examined().sound.session
         name = next(iter(session.base.parameters))
         found = json.loads(reply(documents, path, json.dumps({"values": {name: "3 bananas"}}).encode()))
         assert found["refused"]
