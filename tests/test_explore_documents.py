@@ -7,7 +7,7 @@ import time
 import pytest
 
 from torsionnet.cli import main
-from torsionnet.explore import api, connections, document, documents, open_documents
+from torsionnet.explore import ExploreServer, api, connections, document, documents, open_documents
 from torsionnet.explore.api import reply
 from torsionnet.explore.line_ends import LineEnds
 from torsionnet.explore.newest_turn import NewestTurn
@@ -287,6 +287,34 @@ class TestDrafts:
         assert "first" not in page.documents._documents
         opened = page.ask("open", "first")
         assert (opened["text"], opened["draft"]) == (RIG + "# first\n", True)
+
+    def test_a_tab_that_waits_for_changes_stays(self, page):
+        page.documents.named("first").polls = 1
+        for k in range(documents.MOST_DOCUMENTS):
+            page.ask("open", f"tab-{k}")
+        assert "first" in page.documents._documents
+        assert "tab-0" not in page.documents._documents
+
+    def test_a_tab_taken_for_closed_has_a_draft_again_once_it_is_typed_in(self, page):
+        page.type(RIG + "# first\n", 1)
+        page.documents.named("tab").is_handed_on = True
+        assert not page.ask("open")["draft"]
+        page.type(RIG + "# second\n", 2)
+        assert page.ask("open")["draft"]
+
+    def test_pictures_have_a_drivetrain_of_their_own(self, page):
+        """One that a response is calculated with keeps results meanwhile."""
+        drawn, calculated = [], []
+        held = page.documents.named("tab")
+        held.drawn("schematic", lambda session: drawn.append(session.base) or {})
+        held.calculated("answer", lambda session: calculated.append(session.base) or {})
+        assert drawn[0] is not calculated[0]
+        assert drawn[0].parameters == calculated[0].parameters
+
+    def test_a_closed_server_ends_what_waits_for_changes(self, page):
+        with ExploreServer(page.documents):
+            assert not page.documents.ended.is_set()
+        assert page.documents.ended.is_set()
 
     def test_drafts_are_limited(self, page, monkeypatch):
         monkeypatch.setattr(documents, "MOST_DRAFT_BYTES", 3 * len(RIG))
