@@ -11,7 +11,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path.append(str(ROOT / "tests"))
 
-from explore_pages import chromium, serving, visit  # noqa: E402
+from support.explore_pages import chromium, serving, visit  # noqa: E402
 
 from benchmarks._sizes import sized  # noqa: E402
 

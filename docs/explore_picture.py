@@ -16,7 +16,7 @@ from torsionnet.cli import main as torsionnet
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS.parent / "tests"))
 
-from explore_pages import chromium, serving, visit  # noqa: E402
+from support.explore_pages import chromium, serving, visit  # noqa: E402
 
 from torsionnet.explore.choices import ResponseChoice  # noqa: E402
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from verification_lines import Line
 
-from forced_plants import plant, reference  # isort: skip
+from support.forced_plants import plant, reference  # isort: skip
 from validation.build import build, damper_matrix, read_case, spring_name  # isort: skip
 
 CONDITIONS = {

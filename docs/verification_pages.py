@@ -18,7 +18,7 @@ from verification_closed import damper_lines, passing_lines, shaft_lines
 from verification_lines import MOST_LINES, Line, lines_of
 from verification_orders import chain_of_five, half_ranges, wind_turbine
 
-from forced_plants import NAMES, reference  # isort: skip
+from support.forced_plants import NAMES, reference  # isort: skip
 from validation.build import case_names, read_case  # isort: skip
 
 HEADINGS = ["quantity", "reference by", "reference", "calculated", "deviation", "allowed"]

@@ -3,10 +3,9 @@
 import os
 from collections import Counter
 
-import campaigns
-import processor_time
 import pytest
 from hypothesis import settings
+from support import campaigns, processor_time
 
 # Before numpy is loaded: threads of BLAS on tiny matrices cost half the time of all tests, and one worker runs per core.
 for library in ("OPENBLAS", "OMP", "MKL"):
@@ -32,7 +31,7 @@ WANTING = "skipped for want of a tool"
 @pytest.fixture(scope="session")
 def chromium():
     """Chromium, started once for all tests of a process; skips, with a reason, where there is none."""
-    from explore_pages import browser_or_skip
+    from support.explore_pages import browser_or_skip
 
     path = browser_or_skip()
     from playwright.sync_api import sync_playwright

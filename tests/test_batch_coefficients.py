@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from batches import batch_of, drawn, require_like_single_models
-from library_cases import library_cases
-from models import EVERY_ELEMENT, around
+from support.batches import batch_of, drawn, require_like_single_models
+from support.library_cases import library_cases
+from support.models import EVERY_ELEMENT, around
 
 import torsionnet as tn
 from torsionnet.model.elements import ELEMENT_TYPES, make_element

@@ -4,9 +4,9 @@ import tracemalloc
 
 import numpy as np
 import pytest
-from batches import batch_of
-from library_cases import library_cases
-from models import EVERY_ELEMENT, around
+from support.batches import batch_of
+from support.library_cases import library_cases
+from support.models import EVERY_ELEMENT, around
 
 import torsionnet as tn
 from torsionnet.model.model import Model

@@ -2,12 +2,12 @@
 
 import random
 
-import campaigns
 import mpmath
 import numpy as np
 import pytest
-from library_cases import library_cases
-from random_drivetrains import draw
+from support import campaigns
+from support.library_cases import library_cases
+from support.random_drivetrains import draw
 
 import torsionnet as tn
 from torsionnet.core.errors import ModelError

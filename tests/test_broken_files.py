@@ -7,7 +7,7 @@ import re
 from dataclasses import dataclass
 
 import pytest
-from models import EVERY_ELEMENT
+from support.models import EVERY_ELEMENT
 
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.loading import load, loads

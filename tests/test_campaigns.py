@@ -2,10 +2,10 @@
 
 from types import SimpleNamespace
 
-import campaigns
+from support import campaigns
 
 HELPER = """
-import campaigns
+from support import campaigns
 
 def host():
     return campaigns.quick
@@ -15,7 +15,7 @@ def other():
 """
 TESTS = """
 from helper import host, other
-import campaigns
+from support import campaigns
 import pytest
 
 EXAMPLES = settings(max_examples=campaigns.examples(5, 25))

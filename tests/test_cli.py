@@ -11,9 +11,9 @@ import sys
 import warnings
 from pathlib import Path
 
-import campaigns
 import pytest
 from click.testing import CliRunner
+from support import campaigns
 
 import torsionnet as tn
 from torsionnet.cli.app import COMMANDS, app

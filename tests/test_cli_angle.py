@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from known_rotation import pulse_times, shaft
+from support.known_rotation import pulse_times, shaft
 from test_cli import run
 
 from torsionnet.core.errors import ModelError

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from known_damping import F0, ZETA, swept
+from support.known_damping import F0, ZETA, swept
 
 import torsionnet as tn
 from torsionnet.cli import main

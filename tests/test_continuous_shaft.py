@@ -6,12 +6,12 @@ from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
 
-import campaigns
 import mpmath
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support import campaigns
 
 import torsionnet as tn
 from torsionnet.core.errors import ModelError, TorsionnetWarning, UsageError

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from running_plants import INLINE_SIX, PRESSURE, car, engine, marine, two_mass
+from support.running_plants import INLINE_SIX, PRESSURE, car, engine, marine, two_mass
 from test_cli import run
 
 import torsionnet as tn

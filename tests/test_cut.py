@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from models import geared_line
+from support.models import geared_line
 
 import torsionnet as tn
 from torsionnet.solve.dynamic_stiffness.transfer_request import resolve_request

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from forced_plants import plant, reference
+from support.forced_plants import plant, reference
 
 import torsionnet as tn
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy
-from library_cases import library_cases
+from support.library_cases import library_cases
 
 import torsionnet as tn
 from torsionnet.core.entries.renaming import Renaming

@@ -40,7 +40,7 @@ def test_motion_over_time(rigs):
 
 def test_a_functional_mock_up_unit(rigs):
     pytest.importorskip("fmpy.validation")
-    from fmu_hosts import Host
+    from support.fmu_hosts import Host
 
     rig = rigs[1]
     host, step = Host(rig).start(), suggested_step(rig)

@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from front_wheel_drive_car import components, springs_and_gears
+from support.front_wheel_drive_car import components, springs_and_gears
 
 import torsionnet as tn
 

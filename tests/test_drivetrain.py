@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 import pytest
-from models import geared_line
+from support.models import geared_line
 
 import torsionnet as tn
 

@@ -5,7 +5,7 @@ import time
 
 import numpy as np
 import pytest
-from editor_pages import README_MODEL, serving_text, writing_on
+from support.editor_pages import README_MODEL, serving_text, writing_on
 
 import torsionnet as tn
 

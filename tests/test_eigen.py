@@ -3,12 +3,12 @@
 from fractions import Fraction
 from math import pi
 
-import campaigns
 import mpmath
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support import campaigns
 
 from torsionnet.assembly.rows import Rows, RowSystem
 from torsionnet.core.errors import SolveError

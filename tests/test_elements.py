@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from models import EVERY_ELEMENT, SHEET
+from support.models import EVERY_ELEMENT, SHEET
 
 import torsionnet as tn
 from torsionnet.core.entries.named_files import files_beside
@@ -19,7 +19,9 @@ KINDS = sorted(ELEMENT_TYPES)
 
 
 def test_the_examples_cover_every_type():
-    assert set(EVERY_ELEMENT) == set(ELEMENT_TYPES), "give every type an example in EVERY_ELEMENT of tests/models.py"
+    assert set(EVERY_ELEMENT) == set(ELEMENT_TYPES), (
+        "give every type an example in EVERY_ELEMENT of tests/support/models.py"
+    )
 
 
 @pytest.mark.parametrize("kind", KINDS)

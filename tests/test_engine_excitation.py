@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from forced_plants import plant, reference
-from running_plants import engine as inline_six
+from support.forced_plants import plant, reference
+from support.running_plants import engine as inline_six
 from test_cli import run
 from test_document import blocks, of, rows
 

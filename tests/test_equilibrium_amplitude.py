@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from running_plants import two_mass
+from support.running_plants import two_mass
 
 import torsionnet as tn
 from torsionnet.solve.running.damping_shares import damping_shares

@@ -11,10 +11,10 @@ import time
 import urllib.request
 from pathlib import Path
 
-import campaigns
 import numpy as np
 import pytest
-from library_cases import library_cases
+from support import campaigns
+from support.library_cases import library_cases
 
 import torsionnet as tn
 from torsionnet.cli import main
@@ -437,7 +437,7 @@ class TestCommand:
         assert "Traceback" not in captured.err
 
     def test_a_port_in_use(self, capsys):
-        from explore_pages import serving
+        from support.explore_pages import serving
 
         with serving("dmf_rig") as server:
             port = str(server.server_address[1])

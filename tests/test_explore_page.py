@@ -8,7 +8,7 @@ from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
-from explore_pages import serving, visit
+from support.explore_pages import serving, visit
 
 import torsionnet as tn
 from torsionnet.cli import main

@@ -8,7 +8,7 @@ import threading
 import time
 
 import pytest
-from explore_pages import serving
+from support.explore_pages import serving
 
 from torsionnet.explore import api, connections
 from torsionnet.explore.connections import MOST_CONNECTIONS

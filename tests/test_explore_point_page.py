@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from explore_pages import serving, visit
+from support.explore_pages import serving, visit
 from test_explore_page import WIDE, drawn, kept_quiet, slider
 from test_explore_point import CRANK, GEARS, LINE, RATIO, WHEEL
 

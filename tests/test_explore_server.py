@@ -8,7 +8,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from explore_pages import serving
+from support.explore_pages import serving
 
 from torsionnet.explore.api import LARGEST_REQUEST, QUESTIONS
 from torsionnet.explore.guard import HEADERS

@@ -5,8 +5,8 @@ import shlex
 
 import numpy as np
 import pytest
-import running_fan
-from library_cases import library_cases
+from support import running_fan
+from support.library_cases import library_cases
 
 import torsionnet as tn
 from torsionnet.cli import main

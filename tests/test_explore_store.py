@@ -8,7 +8,7 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from explore_pages import serving
+from support.explore_pages import serving
 from test_explore_documents import RIG
 
 from torsionnet.explore import disk_file

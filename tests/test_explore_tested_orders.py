@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-import running_fan
-from explore_pages import serving, visit
+from support import running_fan
+from support.explore_pages import serving, visit
 from test_explore_page import WIDE, kept_quiet
 
 import torsionnet as tn

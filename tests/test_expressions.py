@@ -5,13 +5,13 @@ import keyword
 import math
 from fractions import Fraction
 
-import campaigns
 import numpy as np
 import pint
 import pytest
 import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support import campaigns
 
 from torsionnet.core.errors import TorsionnetError
 from torsionnet.core.expression_reading import RESERVED_NAMES, check_name, parse_expression, scalar

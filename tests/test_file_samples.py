@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from file_samples import RECORDS, RESPONSES
 from packaging.version import Version
+from support.file_samples import RECORDS, RESPONSES
 
 import torsionnet as tn
 from torsionnet.cli.output_schema import OUTPUTS, output_schema

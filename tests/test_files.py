@@ -19,8 +19,8 @@ import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from library_cases import library_cases
-from models import EVERY_ELEMENT
+from support.library_cases import library_cases
+from support.models import EVERY_ELEMENT
 
 from torsionnet.core import atomic
 from torsionnet.core.entries.renaming import Renaming

@@ -7,7 +7,7 @@ import json
 
 import numpy as np
 import pytest
-from order_fits import HARMONICS, K_COUPLING, dense_orders, engine_model, tracked
+from support.order_fits import HARMONICS, K_COUPLING, dense_orders, engine_model, tracked
 from test_cli import run
 
 import torsionnet as tn

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from order_fits import HARMONICS, K_COUPLING, SPEEDS, dense_orders, engine_model, tracked
+from support.order_fits import HARMONICS, K_COUPLING, SPEEDS, dense_orders, engine_model, tracked
 
 import torsionnet as tn
 from torsionnet.core.errors import ModelError, UsageError

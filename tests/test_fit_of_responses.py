@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from campaigns import examples
+from support.campaigns import examples
 
 import torsionnet as tn
 from torsionnet.core.errors import UsageError

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from foreign_files import COUNT, EXTRAS, damaged, mat_file, mat_variable, matlab_73, record, written
+from support.foreign_files import COUNT, EXTRAS, damaged, mat_file, mat_variable, matlab_73, record, written
 
 import torsionnet as tn
 from torsionnet.cli.app import app
@@ -388,7 +388,7 @@ def test_a_full_disk_leaves_the_old_file(tmp_path, ending):
     program = f"""
         import resource, sys
         sys.path.insert(0, {str(Path(__file__).parent)!r})
-        from foreign_files import record
+        from support.foreign_files import record
         from torsionnet.signals import write_recording
         found = record(20_000)
         resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, 50_000))

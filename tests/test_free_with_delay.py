@@ -9,13 +9,13 @@ import warnings
 from collections import Counter
 from fractions import Fraction
 
-import kernels
 import mpmath
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from free_plants import DIGITS, HOLDS, FreePlant
-from study_blocks import singly
+from support import kernels
+from support.free_plants import DIGITS, HOLDS, FreePlant
+from support.study_blocks import singly
 from test_controller import Plant
 
 import torsionnet as tn

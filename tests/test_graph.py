@@ -3,7 +3,7 @@
 from itertools import pairwise
 
 import pytest
-from models import EVERY_ELEMENT, geared_line
+from support.models import EVERY_ELEMENT, geared_line
 
 import torsionnet as tn
 

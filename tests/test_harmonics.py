@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from running_plants import PRESSURE, engine
+from support.running_plants import PRESSURE, engine
 from test_document import of, rows
 
 import torsionnet as tn

@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from running_plants import FOLDER
+from support.running_plants import FOLDER
 from test_cli import run
 from validation.build import build, read_case
 

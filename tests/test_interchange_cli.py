@@ -4,9 +4,9 @@ import json
 import zipfile
 
 import pytest
-from modelica_reader import Model
+from support.modelica_reader import Model
+from support.tors_models import THRUSTER
 from test_cli import run
-from tors_models import THRUSTER
 
 import torsionnet as tn
 from torsionnet.io.fmu.platforms import this_machine

@@ -5,8 +5,8 @@ import itertools
 import mpmath
 import numpy as np
 import pytest
-from fmu_hosts import VERSIONS, Host, fmpy, library_model, unpacked
-from models import geared_line
+from support.fmu_hosts import VERSIONS, Host, fmpy, library_model, unpacked
+from support.models import geared_line
 
 import torsionnet as tn
 from torsionnet.io.fmu.archive import suggested_step

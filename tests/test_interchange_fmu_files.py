@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fmu_hosts import VERSIONS, Host, fmpy, library_model, unpacked
+from support.fmu_hosts import VERSIONS, Host, fmpy, library_model, unpacked
 
 import torsionnet as tn
 from torsionnet.core.errors import MissingExtraError, UsageError

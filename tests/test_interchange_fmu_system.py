@@ -5,9 +5,9 @@ import random
 
 import numpy as np
 import pytest
-from made_up_elements import EXPORTED
-from models import EVERY_ELEMENT, around, without_indeterminate
-from random_drivetrains import draw
+from support.made_up_elements import EXPORTED
+from support.models import EVERY_ELEMENT, around, without_indeterminate
+from support.random_drivetrains import draw
 
 import torsionnet as tn
 from torsionnet.core.errors import UsageError

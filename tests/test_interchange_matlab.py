@@ -6,8 +6,8 @@ import subprocess
 
 import numpy as np
 import pytest
-from models import geared_line
 from scipy.io import loadmat
+from support.models import geared_line
 
 import torsionnet as tn
 from torsionnet.core.errors import TorsionnetWarning, UsageError

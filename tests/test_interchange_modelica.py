@@ -6,10 +6,10 @@ equations it has the poles and responses of the drivetrain.
 
 import numpy as np
 import pytest
-from library_cases import library_cases
-from made_up_elements import EXPORTED, GROUND, TwoPorts, of_kind
-from modelica_reader import Model
-from models import EVERY_ELEMENT, around, geared_line, without_indeterminate
+from support.library_cases import library_cases
+from support.made_up_elements import EXPORTED, GROUND, TwoPorts, of_kind
+from support.modelica_reader import Model
+from support.models import EVERY_ELEMENT, around, geared_line, without_indeterminate
 
 import torsionnet as tn
 from torsionnet.core.errors import UsageError

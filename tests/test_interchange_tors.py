@@ -8,8 +8,8 @@ from datetime import date
 
 import numpy as np
 import pytest
-from made_up_elements import EXPORTED
-from tors_models import THRUSTER, random_tree
+from support.made_up_elements import EXPORTED
+from support.tors_models import THRUSTER, random_tree
 
 import torsionnet as tn
 from torsionnet.core.errors import ModelError, TorsionnetWarning, UsageError

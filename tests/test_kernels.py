@@ -1,9 +1,9 @@
 """The processor, the kernels of BLAS and the vector instructions of numpy change no answer but its rounding."""
 
-import kernels
 import numpy as np
 import pytest
-from kernel_answers import answers, answers_with
+from support import kernels
+from support.kernel_answers import answers, answers_with
 
 TOLERANCE = 1e-10
 """Of a pole, or of the largest response of a model: rounding moves them by 1e-12, a pole split by rounding by 1e-8."""

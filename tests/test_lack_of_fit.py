@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from campaigns import examples
 from scipy.linalg import toeplitz
+from support.campaigns import examples
 
 import torsionnet as tn
 from torsionnet.core.errors import UsageError

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from library_cases import library_cases
+from support.library_cases import library_cases
 from validation.build import read_case
 
 import torsionnet as tn

@@ -4,7 +4,7 @@ import copy
 import json
 
 import pytest
-from running_fan import MODEL
+from support.running_fan import MODEL
 from test_cli import run
 
 import torsionnet as tn

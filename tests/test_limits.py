@@ -8,7 +8,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from ship_plant import PAGE_SHIP, SHIP
+from support.ship_plant import PAGE_SHIP, SHIP
 from test_cli import run
 
 import torsionnet as tn

@@ -1,10 +1,10 @@
 """The lowest modes of large systems: sparse routes against the dense ones, and against closed forms."""
 
-import campaigns
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support import campaigns
 
 import torsionnet as tn
 from torsionnet.assembly.rows import Rows, RowSystem

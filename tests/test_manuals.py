@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from forced_plants import NAMES
+from support.forced_plants import NAMES
 from validation.build import case_names, read_case
 
 import torsionnet as tn

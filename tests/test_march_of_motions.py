@@ -5,9 +5,9 @@ import sys
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from support.random_motion_plants import moving_plant
 
 import torsionnet as tn
-from tests.random_motion_plants import moving_plant
 from torsionnet.response import MotionStart
 from torsionnet.solve.motion import contact_states, piece_system
 

@@ -4,12 +4,12 @@ import warnings
 from dataclasses import replace
 from itertools import pairwise
 
-import campaigns
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from modal_cases import chain_residues, pole, response_of
+from support import campaigns
+from support.modal_cases import chain_residues, pole, response_of
 
 import torsionnet as tn
 from torsionnet.core.errors import SolveError, UsageError

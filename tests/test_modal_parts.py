@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from modal_cases import chain_residues, pole, response_of
+from support.modal_cases import chain_residues, pole, response_of
 
 from torsionnet.core.errors import UsageError
 from torsionnet.modal import Criteria, Settings, fit_poles, identify_modes

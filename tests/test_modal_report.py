@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from modal_cases import chain_residues, pole, response_of
+from support.modal_cases import chain_residues, pole, response_of
 
 import torsionnet as tn
 from torsionnet.core.errors import UsageError

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from modal_cases import chain_residues, pole, response_of
+from support.modal_cases import chain_residues, pole, response_of
 
 import torsionnet as tn
 from torsionnet.core.errors import UsageError

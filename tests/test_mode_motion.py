@@ -5,8 +5,8 @@ import math
 
 import numpy as np
 import pytest
-from drawn_models import inertia
-from library_cases import library_cases
+from support.drawn_models import inertia
+from support.library_cases import library_cases
 
 import torsionnet as tn
 from torsionnet.explore import Documents, open_session

@@ -1,9 +1,9 @@
 """Modes followed across variants: closed forms of crossing and veering, and dense continuation."""
 
-import campaigns
 import numpy as np
 import pytest
 from scipy.optimize import linear_sum_assignment
+from support import campaigns
 
 import torsionnet as tn
 from torsionnet.solve.batch.batch_plan import batch_plan

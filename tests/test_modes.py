@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from models import geared_line
+from support.models import geared_line
 
 import torsionnet as tn
 from torsionnet.solve.modes.eigen import undamped_modes

@@ -8,9 +8,9 @@ from scipy.integrate import quad, solve_ivp
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 from scipy.special import ellipk
+from support.motion_reference import reference_motion
 
 import torsionnet as tn
-from tests.motion_reference import reference_motion
 
 
 def rotor(*elements, inertia=0.5):

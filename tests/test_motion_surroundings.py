@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from support.random_motion_plants import moving_plant
 
 import torsionnet as tn
-from tests.random_motion_plants import moving_plant
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.model.scenarios.time_history import HistoryPiece, TimeHistory, constant
 from torsionnet.response import MotionStart

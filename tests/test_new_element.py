@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from made_up_elements import MadeUpInerter
+from support.made_up_elements import MadeUpInerter
 
 import torsionnet as tn
 from torsionnet.model import elements

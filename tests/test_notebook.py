@@ -6,7 +6,7 @@ import warnings
 
 import numpy as np
 import pytest
-from ship_plant import SHIP
+from support.ship_plant import SHIP
 from test_cli_records import RIG
 
 import torsionnet as tn

@@ -6,7 +6,7 @@ in 41 s. docs/validation.md tells how the published times themselves read.
 
 import numpy as np
 import pytest
-from known_rotation import pulse_times
+from support.known_rotation import pulse_times
 
 from torsionnet.core.errors import UsageError
 from torsionnet.signals import PulseChannel, Wheel, mean_rotation, wheel_rotation

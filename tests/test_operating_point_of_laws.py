@@ -4,9 +4,9 @@ from math import sqrt
 
 import numpy as np
 import pytest
+from support.random_motion_plants import moving_plant
 
 import torsionnet as tn
-from tests.random_motion_plants import moving_plant
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.model.element_base.laws import MotionLaw, Values
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve

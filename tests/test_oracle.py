@@ -6,7 +6,6 @@ from dataclasses import replace
 from fractions import Fraction
 from math import inf, pi, sqrt
 
-import campaigns
 import numpy as np
 import pytest
 from oracle.answers import INFINITE, Answer, Question, SingularInputError
@@ -24,6 +23,7 @@ from oracle.roles import EVERY, roles
 from oracle.rounding import unavoidable
 from oracle.solution import Mechanics
 from oracle.tally import Finding, Tally
+from support import campaigns
 
 import torsionnet as tn
 

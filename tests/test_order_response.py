@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from forced_plants import NAMES, plant, reference
+from support.forced_plants import NAMES, plant, reference
 from test_cli import run
 
 import torsionnet as tn

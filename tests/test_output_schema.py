@@ -8,7 +8,7 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
-from ship_plant import SHIP
+from support.ship_plant import SHIP
 from test_cli import run
 from test_cli_fit import FIT
 from test_cli_records import RIG

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from scipy.special import jv
-from turned_wheels import crossing_angles, steady
+from support.turned_wheels import crossing_angles, steady
 
 import torsionnet as tn
 from torsionnet.response.measured.pulse_channel import PulseChannel

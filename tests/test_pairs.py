@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from matplotlib.text import Text
-from modelica_reader import Model as ModelicaModel
 from scipy import signal
+from support.modelica_reader import Model as ModelicaModel
 
 import torsionnet as tn
 import torsionnet.plot as plot

@@ -3,8 +3,8 @@
 from dataclasses import replace
 from types import SimpleNamespace
 
-import models
 import pytest
+from support import models
 
 import torsionnet as tn
 from torsionnet.core.entries.scalars import PhysicalQuantity

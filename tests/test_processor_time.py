@@ -5,11 +5,11 @@ import subprocess
 import sys
 from pathlib import Path
 
-import processor_time
 import pytest
+from support import processor_time
 
 CONFTEST = """
-import processor_time
+from support import processor_time
 
 processor_time.MOST_OF_ONE = 0.1
 pytest_addoption = lambda parser: processor_time.add_options(parser)

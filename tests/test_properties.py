@@ -7,7 +7,6 @@ import os
 from dataclasses import replace
 from fractions import Fraction
 
-import campaigns
 import control
 import numpy as np
 import pint
@@ -15,7 +14,8 @@ import pytest
 import sympy
 from hypothesis import HealthCheck, Phase, assume, event, given, settings
 from hypothesis import strategies as st
-from strategies import (
+from support import campaigns
+from support.strategies import (
     GROUND,
     HOLDS,
     LOSSY,

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from foreign_files import EXTRAS
+from support.foreign_files import EXTRAS
 
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.response.measured.pulse_channel import PulseChannel

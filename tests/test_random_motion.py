@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from support.motion_reference import reference_motion
+from support.random_motion_plants import moving_plant
 
-from tests.motion_reference import reference_motion
-from tests.random_motion_plants import moving_plant
 from torsionnet.model.channels import Sensor
 from torsionnet.response import MotionStart
 

@@ -3,13 +3,13 @@
 import random
 from fractions import Fraction
 
-import campaigns
 import mpmath
 import networkx as nx
 import numpy as np
 import pytest
-from models import EVERY_ELEMENT
-from random_drivetrains import draw
+from support import campaigns
+from support.models import EVERY_ELEMENT
+from support.random_drivetrains import draw
 
 import torsionnet as tn
 from torsionnet.core.errors import UsageError

@@ -5,9 +5,9 @@ import re
 import matplotlib as mpl
 import numpy as np
 import pytest
-from drawn_models import MODELS, chain, full_mesh, inertia, planetary_of_gears, two_sets
-from models import geared_line
-from pictures import (
+from support.drawn_models import MODELS, chain, full_mesh, inertia, planetary_of_gears, two_sets
+from support.models import geared_line
+from support.pictures import (
     EXAMPLES,
     collisions,
     crossed,

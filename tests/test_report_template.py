@@ -9,7 +9,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from models import EVERY_ELEMENT
+from support.models import EVERY_ELEMENT
 from test_cli import run
 
 import torsionnet as tn

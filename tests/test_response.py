@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from models import geared_line
+from support.models import geared_line
 
 import torsionnet as tn
 from torsionnet.response.phase import phase_at_zero_frequency

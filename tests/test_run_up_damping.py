@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from known_damping import F0, ZETA, closed_form, half_power, swept, with_noise
+from support.known_damping import F0, ZETA, closed_form, half_power, swept, with_noise
 
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.modal import match, modes_from_run_up, modes_from_tracked_orders

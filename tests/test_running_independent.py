@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from dense_plants import Running, half_range
+from support.dense_plants import Running, half_range
 
 COMBINATIONS = 0.01
 """Share by which the search for the worst combination of cylinders may miss it."""

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from forced_plants import plant as forced_plant
-from forced_plants import reference
+from support.forced_plants import plant as forced_plant
+from support.forced_plants import reference
 
 import torsionnet as tn
 from torsionnet.model.elements import Values

@@ -11,9 +11,9 @@ from heapq import heappop, heappush
 
 import numpy as np
 import pytest
-from drawn_models import MODELS, inertia
 from matplotlib.textpath import text_to_path
-from pictures import texts
+from support.drawn_models import MODELS, inertia
+from support.pictures import texts
 
 import torsionnet as tn
 from torsionnet.core.errors import UsageError

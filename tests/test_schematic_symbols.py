@@ -5,10 +5,10 @@ import itertools
 import matplotlib as mpl
 import numpy as np
 import pytest
-from campaigns import examples
-from drawn_models import MODELS, inertia
-from made_up_elements import GLYPHS, SHAPES, Absorber, Maxwell, OnePort, Zener, with_glyph
-from pictures import EXAMPLES, SOME_EXAMPLES, collisions, crossed, drawable, drawn, is_round, outside, texts
+from support.campaigns import examples
+from support.drawn_models import MODELS, inertia
+from support.made_up_elements import GLYPHS, SHAPES, Absorber, Maxwell, OnePort, Zener, with_glyph
+from support.pictures import EXAMPLES, SOME_EXAMPLES, collisions, crossed, drawable, drawn, is_round, outside, texts
 
 import torsionnet as tn
 from torsionnet.plot import schematic

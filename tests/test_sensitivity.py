@@ -1,12 +1,11 @@
 """Exact derivatives of responses and modes against closed forms in many digits."""
 
-import campaigns
 import mpmath as mp
 import numpy as np
 import pytest
-import strategies
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from support import campaigns, strategies
 
 import torsionnet as tn
 from torsionnet.core.errors import SolveError, UsageError

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from dense_speeds import HIGH, LOW, RPM, Chain
-from ship_plant import SHIP
+from support.dense_speeds import HIGH, LOW, RPM, Chain
+from support.ship_plant import SHIP
 from test_cli import run
 from test_limits import hump, m68, stressed
 

@@ -3,12 +3,12 @@
 from dataclasses import replace
 from functools import cache
 
-import campaigns
 import mpmath
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support import campaigns
 
 import torsionnet as tn
 from torsionnet.assembly.law_stiffness import LawStiffness

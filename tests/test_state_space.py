@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from models import geared_line
+from support.models import geared_line
 
 import torsionnet as tn
 

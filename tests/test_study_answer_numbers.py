@@ -1,9 +1,9 @@
 """Shares, worst cases, swings, rank correlations and maps against closed forms and second methods."""
 
-import campaigns
 import numpy as np
 import pytest
 from scipy.stats import binomtest, spearmanr
+from support import campaigns
 
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.study.answers.map_answer import parameter_map

@@ -8,10 +8,10 @@ import signal
 import time
 from pathlib import Path
 
-import campaigns
 import pytest
 from click.testing import CliRunner
-from study_runs import answers_as_text, processes_of_session, small_study, started, study_of_answers
+from support import campaigns
+from support.study_runs import answers_as_text, processes_of_session, small_study, started, study_of_answers
 
 from torsionnet.cli.app import app
 from torsionnet.core.errors import SolveError, UsageError

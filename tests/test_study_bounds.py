@@ -5,7 +5,7 @@ from math import ceil
 
 import numpy as np
 import pytest
-from study_runs import small_chunks, small_study
+from support.study_runs import small_chunks, small_study
 
 from torsionnet.study.quantities import counted_remarks, variant_block
 from torsionnet.study.quantities.evaluator import Evaluator

@@ -14,8 +14,8 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from cluster_processes import PATIENCE, STUDY_CLIENT, client, kill_all_of, process, scheduler, wait_for, workers
-from cluster_work import DeadlyWork, FailingWork, NoiseWork, Prepared, noise
+from support.cluster_processes import PATIENCE, STUDY_CLIENT, client, kill_all_of, process, scheduler, wait_for, workers
+from support.cluster_work import DeadlyWork, FailingWork, NoiseWork, Prepared, noise
 
 from torsionnet.core.errors import MissingExtraError, ModelError, UsageError
 from torsionnet.study.run.cluster import chunk_task, cluster_losses, dask_executor
@@ -476,7 +476,7 @@ def test_study_through_all_losses(tmp_path, study_folder):
 @pytest.mark.slow
 def test_answers_on_a_cluster(local, study_folder, monkeypatch):
     """Workers write what they calculate, this process reads it; the answer is that of one process."""
-    from study_runs import answers_as_text, study_of_answers
+    from support.study_runs import answers_as_text, study_of_answers
 
     from torsionnet.study.quantities.evaluator import Evaluator
     from torsionnet.study.run import shared_blocks

@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from study_runs import small_study
+from support.study_runs import small_study
 
 import torsionnet as tn
 from torsionnet.cli.app import app

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from study_blocks import columns, singly, spread, together
+from support.study_blocks import columns, singly, spread, together
 
 import torsionnet as tn
 from torsionnet.core.collected_warnings import collected_warnings

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from study_blocks import columns, singly, spread, together
+from support.study_blocks import columns, singly, spread, together
 
 import torsionnet as tn
 from torsionnet.response.modes import OSCILLATORY

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from study_blocks import columns, singly, spread
+from support.study_blocks import columns, singly, spread
 
 import torsionnet as tn
 from torsionnet.core.entries.named_files import files_beside

@@ -1,10 +1,10 @@
 """Small probabilities against closed forms: linear, curved and joined limit states in standard normal space."""
 
-import campaigns
 import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.stats import binom, chi2, norm
+from support import campaigns
 
 from torsionnet.core.errors import UsageError
 from torsionnet.study.answers.design_points import design_points

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 from click.testing import CliRunner
-from study_runs import contents, small_study
+from support.study_runs import contents, small_study
 
 import torsionnet as tn
 from torsionnet.cli.app import app

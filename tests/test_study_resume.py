@@ -9,10 +9,10 @@ import signal
 import time
 from pathlib import Path
 
-import campaigns
 import numpy as np
 import pytest
-from study_runs import CHUNK, VARIANTS, contents, deadly, deaf, processes_of_session, small_study, started
+from support import campaigns
+from support.study_runs import CHUNK, VARIANTS, contents, deadly, deaf, processes_of_session, small_study, started
 
 from torsionnet.core.errors import SolveError, TorsionnetWarning, UsageError
 from torsionnet.study.run import calculating, folder_lock, study_record, workload

@@ -1,9 +1,9 @@
 """Sobol indices against closed forms and against scipy's own estimates of the same values."""
 
-import campaigns
 import numpy as np
 import pytest
 from scipy.stats import qmc, sobol_indices
+from support import campaigns
 
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.study.answers.sobol_indices import sobol_estimates

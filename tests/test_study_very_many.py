@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from scipy.stats import norm
-from study_runs import contents
+from support.study_runs import contents
 
 import torsionnet as tn
 from torsionnet.cli.app import app

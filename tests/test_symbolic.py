@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import sympy
-from models import EVERY_ELEMENT, geared_line
+from support.models import EVERY_ELEMENT, geared_line
 from sympy import Matrix, Rational, Symbol
 
 import torsionnet as tn

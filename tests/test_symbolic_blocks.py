@@ -3,13 +3,12 @@
 import random
 from fractions import Fraction
 
-import campaigns
 import numpy as np
 import pytest
-import strategies
 import sympy
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from support import campaigns, strategies
 
 import torsionnet as tn
 from torsionnet.symbolic.algebra import loops

@@ -5,14 +5,14 @@ import random
 import warnings
 from fractions import Fraction
 
-import campaigns
 import numpy as np
 import pytest
 import sympy
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
-from models import EVERY_ELEMENT, geared_line
-from random_drivetrains import draw
+from support import campaigns
+from support.models import EVERY_ELEMENT, geared_line
+from support.random_drivetrains import draw
 from sympy import Rational, Symbol, simplify
 
 import torsionnet as tn

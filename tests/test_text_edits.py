@@ -3,8 +3,8 @@
 import json
 import random
 
-import campaigns
 import pytest
+from support import campaigns
 from test_broken_files import BASE
 
 from torsionnet.core.errors import UsageError

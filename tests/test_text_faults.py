@@ -4,8 +4,8 @@ import random
 import re
 from pathlib import Path
 
-import campaigns
 import pytest
+from support import campaigns
 from test_broken_files import BASE, CASES
 
 from torsionnet.cli.models import checked_model

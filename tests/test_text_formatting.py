@@ -5,10 +5,10 @@ import random
 import re
 from pathlib import Path
 
-import campaigns
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support import campaigns
 from test_broken_files import BASE, CASES
 
 from torsionnet.core.errors import ModelError

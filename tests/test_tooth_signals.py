@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from known_rotation import pulse_times as crossings
-from known_rotation import shaft
+from support.known_rotation import pulse_times as crossings
+from support.known_rotation import shaft
 
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.response.recording import Recording, Signal

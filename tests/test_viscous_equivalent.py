@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from modelica_reader import Model as ModelicaModel
+from support.modelica_reader import Model as ModelicaModel
 
 import torsionnet as tn
 from torsionnet.cli.app import app

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from turned_wheels import crossing_angles, position_amplitude, run_up, steady, tracked
+from support.turned_wheels import crossing_angles, position_amplitude, run_up, steady, tracked
 
 import torsionnet as tn
 from torsionnet.identification.wheel_orders import calculated_wheel_orders

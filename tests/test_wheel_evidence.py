@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from scipy.stats import t as student_t
-from turned_wheels import crossing_angles, position_amplitude, run_up, steady
+from support.turned_wheels import crossing_angles, position_amplitude, run_up, steady
 
 import torsionnet as tn
 from torsionnet.core.errors import UsageError

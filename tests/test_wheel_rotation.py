@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from known_rotation import order_of, pulse_times, shaft
+from support.known_rotation import order_of, pulse_times, shaft
 
 from torsionnet.core.errors import UsageError
 from torsionnet.response.measured.pulse_channel import PulseChannel

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from study_blocks import together
+from support.study_blocks import together
 
 import torsionnet as tn
 from torsionnet.core.errors import ModelError

@@ -7,8 +7,8 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from foreign_files import matlab_73, record, written
-from tors_models import THRUSTER
+from support.foreign_files import matlab_73, record, written
+from support.tors_models import THRUSTER
 
 import torsionnet as tn
 from fuzz import reuse, running

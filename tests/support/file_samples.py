@@ -1,6 +1,6 @@
 """Small files of every kind, as this version writes them.
 
-``PYTHONPATH=.:tests python -m file_samples FOLDER`` wrote ``tests/samples_1_0`` with version 1.0. Those files never change: every
+``PYTHONPATH=.:tests python -m support.file_samples FOLDER`` wrote ``tests/samples_1_0`` with version 1.0. Those files never change: every
 later 1.x reads them. A later version that writes something new writes a folder of its own beside it.
 """
 
@@ -10,13 +10,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from models import EVERY_ELEMENT
 
 import torsionnet as tn
+from support.models import EVERY_ELEMENT
 from torsionnet.cli import main
 from torsionnet.study import Workers, answer_study, load_study
 
-LIBRARY = Path(__file__).parents[1] / "library"
+LIBRARY = Path(__file__).parents[2] / "library"
 MODELS = ("amt_rig", "engine_generator_set", "front_wheel_drive_car", "two_stroke_ship", "wind_turbine_3mw")
 RESPONSES = ("csv", "npz", "mat", "uff")
 RECORDS = ("csv", "npz", "mat", "uff", "tdms", "h5", "parquet")

@@ -6,7 +6,7 @@ import torsionnet as tn
 from torsionnet.assembly.functionals import functional
 from torsionnet.core.errors import UsageError
 
-SHEET = Path(__file__).parent / "sheets" / "line.csv"
+SHEET = Path(__file__).parents[1] / "sheets" / "line.csv"
 
 EVERY_ELEMENT = {
     "inertia": tn.Inertia("e", node="a", inertia=2),

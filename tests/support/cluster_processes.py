@@ -9,13 +9,13 @@ import time
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-TESTS = Path(__file__).parent
+TESTS = Path(__file__).parents[1]
 PATIENCE = 240.0
 """Seconds, on a machine that does much else."""
 CLIENT = """
 import sys
 from pathlib import Path
-from cluster_work import NoiseWork
+from support.cluster_work import NoiseWork
 from torsionnet.study.run.cluster.connecting import connected
 from torsionnet.study.run.cluster.dask_executor import DaskExecutor
 

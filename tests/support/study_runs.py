@@ -95,11 +95,11 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 def started(folder: Path, processes: int = 1, *words: str) -> subprocess.Popen[bytes]:
     """A program of its own that runs the study, or with the word ``answers`` those named after it, by default all."""
-    here = str(Path(__file__).parent)
+    here = str(Path(__file__).parents[1])
     path = os.pathsep.join([here, str(Path(tn.__file__).parents[1])])
     environment = {**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1"}
     return subprocess.Popen(
-        [sys.executable, "-m", "study_runs", str(folder), str(processes), *words],
+        [sys.executable, "-m", "support.study_runs", str(folder), str(processes), *words],
         env=environment,
         start_new_session=True,
     )

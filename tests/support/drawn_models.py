@@ -3,9 +3,8 @@
 import itertools
 import random
 
-from random_drivetrains import draw
-
 import torsionnet as tn
+from support.random_drivetrains import draw
 
 
 def inertia(name, node, value=1.0):

@@ -8,11 +8,11 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from random_drivetrains import draw
 
 import torsionnet as tn
+from support.random_drivetrains import draw
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 FEW = ("geared_branch", "wind_turbine_3mw")
 SIZES = {"few": (2, 2), "many": (300, 100)}
 """How many random and how many controlled models."""
@@ -66,7 +66,7 @@ def answers_with(size, environment):
         file = Path(folder) / "answers.npz"
         paths = os.pathsep.join((str(ROOT), str(ROOT / "tests")))
         subprocess.run(
-            [sys.executable, "-W", "ignore", __file__, size, file],
+            [sys.executable, "-W", "ignore", "-m", "support.kernel_answers", size, file],
             env=os.environ | {"PYTHONPATH": paths} | environment,
             check=True,
         )

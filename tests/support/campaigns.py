@@ -6,7 +6,7 @@ from collections import defaultdict
 from functools import cache
 from pathlib import Path
 
-_IMPORTED = re.compile(r"^from (\w+) import", re.MULTILINE)
+_IMPORTED = re.compile(r"^from support\.(\w+) import", re.MULTILINE)
 
 quick = False
 """Set by conftest.py before tests are collected."""
@@ -33,7 +33,7 @@ def leave_cases_out(items):
 def sized(path):
     """Names at the top of a file of tests, of functions, classes and values, that ask here how many examples to try."""
     text = Path(path).read_text(encoding="utf-8")
-    helpers = [file for name in _IMPORTED.findall(text) if (file := Path(path).with_name(f"{name}.py")).exists()]
+    helpers = [Path(__file__).with_name(f"{name}.py") for name in _IMPORTED.findall(text)]
     found = {name for name in {"campaigns"}.union(*map(sized, helpers)) if name in text}
     if not found:  # reading all files as syntax would take a second
         return frozenset()

@@ -1,4 +1,4 @@
-"""Which BLAS kernels the processor can run besides its own: ``python tests/kernels.py`` prints the next one below it.
+"""Which BLAS kernels the processor can run besides its own: ``python tests/support/kernels.py`` prints the next one below it.
 
 OpenBLAS rounds differently from one kernel to the next; the variable OPENBLAS_CORETYPE chooses one by name.
 """

@@ -4,12 +4,12 @@ import itertools
 from functools import cache
 
 import pytest
-from drawn_models import MODELS, inertia
-from library_cases import LARGE
-from models import EVERY_ELEMENT
 from validation.build import build, case_names, read_case
 
 import torsionnet as tn
+from support.drawn_models import MODELS, inertia
+from support.library_cases import LARGE
+from support.models import EVERY_ELEMENT
 from torsionnet.plot import schematic
 
 

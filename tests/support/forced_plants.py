@@ -5,7 +5,7 @@ from pathlib import Path
 
 import torsionnet as tn
 
-FOLDER = Path(__file__).parent / "validation" / "forced"
+FOLDER = Path(__file__).parents[1] / "validation" / "forced"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.json"))
 
 

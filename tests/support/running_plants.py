@@ -7,7 +7,7 @@ import numpy as np
 import torsionnet as tn
 from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
 
-FOLDER = Path(__file__).parent / "plants"
+FOLDER = Path(__file__).parents[1] / "plants"
 
 _ANGLE = 2 * np.pi * np.arange(720) / 360
 PRESSURE = 2.5e5 + 9e6 * np.exp(-((np.degrees(np.minimum(_ANGLE, 4 * np.pi - _ANGLE)) / 30) ** 2))

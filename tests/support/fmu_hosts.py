@@ -6,12 +6,12 @@ import tempfile
 import warnings
 from pathlib import Path
 
-import campaigns
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 import torsionnet as tn
+from support import campaigns
 from torsionnet.io import write_fmu
 from torsionnet.io.fmu import compiling
 
