@@ -15,7 +15,7 @@ BENCHMARKS := $(basename $(notdir $(wildcard benchmarks/[!_]*.py)))
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help signatures demo figures identify test test-slow test-all test-oldest compare compare-parts structure hops move join outputs mutation fuzz lint format types generate docs manuals bench bench-short release-files clean
+.PHONY: help signatures demo figures identify test test-slow test-all test-oldest nightly-campaigns compare compare-parts structure hops move join outputs mutation fuzz lint format types generate docs manuals bench bench-short release-files clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -30,16 +30,19 @@ identify: $(VENV)/.installed  ## the paper's identification on the virtual bench
 	$(RUN) -m torsionnet.demo.identification
 
 # Python that writes no bytecode compiles package and tests anew in every process that tests start.
-test test-slow test-all test-oldest: export PYTHONDONTWRITEBYTECODE =
+test test-slow test-all test-oldest nightly-campaigns: export PYTHONDONTWRITEBYTECODE =
 
 test: $(VENV)/.group-test  ## tests and docstring examples, on all cores, without those of over a few seconds
 	$(RUN) -m pytest -n auto --dist worksteal -m "not slow" $(ARGS)
 
-test-slow: $(VENV)/.group-test  ## what `make test` leaves out or tries with few examples
-	$(RUN) -m pytest -n auto --dist worksteal -m "slow or campaign" $(ARGS)
+test-slow: $(VENV)/.group-test  ## what `make test` leaves out, but for the campaigns of the night
+	$(RUN) -m pytest -n auto --dist worksteal -m "slow and not nightly" $(ARGS)
 
 test-all: $(VENV)/.group-test  ## all tests, also campaigns over many seeds
-	$(RUN) -m pytest -n auto --dist worksteal $(ARGS)
+	$(RUN) -m pytest -n auto --dist worksteal --campaigns $(ARGS)
+
+nightly-campaigns: $(VENV)/.group-test  ## what is marked nightly, and with all seeds what .ci/run tries with few
+	$(RUN) -m pytest -n auto --dist worksteal --campaigns -m "nightly or campaign" $(ARGS)
 
 test-oldest: $(OLDEST)/.installed  ## `make test` with the oldest packages that pyproject.toml allows, in .venv-oldest
 	$(OLDEST)/bin/python -m pytest -n auto --dist worksteal -m "not slow" $(ARGS)

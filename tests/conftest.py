@@ -43,18 +43,20 @@ def chromium():
 
 
 def pytest_addoption(parser):
+    campaigns.add_option(parser)
     processor_time.add_options(parser)
 
 
 def pytest_configure(config):
-    """Without slow tests properties are tried with few examples."""
-    campaigns.quick = "not slow" in (config.option.markexpr or "")
+    """Only campaigns try properties with many examples."""
+    campaigns.many = config.getoption(campaigns.OPTION)
     config.pluginmanager.register(processor_time.ProcessorTime(config))
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Mark what a run without slow tests tries with fewer examples or leaves out of many cases."""
+    """Mark what a run tries with fewer examples, and what one without slow tests leaves out."""
+    campaigns.leave_to_the_night(items)
     campaigns.leave_cases_out(items)
     for item in items:
         name = item.nodeid.split("::")[1].split("[")[0]

@@ -1,21 +1,13 @@
-"""Tests that a run without slow ones tries with fewer examples are known, whatever way they come to ask for them."""
+"""Tests that most runs try with fewer examples than a campaign are known, whatever way they come to ask for them."""
 
 from types import SimpleNamespace
 
 from support import campaigns
 
-HELPER = """
-from support import campaigns
-
-def host():
-    return campaigns.quick
-
-def other():
-    return 1
-"""
 TESTS = """
-from helper import host, other
+from support.fmu_hosts import VERSIONS, Host
 from support import campaigns
+from support.campaigns import examples
 import pytest
 
 EXAMPLES = settings(max_examples=campaigns.examples(5, 25))
@@ -26,8 +18,11 @@ def test_by_a_value(): ...
 @pytest.mark.parametrize("seed", range(campaigns.examples(2, 9)))
 def test_by_a_range(seed): ...
 
+def test_by_a_function():
+    assert examples(1, 2)
+
 def test_by_a_helper():
-    assert host()
+    assert Host()
 
 @pytest.fixture
 def many():
@@ -37,15 +32,14 @@ class TestOfAClass:
     def test_by_a_fixture(self, many): ...
 
 def test_of_one_size():
-    assert other()
+    assert VERSIONS
 """
 
 
 def test_each_way_is_seen(tmp_path, request):
-    (tmp_path / "helper.py").write_text(HELPER)
     (tmp_path / "tests.py").write_text(TESTS)
     names = campaigns.sized(tmp_path / "tests.py")
-    expected = {"test_by_a_value", "test_by_a_range", "test_by_a_helper", "TestOfAClass"}
+    expected = {"test_by_a_value", "test_by_a_range", "test_by_a_function", "test_by_a_helper", "TestOfAClass"}
     assert {name for name in names if name.lower().startswith("test")} == expected
     assert request.node.get_closest_marker("campaign")  # this one asks there, too
 
@@ -61,6 +55,20 @@ class Case:
 
     def add_marker(self, name):
         self.marks[name] = ()
+
+
+def test_what_waits_for_the_night_is_slow():
+    night, day = Case("a.py::test_night", nightly=()), Case("a.py::test_day", few=(1,))
+    campaigns.leave_to_the_night([night, day])
+    assert "slow" in night.marks
+    assert "slow" not in day.marks
+
+
+def test_only_campaigns_take_all(monkeypatch):
+    monkeypatch.setattr(campaigns, "many", False)
+    assert campaigns.examples(3, 40) == 3
+    monkeypatch.setattr(campaigns, "many", True)
+    assert campaigns.examples(3, 40) == 40
 
 
 def test_of_many_cases_few_stay():

@@ -1,4 +1,4 @@
-"""How many examples and cases a run without slow tests takes: few, where a campaign takes many."""
+"""How many examples and cases a run takes: few, but many in the campaigns of the night, ``pytest --campaigns``."""
 
 import ast
 import re
@@ -8,13 +8,26 @@ from pathlib import Path
 
 _IMPORTED = re.compile(r"^from support\.(\w+) import", re.MULTILINE)
 
-quick = False
-"""Set by conftest.py before tests are collected."""
+OPTION = "--campaigns"
+
+many = False
+"""Whether this run takes all examples; set by conftest.py before tests are collected."""
 
 
-def examples(few, many):
-    """The number for this run."""
-    return few if quick else many
+def add_option(parser):
+    parser.addoption(OPTION, action="store_true", help="take all seeds and examples where `make test` takes few")
+
+
+def examples(few, all_of_them):
+    """The number for this run: few in `make test` and `make test-slow`, all of them in `make nightly-campaigns`."""
+    return all_of_them if many else few
+
+
+def leave_to_the_night(items):
+    """Mark as slow what is marked ``nightly``: a run without slow tests leaves it out, too."""
+    for item in items:
+        if item.get_closest_marker("nightly") is not None:
+            item.add_marker("slow")
 
 
 def leave_cases_out(items):
@@ -34,7 +47,8 @@ def sized(path):
     """Names at the top of a file of tests, of functions, classes and values, that ask here how many examples to try."""
     text = Path(path).read_text(encoding="utf-8")
     helpers = [Path(__file__).with_name(f"{name}.py") for name in _IMPORTED.findall(text)]
-    found = {name for name in {"campaigns"}.union(*map(sized, helpers)) if name in text}
+    asked = {"campaigns", "examples"} if "campaigns" in text else set()
+    found = {name for name in asked.union(*map(sized, helpers)) if name in text}
     if not found:  # reading all files as syntax would take a second
         return frozenset()
     words = {name: used for node in ast.parse(text).body for name, used in _words(node)}
