@@ -5,7 +5,10 @@ from collections import Counter
 
 import pytest
 from hypothesis import settings
-from support import campaigns, processor_time
+
+pytest.register_assert_rewrite("support")  # asserts in helpers tell their values, as those in tests do
+
+from support import campaigns, processor_time  # noqa: E402
 
 # Before numpy is loaded: threads of BLAS on tiny matrices cost half the time of all tests, and one worker runs per core.
 for library in ("OPENBLAS", "OMP", "MKL"):

@@ -12,8 +12,9 @@ import warnings
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from support import campaigns
+from support.command_line import process, run, runner
+from support.written_models import CLUTCH
 
 import torsionnet as tn
 from torsionnet.cli.app import COMMANDS, app
@@ -41,28 +42,6 @@ elements:
 inputs: {T: {torque: a}}
 configurations: {stiffness: {soft: {k: 500}, hard: {k: 2000}}, clutch: {open: {off: [shaft]}, shut: {on: [shaft]}}}
 """
-
-
-def runner():
-    try:
-        return CliRunner(mix_stderr=False)  # click before 8.2
-    except TypeError:
-        return CliRunner()
-
-
-def run(*arguments, code=0):
-    result = runner().invoke(app, [str(argument) for argument in arguments])
-    assert result.exit_code == code, result.output
-    return result
-
-
-def process(*arguments, directory, **options):
-    """A command in a process of its own, as users have it."""
-    environment = {**os.environ, "PYTHONPATH": str(Path(tn.__file__).parents[1]), **options.pop("env", {})}
-    command = [sys.executable, "-m", "torsionnet", *map(str, arguments)]
-    return subprocess.run(
-        command, capture_output=True, text=True, timeout=60, check=False, cwd=directory, env=environment, **options
-    )
 
 
 def read_csv(path):
@@ -620,20 +599,6 @@ def test_each_warning_is_shown_once_and_without_the_place_in_the_program(monkeyp
 
     monkeypatch.setattr(tn.Drivetrain, "modes", warn)
     assert run("modes", "dmf_rig").stderr == "warning: the table is not passive\n"
-
-
-CLUTCH = """\
-torsionnet: 1
-elements:
-  a: {type: inertia, node: a, inertia: 1}
-  clutch: {type: spring, nodes: [a, b], stiffness: 100}
-  b: {type: inertia, node: b, inertia: 1}
-inputs: {T: {torque: a}}
-sensors: {T_c: {torque: clutch}}
-configurations:
-  closed: {on: [clutch]}
-  open: {off: [clutch, b]}
-"""
 
 
 def test_configurations_without_what_is_asked_for_are_left_out(tmp_path):

@@ -5,8 +5,8 @@ import re
 
 import numpy as np
 import pytest
+from support.command_line import run
 from support.known_rotation import pulse_times, shaft
-from test_cli import run
 
 from torsionnet.core.errors import ModelError
 from torsionnet.io.wheel_files import read_wheels

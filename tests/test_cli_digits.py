@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
-from test_cli import run
+from support.command_line import run
 
 import torsionnet as tn
 from torsionnet.cli.app import COMMANDS, app

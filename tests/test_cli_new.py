@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
-from test_cli import process, run
+from support.command_line import process, run
 
 import torsionnet as tn
 from torsionnet.cli.commands.new import KINDS, starting_model

@@ -8,9 +8,11 @@ import sys
 from pathlib import Path
 
 import pytest
-from test_cli import CLUTCH, app, run, runner
+from support.command_line import run, runner
+from support.written_models import CLUTCH
 
 import torsionnet as tn
+from torsionnet.cli.app import app
 from torsionnet.model.files import json_schema
 from torsionnet.model.report import Pair, ReportPlan, parse_band
 

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 import pytest
+from support.command_line import run
 from support.running_plants import INLINE_SIX, PRESSURE, car, engine, marine, two_mass
-from test_cli import run
 
 import torsionnet as tn
 from torsionnet.plot import interference_diagram, star_diagrams

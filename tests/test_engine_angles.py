@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from test_cli import run
+from support.command_line import run
 
 import torsionnet as tn
 from torsionnet.model.excitations.engine_phases import conditions_running_alone

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.command_line import run
 from support.forced_plants import plant, reference
 from support.running_plants import engine as inline_six
-from test_cli import run
 from test_document import blocks, of, rows
 
 import torsionnet as tn

@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from test_cli import run
+from support.command_line import run
 from test_equal_cases import PLANT
 
 import torsionnet as tn

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy import signal
-from test_cli import run
+from support.command_line import run
 from test_cli_records import RIG
 
 import torsionnet as tn

@@ -7,8 +7,8 @@ import json
 
 import numpy as np
 import pytest
+from support.command_line import run
 from support.order_fits import HARMONICS, K_COUPLING, dense_orders, engine_model, tracked
-from test_cli import run
 
 import torsionnet as tn
 from torsionnet.identification import Measurement, identify, rank_causes

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from test_cli import run
+from support.command_line import run
 
 import torsionnet as tn
 from torsionnet.core.errors import ModelError, UsageError

@@ -5,8 +5,8 @@ import re
 
 import numpy as np
 import pytest
+from support.command_line import run
 from support.running_plants import FOLDER
-from test_cli import run
 from validation.build import build, read_case
 
 import torsionnet as tn

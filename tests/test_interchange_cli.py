@@ -4,9 +4,9 @@ import json
 import zipfile
 
 import pytest
+from support.command_line import run
 from support.modelica_reader import Model
 from support.tors_models import THRUSTER
-from test_cli import run
 
 import torsionnet as tn
 from torsionnet.io.fmu.platforms import this_machine

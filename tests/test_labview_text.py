@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from test_cli import run
+from support.command_line import run
 
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.io.recording_files import iter_blocks, read_recording, write_recording

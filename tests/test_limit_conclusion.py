@@ -4,8 +4,8 @@ import copy
 import json
 
 import pytest
+from support.command_line import run
 from support.running_fan import MODEL
-from test_cli import run
 
 import torsionnet as tn
 from torsionnet.report.document_tree import Strong, TableBlock, inlines

@@ -8,8 +8,8 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from support.command_line import run
 from support.ship_plant import PAGE_SHIP, SHIP
-from test_cli import run
 
 import torsionnet as tn
 from torsionnet.model.channels import Sensor

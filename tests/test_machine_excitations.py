@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from test_cli import run
+from support.command_line import run
 from validation.build import build, damper_matrix, read_case, spring_name
 
 import torsionnet as tn

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from test_cli import run
+from support.command_line import run
 
 import torsionnet as tn
 

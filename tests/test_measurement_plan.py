@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from test_cli import run
+from support.command_line import run
 from test_document import blocks, of, rows
 
 import torsionnet as tn

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_cli import run
+from support.command_line import run
 from test_limits import RPM, hump, m68, stressed
 
 import torsionnet as tn

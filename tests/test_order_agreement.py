@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 from scipy.stats import chi2, norm, rice
-from test_cli import run
+from support.command_line import run
 from test_engine_angles import plant
 
 from torsionnet.response.measured.common_turn import common_turn

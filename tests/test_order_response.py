@@ -7,8 +7,8 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from support.command_line import run
 from support.forced_plants import NAMES, plant, reference
-from test_cli import run
 
 import torsionnet as tn
 from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine

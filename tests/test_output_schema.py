@@ -8,8 +8,8 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
+from support.command_line import run
 from support.ship_plant import SHIP
-from test_cli import run
 from test_cli_fit import FIT
 from test_cli_records import RIG
 from test_order_response import PLANT

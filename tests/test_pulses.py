@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from test_cli import run
+from support.command_line import run
 from test_cli_records import RIG
 
 from torsionnet.core.errors import ModelError, SolveError, TorsionnetWarning, UsageError

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from test_cli import run
+from support.command_line import run
 
 import torsionnet as tn
 from torsionnet.core.errors import SolveError, UsageError

@@ -1,7 +1,7 @@
 """Kinds of document: which a model has by itself, which sections stand in each, and the appendix."""
 
 import pytest
-from test_cli import run
+from support.command_line import run
 
 import torsionnet as tn
 from torsionnet.model.report import KINDS, SECTIONS

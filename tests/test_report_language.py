@@ -4,7 +4,7 @@ import re
 
 import pytest
 import yaml
-from test_cli import run
+from support.command_line import run
 from test_report_kinds import FAN
 
 import torsionnet as tn

@@ -9,8 +9,8 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from support.command_line import run
 from support.models import EVERY_ELEMENT
-from test_cli import run
 
 import torsionnet as tn
 from torsionnet.model.element_base.sheared_shapes import RUBBER_SHAPES, FilmGap

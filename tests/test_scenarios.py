@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
-from test_cli import run
+from support.command_line import run
 
 import torsionnet as tn
 from torsionnet.io.recording_files import read_recording

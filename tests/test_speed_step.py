@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 import pytest
+from support.command_line import run
 from support.dense_speeds import HIGH, LOW, RPM, Chain
 from support.ship_plant import SHIP
-from test_cli import run
 from test_limits import hump, m68, stressed
 
 import torsionnet as tn

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from test_cli import run
+from support.command_line import run
 
 import torsionnet as tn
 from torsionnet.io.tracked_order_tables import write_tracked_orders

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.signal import lsim
-from test_cli import run
+from support.command_line import run
 from test_document import blocks, of, rows
 
 import torsionnet as tn

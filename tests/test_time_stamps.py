@@ -4,7 +4,7 @@ from datetime import datetime, timedelta
 
 import numpy as np
 import pytest
-from test_cli import run
+from support.command_line import run
 
 from torsionnet.core.delimited.time_stamps import StampReader
 from torsionnet.core.errors import ModelError

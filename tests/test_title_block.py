@@ -4,7 +4,7 @@ import contextlib
 import re
 
 import pytest
-from test_cli import run
+from support.command_line import run
 
 import torsionnet as tn
 from torsionnet.model.report import Revision, TitleBlock

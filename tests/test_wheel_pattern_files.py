@@ -6,7 +6,7 @@ import pathlib
 import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
-from test_cli import run
+from support.command_line import run
 from test_wheel_evidence import DEGREE, RPM, VALUES, Z, record, teeth
 
 from torsionnet.core.errors import ModelError
