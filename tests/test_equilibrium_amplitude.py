@@ -115,3 +115,27 @@ class TestDampingShares:
         share = (1 / omega) / (1 / omega + 0.01)
         found = damping_shares(rig, rig.critical_speeds().of(1, 1))
         assert found == pytest.approx({"water": share, "shaft": 1 - share}, rel=1e-6)
+
+    @pytest.mark.parametrize(("asked", "given"), [("wheel", "pinion"), (None, "wheel"), (None, "pinion")])
+    def test_whichever_node_the_speed_belongs_to(self, asked, given):
+        """A damper c = T/n on a wheel that turns three times as slowly as the first node, the pinion."""
+        omega = 90.0
+        rig = tn.Drivetrain(
+            "geared fan",
+            [
+                tn.Gear("gear", nodes=("pinion", "wheel"), ratio=3),
+                tn.Inertia("disc", node="wheel", inertia=1.0),
+                tn.Spring("shaft", nodes=("wheel", "ground"), stiffness=omega**2, damping=0.01),
+                tn.Damper("water", nodes=("wheel", "ground"), damping="T_w/n"),
+            ],
+            parameters={"T_w": "1 N*m", "n": {"by": "speed", "of": "wheel"}},
+            operating_point={"speed": {"wheel": "1000 rpm"}},
+            speeds={"of": given, "list": ["200 rpm", "1500 rpm"]},
+            excitations={"blades": {"type": "harmonic", "node": "wheel", "orders": {1: {"amplitude": 1}}}},
+        )
+        speed = omega * {"wheel": 1, "pinion": 3}[asked or given]
+        critical = rig.critical_speeds(speed_of=asked, speeds=np.array([0.5, 1.5]) * speed).crossings[0]
+        assert critical.speed("natural") == pytest.approx(speed, rel=1e-6)
+        share = (1 / omega) / (1 / omega + 0.01)
+        found = damping_shares(rig, critical, reference=asked)
+        assert found == pytest.approx({"water": share, "shaft": 1 - share}, rel=1e-6)

@@ -309,6 +309,7 @@ class TestDrafts:
         held.drawn("schematic", lambda session: drawn.append(session.base) or {})
         held.calculated("answer", lambda session: calculated.append(session.base) or {})
         assert drawn[0] is not calculated[0]
+        assert calculated[0] is held.examined().sound.session.base
         assert drawn[0].parameters == calculated[0].parameters
 
     def test_a_closed_server_ends_what_waits_for_changes(self, page):
