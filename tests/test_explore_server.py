@@ -250,6 +250,8 @@ HIDDEN = "GET /{token}/icon.svg HTTP/1.1\r\nHost: {host}\r\n\r\n"
         ("POST", "Content-Length: 2, {length}\r\n"),
         ("POST", "Content-Length: 2\r\nno colon\r\nContent-Length: {length}\r\n"),
         ("POST", "Content-Length: 2\r\nX: a\r\n Content-Length: {length}\r\n"),
+        ("POST", "Content-Length: 2\r\nX: a\n Content-Length: {length}\r\n"),
+        ("POST", "Content-Length: 2\r\nX: a\r Content-Length: {length}\r\n"),
         ("POST", "Content-Length: 2\r\nTransfer-Encoding: chunked\r\n"),
         ("GET", "Content-Length: {length}\r\n"),
         ("GET", "Transfer-Encoding: chunked\r\n"),

@@ -15,10 +15,11 @@ import torsionnet as tn
 from torsionnet.core.errors import UsageError
 from torsionnet.identification import Unknown
 from torsionnet.identification.fit_problem import make_problem
+from torsionnet.identification.noise_bias import noise_bias, noise_bias_sentence
 from torsionnet.identification.residuals.instrument import without_background
 from torsionnet.identification.residuals.noise import noise_between_lines
 from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer
-from torsionnet.signals import BurstRandom, LinearChirp, Signal, Welch, estimate
+from torsionnet.signals import BurstRandom, LinearChirp, Recording, Signal, Welch, estimate
 
 FINE = Encoder(lines=1024, quadrature=True)
 SETTINGS = Welch("hamming", 2.0, 0.8, decimation=examples(10, 5))
@@ -107,6 +108,42 @@ def test_noise_that_cannot_be_taken_off_is_told_with_its_size(rig, runs):
     assert np.mean(found) > 1
     assert np.mean(told) == pytest.approx(np.mean(found), rel=0.4)
     assert inside >= runs - 1
+
+
+@pytest.mark.parametrize("form", ["log", "complex", "magnitude"])
+@pytest.mark.parametrize(("name", "noise", "sign"), [("H1", (0.0, 0.1), 1), ("H2", (4e-5, 0.0), -1)])
+def test_bias_by_squared_noise_in_closed_form(name, noise, sign, form):
+    """A spring alone under lines of amplitude A, one in each bin of an untapered window of n samples.
+
+    White noise of variance s^2 has 4 s^2/(n A^2) of a line's power: H1 takes that share off 1/k where it is on the
+    torque, and H2 adds it where it is on the angle of amplitude A/k.
+    """
+    k, A, n, rate = 50.0, 2.0, 100, 100.0
+    lines, phases = np.arange(5, 21), np.random.default_rng(1).uniform(0, 2 * np.pi, 16)
+    torque = A * np.cos(2 * np.pi * np.outer(np.arange(10 * n) / rate, lines) + phases).sum(axis=1)
+    record = Recording((Signal("T", "torque", torque), Signal("phi", "angle", torque / k)), rate)
+    spring = tn.Drivetrain(
+        "spring",
+        [tn.Inertia("disc", node="a", inertia=1e-9), tn.Spring("shaft", nodes=("a", "ground"), stiffness="k")],
+        {"k": k},
+        inputs={"T": {"torque": "a"}},
+        sensors={"phi": {"angle": "a"}},
+    )
+    test = tn.Measurement(record, "phi", "T", settings=Welch("boxcar", 1.0, 0.0, estimator=name), band=(5, 20))
+    problem = tn.identify(spring, test, ["k"], residual=form).problem
+    values = np.array([k])
+    problem.blocks[0].take_sources(values, *noise)
+    share = 4 * sum(noise) * (k**2 if name == "H2" else 1) / (n * A**2)
+    bias = noise_bias(problem, values)
+    assert bias == pytest.approx(sign * share * k, rel=1e-4)
+    (sentence,) = noise_bias_sentence(problem, values, np.abs(bias), bias)
+    assert sentence.startswith(
+        f"noise on {'T' if name == 'H1' else 'phi'} biases {name}: k reads about {100 * share:.2g} % "
+        f"{'high' if sign > 0 else 'low'}, by which the intervals are widened; "
+    )
+    assert f"or take {'H2' if name == 'H1' else 'H1'} if" in sentence
+    assert list(noise_bias_sentence(problem, -values, np.abs(bias), -bias)) == [sentence]  # larger, though below zero
+    assert not list(noise_bias_sentence(problem, values, 2.1 * np.abs(bias), bias))  # lost in the error
 
 
 def test_squared_noise_adds_up_to_nothing():

@@ -222,6 +222,25 @@ class TestVibration:
         assert run.half_range[0, 0] == pytest.approx(torque, rel=1e-6)
         assert rig.parameters["k"] == k0  # modes have the value of the smallest vibration
 
+    def test_a_swinging_iteration_settles_in_closed_form(self):
+        """Near the resonance the next k is that of now times -1.8: whole steps go to and fro between the table's ends.
+
+        Far above it they do not swing, at the same time.
+        """
+        J, A, k0, b = 2.0, 1e3, 5e3, 4.0
+        speeds = np.sqrt(np.array([6e3, 6e4]) / J)
+        rig = tn.Drivetrain(
+            "mass", [tn.Inertia("J", node="a", inertia=J), tn.Spring("s", nodes=("a", "ground"), stiffness="k")],
+            parameters={"k": {"by": "vibratory_torque", "of": "s", "table": {"0 N*m": k0, "1000 N*m": k0 - 1000 * b}}},
+            speeds={"of": "a", "list": list(speeds), "rated": speeds[0]},
+            excitations={"e": {"type": "harmonic", "node": "a", "orders": {1: {"amplitude": A}}}},
+        )  # fmt: skip
+        p, q = J * speeds**2 - k0 + b * A, -k0 * A
+        torque = (-p + np.sqrt(p**2 - 4 * b * q)) / (2 * b)
+        slope = -b * A * J * speeds**2 / (J * speeds**2 - k0 + b * torque) ** 2
+        assert slope == pytest.approx([-1.83, -0.08], abs=0.01)
+        assert rig.order_response("torque(s)").half_range[:, 0] == pytest.approx(torque, rel=1e-6)
+
     def test_beyond_the_table(self):
         with pytest.raises(
             tn.UsageError, match=r"the vibratory torque of coupling is .* rpm; the table goes from 0 kN\*m to 1 N\*m"

@@ -11,7 +11,7 @@ from support.command_line import run
 from test_engine_angles import plant
 
 from torsionnet.response.measured.common_turn import common_turn
-from torsionnet.response.measured.interval_statistics import amplitude_scores
+from torsionnet.response.measured.interval_statistics import amplitude_scores, complex_scores
 from torsionnet.response.measured.order_agreement import order_agreement
 from torsionnet.response.measured.order_pair import OrderPair
 from torsionnet.response.order_comparison import MeasuredOrder, compared_orders, order_comparison
@@ -133,6 +133,19 @@ class TestIntervals:
         sigma = WIDTH / 1.959964
         below = rice.cdf(sizes / sigma, 0.06 / sigma)
         assert scores[:4] == pytest.approx(norm.ppf(below[:4]), abs=1e-6)
+
+    @pytest.mark.parametrize("true", [10.5, 12.0, 30.0])
+    def test_scores_of_large_amplitudes_are_nearly_those_of_rice(self, true):
+        """The mean is about 1/(2 true) standard deviations above the true amplitude, 0.04 at 12."""
+        sizes = true + np.array([-2.0, -1.0, 0.0, 1.0, 2.0])
+        expected = norm.ppf(rice.cdf(sizes, true))
+        scores = amplitude_scores(0.05 * sizes, np.full(5, 0.05 * true), np.full(5, 0.05 * 1.959964))
+        assert scores == pytest.approx(expected, abs=0.1 / true)
+
+    def test_scores_of_complex_values(self):
+        """Standard deviations of each part that the test lies away: half widths are 1.96 of them."""
+        scores = complex_scores(np.array([3 + 1j, 1 - 2j]), np.array([1 + 1j, 1 + 2j]), np.array([1.959964, 3.919928]))
+        assert scores == pytest.approx([2, -2j], abs=1e-5)
 
 
 class TestSeveralOrders:

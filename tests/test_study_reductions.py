@@ -69,6 +69,16 @@ def test_moments_of_parts():
     assert whole.largest.tolist() == np.nanmax(known, axis=0).tolist()
 
 
+@pytest.mark.parametrize("cuts", [[0, 6], [0, 1, 6], [0, 3, 6], [0, 1, 2, 3, 4, 5, 6]])
+def test_extremes_are_those_of_the_first_of_several_equal_variants(cuts):
+    values = np.array([[np.nan], [2.0], [1.0], [2.0], [1.0], [1.5]])
+    whole, *others = (Moments.of(values[a:b], a) for a, b in pairwise(cuts))
+    for part in others:
+        whole = whole.joined(part)
+    assert (whole.smallest[0], whole.smallest_at[0]) == (1.0, 2)
+    assert (whole.largest[0], whole.largest_at[0]) == (2.0, 1)
+
+
 def test_moments_of_nothing():
     nothing = Moments.of(np.full((4, 1), np.nan), 0)
     assert (nothing.count[0], nothing.largest_at[0]) == (0, -1)
