@@ -59,7 +59,8 @@ class Editor:
             self.registered += params.registrations
 
     def uri(self, name):
-        return (self.folder / name).as_uri()
+        """Address of a file in the folder, or the address itself."""
+        return name if name.startswith("file:") else (self.folder / name).as_uri()
 
     def open(self, text, name="model.yaml"):
         self.versions[name], self.texts[name] = 1, text
@@ -275,6 +276,75 @@ def test_names_are_found_and_renamed_in_the_whole_file(tmp_path):
     assert session(tmp_path, talk).logged == []
 
 
+@pytest.mark.parametrize(
+    "spelling",
+    [
+        "file:///models/a%20b/model.yaml",
+        "file:///models/a b/ä.yaml",
+        "file:///models/Pr%C3%BCfst%C3%A4nde/model.yaml",
+        "file:///c%3A/Users/b/model.yaml",
+        "file:///C:/Users/b/model.yaml",
+        "file:///models/100%25.yaml",
+        "file:///models/%2541.yaml",
+    ],
+)
+def test_answers_have_the_address_that_the_editor_sent(tmp_path, spelling):
+    """Also where no such file is on this machine, and the text is in the editor alone."""
+
+    async def talk(editor):
+        client = editor.client
+        document = editor.open(README.replace("stiffness: k_1", "stifness: k_1"), spelling)
+        (fault,) = with_error(await editor.faults(spelling))
+        actions = await client.text_document_code_action_async(
+            lsp.CodeActionParams(document, fault.range, lsp.CodeActionContext([fault]))
+        )
+        assert {address for action in actions for address in action.edit.changes} == {spelling}
+        editor.change(README, spelling)
+        assert with_error(await editor.faults(spelling)) == []
+
+        parameter = at(editor, "k_1, damping", spelling)
+        assert await client.text_document_hover_async(lsp.HoverParams(**parameter)) is not None
+        defined = await client.text_document_definition_async(lsp.DefinitionParams(**parameter))
+        used = await client.text_document_references_async(lsp.ReferenceParams(lsp.ReferenceContext(True), **parameter))
+        assert {one.uri for one in [defined, *used]} == {spelling}
+        renamed = await client.text_document_rename_async(lsp.RenameParams(**parameter, new_name="k_2"))
+        assert applied(README, renamed.changes.pop(spelling)) == README.replace("k_1", "k_2")
+        assert not renamed.changes
+
+        client.text_document_did_close(lsp.DidCloseTextDocumentParams(document))
+        assert await editor.anew(spelling) == []
+        assert set(editor.told) == {spelling}
+
+    assert session(tmp_path, talk).logged == []
+
+
+def test_two_spellings_of_an_address_are_one_document(tmp_path):
+    opened, other = "file:///c%3A/Users/a%20b/100%25.yaml", "file:///C:/Users/a b/%3100%25.yaml"
+
+    async def talk(editor):
+        editor.open(README, opened)
+        assert with_error(await editor.faults(opened)) == []
+        editor.versions[other] = editor.versions[opened]
+        editor.change(README.replace("0.078 kg*m^2", "0.078 N*m"), other)
+        await editor.until(lambda: editor.told[opened].version == editor.versions[other])
+        assert len(with_error(editor.told[opened].diagnostics)) == 1
+        defined = await editor.client.text_document_definition_async(
+            lsp.DefinitionParams(**at(editor, "k_1, damping", other))
+        )
+        assert defined.uri == opened
+        editor.client.text_document_did_close(lsp.DidCloseTextDocumentParams(lsp.TextDocumentIdentifier(other)))
+        assert await editor.anew(opened) == []
+
+        # a name with a literal percent sign, and the one that it would be if it were unquoted twice
+        wrong = README.replace("stiffness: k_1", "stifness: k_1")
+        editor.open(wrong, "file:///models/%2541.yaml")
+        editor.open(README, "file:///models/A.yaml")
+        assert len(with_error(await editor.faults("file:///models/%2541.yaml"))) == 1
+        assert with_error(await editor.faults("file:///models/A.yaml")) == []
+
+    assert session(tmp_path, talk).logged == []
+
+
 def test_outline_and_explanations(tmp_path):
     async def talk(editor):
         document = editor.open(README)
@@ -417,6 +487,7 @@ USING = README.replace("elements:", "include: [halves.yaml]\nuse: {h: {part: hal
 
 def test_included_files_count_as_the_editor_shows_them(tmp_path):
     async def talk(editor):
+        halves = editor.uri("halves.yaml").replace("halves", "h%61lves")
         editor.open(USING)
         assert any("there is no file" in one.message for one in await editor.faults())
         (tmp_path / "halves.yaml").write_text(HALVES, encoding="utf-8")
@@ -425,16 +496,25 @@ def test_included_files_count_as_the_editor_shows_them(tmp_path):
         )
         assert with_error(await editor.anew()) == []
 
-        editor.open(HALVES, "halves.yaml")
-        assert await editor.faults("halves.yaml") == []  # no model, and used elsewhere
+        editor.open(HALVES, halves)
+        assert await editor.faults(halves) == []  # no model, and used elsewhere
         editor.told.clear()
-        editor.change(HALVES.replace("2 kg*m^2", "2 kg*m"), "halves.yaml")  # and not saved
+        editor.change(HALVES.replace("2 kg*m^2", "2 kg*m"), halves)  # and not saved
         await editor.until(lambda: editor.uri("model.yaml") in editor.told)
         (fault,) = with_error(editor.told[editor.uri("model.yaml")].diagnostics)
         assert '"2 kg*m" is not a value of inertia' in fault.message
-        (own,) = await editor.faults("halves.yaml")
+        (own,) = await editor.faults(halves)
         assert extent(own.range) == (5, 46, 5, 52)
         assert [one.method for one in editor.registered] == ["workspace/didChangeWatchedFiles"]
+
+        # where the ports are defined, by the address that the editor gave the file, and by its own one
+        editor.change(HALVES, halves)
+        editor.change(USING.replace("{a: b}", "{z: b}"))
+        related = [one for fault in await editor.faults() for one in fault.related_information or []]
+        assert {(one.message, one.location.uri) for one in related} == {("defined here", halves)}
+        editor.client.text_document_did_close(lsp.DidCloseTextDocumentParams(lsp.TextDocumentIdentifier(halves)))
+        related = [one for fault in await editor.anew() for one in fault.related_information or []]
+        assert {one.location.uri for one in related} == {editor.uri("halves.yaml")}
 
     assert session(tmp_path, talk).logged == []
 

@@ -16,7 +16,6 @@ from lsprotocol.types import (
     Range,
     WorkspaceEdit,
 )
-from pygls.uris import from_fs_path
 
 from torsionnet.core import errors
 from torsionnet.language_server.editor_text import EditorText
@@ -76,7 +75,8 @@ def _location(model: OpenModel, place: errors.Position) -> Location:
     line = EditorText(place.source, model.shown.encoding)
     start, end = line.position(place.column - 1), line.position(place.end_column - 1)
     shown = Range(Position(place.line - 1, start.character), Position(place.line - 1, end.character))
-    return Location(from_fs_path(str(Path(place.file).absolute())) or place.file, shown)
+    path = Path(place.file)
+    return Location(model.addresses.get(path.resolve()) or path.absolute().as_uri(), shown)
 
 
 def _span(shown: EditorText, place: errors.Position) -> TextSpan:

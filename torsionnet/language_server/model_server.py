@@ -13,6 +13,7 @@ from lsprotocol import types
 from pygls.exceptions import JsonRpcException
 from pygls.lsp.server import LanguageServer
 from pygls.uris import to_fs_path, urlparse
+from pygls.workspace import TextDocument
 
 from torsionnet.core.entries.named_files import files_recorded, texts_in_editors
 from torsionnet.core.errors import UsageError
@@ -58,7 +59,7 @@ class ModelServer(LanguageServer):
 
     def open_model(self, uri: str) -> OpenModel | None:
         """Model file that is open under an address; None where it is none, or is not open."""
-        document = self.workspace.text_documents.get(uri)
+        document = self._documents().get(uri)
         if document is None:
             return None
         text, path = document.source, to_fs_path(uri)
@@ -67,7 +68,16 @@ class ModelServer(LanguageServer):
             return None
         self.models.add(uri)
         agreed = document.position_codec.encoding or types.PositionEncodingKind.Utf16
-        return OpenModel(uri, EditorText(text, types.PositionEncodingKind(agreed).value), file, folder)
+        shown = EditorText(text, types.PositionEncodingKind(agreed).value)
+        return OpenModel(uri, shown, file, folder, {path: other.uri for path, other in self._files().items()})
+
+    def _documents(self) -> dict[str, TextDocument]:
+        """Open documents by the address that opened them; the keys of pygls are other ones from version 2.1 on."""
+        return {document.uri: document for document in self.workspace.text_documents.values()}
+
+    def _files(self) -> dict[Path, TextDocument]:
+        """Open documents that are files, by their resolved path."""
+        return {path: one for uri, one in self._documents().items() if (path := _real_path(uri)) is not None}
 
     def changed(self, uri: str, delay: float = 0.0) -> None:
         """Check a file anew, and the open files that read it."""
@@ -102,7 +112,7 @@ class ModelServer(LanguageServer):
             if self.found.pop(uri, None) is not None:
                 self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, []))
             return
-        version = self.workspace.text_documents[uri].version
+        version = self._documents()[uri].version
         try:
             faults, shown, read = await self._run(self._checking, uri, lambda: _checked(model))
         except Exception as error:  # noqa: BLE001
@@ -141,11 +151,7 @@ class ModelServer(LanguageServer):
 
     async def _run(self, workers: ThreadPoolExecutor, uri: str, work: Callable[[], T]) -> T:
         """Result of work in another thread, in which files that are open beside one have the text of the editor."""
-        texts = {
-            path: document.source
-            for other, document in self.workspace.text_documents.items()
-            if other != uri and (path := _real_path(other)) is not None
-        }
+        texts = {path: document.source for path, document in self._files().items() if document.uri != uri}
 
         def with_texts() -> T:
             with texts_in_editors(texts):

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from torsionnet.language_server.editor_text import EditorText
@@ -27,6 +28,8 @@ class OpenModel:
     shown: EditorText
     file: str
     folder: Path | None
+    addresses: Mapping[Path, str] = field(default_factory=dict, compare=False)
+    """Addresses of all files that are open, by their resolved paths."""
 
     @property
     def text(self) -> str:
