@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from test_rotating_campaign import CAMPAIGN, MODEL, RATE, SPEED, TURNS, torque, write
+from support.steady_campaign import CAMPAIGN, RATE, SPEED, STEADY_FAN, TURNS, torque, write_steady_record
 
 import torsionnet as tn
 from torsionnet.cli.app import app
@@ -19,9 +19,9 @@ STILL = slice(4000, 4400)
 @pytest.fixture
 def folder(tmp_path):
     """Campaign whose second record is clipped, stands still for 0.2 s, and lacks 7 of its 7199 pulses."""
-    (tmp_path / "fan.yaml").write_text(MODEL, encoding="utf-8")
-    write(tmp_path / "first.npz", 1, torque(SPEED))
-    write(tmp_path / "again.npz", 2, torque(SPEED))
+    (tmp_path / "fan.yaml").write_text(STEADY_FAN, encoding="utf-8")
+    write_steady_record(tmp_path / "first.npz", 1, torque(SPEED))
+    write_steady_record(tmp_path / "again.npz", 2, torque(SPEED))
     record = read_recording(tmp_path / "again.npz", pulse_readings={})
     values = np.clip(record["T"].values, -np.inf, 0.5 * record["T"].values.max())
     values[STILL] = values[STILL.start]

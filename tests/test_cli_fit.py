@@ -8,29 +8,17 @@ import shutil
 import numpy as np
 import pytest
 from support.command_line import run
-from test_cli_records import RIG
+from support.written_models import FIT_OF_TWO_DISCS, TWO_DISCS
 
 import torsionnet as tn
 from torsionnet.identification import load_fit
-
-FIT = """\
-torsionnet: 1
-model: rig.yaml
-parameters:
-  k: {start: 300 N*m/rad, bounds: [50, 2000]}
-  shaft.damping: {start: 2 N*m*s/rad}
-measurements:
-  soft: {record: run_soft.npz, output: phi, input: T_set, model_input: T, configuration: soft, band: [1 Hz, 25 Hz]}
-settings: {window: hamming, seconds: 2 s, overlap: 80 %}
-true: {k: 200 N*m/rad, shaft.damping: 1}
-"""
 
 
 @pytest.fixture(scope="module")
 def record(tmp_path_factory):
     """The file of one test of the soft rig."""
     folder = tmp_path_factory.mktemp("record")
-    (folder / "rig.yaml").write_text(RIG)
+    (folder / "rig.yaml").write_text(TWO_DISCS)
     run("bench", folder / "rig.yaml", "-c", "soft", "-o", folder / "run_soft.npz")
     return folder / "run_soft.npz"
 
@@ -38,8 +26,8 @@ def record(tmp_path_factory):
 @pytest.fixture
 def folder(record, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "rig.yaml").write_text(RIG)
-    (tmp_path / "fit.yaml").write_text(FIT)
+    (tmp_path / "rig.yaml").write_text(TWO_DISCS)
+    (tmp_path / "fit.yaml").write_text(FIT_OF_TWO_DISCS)
     shutil.copy(record, tmp_path)
     return tmp_path
 
@@ -70,7 +58,9 @@ def test_fit_in_json_with_profiles(folder):
 def test_fit_to_a_response_from_a_file(folder):
     response = tn.load("rig.yaml").configured("soft").frequency_response("phi", "T", np.linspace(1, 25, 60))
     tn.io.write_frequency_response(response, folder / "frf.csv")
-    text = FIT.replace("record: run_soft.npz", "response: frf.csv").replace("input: T_set, model_input: T", "input: T")
+    text = FIT_OF_TWO_DISCS.replace("record: run_soft.npz", "response: frf.csv").replace(
+        "input: T_set, model_input: T", "input: T"
+    )
     (folder / "frf.yaml").write_text(text)
     data = json.loads(run("fit", "frf.yaml", "--json").stdout)
     assert [entry["value"] for entry in data["parameters"]] == pytest.approx([200, 1], rel=1e-6)
@@ -96,7 +86,7 @@ FAULTS = [
 
 @pytest.mark.parametrize(("good", "bad", "line", "message"), FAULTS)
 def test_faults_of_a_fit_file_are_located(folder, good, bad, line, message):
-    (folder / "bad.yaml").write_text(FIT.replace(good, bad, 1))
+    (folder / "bad.yaml").write_text(FIT_OF_TWO_DISCS.replace(good, bad, 1))
     result = run("fit", "bad.yaml", "-o", "out.yaml", code=1)
     assert message in result.stderr
     assert f"bad.yaml:{line}:" in result.stderr or "a fit needs" in message
@@ -104,7 +94,7 @@ def test_faults_of_a_fit_file_are_located(folder, good, bad, line, message):
 
 
 def test_fits_that_cannot_be_done(folder):
-    (folder / "idle.yaml").write_text(FIT.replace("  shaft.damping: {start: 2 N*m*s/rad}", "  k_9: {}"))
+    (folder / "idle.yaml").write_text(FIT_OF_TWO_DISCS.replace("  shaft.damping: {start: 2 N*m*s/rad}", "  k_9: {}"))
     assert 'no parameter is named "k_9"' in run("fit", "idle.yaml", code=2).stderr
     assert "cannot be read" in run("fit", "none.yaml", code=2).stderr
 
@@ -180,7 +170,7 @@ def test_sensitivity_of_every_configuration(tmp_path):
 @pytest.mark.slow
 def test_fit_against_the_set_point_and_without(folder):
     """The shaft's torque is measured with noise; ``reference`` and ``estimator`` act, or are refused."""
-    text = FIT.replace("output: phi, input: T_set, model_input: T", "output: phi, input: M")
+    text = FIT_OF_TWO_DISCS.replace("output: phi, input: T_set, model_input: T", "output: phi, input: M")
     for more, said in (
         ("", "of Hr with T_set as reference"),
         ("estimator: H1, ", "lines of H1)"),
@@ -200,8 +190,8 @@ def test_fit_against_the_set_point_and_without(folder):
 
 @pytest.mark.slow
 def test_fit_of_a_model_that_does_not_fit_says_so(folder):
-    (folder / "wrong.yaml").write_text(RIG.replace("inertia: 0.1", "inertia: 0.14"))
-    (folder / "wrong_fit.yaml").write_text(FIT.replace("rig.yaml", "wrong.yaml"))
+    (folder / "wrong.yaml").write_text(TWO_DISCS.replace("inertia: 0.1", "inertia: 0.14"))
+    (folder / "wrong_fit.yaml").write_text(FIT_OF_TWO_DISCS.replace("rig.yaml", "wrong.yaml"))
     result = run("fit", "wrong_fit.yaml", "--json", "--profile", "-o", "out.yaml")
     data = json.loads(result.stdout)
     assert data["lack_of_fit"]["rejected"]

@@ -7,32 +7,17 @@ import re
 import numpy as np
 import pytest
 from support.command_line import run
-from test_estimation import TestBand as Modes
+from support.known_damping import two_light_modes
+from support.written_models import TWO_DISCS
 
 import torsionnet as tn
 from torsionnet.signals import Recording, Signal, read_recording, write_recording
-
-RIG = """\
-torsionnet: 1
-name: two discs
-elements:
-  rotor: {type: inertia, node: a, inertia: 0.1}
-  shaft: {type: spring, nodes: [a, ground], stiffness: k, damping: 1}
-parameters: {k: 400 N*m/rad}
-inputs: {T: {torque: a}}
-sensors: {phi: {angle: a}, M: {torque: shaft}}
-configurations: {soft: {k: 200 N*m/rad}, hard: {k: 800 N*m/rad}}
-bench:
-  excitation: {type: linear chirp, start: 1 Hz, stop: 30 Hz, duration: 30 s, amplitude: 5 N*m}
-  channels: {M: {type: transducer, noise: 0.01 N*m}, phi: {type: encoder, lines: 5000, quadrature: true}}
-  acquisition: {rate: 500 Hz}
-"""
 
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "rig.yaml").write_text(RIG)
+    (tmp_path / "rig.yaml").write_text(TWO_DISCS)
     return tmp_path
 
 
@@ -241,7 +226,7 @@ def test_wrong_questions(arguments, code, message):
 
 def test_faults_in_a_rig_are_all_told(folder):
     (folder / "bad.yaml").write_text(
-        RIG.replace("lines: 5000", "lines: 0").replace("amplitude: 5 N*m", "amplitude: 5 kg")
+        TWO_DISCS.replace("lines: 5000", "lines: 0").replace("amplitude: 5 N*m", "amplitude: 5 kg")
     )
     result = run("bench", "bad.yaml", code=1)
     assert "bad.yaml:11:" in result.stderr
@@ -264,7 +249,7 @@ def test_large_records_are_read_in_blocks(record, monkeypatch):
 
 
 def test_warnings_are_about_the_band_asked_for(folder):
-    write_recording(Modes().two_light_modes(), folder / "modes.npz")
+    write_recording(two_light_modes(), folder / "modes.npz")
     arguments = ("estimate", "modes.npz", "--input", "T", "--output", "t")
     assert re.search("at the peak at 5 Hz .*, 48 Hz", run(*arguments).stderr)
     low = run(*arguments, "--to", 20).stderr

@@ -6,7 +6,7 @@ import control
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from test_controller import Plant
+from support.controlled_plants import Plant
 
 import torsionnet as tn
 from torsionnet.cli.app import app

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy import signal
 from scipy.special import lambertw
-from test_controller import Plant
+from support.controlled_plants import Plant
 
 import torsionnet as tn
 from torsionnet.solve.dynamic_stiffness.state_space import state_space

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from test_controller import Plant
+from support.controlled_plants import Plant
 
 import torsionnet as tn
 

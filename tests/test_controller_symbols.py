@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 import sympy
-from test_controller import FREQUENCIES, Plant
+from support.controlled_plants import FREQUENCIES, Plant
 
 import torsionnet as tn
 from torsionnet.assembly.symbolic import symbolic_matrices

@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from support.report_blocks import blocks, of, rows, words
 
 import torsionnet as tn
 from torsionnet.cli.commands.report import command as report_command
@@ -15,17 +16,13 @@ from torsionnet.report import Measured, make_report
 from torsionnet.report.build import BUILDERS
 from torsionnet.report.document_tree import (
     BreakableMath,
-    Code,
     Details,
     Equations,
     Formula,
-    Math,
     NumberText,
     Paragraph,
     Picture,
     Remark,
-    Section,
-    Strong,
     TableBlock,
     inlines,
 )
@@ -37,45 +34,6 @@ RUNNING = ("excitations", "mean_torques", "critical_speeds", "orders", "limits")
 
 def report(model="amt_rig", **options):
     return make_report(model, date=None, **options)
-
-
-def blocks(report, name):
-    """Every block of a section, those of sections in it included."""
-    stack = [section for section in report.sections if section.name == name]
-    found = []
-    while stack:
-        block = stack.pop(0)
-        if isinstance(block, (Section, Details)):
-            stack = [*block.blocks, *stack]
-        else:
-            found.append(block)
-    return found
-
-
-def of(kind, found):
-    return [block for block in found if isinstance(block, kind)]
-
-
-def words(cell):
-    """A cell without markup, formulas as they are in LaTeX."""
-    return "".join(map(_words, inlines(cell)))
-
-
-def _words(part):
-    match part:
-        case Math(latex):
-            return latex
-        case BreakableMath(parts):
-            return " ".join(parts)
-        case Strong(text) | Code(text):
-            return text
-        case NumberText():
-            return part.mantissa
-    return part
-
-
-def rows(table):
-    return [tuple(words(cell) for cell in row) for group in table.groups for row in group.rows]
 
 
 def chain(n):

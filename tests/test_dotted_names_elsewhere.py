@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from test_dotted_names import dotted
+from support.dotted_models import dotted
 
 import torsionnet as tn
 from torsionnet.explore import open_session

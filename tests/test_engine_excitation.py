@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from support.command_line import run
 from support.forced_plants import plant, reference
+from support.report_blocks import blocks, of, rows
 from support.running_plants import engine as inline_six
-from test_document import blocks, of, rows
 
 import torsionnet as tn
 from torsionnet.core.expression_reading import scalar

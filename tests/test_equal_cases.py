@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from support.written_models import TWO_CYLINDER_PLANT, TWO_CYLINDERS
 
 import torsionnet as tn
 from torsionnet.plot import limit_check, order_response
@@ -11,31 +12,11 @@ from torsionnet.report.document_tree import TableBlock
 from torsionnet.report.report import make_report
 from torsionnet.response.worst_response import ALL_CASES_EQUAL
 
-PRESSURES = 3e5 + 150e5 * np.exp(-np.linspace(0, 6, 36))
-ENGINE = {
-    "type": "reciprocating_engine", "speed_of": "crank", "cycle": 4, "cylinders": {1: "crank", 2: "crank"},
-    "firing_order": [1, 2], "bore": "300 mm", "stroke": "400 mm", "rod_length": "800 mm", "misfire": "each",
-    "gas": {"fired": PRESSURES.tolist(), "motored": (0.3 * PRESSURES).tolist(), "reference": "absolute", "crankcase": "1 bar"},
-}  # fmt: skip
-PLANT = {
-    "torsionnet": 1,
-    "name": "plant",
-    "elements": {
-        "throw": {"type": "inertia", "node": "crank", "inertia": 100},
-        "rubber": {"type": "spring", "nodes": ["crank", "screw"], "stiffness": "2 MN*m/rad", "damping": 2e3},
-        "wheel": {"type": "inertia", "node": "screw", "inertia": 400},
-    },
-    "speeds": {"of": "crank", "range": "500..600 rpm", "step": "20 rpm", "rated": "600 rpm"},
-    "load": {"absorbed_at": "screw", "power": "500 kW", "torque_exponent": 2, "driven_by": {"crank": 1}},
-    "excitations": {"engine": ENGINE},
-    "limits": {"rubber": {"rule": "coupling", "element": "rubber", "T_KN": "20 kN*m", "T_KW": "900 kN*m"}},
-}
-
 
 @pytest.fixture(scope="module")
 def plant():
     """Two cylinders on one throw: whichever misfires, the shaft bears the same half a cycle later."""
-    return tn.loads(json.dumps(PLANT))
+    return tn.loads(json.dumps(TWO_CYLINDER_PLANT))
 
 
 def test_equal_cases_are_no_choice(plant):
@@ -51,7 +32,7 @@ def test_equal_cases_are_no_choice(plant):
 
 def test_a_mean_torque_has_no_remark_on_a_misfire():
     """With a flywheel between the cylinders they are unlike, and the criteria on vibration name one."""
-    data = json.loads(json.dumps(PLANT))
+    data = json.loads(json.dumps(TWO_CYLINDER_PLANT))
     data["elements"] |= {
         "link": {"type": "spring", "nodes": ["crank", "c2"], "stiffness": "5 MN*m/rad"},
         "disc": {"type": "inertia", "node": "c2", "inertia": 50},
@@ -63,7 +44,7 @@ def test_a_mean_torque_has_no_remark_on_a_misfire():
 
 
 def test_equal_torques_are_those_of_the_first_node_and_phases_have_a_unit():
-    engine = {**ENGINE, "cylinders": {1: "crank", 2: "screw"}, "misfire": []}
+    engine = {**TWO_CYLINDERS, "cylinders": {1: "crank", 2: "screw"}, "misfire": []}
     blades = {"type": "propeller", "node": "screw", "blades": 4, "torque": "8 kN*m", "rated": "600 rpm",
               "blade_orders": {1: {"share": "8 %", "phase": "30 deg"}}}  # fmt: skip
     rig = tn.Drivetrain(

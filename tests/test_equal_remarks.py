@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 from support.command_line import run
-from test_equal_cases import PLANT
+from support.written_models import TWO_CYLINDER_PLANT
 
 import torsionnet as tn
 from torsionnet.report.document_tree import Listing
@@ -23,7 +23,7 @@ CONDITIONS = [
 @pytest.fixture(scope="module")
 def model():
     """Two unlike cylinders and two limits of one spring, so that both say the same of it."""
-    data = copy.deepcopy(PLANT)
+    data = copy.deepcopy(TWO_CYLINDER_PLANT)
     data["elements"] |= {
         "link": {"type": "spring", "nodes": ["crank", "c2"], "stiffness": "5 MN*m/rad"},
         "disc": {"type": "inertia", "node": "c2", "inertia": 50},

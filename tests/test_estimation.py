@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy import signal
+from support.known_damping import two_light_modes
 
 from torsionnet.core.errors import UsageError
 from torsionnet.response import Channel, FrequencyResponse
@@ -509,18 +510,8 @@ class TestComparison:
 class TestBand:
     """Only what was asked for is kept, and judged."""
 
-    def two_light_modes(self):
-        """Resonances at 5 and 48 Hz (60 Hz before the bilinear transform), both far too narrow for the windows."""
-        torque = white(20_000, 5)
-        answers = []
-        for f in (5.0, 60.0):
-            omega = 2 * np.pi * f
-            b, a = signal.cont2discrete(([omega**2], [1, 0.004 * omega, omega**2]), 1 / RATE, method="bilinear")[:2]
-            answers.append(signal.lfilter(b[0], a, torque))
-        return recorded(T=torque, t=answers[0] + answers[1])
-
     def test_warnings_are_about_the_band_alone(self):
-        record = self.two_light_modes()
+        record = two_light_modes()
         whole = estimate(record, "t", "T")
         assert any("at 5 Hz" in note and "48 Hz" in note for note in whole.notes)
         low = estimate(record, "t", "T", band=(0.5, 20))
@@ -537,6 +528,6 @@ class TestBand:
         assert not any("proportional" in note for note in estimate(record, "t", ["T1", "T2"], band=(1, 20)).notes)
 
     def test_decimation_limits_the_same_whatever_the_band(self):
-        record = self.two_light_modes()
+        record = two_light_modes()
         settings = Welch(decimation=2)
         assert estimate(record, "t", "T", settings=settings, band=(0, 10)).usable_up_to == 40

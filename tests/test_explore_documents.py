@@ -5,6 +5,7 @@ import threading
 import time
 
 import pytest
+from support.explore_texts import RIG, Page
 
 from torsionnet.cli import main
 from torsionnet.explore import ExploreServer, api, connections, document, documents, open_documents
@@ -15,30 +16,8 @@ from torsionnet.explore.offset_counting import OffsetCounting
 from torsionnet.explore.state import RequestError
 from torsionnet.text.text_edits import character_offset, utf16_offset
 
-RIG = """torsionnet: 1
-name: rig
-parameters: {k: 400 N*m/rad}
-elements:
-  motor: {type: inertia, node: motor, inertia: 0.08 kg*m^2}
-  shaft: {type: spring, nodes: [motor, brake], stiffness: k}
-  brake: {type: inertia, node: brake, inertia: 0.32 kg*m^2}
-configurations: {soft: {k: 100 N*m/rad}, stiff: {k: 1600 N*m/rad}}
-"""
 # k (1/J_1 + 1/J_2) = 400 (12.5 + 3.125) = 6250 = omega^2
 NATURAL = 6250**0.5 / (2 * 3.141592653589793)
-
-
-class Page:
-    """A page of a file, asked without a network."""
-
-    def __init__(self, documents):
-        self.documents = documents
-
-    def ask(self, path, tab="tab", **entries):
-        return json.loads(reply(self.documents, f"api/{path}", json.dumps({"document": tab, **entries}).encode()))
-
-    def type(self, text, revision=1, tab="tab"):
-        return self.ask("text", tab, text=text, revision=revision)
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ import os
 import time
 
 import pytest
-from test_explore_documents import RIG, Page
+from support.explore_texts import RIG, Page
 
 from torsionnet.explore import open_documents, text_requests
 from torsionnet.explore.document import MOST_FAULTS

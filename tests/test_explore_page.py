@@ -4,25 +4,15 @@ import json
 import re
 import time
 from contextlib import contextmanager
-from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
-from support.explore_pages import serving, visit
+from support.explore_pages import SLOW, WIDE, drawn, kept_quiet, serving, slider, visit
 
 import torsionnet as tn
 from torsionnet.cli import main
 from torsionnet.explore.choices import ResponseChoice
 from torsionnet.io import write_frequency_response
-
-WIDE = {"width": 1440, "height": 900}
-SLOW = 500.0
-"""ms; on a quiet machine an update takes 25. A shared one that builds other things meanwhile is no fault of ours."""
-
-DRAWN = """() => {
-  const data = globalThis.torsionnet.drawn();
-  return data.map(({ kind, x, magnitude, phase }) => ({ kind, frequencies: x, magnitude, phase }));
-}"""
 
 
 @pytest.fixture(scope="module")
@@ -63,21 +53,6 @@ def lent(common_page, amt):
     yield found
     assert drawn(found) == at_first
     assert kept_quiet(found, amt)
-
-
-def kept_quiet(found, amt):
-    """Whether nothing was said on the console and nothing asked of anyone but the server."""
-    asked = {urlsplit(url).netloc for url in found.requests if not url.startswith(("blob:", "data:"))}
-    return found.console == [] and asked == {urlsplit(amt.address).netloc}
-
-
-def drawn(found):
-    """The curves as they are handed to the plots."""
-    return found.page.evaluate(DRAWN)
-
-
-def slider(found, name):
-    return found.page.get_by_role("slider", name=re.compile(rf"^{name}\b"))
 
 
 def check_curve(curve, configuration, output="theta_1", into="T_T", scale=1.0, **values):

@@ -5,6 +5,7 @@ import shlex
 
 import numpy as np
 import pytest
+from support.explore_texts import CRANK, ENGINE, GEARS, LINE, MOWER, RATIO, VEHICLE, WHEEL
 
 import torsionnet as tn
 from torsionnet.cli import main
@@ -15,29 +16,13 @@ from torsionnet.explore.state import State
 
 FIRST, SECOND, CORNER = 450.0, 1800.0, 0.1
 """Stiffness of both stages in N m/rad, and the twist in rad at which the second one begins, under 45 N m."""
-ENGINE, VEHICLE, RATIO = 0.15, 24.0, 4.0
-CRANK, WHEEL, MOWER = (f"operating_point.torque.{node}" for node in ("crank", "wheel", "mower"))
 
-LINE = """torsionnet: 1
-name: line
-parameters:
-  J: 0.15 kg*m^2  # of the engine
-elements:
-  engine: {type: inertia, node: crank, inertia: J}
-  dmf: {type: spring, nodes: [crank, box], stages: [{stiffness: 450, to: 0.1 rad}, {stiffness: 1800}]}
-  set: {type: gear, nodes: [box, wheel], ratio: 4}
-  vehicle: {type: inertia, node: wheel, inertia: 24 kg*m^2}
-operating_point: {torque: {crank: 20 N*m, wheel: -80 N*m}}  # at idle
-"""
 TAKE_OFF = LINE.replace("wheel: -80 N*m}", "wheel: -60 N*m, mower: -5 N*m}").replace(
     "operating_point",
     """  pto: {type: spring, nodes: [box, mower], stiffness: 6000}
   mower: {type: inertia, node: mower, inertia: 0.4 kg*m^2}
 operating_point""",
 )
-GEARS = """configurations:
-  low: {operating_point: {torque: {crank: 100 N*m, wheel: -400 N*m}}}
-"""
 SHIP = """torsionnet: 1
 name: ship
 elements:

@@ -4,9 +4,8 @@ import re
 
 import numpy as np
 import pytest
-from support.explore_pages import serving, visit
-from test_explore_page import WIDE, drawn, kept_quiet, slider
-from test_explore_point import CRANK, GEARS, LINE, RATIO, WHEEL
+from support.explore_pages import WIDE, drawn, kept_quiet, serving, slider, visit
+from support.explore_texts import CRANK, GEARS, LINE, RATIO, WHEEL
 
 import torsionnet as tn
 

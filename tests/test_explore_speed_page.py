@@ -6,8 +6,7 @@ import shlex
 import numpy as np
 import pytest
 from support import running_fan
-from support.explore_pages import serving, visit
-from test_explore_page import SLOW, WIDE, kept_quiet
+from support.explore_pages import SLOW, WIDE, kept_quiet, serving, visit
 
 import torsionnet as tn
 from torsionnet.explore.over_speed import ROUGH_SPEEDS

@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from support.explore_pages import serving
-from test_explore_documents import RIG
+from support.explore_texts import RIG
 
 from torsionnet.explore import disk_file
 from torsionnet.explore.api import LARGEST_REQUEST, LARGEST_TEXT_REQUEST

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from support import running_fan
-from support.explore_pages import serving, visit
-from test_explore_page import WIDE, kept_quiet
+from support.explore_pages import WIDE, kept_quiet, serving, visit
 
 import torsionnet as tn
 from torsionnet.explore import open_session

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import signal
 from support.command_line import run
-from test_cli_records import RIG
+from support.written_models import TWO_DISCS
 
 import torsionnet as tn
 from torsionnet.core.errors import UsageError
@@ -177,7 +177,7 @@ measurements:
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "rig.yaml").write_text(RIG)
+    (tmp_path / "rig.yaml").write_text(TWO_DISCS)
     torque, angle = np.random.default_rng(3).normal(size=(2, 40_000))
     write_recording(Recording((Signal("T", "torque", torque), Signal("phi", "angle", angle)), 4000.0), "run.npz")
     return tmp_path

@@ -11,7 +11,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from support.foreign_files import COUNT, EXTRAS, damaged, mat_file, mat_variable, matlab_73, record, written
+from support.foreign_files import (
+    CHILD_ENDINGS,
+    COUNT,
+    EXTRAS,
+    damaged,
+    mat_file,
+    mat_variable,
+    matlab_73,
+    record,
+    written,
+)
 
 import torsionnet as tn
 from torsionnet.cli.app import app
@@ -20,8 +30,6 @@ from torsionnet.io.foreign import ForeignFileError, process, resource_limits
 from torsionnet.io.foreign.__main__ import error_line
 from torsionnet.io.foreign.uff_content import check_end
 from torsionnet.signals import iter_blocks, read_recording, write_recording
-
-CHILD_ENDINGS = (".h5", ".mat", ".tdms", ".parquet", ".uff")
 
 
 def needs(ending):

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from support import kernels
+from support.controlled_plants import Plant
 from support.free_plants import DIGITS, HOLDS, FreePlant
 from support.study_blocks import singly
-from test_controller import Plant
 
 import torsionnet as tn
 from torsionnet.cli.app import app

@@ -5,8 +5,8 @@ import math
 
 import numpy as np
 import pytest
+from support.report_blocks import of, rows
 from support.running_plants import PRESSURE, engine
-from test_document import of, rows
 
 import torsionnet as tn
 from torsionnet.model.excitations.cylinder_harmonics import cylinder_harmonics, firing_intervals, indicated_pressures

@@ -4,8 +4,8 @@ import re
 
 import numpy as np
 import pytest
-from test_document import blocks, of, rows
-from test_measured_ranges import PLANT, torque, tracked
+from support.measured_pump import PLANT, torque, tracked
+from support.report_blocks import blocks, of, rows
 
 import torsionnet as tn
 from torsionnet.io.tracked_order_tables import write_tracked_orders

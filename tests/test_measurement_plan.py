@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from support.command_line import run
-from test_document import blocks, of, rows
+from support.report_blocks import blocks, of, rows
 
 import torsionnet as tn
 from torsionnet.report import make_report

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from test_controller import Plant
+from support.controlled_plants import Plant
 
 import torsionnet as tn
 from torsionnet.core.errors import SolveError, UsageError

@@ -7,7 +7,7 @@ import warnings
 import numpy as np
 import pytest
 from support.ship_plant import SHIP
-from test_cli_records import RIG
+from support.written_models import TWO_DISCS
 
 import torsionnet as tn
 from torsionnet.core import notebook
@@ -22,7 +22,7 @@ LONGEST_NAME = 200
 @pytest.fixture(scope="module")
 def results():
     ship = tn.loads(SHIP)
-    rig = tn.loads(RIG).configured("soft")
+    rig = tn.loads(TWO_DISCS).configured("soft")
     bench = tn.load_bench("dmf_bench")
     study = tn.study.define(
         tn.load("dmf_rig"),

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.command_line import run
-from test_limits import RPM, hump, m68, stressed
+from support.limit_cases import RPM, hump, m68, stressed
 
 import torsionnet as tn
 from torsionnet.core.result_rows import json_schema

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2, norm, rice
 from support.command_line import run
-from test_engine_angles import plant
+from support.twin_engines import plant
 
 from torsionnet.response.measured.common_turn import common_turn
 from torsionnet.response.measured.interval_statistics import amplitude_scores, complex_scores

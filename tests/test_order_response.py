@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from support.command_line import run
 from support.forced_plants import NAMES, plant, reference
+from support.written_models import TWO_FANS
 
 import torsionnet as tn
 from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
@@ -296,25 +297,11 @@ class TestGearedShafts:
             tn.Drivetrain("free", elements, speeds={"of": "s", "list": [100]}, excitations={"fan": fan})
 
 
-PLANT = """torsionnet: 1
-name: two fans on a motor
-elements:
-  motor: {type: inertia, node: m, inertia: 0.5 kg*m^2}
-  shaft: {type: spring, nodes: [m, f], stiffness: 40 kN*m/rad, damping: 20 N*m*s/rad}
-  fan: {type: inertia, node: f, inertia: 2 kg*m^2}
-speeds: {of: m, range: 300..1500 rpm, step: 10 rpm}
-excitations:
-  motor: {type: harmonic, node: m, orders: {6: {amplitude: 20 N*m}}}
-  fan: {type: harmonic, node: f, orders: {5: {amplitude: 12 N*m, phase: 20 deg}}}
-configurations: {motor: {smooth: {motor.orders: {6: {amplitude: 5 N*m}}}, rough: {}}}
-"""
-
-
 class TestCommand:
     @pytest.fixture(autouse=True)
     def folder(self, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)
-        (tmp_path / "plant.yaml").write_text(PLANT)
+        (tmp_path / "plant.yaml").write_text(TWO_FANS)
         return tmp_path
 
     def test_worst_speed_is_that_of_the_resonance(self):
@@ -439,7 +426,7 @@ class TestFiles:
             tn.loads(text)
 
     def test_a_section_that_configurations_do_not_change_is_called_by_its_name(self):
-        text = PLANT.replace("smooth: {", "smooth: {speeds.of: f, ")
+        text = TWO_FANS.replace("smooth: {", "smooth: {speeds.of: f, ")
         with pytest.raises(tn.ModelError, match=r":11:35: error: a configuration does not change entries of speeds:"):
             tn.loads(text, file="plant.yaml")
 
@@ -496,7 +483,7 @@ class TestPictures:
 
     def test_waterfall_has_a_spectrum_at_the_height_of_every_speed(self):
         run_ = (
-            tn.loads(PLANT)
+            tn.loads(TWO_FANS)
             .configured("rough")
             .order_response("torque(shaft)", speeds=np.array([40, 60, 100]) * RPM * 10)
         )
@@ -517,7 +504,7 @@ class TestPictures:
     @pytest.mark.parametrize("picture", ["waterfall", "waveform"])
     def test_command_draws_one_for_each_output(self, tmp_path, monkeypatch, picture):
         monkeypatch.chdir(tmp_path)
-        (tmp_path / "plant.yaml").write_text(PLANT)
+        (tmp_path / "plant.yaml").write_text(TWO_FANS)
         outputs = ["--output", "torque(shaft)", "--output", "f"]
         run("orders", "plant.yaml", "-c", "rough", *outputs, "--picture", picture, "--plot", "p.svg")
         assert len(list(tmp_path.glob("p*.svg"))) == 2

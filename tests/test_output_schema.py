@@ -10,13 +10,9 @@ import numpy as np
 import pytest
 from support.command_line import run
 from support.ship_plant import SHIP
-from test_cli_fit import FIT
-from test_cli_records import RIG
-from test_order_response import PLANT
-from test_rotating_campaign import CAMPAIGN, SPEED, torque
-from test_rotating_campaign import MODEL as FAN
-from test_rotating_campaign import write as write_steady_record
-from test_wheel_evidence import record, teeth
+from support.steady_campaign import CAMPAIGN, SPEED, STEADY_FAN, torque, write_steady_record
+from support.wheel_tests import record, teeth
+from support.written_models import FIT_OF_TWO_DISCS, TWO_DISCS, TWO_FANS
 
 import torsionnet as tn
 from torsionnet.cli.output_schema import OUTPUTS
@@ -29,15 +25,15 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("outputs")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
-        Path("rig.yaml").write_text(RIG)
-        Path("plant.yaml").write_text(PLANT)
+        Path("rig.yaml").write_text(TWO_DISCS)
+        Path("plant.yaml").write_text(TWO_FANS)
         Path("ship.yaml").write_text(SHIP)
-        Path("driven.yaml").write_text(PLANT + DRIVEN)
+        Path("driven.yaml").write_text(TWO_FANS + DRIVEN)
         Path("governed.yaml").write_text(GOVERNED)
         Path("gap.yaml").write_text(GAP)
-        Path("fit.yaml").write_text(FIT)
+        Path("fit.yaml").write_text(FIT_OF_TWO_DISCS)
         Path("spread.yaml").write_text(SPREAD)
-        test = FIT.replace("record: run_soft.npz", "response: test.csv").replace(
+        test = FIT_OF_TWO_DISCS.replace("record: run_soft.npz", "response: test.csv").replace(
             "input: T_set, model_input: T", "input: T"
         )
         Path("short_fit.yaml").write_text(test)
@@ -57,7 +53,7 @@ def folder(tmp_path_factory):
         lines = (f"{a:.2f},{np.cos(60 * a):.6g},20" for a in t)
         Path("turning.csv").write_text("time [s],T [N*m],n [rad/s]\n" + "\n".join(lines))
         Path("fan").mkdir()
-        Path("fan", "fan.yaml").write_text(FAN)
+        Path("fan", "fan.yaml").write_text(STEADY_FAN)
         Path("fan", "campaign.yaml").write_text(CAMPAIGN)
         for seed, name in enumerate(("first", "again")):
             write_steady_record(folder / "fan" / f"{name}.npz", seed, torque(SPEED))

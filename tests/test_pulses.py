@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from support.command_line import run
-from test_cli_records import RIG
+from support.written_models import TWO_DISCS
 
 from torsionnet.core.errors import ModelError, SolveError, TorsionnetWarning, UsageError
 from torsionnet.identification.fit_file import load_fit_plan
@@ -328,7 +328,7 @@ class TestFiles:
 
     @pytest.mark.slow
     def test_fit_files_take_them(self, folder):
-        (folder / "rig.yaml").write_text(RIG)
+        (folder / "rig.yaml").write_text(TWO_DISCS)
         fit = """\
 torsionnet: 1
 model: rig.yaml

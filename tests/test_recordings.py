@@ -8,7 +8,7 @@ import pytest
 from fuzz.kinds import KINDS
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from test_foreign_files import CHILD_ENDINGS
+from support.foreign_files import CHILD_ENDINGS
 
 from torsionnet.core.errors import MissingExtraError, ModelError, TorsionnetWarning, UsageError
 from torsionnet.io.formats import extras, npz

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from test_document import blocks, of, rows
+from support.report_blocks import blocks, of, rows
 
 import torsionnet as tn
 from torsionnet.model.limits.heat_balance import steady_temperature

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from test_document import blocks, of, rows
+from support.report_blocks import blocks, of, rows
+from support.written_models import SHIP_SHAFTING
 
 import torsionnet as tn
 from torsionnet.report import make_report
@@ -10,32 +11,10 @@ from torsionnet.report.document_tree import Listing, Paragraph, TableBlock
 from torsionnet.response.limits.limit_check import GRAVITY
 from torsionnet.response.limits.limit_conclusion import LimitConclusion
 
-SHIP = """torsionnet: 1
-name: ship
-elements:
-  engine: {type: inertia, node: e, inertia: 5000}
-  front: {type: shaft, nodes: [e, f], outer_diameter: 300 mm, length: 3 m, inertia: none}
-  flange: {type: inertia, node: f, inertia: 100}
-  tail: {type: shaft, nodes: [f, p], outer_diameter: 300 mm, length: 4 m, inertia: none}
-  screw: {type: inertia, node: p, inertia: 3000}
-  water: {type: damper, nodes: [p, ground], damping: 4000}
-  slip: {type: damper, nodes: [f, p], damping: 20000}
-speeds: {of: e, range: 40..120 rpm, step: 4 rpm, rated: 110 rpm}
-excitations:
-  gas: {type: harmonic, node: e, orders: {6: {amplitude: 9 kN*m}}}
-limits:
-  tail: {rule: curve, output: torque(tail), value: 60 kN*m, source: own}
-  front_torque: {rule: curve, output: torque(front), value: 90 kN*m, source: own}
-configurations:
-  firing:
-    normal: {}
-    weak: {gas.orders: {6: {amplitude: 5 kN*m}}}
-"""
-
 
 @pytest.fixture(scope="module")
 def ship():
-    return tn.loads(SHIP)
+    return tn.loads(SHIP_SHAFTING)
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +55,7 @@ def test_verdict_is_the_gravest_of_any_condition(ship):
 
 def test_what_is_not_covered_names_shafts_without_a_limit():
     limited = tn.loads(
-        SHIP.replace(
+        SHIP_SHAFTING.replace(
             "  front_torque:",
             "  shaft: {rule: iacs_m68, element: tail, shaft: propeller, feature: keyless, material: carbon, "
             "tensile_strength: 560 MPa}\n  front_torque:",

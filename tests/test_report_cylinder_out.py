@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from test_document import blocks, of, rows
-from test_report_conclusion import SHIP
+from support.report_blocks import blocks, of, rows
+from support.written_models import SHIP_SHAFTING
 
 import torsionnet as tn
 from torsionnet.model.excitations.cylinder_harmonics import lost_harmonics
@@ -94,7 +94,7 @@ def test_plan_has_what_is_expected_with_a_cylinder_out(carrier):
 
 
 def damped(value):
-    return SHIP.replace("damping: 4000}", f"damping: {value}}}").replace(
+    return SHIP_SHAFTING.replace("damping: 4000}", f"damping: {value}}}").replace(
         "  slip: {type: damper", "  # slip: {type: damper"
     )
 

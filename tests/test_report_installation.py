@@ -5,7 +5,7 @@ import warnings
 
 import numpy as np
 import pytest
-from test_document import blocks, of, rows
+from support.report_blocks import blocks, of, rows
 
 import torsionnet as tn
 from torsionnet.report import make_report

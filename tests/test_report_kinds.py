@@ -2,6 +2,7 @@
 
 import pytest
 from support.command_line import run
+from support.written_models import FAN
 
 import torsionnet as tn
 from torsionnet.model.report import KINDS, SECTIONS
@@ -16,13 +17,6 @@ APPROVAL = {
     "two_stroke_ship",
 }
 """Models of the library with speeds, excitations and limits, as their files are read by a person."""
-FAN = """torsionnet: 1
-name: fan
-elements:
-  motor: {type: inertia, node: a, inertia: 0.28}
-  shaft: {type: spring, nodes: [a, b], stiffness: 5000, damping: 4}
-  fan: {type: inertia, node: b, inertia: 1.2}
-"""
 
 
 def names(report):

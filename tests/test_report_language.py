@@ -5,7 +5,7 @@ import re
 import pytest
 import yaml
 from support.command_line import run
-from test_report_kinds import FAN
+from support.written_models import FAN
 
 import torsionnet as tn
 from torsionnet.model.report import LANGUAGES

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from test_document import of, rows, words
+from support.report_blocks import of, rows, words
 
 import torsionnet as tn
 from torsionnet.plot.relative_amplitudes import relative_amplitudes

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from test_document import blocks, of, rows
-from test_order_response import PLANT
+from support.report_blocks import blocks, of, rows
+from support.written_models import TWO_FANS
 
 import torsionnet as tn
 from torsionnet.report import make_report
@@ -14,7 +14,7 @@ SENSOR = "sensors: {T_s: {torque: shaft}, phi: {angle: f}}\n"
 
 @pytest.fixture(scope="module")
 def found():
-    return make_report(tn.loads(PLANT + SENSOR), sections=["excitations", "orders"])
+    return make_report(tn.loads(TWO_FANS + SENSOR), sections=["excitations", "orders"])
 
 
 def table(report, section, caption):
@@ -48,7 +48,7 @@ class TestOrders:
 
     def test_only_torques_unless_others_are_asked_for(self, found):
         assert len(of(Picture, blocks(found, "orders"))) == 2
-        angles = make_report(tn.loads(PLANT + SENSOR + "report: {orders: [phi], sections: [orders]}\n"))
+        angles = make_report(tn.loads(TWO_FANS + SENSOR + "report: {orders: [phi], sections: [orders]}\n"))
         assert "phi" in str(of(TableBlock, blocks(angles, "orders"))[0].caption)
 
 
@@ -76,7 +76,7 @@ def dense_worst(amplitude):
 )
 def test_wrong_outputs_are_told(text, told):
     with pytest.raises(tn.ModelError, match=told):
-        tn.loads(f"{PLANT}{SENSOR}{text}\n")
+        tn.loads(f"{TWO_FANS}{SENSOR}{text}\n")
 
 
 def test_orders_without_excitations_are_told():

@@ -5,7 +5,7 @@ from pathlib import Path
 from statistics import NormalDist
 
 import pytest
-from test_document import blocks, of, rows
+from support.report_blocks import blocks, of, rows
 
 import torsionnet as tn
 from torsionnet.core.errors import UsageError

@@ -6,69 +6,21 @@ import shutil
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from support.steady_campaign import CAMPAIGN, SPEED, STEADY_FAN, torque, write_steady_record
 
 import torsionnet as tn
 from torsionnet.campaign import running_campaign
 from torsionnet.cli.app import app
 from torsionnet.core.errors import ModelError
-from torsionnet.io import large_records, write_recording
-from torsionnet.response.measured.pulse_channel import PulseChannel
-from torsionnet.response.recording import Recording, Signal
-
-MODEL = """
-torsionnet: 1
-name: fan
-elements:
-  rotor: {type: inertia, node: motor, inertia: 2 kg*m^2}
-  shaft: {type: spring, nodes: [motor, fan], stiffness: 20 kN*m/rad, damping: 40 N*m*s/rad}
-  fan: {type: inertia, node: fan, inertia: 3 kg*m^2}
-sensors: {T: {torque: shaft}}
-speeds: {of: motor, range: 500..1500 rpm, step: 20 rpm}
-excitations:
-  blades: {type: harmonic, node: fan, orders: {3: {amplitude: 50 N*m, phase: 0 deg}}}
-configurations: {blades: {clean: {}, dirty: {blades.orders: {3: {amplitude: 80 N*m, phase: 0 deg}}}}}
-"""
-CAMPAIGN = """
-torsionnet: 1
-name: two steady points
-model: fan.yaml
-wheels: {wheel: {teeth: 60}}
-phase: {index: mark, tdc: 0 deg}
-channels: {T: {gain: 2}}
-records:
-  first: {file: first.npz, configuration: clean}
-  again: {file: again.npz, configuration: clean}
-orders: {tracked: "1:4:1", cycle: 1, cycles: 10}
-"""
-RATE, TURNS, SPEED = 2000, 120, 100.0
-
-
-def torque(speed):
-    """Complex order 3 of the torque in the shaft at a steady speed in rad/s, from the two inertias written out."""
-    s = 3j * speed
-    stiffness = np.array([[20e3 + 40 * s, -20e3 - 40 * s], [-20e3 - 40 * s, 20e3 + 40 * s]])
-    angles = np.linalg.solve(stiffness + s**2 * np.diag([2, 3]), [0, 50])
-    return (20e3 + 40 * s) * (angles[0] - angles[1])
-
-
-def write(path, seed, order_3):
-    """Record of a wheel of 60 teeth without vibration, a mark at angle 0, and half of the torque with noise."""
-    time = np.arange(int(RATE * TURNS * 2 * np.pi / SPEED)) / RATE
-    noise = np.random.default_rng(seed).normal(scale=0.5, size=len(time))
-    values = np.real(order_3 * np.exp(3j * SPEED * time)) / 2 + noise
-    pulses = (
-        PulseChannel("wheel", np.arange(1, 60 * TURNS) * 2 * np.pi / 60 / SPEED),
-        PulseChannel("mark", np.arange(1, TURNS) * 2 * np.pi / SPEED),
-    )
-    write_recording(Recording((Signal("T", "torque", values),), sampling_rate=RATE, pulses=pulses), path)
+from torsionnet.io import large_records
 
 
 @pytest.fixture
 def folder(tmp_path):
-    (tmp_path / "fan.yaml").write_text(MODEL, encoding="utf-8")
+    (tmp_path / "fan.yaml").write_text(STEADY_FAN, encoding="utf-8")
     (tmp_path / "test.yaml").write_text(CAMPAIGN, encoding="utf-8")
     for seed, name in enumerate(("first", "again")):
-        write(tmp_path / f"{name}.npz", seed, torque(SPEED))
+        write_steady_record(tmp_path / f"{name}.npz", seed, torque(SPEED))
     return tmp_path
 
 
@@ -98,7 +50,7 @@ def test_orders_of_each_record_are_those_of_the_written_torque(folder):
 
 
 def test_a_torque_of_another_sign_does_not_agree(folder):
-    write(folder / "first.npz", 5, -torque(SPEED))
+    write_steady_record(folder / "first.npz", 5, -torque(SPEED))
     by_record = {one.record: one.verdict for one in run(folder).verdicts if one.output == "T" and one.order == 3}
     assert by_record["again"] == "agrees" != by_record["first"]
 
@@ -114,7 +66,7 @@ def test_only_the_record_that_changed_is_tracked_again(folder, tracked):
     run(folder)
     run(folder)
     assert tracked == ["first", "again"]
-    write(folder / "again.npz", 7, torque(SPEED))
+    write_steady_record(folder / "again.npz", 7, torque(SPEED))
     run(folder)
     assert tracked == ["first", "again", "again"]
     assert len(list((folder / "test.orders").glob("[fa]*-*"))) == 4  # orders and checks of either

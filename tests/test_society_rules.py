@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_limits import hump, m68, stressed
+from support.limit_cases import hump, m68, stressed
 
 import torsionnet as tn
 from torsionnet.model.checks.limit_checks import unfit_limits

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from support.command_line import run
 from support.dense_speeds import HIGH, LOW, RPM, Chain
+from support.limit_cases import hump, m68, stressed
 from support.ship_plant import SHIP
-from test_limits import hump, m68, stressed
 
 import torsionnet as tn
 from torsionnet.model.configurations import combinations

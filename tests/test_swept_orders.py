@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import lsim
 from support.command_line import run
-from test_document import blocks, of, rows
+from support.report_blocks import blocks, of, rows
 
 import torsionnet as tn
 from torsionnet.io.tracked_order_tables import read_tracked_orders, write_tracked_orders

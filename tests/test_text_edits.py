@@ -5,7 +5,7 @@ import random
 
 import pytest
 from support import campaigns
-from test_broken_files import BASE
+from support.broken_models import BASE
 
 from torsionnet.core.errors import UsageError
 from torsionnet.model.files.library import library_models

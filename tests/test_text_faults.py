@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from support import campaigns
-from test_broken_files import BASE, CASES
+from support.broken_models import BASE, CASES
 
 from torsionnet.cli.models import checked_model
 from torsionnet.core.errors import ModelError

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from support import campaigns
-from test_broken_files import BASE, CASES
+from support.broken_models import BASE, CASES
 
 from torsionnet.core.errors import ModelError
 from torsionnet.model.files.located_yaml import compose

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 from support.command_line import run
-from test_wheel_evidence import DEGREE, RPM, VALUES, Z, record, teeth
+from support.wheel_tests import DEGREE, RPM, VALUES, Z, record, teeth
 
 from torsionnet.core.errors import ModelError
 from torsionnet.io import read_wheel_pattern, write_recording, write_wheel_pattern

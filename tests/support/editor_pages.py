@@ -6,11 +6,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from urllib.parse import urlsplit
 
-from support.explore_pages import Visit, visit
+from support.explore_pages import WIDE, Visit, visit
 from torsionnet.explore import ExploreServer, open_documents
 
 ROOT = Path(__file__).parents[2]
-WIDE = {"width": 1440, "height": 900}
 README_MODEL = re.search(
     r"```yaml\n(torsionnet: 1\nname: motor and load\n.*?)```",
     (ROOT / "README.md").read_text(encoding="utf-8"),

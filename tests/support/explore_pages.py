@@ -1,11 +1,13 @@
 """A page in headless Chromium, with everything it says on its console and every address it asks for."""
 
+import re
 import shutil
 import threading
 import time
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
+from urllib.parse import urlsplit
 
 import pytest
 
@@ -13,6 +15,13 @@ from torsionnet.explore import ExploreServer, open_documents
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "microsoft-edge")
 PATIENCE = 20.0
+WIDE = {"width": 1440, "height": 900}
+SLOW = 500.0
+"""ms; on a quiet machine an update takes 25. A shared one that builds other things meanwhile is no fault of ours."""
+DRAWN = """() => {
+  const data = globalThis.torsionnet.drawn();
+  return data.map(({ kind, x, magnitude, phase }) => ({ kind, frequencies: x, magnitude, phase }));
+}"""
 
 
 def chromium():
@@ -94,3 +103,18 @@ def visit(browser, address, **options):
         yield found
     finally:
         context.close()
+
+
+def kept_quiet(found, amt):
+    """Whether nothing was said on the console and nothing asked of anyone but the server."""
+    asked = {urlsplit(url).netloc for url in found.requests if not url.startswith(("blob:", "data:"))}
+    return found.console == [] and asked == {urlsplit(amt.address).netloc}
+
+
+def drawn(found):
+    """The curves as they are handed to the plots."""
+    return found.page.evaluate(DRAWN)
+
+
+def slider(found, name):
+    return found.page.get_by_role("slider", name=re.compile(rf"^{name}\b"))

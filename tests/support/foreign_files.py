@@ -9,6 +9,7 @@ import numpy as np
 from torsionnet.signals import Recording, Signal, write_recording
 
 COUNT = 200
+CHILD_ENDINGS = (".h5", ".mat", ".tdms", ".parquet", ".uff")
 EXTRAS = {".tdms": "nptdms", ".uff": "pyuff", ".h5": "h5py", ".parquet": "pyarrow", ".mat": "scipy", ".npz": "numpy"}
 
 

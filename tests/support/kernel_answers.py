@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 import torsionnet as tn
+from support.controlled_plants import Plant
 from support.random_drivetrains import draw
 
 ROOT = Path(__file__).parents[2]
@@ -37,8 +38,6 @@ def drawn(count):
 
 def controlled(count):
     """Drivetrains with one to three controllers, every second one with delays."""
-    from test_controller import Plant
-
     for seed in range(count):
         yield f"controlled {seed}", Plant(seed, delay=seed % 2 > 0).rig
 

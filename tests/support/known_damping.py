@@ -33,6 +33,19 @@ def swept(rate, first=8.0, last=36.0, *, f0=F0, zeta=ZETA, order=1.0, power=0, s
     return Recording((Signal("T", "torque", found.y[0]), Signal("n", "velocity", speed)), sampling)
 
 
+def two_light_modes(rate=200):
+    """Record of a torque and angles with resonances at 5 and 48 Hz (60 Hz before the bilinear transform), hardly damped."""
+    from scipy import signal
+
+    torque = np.random.default_rng(5).normal(size=20_000)
+    angle = np.zeros_like(torque)
+    for f in (5.0, 60.0):
+        w = 2 * np.pi * f
+        b, a = signal.cont2discrete(([w**2], [1, 0.004 * w, w**2]), 1 / rate, method="bilinear")[:2]
+        angle += signal.lfilter(b[0], a, torque)
+    return Recording((Signal("T", "torque", torque), Signal("t", "angle", angle)), rate)
+
+
 def with_noise(record, sigma, seed):
     """The record with white noise on its torque."""
     torque = record["T"]

@@ -1,0 +1,42 @@
+"""Blocks, tables and words of a report, as tests ask for them."""
+
+from torsionnet.report.document_tree import BreakableMath, Code, Details, Math, NumberText, Section, Strong, inlines
+
+
+def blocks(report, name):
+    """Every block of a section, those of sections in it included."""
+    stack = [section for section in report.sections if section.name == name]
+    found = []
+    while stack:
+        block = stack.pop(0)
+        if isinstance(block, (Section, Details)):
+            stack = [*block.blocks, *stack]
+        else:
+            found.append(block)
+    return found
+
+
+def of(kind, found):
+    return [block for block in found if isinstance(block, kind)]
+
+
+def words(cell):
+    """A cell without markup, formulas as they are in LaTeX."""
+    return "".join(map(_words, inlines(cell)))
+
+
+def _words(part):
+    match part:
+        case Math(latex):
+            return latex
+        case BreakableMath(parts):
+            return " ".join(parts)
+        case Strong(text) | Code(text):
+            return text
+        case NumberText():
+            return part.mantissa
+    return part
+
+
+def rows(table):
+    return [tuple(words(cell) for cell in row) for group in table.groups for row in group.rows]
