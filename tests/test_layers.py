@@ -144,6 +144,13 @@ def aliases_of_anything(module: Module) -> Iterator[str]:
             yield f"{module.relative}:{node.lineno} gives Any another name"
 
 
+def imports_of_tests(path: Path) -> Iterator[str]:
+    """Imports of files of tests: what others need of them stands in tests/support."""
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+        if match := re.match(r"\s*(?:from|import) (?:tests\.)?(test_\w+)", line):
+            yield f"{path.name}:{number} imports {match[1]}"
+
+
 def _is_anything(annotation: ast.expr) -> bool:
     return any(isinstance(one, ast.Name) and one.id == "Any" for one in ast.walk(annotation))
 
@@ -214,6 +221,11 @@ def test_entries_have_types():
 
 def test_any_has_no_other_names():
     assert broken(aliases_of_anything) == []
+
+
+def test_no_file_imports_a_file_of_tests():
+    folders = [PACKAGE.with_name(name) for name in ("tests", "docs", "benchmarks")]
+    assert [text for folder in folders for path in folder.rglob("*.py") for text in imports_of_tests(path)] == []
 
 
 def test_modules_are_short():
@@ -339,6 +351,14 @@ def test_a_full_folder_is_found(tmp_path):
 )
 def test_forbidden_thing_is_found(tmp_path, rule, source):
     assert len(list(rule(a_module(tmp_path, "solve/modes/modes.py", source)))) == 1
+
+
+def test_an_import_of_a_file_of_tests_is_found(tmp_path):
+    path = tmp_path / "test_one.py"
+    path.write_text(
+        "from support.one import x\nfrom test_two import y\ndef f():\n    import test_three\n", encoding="utf-8"
+    )
+    assert list(imports_of_tests(path)) == ["test_one.py:2 imports test_two", "test_one.py:4 imports test_three"]
 
 
 def test_a_circle_is_found(tmp_path):
