@@ -355,14 +355,31 @@ def test_an_angle_that_begins_again_each_turn_is_refused():
         mean_rotation(record, "a")
 
 
+@pytest.mark.parametrize("method", [CycleAverage(), VoldKalman(1.0)])
+def test_orders_that_alias_in_the_channels_are_refused(method):
+    """At 1000 r/min, the highest speed, 500 Hz are order 30."""
+    _, phi, speed = run_up(600, 1000, 5, 1000)
+    signals = Signal("n", "velocity", speed), Signal("T", "torque", np.cos(29 * phi))
+    record = Recording(signals, sampling_rate=1000.0)
+    mean = mean_rotation(record, "n")
+    (found,) = track_orders(record, mean, ["T"], orders=[1, 29], method=method, reference=TOP)
+    assert np.median(np.abs(found.along(29))) == pytest.approx(1, abs=0.02)
+    with pytest.raises(UsageError, match=r"order 31 is above half the sampling rate of 1000 Hz at 99[0-9.]+ r/min"):
+        track_orders(record, mean, ["T"], orders=[1, 31], method=method)
+    if isinstance(method, VoldKalman):
+        with pytest.raises(UsageError, match="order 31 is above half the sampling rate"):
+            track_orders(record, mean, ["T"], orders=[1], method=method, further=[(mean, [2, 31])])
+
+
 def test_orders_that_cannot_be_told_are_refused():
     seen = wheel(pulses_of(900, 20, six_cylinder()))
     with pytest.raises(UsageError, match="order 54 would read as 6"):
         track_orders(None, seen, wheels=[seen], orders=[54])
     with pytest.raises(UsageError, match=r"order 1\.3 is no multiple of 1/2"):
         track_orders(None, seen, wheels=[seen], orders=[1.3])
-    with pytest.raises(UsageError, match="positive numbers"):
-        track_orders(None, seen, wheels=[seen], orders=[-1])
+    for orders in ([], [0], [0, 3], [-1, 3], [np.nan, 3], [3, np.inf]):
+        with pytest.raises(UsageError, match="positive numbers"):
+            track_orders(None, seen, wheels=[seen], orders=orders)
     with pytest.raises(UsageError, match="too short for a bandwidth"):
         track_orders(None, seen, wheels=[seen], orders=[1], method=VoldKalman(0.2))
     short = wheel(pulses_of(900, 3, six_cylinder()))

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.units import RPM
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.orders.cycle_average import CycleAverage, averaged_blocks, whole_multiples
@@ -65,8 +66,8 @@ def track_orders(
     Raises
     ------
     UsageError
-        An order above half the teeth of a wheel, below one in a cycle, or none; the record and the rotation share no
-        two cycles.
+        An order above half the teeth of a wheel or half the sampling rate, below one in a cycle, or none; the record
+        and the rotation share no two cycles.
 
     Examples
     --------
@@ -91,6 +92,8 @@ def track_orders(
     if channels:
         assert recordings is not None
         kinds.insert(0, of_record(RecordWindow(recordings, channels), wanted))
+        for shaft, its in ((mean, wanted), *further):
+            _check_sampling(kinds[0], shaft, max(its, default=0))
     behind: list[TrackedOrders] = []
     for one in kinds:
         if isinstance(chosen, VoldKalman):
@@ -170,7 +173,18 @@ def within(mean: MeanRotation, begin: float, end: float) -> MeanRotation:
 
 
 def _check_orders(orders: FloatArray, wheels: Sequence[WheelRotation]) -> None:
-    if not len(orders) or orders[0] <= 0:
+    if not len(orders) or orders[0] <= 0 or not np.isfinite(orders).all():
         raise UsageError("orders are positive numbers of vibrations per revolution; give one or more")
     for wheel in wheels:
         wheel.check_orders(orders.tolist())
+
+
+def _check_sampling(one: Tracked, mean: MeanRotation, order: float) -> None:
+    """Refuse an order that is above half the sampling rate of a record at the highest speed, where it aliases."""
+    speed = float(mean.speed(mean.ends[(mean.ends >= one.begin) & (mean.ends <= one.end)]).max(initial=0))
+    rate = one.rate(speed)
+    if order * speed > np.pi * rate * (1 + 1e-6):
+        raise UsageError(
+            f"order {order:g} is above half the sampling rate of {rate:g} Hz at {speed * RPM:.6g} r/min, where orders "
+            f"up to {np.pi * rate / speed:.4g} can be told; leave it out, or record at a higher rate"
+        )
