@@ -449,3 +449,13 @@ def test_an_alternative_changes_entries_of_excitations_too() -> None:
     assert "engine." in labels(f"{ENGINE}{{en|")
     assert "box." in labels(f"{ENGINE}{{b|")
     assert "engine.misfire" not in labels(f"{ENGINE}{{engine.misfire: [2], engine.|")
+
+
+@pytest.mark.parametrize(("row", "unit"), [
+    ("|", ""), ("[|", ""), ("[2 |", "Hz"), ("[2 Hz, 3 |", "N*m/rad"), ("[2 Hz, 3 N*m/rad, 1 |", "N*m*s/rad"),
+    ("[2 Hz, 3 N*m/rad, 1 N*m*s/rad, 4 |", ""), ("[2 Hz, 3 N*m/rad, 1 N*m*s/rad, 4, 5 |", ""),
+])  # fmt: skip
+def test_units_of_a_cell_are_those_of_its_column(row: str, unit: str) -> None:
+    """Behind the last column, and where a row is to begin, there is nothing to offer."""
+    found = labels(f"elements:\n  s: {{type: tabulated_spring, nodes: [a, b], table: [[1 Hz, 2 N*m/rad, 1], {row}")
+    assert found[:1] == ([unit] if unit else [])

@@ -11,7 +11,7 @@ from torsionnet.core.entries.composite import Named, Nested, Typed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.number_table import NumberTable
 from torsionnet.core.entries.scalars import AnyQuantity, PhysicalQuantity
-from torsionnet.core.entries.spec import Spec
+from torsionnet.core.entries.spec import Schema, Spec
 from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import Path
 from torsionnet.model.configurations import AlternativeEntry, AxesEntry
@@ -46,6 +46,9 @@ class _Row(Spec[Any]):
     """Row of a table of numbers."""
 
     columns: tuple[Any, ...] = ()
+
+    def schema(self) -> Schema:
+        return {"type": "array", "description": self.description}
 
 
 def root_class(data: Any) -> type[Declared]:
