@@ -7,7 +7,7 @@ from support.written_models import SHIP_SHAFTING
 
 import torsionnet as tn
 from torsionnet.report import make_report
-from torsionnet.report.document_tree import Listing, Paragraph, TableBlock
+from torsionnet.report.document_tree import Listing, Paragraph, Picture, TableBlock
 from torsionnet.response.limits.limit_check import GRAVITY
 from torsionnet.response.limits.limit_conclusion import LimitConclusion
 
@@ -83,3 +83,13 @@ def test_distances_from_rated_speed(ship):
     )
     share = 100 * (critical.speed("natural") * 30 / np.pi / 110 - 1)
     assert f"gas 6 {share:+.1f} %".replace("-", "\N{MINUS SIGN}") in text
+
+
+@pytest.mark.parametrize(("configurations", "where"), [((), " in configuration normal"), (["weak"], "")])
+def test_figures_of_limits_name_the_worst_of_several_conditions(ship, configurations, where):
+    """``normal`` has the larger torque; of one condition there is nothing to tell apart. No sensor is needed."""
+    found = make_report(ship, sections=["limits"], configurations=configurations, date=None)
+    pictures = of(Picture, blocks(found, "limits"))
+    assert [one.caption for one in pictures] == [
+        (f"Limit {name} over speed{where}.",) for name in ("tail", "front torque")
+    ]

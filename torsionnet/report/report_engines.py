@@ -17,7 +17,8 @@ def engine_remarks(subject: ReportData) -> list[Block]:
 
     Empty for a model with one engine.
     """
-    notes = dict.fromkeys(note for run in subject.order_responses for note in run.engine_notes)
+    runs = subject.order_responses if subject.order_outputs else ()
+    notes = dict.fromkeys(note for run in runs for note in run.engine_notes)
     conditions = [(case.configuration, case.drivetrain.definition.excitations) for case in subject.cases]
     found = [
         *(f"{note[0].upper()}{note[1:]}." for note in notes),
