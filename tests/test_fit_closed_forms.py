@@ -5,7 +5,7 @@ the lag less 2 pi f d; both divided by sqrt((1 - c) / (2 c)) for a coherence c. 
 frequencies are no multiples of one step, so the lines are no neighbours in a window and share no errors.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -345,3 +345,16 @@ class TestChoice:
         assert [row[0] for row in rows] == ["dragged", "free"]
         assert rows[0][2:] == (0.0, pytest.approx(np.sqrt(8 / 10), rel=1e-6))
         assert rows[1][3] == pytest.approx(np.sqrt(choice.fits["free"].chi_squared / 10), rel=1e-6)
+
+    @pytest.mark.parametrize(("has_phase", "closest"), [(True, "dragged"), (False, "free")])
+    def test_the_closest_is_so_in_phase_only_where_the_test_has_phases(self, has_phase, closest):
+        """Magnitudes of an inertia alone, all 0.3 rad late as a drag would turn them: its magnitudes fit worse."""
+        data = said(2.0 * (1 + 0.01 * np.array([1, -1, 0, 1, -1])), np.full(5, -0.3), None)
+        if not has_phase:
+            data = replace(data, values=np.abs(data.values), has_phase=False)
+        candidates = {"free": Candidate(disc(2.2, 0.0), ["J"]), "dragged": Candidate(disc(2.2, 8.0), ["J"])}
+        choice = choose_model(candidates, measured(data))
+        count = 10 if has_phase else 5
+        assert choice.fits[closest].chi_squared == pytest.approx(count - 1, rel=1e-6)
+        (other,) = {"free", "dragged"} - {closest}
+        assert choice.fits[other].chi_squared > count

@@ -337,3 +337,16 @@ def test_a_node_with_the_name_of_a_quantity_is_renamed_in_the_value() -> None:
     text = "elements: {a: {type: inertia, node: angle, inertia: 1 kg*m^2}}\nsensors: {phi: {angle: angle}}\n"
     new = edited(text, rename(text, text.index("angle"), "hub"))
     assert new == text.replace("node: angle", "node: hub").replace("{angle: angle}", "{angle: hub}")
+
+
+@pytest.mark.parametrize("ends", ["  ", " \n", "\n "])
+@pytest.mark.parametrize("mark", ["", "\ufeff"])
+def test_names_on_the_line_behind_a_byte_order_mark(mark, ends):
+    """Begin and end of a name move by the mark where they stand on its line, and only there."""
+    first, second = ends
+    lines = "torsionnet: 1,", "parameters: {J: 2},", "elements: {d: {type: inertia, node: a, inertia: J}}"
+    text = f"{mark}{{{lines[0]}{first}{lines[1]}{second}{lines[2]}}}"
+    for at in (text.index("J: 2"), text.index("J}}")):
+        new = edited(text, rename(text, at, "J_motor"))
+        assert new == text.replace("{J: 2}", "{J_motor: 2}").replace("inertia: J}", "inertia: J_motor}")
+    assert [text[one.span.start : one.span.end] for one in named_places(text)].count("J") == 2
