@@ -1,14 +1,18 @@
-"""The mutation test itself: which faults it puts in, which it leaves out, and that every module has its tests."""
+"""The mutation test itself: which faults it puts in, which it leaves out, and what it says of them."""
 
 import ast
 from pathlib import Path
 from textwrap import dedent
 
 import pytest
-from mutation.__main__ import modules, sample
-from mutation.chosen import CHOSEN, PACKAGES, chosen_for
-from mutation.mutants import mutants
-from mutation.trials import Trials
+
+pytest.importorskip("resource", reason="small faults are tried where processes can be forked")
+
+from mutation.__main__ import sample, shares
+from mutation.equivalent import reason_of
+from mutation.mutants import Mutant, mutants
+from mutation.trials import Outcome, Trials
+from reach.reach_map import ReachMap
 
 ROOT = Path(__file__).parents[1]
 
@@ -64,18 +68,17 @@ def test_no_faults_where_no_result_depends_on_it(text):
 def test_a_fault_is_one_piece_of_the_text():
     text = "c = (\n    ä\n    + b  # sum\n)\nd = 1\n"
     first, second = mutants("module.py", text)
-    assert (first.line, first.function, first.applied(text)) == (2, 0, "c = (\n    (ä - b)  # sum\n)\nd = 1\n")
-    assert (second.line, second.function, second.applied(text)) == (5, 0, "c = (\n    ä\n    + b  # sum\n)\nd = 2\n")
+    assert (first.line, first.function, first.applied(text)) == (2, "", "c = (\n    (ä - b)  # sum\n)\nd = 1\n")
+    assert (second.line, second.function, second.applied(text)) == (5, "", "c = (\n    ä\n    + b  # sum\n)\nd = 2\n")
 
 
 def test_the_function_around_a_fault():
     text = "class A:\n    @cache\n    def f(self):\n        def g():\n            return -a\n        return g\n\nb = 1"
-    assert [mutant.function for mutant in mutants("module.py", text)] == [2, 0]
+    assert [mutant.function for mutant in mutants("module.py", text)] == ["A.f", ""]
 
 
-@pytest.mark.slow
 def test_sample_is_seeded_spread_and_valid():
-    first, again, other = (sample(list(PACKAGES[2:4]), 50, seed) for seed in (1, 1, 2))
+    first, again, other = (sample(["torsionnet/signals"], 50, seed) for seed in (1, 1, 2))
     assert first == again != other
     assert len({mutant.module for mutant in first}) > 25
     for mutant in first:
@@ -87,24 +90,38 @@ def test_one_line_alone():
     assert {(mutant.module, mutant.line) for mutant in sample([f"{module}:{line}"], 100, 1)} == {(module, line)}
 
 
-def test_every_module_has_tests():
-    found = modules(list(PACKAGES))
-    for module in found:
-        assert all((ROOT / path).exists() for path in chosen_for(module))
-    assert all(any(module.startswith(start) for module in found) for start in CHOSEN)
+def test_equivalent_faults_are_known_by_their_names(tmp_path, monkeypatch):
+    names = tmp_path / "names.txt"
+    names.write_text("# a.py:: 1 -> 2 | not this\na.py:: 1 -> 2 | both count from there\n", encoding="utf-8")
+    monkeypatch.setattr("mutation.equivalent.NAMES", names)
+    (first, second) = mutants("a.py", "x = 1\ny = 3\n")
+    assert (reason_of(first), reason_of(second)) == ("both count from there", None)
+
+
+def test_living_faults_are_counted_by_room():
+    (mutant,) = mutants("torsionnet/signals/a.py", "x = 1\n")
+    words = ("noticed", "survived", "undecided", "equal")
+    assert shares([Outcome(mutant, word) for word in words]) == [
+        "torsionnet/signals: 2 of 3 live (67 %), 1 equivalent ones set aside",
+        "all: 2 of 3 live (67 %), 1 equivalent ones set aside",
+    ]
 
 
 @pytest.mark.slow
-def test_trials_in_a_copy(tmp_path, monkeypatch):
-    """With the doctests of a small module, which never see an empty array."""
-    monkeypatch.setattr("mutation.trials.chosen_for", lambda module: [module])
+def test_trials_in_a_copy(tmp_path):
+    """With the doctest of a small module, which never sees an empty array, and faults that no test reaches or in no time."""
     module = "torsionnet/signals/timing.py"
-    text, trials = (ROOT / module).read_text(encoding="utf-8"), Trials(tmp_path, 60)
+    test = f"{module}::torsionnet.signals.timing.gaps"
+    text = (ROOT / module).read_text(encoding="utf-8")
     faults = {mutant.old: mutant for mutant in mutants(module, text)}
-    assert 0 < trials.usual(module) < 600
-    assert not trials.survives(faults["intervals > GAP_RATIO * np.median(intervals)"])
-    assert trials.survives(faults["0"])
-    monkeypatch.setattr("mutation.trials.SPARE", 0.1)
-    monkeypatch.setattr(trials, "usual", lambda _: 0.0)
-    assert not trials.survives(faults["0"])
-    assert (ROOT / module).read_text(encoding="utf-8") == (tmp_path / module).read_text(encoding="utf-8") == text
+    seen, unseen = faults["intervals > GAP_RATIO * np.median(intervals)"], faults["0"]
+    reach = ReachMap.of({test: (1.0, False, [f"{module}:{seen.function}"])})
+    trials = Trials(tmp_path, reach, 60, 1)
+    elsewhere = Mutant("torsionnet/loading.py", 1, "load", 0, 0, "", "")
+    outcomes = list(trials.outcomes([seen, unseen, elsewhere]))
+    assert [(outcome.word, outcome.by) for outcome in outcomes] == [
+        ("noticed", test),
+        ("survived", ""),
+        ("undecided", "no test reaches it"),
+    ]
+    assert (ROOT / module).read_text(encoding="utf-8") == (tmp_path / "0" / module).read_text(encoding="utf-8") == text

@@ -1,68 +1,93 @@
-"""python -m mutation [-n 120] [--seed 1] [PATH[:LINE] ...]: prints what no test noticed, and the score."""
+"""python -m mutation [-n 200] [--seed 30 | --seed commit] [PATH[:LINE] ...]: prints what no test noticed, and the share by room."""
 
 from __future__ import annotations
 
 import argparse
 import random
+import subprocess
 import tempfile
 from collections import Counter
-from collections.abc import Iterator
 from itertools import chain, zip_longest
 from operator import itemgetter
 from pathlib import Path
 
-from mutation.chosen import PACKAGES
+from reach.reach_map import ReachMap
+from reach.recording import ROOT
+
+from mutation.equivalent import reason_of
 from mutation.mutants import Mutant, mutants
-from mutation.trials import ROOT, Trials
+from mutation.trials import Outcome, Trials
+
+COMMIT = "commit"
+"""As a seed: the hash of the commit, which nobody chooses."""
 
 
 def modules(paths: list[str]) -> dict[str, int | None]:
     """Modules below the paths, each with the one line that is asked for, or None."""
-    found: dict[str, int | None] = {}
+    lines: dict[str, int | None] = {}
     for path in paths:
         name, _, line = path.partition(":")
         files = [ROOT / name] if name.endswith(".py") else sorted((ROOT / name).rglob("*.py"))
-        found |= {str(file.relative_to(ROOT)): int(line) if line else None for file in files}
-    return found
+        lines |= {file.relative_to(ROOT).as_posix(): int(line) if line else None for file in files}
+    return lines
 
 
-def sample(paths: list[str], number: int, seed: int) -> list[Mutant]:
+def sample(paths: list[str], number: int, seed: int | str) -> list[Mutant]:
     """Faults spread over the modules: one of each in turn, until there are enough."""
     by_module = []
     for module, line in modules(paths).items():
-        found = mutants(module, (ROOT / module).read_text(encoding="utf-8"))
-        found = [mutant for mutant in found if line in {None, mutant.line}]
+        faults = mutants(module, (ROOT / module).read_text(encoding="utf-8"))
+        faults = [mutant for mutant in faults if line in {None, mutant.line}]
         # A draw of its own: what one module has does not change the sample of another.
         draw = random.Random(f"{seed} {module}")
-        by_module.append((draw.random(), draw.sample(found, len(found))))
-    turns = chain.from_iterable(zip_longest(*(found for _, found in sorted(by_module, key=itemgetter(0)))))
+        by_module.append((draw.random(), draw.sample(faults, len(faults))))
+    turns = chain.from_iterable(zip_longest(*(faults for _, faults in sorted(by_module, key=itemgetter(0)))))
     return sorted([mutant for mutant in turns if mutant][:number], key=lambda mutant: (mutant.module, mutant.start))
 
 
-def tried(chosen: list[Mutant], most: float) -> Iterator[tuple[Mutant, bool]]:
-    """Faults and whether they survive."""
-    with tempfile.TemporaryDirectory() as folder:
-        trials = Trials(Path(folder), most)
-        for mutant in chosen:
-            yield mutant, trials.survives(mutant)
+def room(mutant: Mutant) -> str:
+    """Folder of the package, or the package itself."""
+    return "/".join(mutant.module.split("/")[:2]) if mutant.module.count("/") > 1 else "torsionnet"
+
+
+def shares(outcomes: list[Outcome]) -> list[str]:
+    """A line for each room, and one for all: how many of the faults that are not equivalent live."""
+    drawn = Counter(room(outcome.mutant) for outcome in outcomes)
+    equal = Counter(room(outcome.mutant) for outcome in outcomes if outcome.word == "equal")
+    living = Counter(room(outcome.mutant) for outcome in outcomes if outcome.word in ("survived", "undecided"))
+    rows = [(name, drawn[name], equal[name], living[name]) for name in sorted(drawn)]
+    rows.append(("all", drawn.total(), equal.total(), living.total()))
+    return [
+        f"{name}: {alive} of {of - same} live ({100 * alive / max(of - same, 1):.0f} %), {same} equivalent ones set aside"
+        for name, of, same, alive in rows
+    ]
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="mutation", description=__doc__)
-    parser.add_argument("paths", nargs="*", default=PACKAGES, help="packages, modules or MODULE:LINE")
-    parser.add_argument("-n", "--number", type=int, default=120, help="how many faults (120)")
-    parser.add_argument("--seed", type=int, default=1, help="another sample")
-    parser.add_argument("--most", type=float, default=60.0, help="CPU seconds of tests for one fault (60)")
+    parser.add_argument("paths", nargs="*", default=["torsionnet"], help="rooms, modules or MODULE:LINE")
+    parser.add_argument("-n", "--number", type=int, default=200, help="how many faults (200)")
+    parser.add_argument(
+        "--seed", default="30", help="another sample; the word commit for one that the commit's hash draws"
+    )
+    parser.add_argument("--most", type=float, default=120.0, help="CPU seconds of tests for one fault (120)")
     given = parser.parse_args()
-    alive, every = Counter(), Counter()
-    for mutant, survives in tried(sample(list(given.paths), given.number, given.seed), given.most):
-        package = "/".join(mutant.module.split("/")[:2])
-        every[package] += 1
-        alive[package] += survives
-        print(f"{'SURVIVED' if survives else 'noticed '} {mutant}", flush=True)
-    for package, number in every.items():
-        print(f"{package}: {number - alive[package]} of {number} noticed")
-    print(f"all: {every.total() - alive.total()} of {every.total()} noticed, {alive.total()} survived")
+    head = subprocess.run(
+        ["git", "rev-parse", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True
+    ).stdout.strip()
+    seed = head if given.seed == COMMIT else given.seed
+    print(f"{given.number} faults drawn by seed {seed} at commit {head}", flush=True)
+    drawn = sample(list(given.paths), given.number, seed)
+    outcomes = [Outcome(mutant, "equal", reason) for mutant in drawn if (reason := reason_of(mutant))]
+    equal = {outcome.mutant for outcome in outcomes}
+    with tempfile.TemporaryDirectory() as folder:
+        trials = Trials(Path(folder), ReachMap.read(), given.most)
+        for outcome in trials.outcomes([mutant for mutant in drawn if mutant not in equal]):
+            outcomes.append(outcome)
+            print(outcome, flush=True)
+    for outcome in outcomes[: len(equal)]:
+        print(outcome)
+    print("\n".join(shares(outcomes)))
 
 
 if __name__ == "__main__":

@@ -7,6 +7,8 @@ import copy
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from reach.reach_map import functions
+
 SWAPPED: dict[type[ast.AST], ast.AST] = {
     ast.Add: ast.Sub(),
     ast.Sub: ast.Add(),
@@ -40,11 +42,11 @@ DISPLAYS = (ast.List, ast.Tuple, ast.ListComp, ast.JoinedStr)
 
 @dataclass(frozen=True)
 class Mutant:
-    """One replaced piece of a module's text; ``function`` is where the outermost one around it begins, or 0."""
+    """One replaced piece of a module's text; ``function`` is the outermost one around it, or empty."""
 
     module: str
     line: int
-    function: int
+    function: str
     start: int
     end: int
     old: str
@@ -63,7 +65,7 @@ def mutants(module: str, text: str) -> list[Mutant]:
     for line in text.splitlines(keepends=True):
         begins.append(begins[-1] + len(line.encode()))
     raw, found, tree = text.encode(), {}, ast.parse(text)
-    functions = _functions(tree)
+    names = functions(text)
     for node, new in _in_block(tree):
         start, end = begins[node.lineno - 1] + node.col_offset, begins[node.end_lineno - 1] + node.end_col_offset
         ends = len(raw[:start].decode()), len(raw[:end].decode())
@@ -71,20 +73,9 @@ def mutants(module: str, text: str) -> list[Mutant]:
         if isinstance(new, ast.expr) and not isinstance(new, (ast.Constant, ast.Name, ast.Call, ast.Attribute)):
             written = f"({written})"
         found[*ends, written] = Mutant(
-            module, node.lineno, functions.get(node.lineno, 0), *ends, text[slice(*ends)], written
+            module, node.lineno, names.get(node.lineno, ""), *ends, text[slice(*ends)], written
         )
     return sorted(found.values(), key=lambda mutant: (mutant.start, mutant.end, mutant.new))
-
-
-def _functions(tree: ast.AST) -> dict[int, int]:
-    """By line, where the outermost function around it begins; its decorators belong to it."""
-    found: dict[int, int] = {}
-    for node in ast.walk(tree):
-        if isinstance(node, ast.FunctionDef):
-            begin = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
-            for line in range(begin, node.end_lineno + 1):
-                found.setdefault(line, begin)
-    return found
 
 
 def _in_block(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST]]:
