@@ -18,8 +18,7 @@ for library in ("OPENBLAS", "OMP", "MKL"):
 settings.register_profile("torsionnet", deadline=None)
 settings.load_profile("torsionnet")
 
-# The plugin of `make mutation` reads its settings from the run that loads it; mistakes of users do not import.
-collect_ignore = ["mutation/plugin.py", "user_types/mistakes.py"]
+collect_ignore = ["user_types/mistakes.py"]  # mistakes of users do not import
 
 TOOLS = {
     "Chromium": "the system's packages, as apt-get install chromium",
@@ -48,12 +47,19 @@ def chromium():
 def pytest_addoption(parser):
     campaigns.add_option(parser)
     processor_time.add_options(parser)
+    parser.addoption(
+        "--reach", action="store_true", help="note which functions every test calls, for `make test-changed`"
+    )
 
 
 def pytest_configure(config):
     """Only campaigns try properties with many examples."""
     campaigns.many = config.getoption(campaigns.OPTION)
     config.pluginmanager.register(processor_time.ProcessorTime(config))
+    if config.getoption("--reach"):
+        from reach.plugin import Noting
+
+        config.pluginmanager.register(Noting(config))
 
 
 @pytest.hookimpl(tryfirst=True)

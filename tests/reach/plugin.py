@@ -1,4 +1,4 @@
-"""For pytest, ``-p reach.plugin --reach``: notes what every test reaches, and its processor time, and writes the map."""
+"""For pytest with ``--reach``: notes what every test reaches, and its processor time, and writes the map."""
 
 from __future__ import annotations
 
@@ -17,15 +17,6 @@ from reach.reach_map import MAP, ReachMap
 
 START = Path(sysconfig.get_paths()["purelib"]) / "torsionnet_reach.pth"
 """Python runs it at the start of every process, as coverage.py has it done: tests choose environments of their own."""
-
-
-def pytest_addoption(parser):
-    parser.addoption("--reach", action="store_true", help=f"note which functions every test calls, in {MAP}")
-
-
-def pytest_configure(config):
-    if config.getoption("--reach"):
-        config.pluginmanager.register(Noting(config))
 
 
 class Noting:
