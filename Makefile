@@ -15,7 +15,7 @@ BENCHMARKS := $(basename $(notdir $(wildcard benchmarks/[!_]*.py)))
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help signatures demo figures identify test test-slow test-all test-oldest nightly-campaigns compare compare-parts structure hops move join outputs mutation fuzz lint format types generate docs manuals bench bench-short release-files clean
+.PHONY: help signatures demo figures identify test test-slow test-all test-oldest nightly-campaigns compare compare-parts structure hops move join outputs reach test-changed mutation fuzz lint format types generate docs manuals bench bench-short release-files clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -70,7 +70,14 @@ join: $(VENV)/.group-test  ## a module into the one that imports it: make join O
 outputs: $(VENV)/.group-test  ## what every command says of every library model: ARGS="record A", ARGS="same A B"
 	PYTHONPATH=tests $(RUN) -m structure.outputs $(ARGS)
 
-mutation: $(VENV)/.group-test  ## small faults in a copy of the package: which does no test notice?
+reach: $(VENV)/.group-test  ## which functions every quick test calls, in .cache/reach.npz: some minutes, from Python 3.12 on
+	$(RUN) -m pytest -n auto --dist worksteal -m "not slow" --reach .cache/reach.npz $(ARGS)
+	PYTHONPATH=tests $(RUN) -m reach files
+
+test-changed: $(VENV)/.group-test  ## the tests that reach what differs from HEAD; ARGS=COMMIT from another commit
+	PYTHONPATH=tests $(RUN) -m reach changed $(ARGS)
+
+mutation: $(VENV)/.group-test  ## small faults in a copy of the package: which does no test that reaches them notice?
 	PYTHONPATH=tests $(RUN) -m mutation $(ARGS)
 
 fuzz: $(VENV)/.group-test  ## broken files of every kind for SECONDS=600: a result or an error, soon, in little memory

@@ -47,9 +47,7 @@ def chromium():
 def pytest_addoption(parser):
     campaigns.add_option(parser)
     processor_time.add_options(parser)
-    parser.addoption(
-        "--reach", action="store_true", help="note which functions every test calls, for `make test-changed`"
-    )
+    parser.addoption("--reach", metavar="FILE", help="note in a file which functions every test calls (make reach)")
 
 
 def pytest_configure(config):

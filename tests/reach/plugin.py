@@ -13,10 +13,7 @@ import pytest
 from support.processor_time import spent
 
 from reach import recording
-from reach.reach_map import MAP, ReachMap
-
-START = Path(sysconfig.get_paths()["purelib"]) / "torsionnet_reach.pth"
-"""Python runs it at the start of every process, as coverage.py has it done: tests choose environments of their own."""
+from reach.reach_map import ReachMap
 
 
 class Noting:
@@ -24,11 +21,14 @@ class Noting:
 
     def __init__(self, config):
         self.by_test, self.by_fixture = {}, {}
+        self.map = Path(config.getoption("--reach"))
         self.worker = getattr(config, "workerinput", {}).get("workerid")
         if self.worker is None:
             os.environ["TORSIONNET_REACH_NOTES"] = tempfile.mkdtemp()
             code = f"import sys; sys.path.append({str(Path(__file__).parents[1])!r}); from reach.recording import start_in_child; start_in_child()"
-            START.write_text(
+            # Python runs it at the start of every process, as coverage.py has it done: tests choose environments of their own.
+            self.start = Path(sysconfig.get_paths()["purelib"]) / f"torsionnet_reach_{os.getpid()}.pth"
+            self.start.write_text(
                 f"import os; os.environ.get({recording.CHILDREN!r}) and exec({code!r})\n", encoding="utf-8"
             )
         self.notes = Path(os.environ["TORSIONNET_REACH_NOTES"])
@@ -75,7 +75,7 @@ class Noting:
         (self.notes / f"{self.worker}.json").write_text(json.dumps(self.by_test), encoding="utf-8")
         if self.worker is None:
             noted = [json.loads(file.read_text(encoding="utf-8")) for file in sorted(self.notes.glob("*.json"))]
-            ReachMap.of({name: note for notes in noted for name, note in notes.items()}).write(MAP)
-            START.unlink()
+            ReachMap.of({name: note for notes in noted for name, note in notes.items()}).write(self.map)
+            self.start.unlink()
             shutil.rmtree(self.notes)
         return result
