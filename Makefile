@@ -30,7 +30,7 @@ identify: $(VENV)/.installed  ## the paper's identification on the virtual bench
 	$(RUN) -m torsionnet.demo.identification
 
 # Python that writes no bytecode compiles package and tests anew in every process that tests start.
-test test-slow test-all test-oldest nightly-campaigns: export PYTHONDONTWRITEBYTECODE =
+test test-slow test-all test-oldest nightly-campaigns reach test-changed: export PYTHONDONTWRITEBYTECODE =
 
 test: $(VENV)/.group-test  ## tests and docstring examples, on all cores, without those of over a few seconds
 	$(RUN) -m pytest -n auto --dist worksteal -m "not slow" $(ARGS)
