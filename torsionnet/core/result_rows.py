@@ -167,7 +167,8 @@ def json_schema(kind: Any) -> Schema:
             return {"type": "object", "additionalProperties": json_schema(arguments[1])}
         case origin if origin is Literal:
             return {"enum": list(arguments)}
-        case origin if getattr(origin, "__name__", "") == "ndarray":
+        # NDArray is an alias of its own from numpy 2.5 on, before it was ndarray itself.
+        case origin if getattr(origin, "__name__", "") in ("ndarray", "NDArray"):
             return NUMBERS
     if not dataclasses.is_dataclass(kind):
         raise TypeError(f"no JSON Schema is known of {kind}; give one by Out(schema=...)")

@@ -260,7 +260,8 @@ class _Pencil:
         motion = self.rows @ shapes
         here, slope = (motion.T @ (law[:, None] * motion) for law in (self.laws(center), self.slopes(center)))
         steps, mixed = np.linalg.eig(-np.linalg.solve(slope, here))
-        return steps, mixed
+        # From numpy 2.5 on eig answers in complex numbers; real matrices with real eigenvalues have real combinations.
+        return (steps.real, mixed.real) if np.isrealobj(here) and not steps.imag.any() else (steps, mixed)
 
 
 # --- without damping ------------------------------------------------------------------------------------------------
