@@ -2,6 +2,7 @@
 
 import os
 from collections import Counter
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -27,6 +28,7 @@ TOOLS = {
     "pdftoppm": "the system's packages, as apt-get install poppler-utils",
     "compiler": "the system's packages, as apt-get install gcc, or pip install ziglang",
 }
+ROOT = Path(__file__).parents[1]
 WANTING = "skipped for want of a tool"
 
 
@@ -48,6 +50,9 @@ def pytest_addoption(parser):
     campaigns.add_option(parser)
     processor_time.add_options(parser)
     parser.addoption("--reach", metavar="FILE", help="note in a file which functions every test calls (make reach)")
+    parser.addoption(
+        "--numbers", action="store_true", help="only files that pass rooms that calculate (make test-kernel)"
+    )
 
 
 def pytest_configure(config):
@@ -60,8 +65,24 @@ def pytest_configure(config):
         config.pluginmanager.register(Noting(config))
 
 
+def without_numbers(config):
+    """Files and functions that a run for another kernel of BLAS leaves out; none in other runs."""
+    if not config.getoption("--numbers"):
+        return frozenset()
+    from reach.recording import WITHOUT_NUMBERS
+
+    return frozenset(WITHOUT_NUMBERS.read_text(encoding="utf-8").splitlines())
+
+
+def pytest_ignore_collect(collection_path, config):
+    """Do not even import files of tests that calculate nothing, where the kernel of BLAS is tried."""
+    path = collection_path.resolve()
+    named = path.is_relative_to(ROOT) and path.relative_to(ROOT).as_posix() in without_numbers(config)
+    return named or None
+
+
 @pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items):
+def pytest_collection_modifyitems(items, config):
     """Mark what a run tries with fewer examples, and what one without slow tests leaves out."""
     campaigns.leave_to_the_night(items)
     campaigns.leave_cases_out(items)
@@ -69,6 +90,10 @@ def pytest_collection_modifyitems(items):
         name = item.nodeid.split("::")[1].split("[")[0]
         if isinstance(item, pytest.Function) and name in campaigns.sized(item.path):
             item.add_marker("campaign")
+    if left_out := without_numbers(config):
+        gone = [item for item in items if item.nodeid.partition("[")[0] in left_out]
+        config.hook.pytest_deselected(items=gone)
+        items[:] = [item for item in items if item.nodeid.partition("[")[0] not in left_out]
 
 
 def pytest_terminal_summary(terminalreporter):

@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 from reach import changed
 from reach.changed import Change, chosen_tests, importing_files, places_of
+from reach.numbers import numerical_places, without_numbers
 from reach.reach_map import ReachMap, functions
+from reach.recording import WITHOUT_NUMBERS
 
 ROOT = Path(__file__).parents[1]
 NOTES = {
@@ -50,8 +52,28 @@ def test_what_stands_outside_of_functions_counts_for_the_whole_file(reach):
     assert names(reach, "torsionnet/core/c.py:") == []
 
 
-def test_files_that_pass_no_room_that_calculates(reach):
-    assert reach.without_numbers() == ["tests/test_b.py"]
+class TestNumbers:
+    def test_functions_that_multiply_or_factor_matrices(self):
+        text = "from scipy.linalg import eigh\n\ndef f(a):\n    return a @ a\n\ndef g(a):\n    return eigh(a)\n\ndef h(a):\n    return np.linalg.norm(a)\n\ndef k(a):\n    return np.abs(a)\n"
+        assert numerical_places("a.py", text) == {"a.py:f", "a.py:g", "a.py:h"}
+
+    @pytest.mark.parametrize(
+        ("numerical", "names"),
+        [
+            ("torsionnet/solve/a.py:f", ["tests/test_b.py"]),
+            ("library/rig.yaml", ["tests/test_a.py"]),
+            ("torsionnet/core/b.py:B.g", ["tests/test_a.py::test_dear", "tests/test_a.py::test_slow"]),
+            ("torsionnet/core/c.py:f", ["tests/test_a.py", "tests/test_b.py"]),
+        ],
+    )
+    def test_files_and_functions_that_reach_none_of_them(self, reach, numerical, names):
+        assert without_numbers(reach, {numerical}) == names
+
+    def test_what_is_left_out_is_there(self):
+        """A name in the list that no longer exists leaves nothing out: `make reach` writes the list anew."""
+        names = {name.partition("::")[0] for name in WITHOUT_NUMBERS.read_text(encoding="utf-8").splitlines()}
+        assert len(names) > 30
+        assert sorted(name for name in names if not (ROOT / name).exists()) == []
 
 
 def test_names_of_functions_by_line():

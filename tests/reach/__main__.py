@@ -1,4 +1,4 @@
-"""python -m reach changed [COMMIT]: tests that reach what differs from a commit. python -m reach files: see `without_numbers`."""
+"""python -m reach changed [COMMIT]: tests that reach what differs from a commit. python -m reach files: those without numbers."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ import subprocess
 import sys
 
 from reach.changed import SECONDS, change_since, chosen_tests
-from reach.reach_map import WITHOUT_NUMBERS, ReachMap
+from reach.numbers import write_without_numbers
+from reach.reach_map import ReachMap
 from reach.recording import ROOT
 
 
@@ -19,7 +20,7 @@ def main() -> int:
     given, further = parser.parse_known_args()
     reach = ReachMap.read()
     if given.what == "files":
-        WITHOUT_NUMBERS.write_text("".join(f"{file}\n" for file in reach.without_numbers()), encoding="utf-8")
+        write_without_numbers(reach)
         return 0
     change = change_since(given.commit)
     chosen, number = chosen_tests(change, reach, given.seconds)

@@ -12,13 +12,6 @@ import numpy as np
 from reach.recording import ROOT
 
 MAP = ROOT / ".cache" / "reach.npz"
-NUMERICAL = tuple(
-    f"torsionnet/{room}/"
-    for room in ("assembly", "bench", "campaign", "identification", "modal", "signals", "solve", "study")
-)
-"""Rooms that calculate with floating-point matrices, so that a result may hang on the kernel of BLAS."""
-WITHOUT_NUMBERS = Path(__file__).with_name("without_numbers.txt")
-"""Files that another kernel of BLAS need not try, as `make reach` found them; a file that is not named is tried."""
 
 
 @dataclass(frozen=True)
@@ -107,16 +100,6 @@ class ReachMap:
             wanted = [number for number, name in enumerate(self.places) if name.partition(":")[0] == file]
         tests = np.unique(self._test_of[np.isin(self.reached, wanted)])
         return tests[np.argsort(self.seconds[tests], kind="stable")]
-
-    def without_numbers(self) -> list[str]:
-        """Files of tests, and modules with examples, none of which passes a room that calculates."""
-        calculating = np.array([name.startswith(NUMERICAL) for name in self.places])
-        passed: dict[str, bool] = {}
-        for i, test in enumerate(self.tests):
-            file = test.partition("::")[0]
-            places = self.reached[self.bounds[i] : self.bounds[i + 1]]
-            passed[file] = passed.get(file, False) or bool(calculating[places].any())
-        return sorted(file for file, calculates in passed.items() if not calculates)
 
 
 def functions(text: str) -> dict[int, str]:

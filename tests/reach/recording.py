@@ -10,12 +10,15 @@ import atexit
 import os
 import sys
 import threading
+from functools import cache
 from pathlib import Path
 from types import CodeType, FrameType
 from uuid import uuid4
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = f"{ROOT}{os.sep}torsionnet{os.sep}"
+WITHOUT_NUMBERS = Path(__file__).with_name("without_numbers.txt")
+"""Files and functions of tests that another kernel of BLAS need not try, as `make reach` found."""
 CHILDREN = "TORSIONNET_REACH"
 """Variable that names the folder into which processes that a test starts write what they reached."""
 PASSED_OVER = (".git", ".venv", ".cache", ".hypothesis", ".pytest_cache", "__pycache__")
@@ -50,8 +53,9 @@ def _called(frame: FrameType, _event: str, _argument: object) -> None:
         reached.add(name)
 
 
+@cache
 def start() -> None:
-    """Record from now on, in all threads."""
+    """Record from now on, in all threads; once, though some environments run their start files twice."""
     sys.addaudithook(_opened)
     if sys.version_info >= (3, 12):
         tool, events = sys.monitoring.PROFILER_ID, sys.monitoring.events
