@@ -9,7 +9,7 @@ from hypothesis import settings
 
 pytest.register_assert_rewrite("support")  # asserts in helpers tell their values, as those in tests do
 
-from support import campaigns, processor_time  # noqa: E402
+from support import campaigns, collecting, processor_time  # noqa: E402
 
 # Before numpy is loaded: threads of BLAS on tiny matrices cost half the time of all tests, and one worker runs per core.
 for library in ("OPENBLAS", "OMP", "MKL"):
@@ -63,6 +63,7 @@ def pytest_configure(config):
         from reach.plugin import Noting
 
         config.pluginmanager.register(Noting(config))
+    config.pluginmanager.register(collecting)
 
 
 def without_numbers(config):
