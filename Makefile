@@ -95,11 +95,8 @@ types: $(VENV)/.group-lint $(VENV)/.group-test  ## mypy, strict; what pyright an
 	$(RUN) -m mypy
 	PYTHONPATH=tests $(RUN) -m user_types
 
-generate: $(VENV)/.group-docs  ## pages, stubs for type checkers and the JSON Schema made from the code
-	$(RUN) docs/generate.py
-	$(RUN) -m torsionnet schema -o library/torsionnet.schema.json
-	$(RUN) -m torsionnet schema --file study -o library/study.schema.json
-	$(RUN) -m torsionnet schema --file campaign -o library/campaign.schema.json
+generate: $(VENV)/.group-docs  ## pages, stubs and schemas whose code has changed; ARGS=--all makes all of them
+	$(RUN) docs/made_files.py $(ARGS)
 
 signatures: $(VENV)/.group-docs  ## the list of public signatures, tests/public_signatures.txt, after a decision
 	$(RUN) docs/public_names.py

@@ -1,5 +1,6 @@
 """Settings of Sphinx for the documentation; ``make docs`` builds it without network."""
 
+import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -62,11 +63,10 @@ sphinx_gallery_conf = {
 
 def setup(app):
     """Connect the steps of the build: generated pages are written before the others are read."""
-    import generate
     from pygments.lexers.special import TextLexer
 
     app.add_lexer("csv", TextLexer)  # Pygments knows none for it
-    app.connect("builder-inited", lambda _: generate.write_all())
+    app.connect("builder-inited", lambda _: subprocess.run([sys.executable, DOCS / "made_files.py"], check=True))
     app.connect("autodoc-process-docstring", for_sphinx, priority=400)
 
 

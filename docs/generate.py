@@ -1,13 +1,14 @@
-"""Pages and tables made from the code when the documentation is built: elements, units, damping, traps, validation.
+"""What is made from the code: pages, tables and pictures of the documentation, stubs, and the JSON Schemas.
 
-``python docs/generate.py`` writes them into docs/generated; conf.py does the same before every build. The program also
-writes the stubs of the package, for type checkers and editors.
+``python docs/made_files.py`` (``make generate``) writes what is not current; conf.py does the same before every build.
 """
 
 from __future__ import annotations
 
 import doctest
 import sys
+from collections.abc import Callable
+from contextlib import redirect_stdout
 from dataclasses import MISSING, Field
 from fractions import Fraction
 from functools import cache
@@ -73,9 +74,6 @@ from torsionnet.model.elements import (
 )  # fmt: skip
 from torsionnet.model.report import SECTIONS
 from torsionnet.report.wording import replaceable_texts
-
-DOCS = Path(__file__).parent
-GENERATED = DOCS / "generated"
 
 SAMPLES = {
     "torque": "180 kN*m",
@@ -552,14 +550,7 @@ def refusal(entry: str, written: str) -> str:
     raise AssertionError(written)
 
 
-# Pictures
-
-
-def sign_pictures(folder: Path) -> None:
-    """Write the pictures of the page on sign conventions."""
-    import sign_picture
-
-    sign_picture.write_all(folder)
+# Files
 
 
 def symbol_pictures(folder: Path) -> None:
@@ -568,6 +559,13 @@ def symbol_pictures(folder: Path) -> None:
 
     for kind, cls in ELEMENT_TYPES.items():
         symbol_picture.write(folder, kind, [sample(cls, full=False), sample(cls, full=True)])
+
+
+def sign_pictures(folder: Path) -> None:
+    """Write the pictures of the page on sign conventions."""
+    import sign_picture
+
+    sign_picture.write_all(folder)
 
 
 def law_pictures(folder: Path) -> None:
@@ -582,6 +580,15 @@ def tutorial_pictures(folder: Path) -> None:
     import tutorial_steps
 
     tutorial_steps.write_pictures(folder)
+
+
+def schemas(folder: Path) -> None:
+    """Write the JSON Schemas of model, study and campaign files, as ``torsionnet schema`` does."""
+    from torsionnet.cli import main
+
+    for kind, name in (("model", "torsionnet"), ("study", "study"), ("campaign", "campaign")):
+        with (folder / f"{name}.schema.json").open("w", encoding="utf-8") as file, redirect_stdout(file):
+            main(["schema", "--file", kind])
 
 
 PAGES = {
@@ -604,22 +611,24 @@ PAGES = {
     "house.svg": picture,
     "walks.md": walks_page,
 }
+WRITERS: dict[str, tuple[str, Callable[[Path], None]]] = {
+    "sign pictures": ("docs/generated", sign_pictures),
+    "symbol pictures": ("docs/generated", symbol_pictures),
+    "law pictures": ("docs/generated", law_pictures),
+    "tutorial pictures": ("docs/generated", tutorial_pictures),
+    "reference": ("docs/reference", write_reference),
+    "schemas": ("library", schemas),
+    "stubs": ("", write_stubs),
+}
+"""Folders of the checkout, and what writes several files into them."""
 
 
-def write_all(folder: Path = GENERATED) -> None:
-    """Write all generated pages and pictures."""
-    folder.mkdir(exist_ok=True)
-    for name, make in PAGES.items():
-        (folder / name).write_text(make(), encoding="utf-8")
-    if str(DOCS) not in sys.path:
-        sys.path.insert(0, str(DOCS))
-    sign_pictures(folder)
-    symbol_pictures(folder)
-    law_pictures(folder)
-    tutorial_pictures(folder)
-    write_reference()
-
-
-if __name__ == "__main__":
-    write_all()
-    write_stubs()
+def write(name: str, root: Path) -> None:
+    """Write what PAGES or WRITERS have by a name, below a folder that stands for the checkout."""
+    place, writer = WRITERS.get(name, ("docs/generated", None))
+    folder = root / place
+    folder.mkdir(parents=True, exist_ok=True)
+    if writer:
+        writer(folder)
+    else:
+        (folder / name).write_text(PAGES[name](), encoding="utf-8")

@@ -9,8 +9,6 @@ from public_names import PublicName, public_names
 
 import torsionnet as tn
 
-DOCS = Path(__file__).parent
-PAGES = DOCS / "reference"
 MODEL = (
     *("Drivetrain", "Parameter", "Input", "Sensor", "OperatingPoint", "load", "loads", "library_models"),
     *("ShortCircuitScenario", "TorqueScenario"),
@@ -156,14 +154,7 @@ def _directive(one: PublicName) -> str:
     return f".. autoclass:: {one.name}\n{options}{members}"
 
 
-def write_reference(folder: Path = PAGES) -> None:
-    """Write the pages of all public objects, those alone that have changed, and remove others."""
-    folder.mkdir(exist_ok=True)
-    texts = {f"{page}.md": object_page(one) for page, one in page_names().items()}
-    for path in folder.glob("*.md"):
-        if path.name not in texts:
-            path.unlink()
-    for name, text in texts.items():
-        path = folder / name
-        if not path.exists() or path.read_text(encoding="utf-8") != text:
-            path.write_text(text, encoding="utf-8")
+def write_reference(folder: Path) -> None:
+    """Write the pages of all public objects into a folder."""
+    for page, one in page_names().items():
+        (folder / f"{page}.md").write_text(object_page(one), encoding="utf-8")

@@ -1,6 +1,6 @@
 """Stubs for type checkers and editors: names of the package that are imported on demand, and signatures of its entries.
 
-``python docs/generate.py`` writes the stubs into the package, beside what they describe.
+``make generate`` writes the stubs into the package, beside what they describe.
 """
 
 from __future__ import annotations
@@ -178,7 +178,9 @@ def _lines(lines: Iterable[str]) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
-def write_stubs() -> None:
-    """Write all stubs into the package."""
+def write_stubs(root: Path) -> None:
+    """Write all stubs into the package below a folder."""
     for path, text in stubs().items():
-        path.write_text(text, encoding="utf-8")
+        place = root / path.relative_to(ROOT)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.write_text(text, encoding="utf-8")

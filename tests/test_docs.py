@@ -141,7 +141,7 @@ class TestGeneratedPages:
         ],
     )
     def test_pages_in_the_repository_are_current(self, generate, name):
-        """They are read on the web without a build; `python docs/generate.py` writes them."""
+        """They are read on the web without a build; `make generate` writes them."""
         committed = (DOCS / "generated" / f"{name}.md").read_text(encoding="utf-8")
         assert committed == getattr(generate, f"{name}_page")(), "run: make generate"
 

@@ -5,6 +5,7 @@
 
 import os
 import re
+import subprocess
 import sys
 from datetime import UTC, datetime
 from pathlib import Path
@@ -70,12 +71,7 @@ def setup(app):
 
 def _write_generated():
     """Write the generated part of the verification manual, which `docs/conf.py` writes for HTML."""
-    import generate
-
-    generate.GENERATED.mkdir(exist_ok=True)
-    if not os.environ.get("TORSIONNET_PAGES_ARE_WRITTEN"):
-        path = generate.GENERATED / "verification.md"
-        path.write_text(generate.PAGES["verification.md"](), encoding="utf-8")
+    subprocess.run([sys.executable, DOCS / "made_files.py", "verification.md"], check=True)
 
 
 def _adapted(app, doctree):
