@@ -7,11 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from packaging.version import Version
 from support.file_samples import RECORDS, RESPONSES
 
 import torsionnet as tn
-from torsionnet.cli.output_schema import OUTPUTS, output_schema
 from torsionnet.core import deprecation
 from torsionnet.core.entries.named_files import files_beside
 from torsionnet.model.elements import ELEMENT_TYPES, make_element
@@ -113,28 +111,6 @@ def test_samples_are_small():
     assert sum(path.stat().st_size for path in SAMPLES.rglob("*") if path.is_file()) < 300_000
 
 
-# JSON
-
-
-def fields(schema, place):
-    """Places of all named entries in a JSON Schema."""
-    for name, entry in schema.get("properties", {}).items():
-        yield f"{place}.{name}"
-        yield from fields(entry, f"{place}.{name}")
-    for part in ("items", "additionalProperties"):
-        if isinstance(schema.get(part), dict):
-            yield from fields(schema[part], f"{place}[]")
-    for choice in (*schema.get("anyOf", ()), *schema.get("oneOf", ()), *schema.get("prefixItems", ())):
-        yield from fields(choice, place)
-
-
-def test_no_field_of_json_goes():
-    now = {field for command in OUTPUTS for field in fields(output_schema(command), command)}
-    stored = {line for line in FIELDS.read_text(encoding="utf-8").splitlines() if not line.startswith("#")}
-    assert sorted(stored - now) == [], "programs of users read these; keep them to the next major version"
-    assert sorted(now - stored) == [], f"new fields are a promise: add these lines to {FIELDS.name}"
-
-
 # Exit codes and deprecations
 
 
@@ -144,13 +120,6 @@ def test_exit_codes_are_those_of_the_contract():
     assert told >= {0, 1, 2, 3, 4, 5, 6, 70, 74, 130, 141}
     codes = {tn.ModelError: 1, tn.UsageError: 2, tn.SolveError: 3, tn.MissingExtraError: 4}
     assert {error: error.exit_code for error in codes} == codes
-
-
-def test_nothing_deprecated_is_overdue():
-    version = tn.__version__
-    overdue = [one.sentence for one in deprecation.PENDING if one.overdue(version)]
-    assert overdue == [], "remove it, say so in CHANGELOG.md and run `make signatures`"
-    assert Version(version)
 
 
 def test_deprecation_warns_and_is_found_overdue(monkeypatch):

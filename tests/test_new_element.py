@@ -129,15 +129,6 @@ def test_what_a_program_registers_is_offered_by_name():
     assert '"element_an_inerter"' in schema_text()
 
 
-def test_the_file_of_an_element_type_is_named_after_it():
-    """Otherwise every file would be imported to find it."""
-    for kind, cls in ELEMENT_TYPES.items():
-        assert (
-            cls.__module__ == f"{elements.__name__}.{kind}"
-            or cls.__module__.rpartition(".")[2] in elements.ELEMENT_TYPES.families
-        )
-
-
 def test_every_element_type_is_public():
     assert {cls.__name__ for cls in ELEMENT_TYPES.values()} < set(tn.__all__) == set(dir(tn))
     assert all(getattr(tn, cls.__name__) is cls for cls in ELEMENT_TYPES.values())

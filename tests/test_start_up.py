@@ -1,15 +1,11 @@
 """Starting is quick because it loads little: heavy packages are imported by the functions that need them."""
 
-import ast
 import json
 import subprocess
 import sys
 from importlib.util import find_spec
-from pathlib import Path
 
 import pytest
-
-import torsionnet
 
 HEAVY = {"sympy", "control", "scipy", "matplotlib", "jinja2"}
 ALL_BUT_THE_READER = HEAVY | {"numpy", "networkx", "pint", "pydantic"}
@@ -144,29 +140,3 @@ def test_a_model_imports_what_it_has(pytestconfig):
 @pytest.mark.parametrize("module", sorted(NOT_FOR_A_PLAIN_RIG))
 def test_what_is_not_imported_is_there(module):
     assert find_spec(module)
-
-
-@pytest.mark.slow
-def test_a_class_that_adds_no_field_is_not_made_a_dataclass_once_more():
-    """It has the methods of its base already; those of every class are compiled whenever its file is imported."""
-    idle = [
-        f"{file.name}: {one.name}"
-        for file in Path(torsionnet.__file__).parent.rglob("*.py")
-        for one in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
-        if isinstance(one, ast.ClassDef) and one.bases and _is_bare_dataclass(one) and not _has_fields(one)
-    ]
-    assert idle == []
-
-
-def _is_bare_dataclass(declared):
-    """Whether equality and the text are not made for the class itself."""
-    return any({"eq=False", "repr=False"} <= _options(decorator) for decorator in declared.decorator_list)
-
-
-def _options(decorator):
-    return {f"{one.arg}={ast.unparse(one.value)}" for one in getattr(decorator, "keywords", ())}
-
-
-def _has_fields(declared):
-    annotated = [one for one in declared.body if isinstance(one, ast.AnnAssign)]
-    return any(not ast.unparse(one.annotation).startswith("ClassVar") for one in annotated)

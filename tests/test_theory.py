@@ -3,7 +3,6 @@
 Names of tests carry the numbers of the equations.
 """
 
-import re
 from itertools import pairwise
 from pathlib import Path
 
@@ -419,28 +418,3 @@ class TestRotatingTests:
             found = np.mean(envelope[0, 0] * np.exp(-2j * np.pi * frequency * inner))
             expected = 1 / (1 + (np.sqrt(2) - 1) * (2 * frequency / width) ** (2 * poles))
             assert abs(found) == pytest.approx(expected, abs=0.01 if frequency <= width / 2 else 0.03)
-
-
-class TestPages:
-    def test_every_equation_has_its_number_once_and_in_order(self):
-        chapters = re.search(r":maxdepth: 1\n\n(.*?)```", (THEORY / "index.md").read_text(encoding="utf-8"), re.DOTALL)
-        for chapter, name in enumerate(chapters[1].split(), 1):
-            found = re.findall(r"\\tag\{(\d+)\.(\d+)\}", (THEORY / f"{name}.md").read_text(encoding="utf-8"))
-            assert found == [(str(chapter), str(number)) for number in range(1, len(found) + 1)], name
-
-    def test_every_module_named_exists(self):
-        package = {
-            path.relative_to(THEORY.parents[1] / "torsionnet")
-            for path in (THEORY.parents[1] / "torsionnet").rglob("*.py")
-        }
-        names, folders = {path.name for path in package}, {f"{path.parent.as_posix()}/" for path in package}
-        for page in sorted(THEORY.glob("*.md")):
-            for module in re.findall(r"`([\w/]+(?:\.py|/))`", page.read_text(encoding="utf-8")):
-                if module.startswith("tests/"):
-                    continue
-                known = (
-                    module in folders
-                    if module.endswith("/")
-                    else module in map(Path.as_posix, package) or module in names
-                )
-                assert known or any(p.as_posix().endswith(f"/{module}") for p in package), f"{page.name}: {module}"

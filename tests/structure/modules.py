@@ -52,12 +52,17 @@ class Module:
         return ast.parse(self.text, filename=self.relative)
 
     @cached_property
+    def statements(self) -> list[ast.AST]:
+        """All statements, also those in functions and classes, without the expressions in them."""
+        return [*_statements(self.tree)]
+
+    @cached_property
     def imports(self) -> list[Import]:
         """All imports, in functions and for type checkers too."""
         package = self.path.relative_to(self.root.parent).parts[:-1]
         for_types = self._lines_for_types
         found = []
-        for node in _statements(self.tree):
+        for node in self.statements:
             names: list[str] = []
             if isinstance(node, ast.Import):
                 names = [alias.name for alias in node.names]
@@ -72,7 +77,7 @@ class Module:
     def _lines_for_types(self) -> set[int]:
         return {
             line
-            for node in _statements(self.tree)
+            for node in self.statements
             if isinstance(node, ast.If) and ast.unparse(node.test) in {"TYPE_CHECKING", "typing.TYPE_CHECKING"}
             for statement in node.body
             for line in range(statement.lineno, (statement.end_lineno or statement.lineno) + 1)
@@ -89,12 +94,14 @@ class Module:
         )
         return [f"{module}.{name}"] if is_plain else [module, f"{module}.{name}"]
 
-    @property
-    def calls(self) -> Iterator[tuple[str, int]]:
+    @cached_property
+    def calls(self) -> list[tuple[str, int]]:
         """Calls with a plain dotted name, as ("click.echo", line)."""
-        for node in ast.walk(self.tree):
-            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name | ast.Attribute):
-                yield ast.unparse(node.func), node.lineno
+        return [
+            (ast.unparse(node.func), node.lineno)
+            for node in ast.walk(self.tree)
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name | ast.Attribute)
+        ]
 
     @property
     def public_classes(self) -> list[str]:

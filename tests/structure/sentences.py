@@ -1,18 +1,14 @@
-"""``python -m structure.sentences [FOLDER ...]``: first sentences that cannot stand alone."""
+"""First sentences of docstrings that cannot stand alone."""
 
 from __future__ import annotations
 
 import ast
 import itertools
 import re
-import sys
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
-from structure.modules import Module, modules_below
-
-ROOT = Path(__file__).parents[2]
+from structure.modules import Module
 
 FRAGMENT_WORDS = """
     of as with without by for in on at from to into onto out over under than what who whom whose which
@@ -72,21 +68,8 @@ def documented(module: Module) -> Iterator[tuple[int, str, str, int]]:
                     yield after.lineno, ast.unparse(target), first_sentence(value.value), FEWEST_WORDS
 
 
-def fragments(module: Module) -> list[str]:
-    """First sentences of a module that are fragments, as "file:line: name: sentence"."""
-    return [
-        f"{module.relative}:{line}: {name}: {sentence}"
-        for line, name, sentence, fewest in documented(module)
-        if is_fragment(sentence, fewest)
-    ]
-
-
-def main(folders: list[str]) -> None:
-    for module in modules_below(ROOT / "torsionnet"):
-        if not folders or module.relative.startswith(tuple(folders)):
-            for line in fragments(module):
-                print(line)
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])
+def fragments(module: Module) -> Iterator[tuple[int, str, str]]:
+    """Line, name and sentence of every first sentence of a module that is a fragment."""
+    for line, name, sentence, fewest in documented(module):
+        if is_fragment(sentence, fewest):
+            yield line, name, sentence
