@@ -2,10 +2,10 @@
 
 import json
 import threading
-import time
 
 import pytest
 from support.explore_texts import RIG, Page
+from support.patience import PATIENCE, wait_for
 
 from torsionnet.cli import main
 from torsionnet.explore import ExploreServer, api, connections, document, documents, open_documents
@@ -144,7 +144,7 @@ class TestTurns:
 
         def slow():
             running.set()
-            go_on.wait(10)
+            go_on.wait(PATIENCE)
             return "first"
 
         def run(name, kind, calculate):
@@ -152,18 +152,16 @@ class TestTurns:
 
         threads = [threading.Thread(target=run, args=("first", "answer", slow))]
         threads[0].start()
-        assert running.wait(10)
+        assert running.wait(PATIENCE)
         for name, kind in (("second", "answer"), ("overlay", "overlay"), ("third", "answer")):
             threads.append(threading.Thread(target=run, args=(name, kind, lambda name=name: name)))
             threads[-1].start()
-            until = time.monotonic() + 10
-            while turns._waiting.get(kind) != len(threads) and time.monotonic() < until:
-                time.sleep(0.001)
-        threads[1].join(10)
+            wait_for(lambda kind=kind: turns._waiting.get(kind) == len(threads), pause=0.001)
+        threads[1].join(PATIENCE)
         assert done == {"second": None}
         go_on.set()
         for thread in threads:
-            thread.join(10)
+            thread.join(PATIENCE)
         assert done == {"first": "first", "second": None, "overlay": "overlay", "third": "third"}
 
     def test_a_failure_frees_the_turn(self):
@@ -178,7 +176,7 @@ class TestTurns:
         def slow(session, _):
             if session.base.parameters["k"] == 400:
                 running.set()
-                go_on.wait(20)
+                go_on.wait(PATIENCE)
             return {"k": session.base.parameters["k"]}
 
         monkeypatch.setitem(api.QUESTIONS, "api/answer", slow)
@@ -186,12 +184,9 @@ class TestTurns:
         first = threading.Thread(target=lambda: found.update(slow=page.ask("answer")))
         first.start()
         try:
-            assert running.wait(10)
-            waits = []
+            assert running.wait(PATIENCE)
             for revision in range(1, 11):
-                began = time.perf_counter()
                 assert page.type(RIG.replace("400", f"{500 + revision}"), revision)["sound"]
-                waits.append(time.perf_counter() - began)
             page.type(RIG.replace("400", "1600"), tab="other")
             assert page.ask("answer", "other")["k"] == 1600
             assert page.ask("model")["revision"] == 10
@@ -200,11 +195,9 @@ class TestTurns:
             assert not found
         finally:
             go_on.set()
-            first.join(20)
+            first.join(PATIENCE)
         assert found["slow"] == {"k": 400, "revision": 0}
         assert page.ask("answer") == {"k": 510, "revision": 10}
-        print(f"faults after {1e3 * max(waits):.0f} ms at most")  # noqa: T201 (with -s)
-        assert sorted(waits)[5] < 2  # 6 ms on a quiet machine; the response takes until it is told to end
 
     def test_an_answer_is_made_of_one_text(self, page, monkeypatch):
         """The faults of a text are answered with it, also while a newer one is examined already."""
@@ -222,7 +215,7 @@ class TestTurns:
             found = examined(**options)
             held.text, held.revision = RIG.replace("name: rig", "name: newer").replace("400", "7"), 2
             newer.start()
-            assert begun.wait(10)
+            assert begun.wait(PATIENCE)
             return found
 
         monkeypatch.setattr(document, "remade_session", slow)
@@ -231,7 +224,7 @@ class TestTurns:
             found = page.type(RIG.replace("400", "1600"), 1)
         finally:
             go_on.set()
-            newer.join(10)
+            newer.join(PATIENCE)
         assert found == page.type(RIG.replace("400", "1600"), 1, tab="other")
 
 
@@ -319,25 +312,22 @@ class TestFile:
         disk = page.ask("open")["disk"]
         monkeypatch.setattr(documents, "POLL_SECONDS", 0.3)
         assert page.ask("changes", disk=disk) == {"disk": disk}
-        monkeypatch.setattr(documents, "POLL_SECONDS", 60.0)
-        began, found = time.monotonic(), []
+        monkeypatch.setattr(documents, "POLL_SECONDS", 2 * PATIENCE)
+        found = []
         polls = [
             threading.Thread(target=lambda k=k: found.append(page.ask("changes", f"tab-{k}", disk=disk)))
             for k in range(documents.MOST_POLLS)
         ]
         for poll in polls:
             poll.start()
-        until = time.monotonic() + 10
-        while page.documents._polls < documents.MOST_POLLS and time.monotonic() < until:
-            time.sleep(0.01)
+        wait_for(lambda: page.documents._polls == documents.MOST_POLLS)
         assert page.ask("changes", "one-more", disk=disk) == {"disk": disk, "wait_s": documents.RETRY_SECONDS}
         threading.Timer(0.1, lambda: page.ask("changes", "tab-0", disk="old")).start()
-        polls[0].join(10)
+        polls[0].join(PATIENCE)
         assert found == [{"superseded": True}]
         page.documents.ended.set()
         for poll in polls:
-            poll.join(10)
-        assert time.monotonic() - began < 30
+            poll.join(PATIENCE)
         assert len(found) == documents.MOST_POLLS
 
     def test_a_file_that_is_gone_or_no_text(self, page, file, monkeypatch):

@@ -2,7 +2,6 @@
 
 import json
 import re
-import time
 from contextlib import contextmanager
 
 import numpy as np
@@ -312,7 +311,8 @@ def test_reload_keeps_everything(opened):
         opened.page.keyboard.press("Enter")
     opened.page.locator("label", has_text="deg").click()
     opened.page.get_by_role("button", name="Dark colours").click()
-    time.sleep(0.8)
+    opened.until(lambda: "theme=dark" in opened.page.url, "the address of the last choice")
+    opened.settle()
     before = drawn(opened)
     opened.page.reload()
     opened.until(lambda: opened.updates and len(drawn(opened)) == 3, "the page again")

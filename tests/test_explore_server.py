@@ -9,7 +9,9 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from support.explore_pages import serving
+from support.patience import PATIENCE
 
+from torsionnet.explore import connections
 from torsionnet.explore.api import LARGEST_REQUEST, QUESTIONS
 from torsionnet.explore.guard import HEADERS
 
@@ -23,7 +25,7 @@ def server():
 def ask(server, method="GET", path="", body=None, token=None, **headers):
     """Status, headers and body of one request; ``path`` stands behind the token."""
     port = server.server_address[1]
-    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=10)
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE)
     target = f"/{server.guard.token if token is None else token}/{path}"
     given = {"Content-Type": "application/json"} if body is not None else {}
     given |= {name.replace("_", "-"): value for name, value in headers.items() if value is not None}
@@ -42,7 +44,7 @@ def ask(server, method="GET", path="", body=None, token=None, **headers):
 
 def raw(server, text):
     """What comes back for bytes that no HTTP library would send."""
-    with socket.create_connection(server.server_address, timeout=10) as connection:
+    with socket.create_connection(server.server_address, timeout=PATIENCE) as connection:
         connection.sendall(text.encode("latin-1"))
         connection.shutdown(socket.SHUT_WR)
         found = b""
@@ -200,7 +202,7 @@ def test_a_bug_is_a_sentence_too(server, monkeypatch):
 
 
 def test_one_connection_serves_many_questions(server):
-    connection = http.client.HTTPConnection("127.0.0.1", server.server_address[1], timeout=10)
+    connection = http.client.HTTPConnection("127.0.0.1", server.server_address[1], timeout=PATIENCE)
     for value in (400, 500):
         body = json.dumps({"values": {"k_2": value}})
         connection.request("POST", f"/{server.guard.token}/api/answer", body, {"Content-Type": "application/json"})
@@ -220,7 +222,7 @@ def test_many_at_once(server):
 
 
 def test_a_connection_that_breaks_off_is_no_event(server, capfd):
-    with socket.create_connection(server.server_address, timeout=10) as connection:
+    with socket.create_connection(server.server_address, timeout=PATIENCE) as connection:
         connection.sendall(f"POST /{server.guard.token}/api/answer HTTP/1.1\r\nHost: {own(server)}\r\n".encode())
     assert ask(server)[0] == 200
     assert capfd.readouterr().err == ""
@@ -228,7 +230,7 @@ def test_a_connection_that_breaks_off_is_no_event(server, capfd):
 
 def test_two_requests_on_one_connection(server):
     """Each has its own time, and the second is read where the first has ended."""
-    connection = http.client.HTTPConnection("127.0.0.1", server.server_address[1], timeout=10)
+    connection = http.client.HTTPConnection("127.0.0.1", server.server_address[1], timeout=PATIENCE)
     found = []
     for _ in range(2):
         connection.request("GET", f"/{server.guard.token}/style.css")
@@ -269,11 +271,12 @@ def test_nothing_in_a_body_is_taken_for_a_request(server, method, lines):
     assert "Connection: close" in found
 
 
-def test_a_refusal_arrives_though_the_body_is_not_read(server):
+def test_a_refusal_arrives_though_the_body_is_not_read(server, monkeypatch):
     """A connection that is closed with bytes left unread is reset, and what was sent on it is lost."""
+    monkeypatch.setattr(connections, "PASSED_OVER_SECONDS", PATIENCE)
     head = f"POST /{server.guard.token}/api/model HTTP/1.1\r\nHost: {own(server)}\r\nContent-Type: text/plain\r\n"
     for _ in range(5):
-        with socket.create_connection(server.server_address, timeout=10) as connection:
+        with socket.create_connection(server.server_address, timeout=PATIENCE) as connection:
             connection.sendall(f"{head}Content-Length: 90000\r\n\r\n".encode() + b" " * 30_000)
             time.sleep(0.1)
             connection.sendall(b" " * 60_000)

@@ -10,6 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 from support.explore_pages import serving
 from support.explore_texts import RIG
+from support.patience import PATIENCE
 
 from torsionnet.explore import disk_file
 from torsionnet.explore.api import LARGEST_REQUEST, LARGEST_TEXT_REQUEST
@@ -39,7 +40,7 @@ def server(file):
 def post(server, path, entries, token=None, **headers):
     """Status and content of one request of the page, or of somebody else."""
     port = server.server_address[1]
-    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=20)
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE)
     body = (
         entries
         if isinstance(entries, bytes)
@@ -299,7 +300,7 @@ class TestAttacks:
 
     @pytest.mark.parametrize("method", ["GET", "PUT", "DELETE", "OPTIONS"])
     def test_other_methods_store_nothing(self, server, method):
-        connection = http.client.HTTPConnection("127.0.0.1", server.server_address[1], timeout=10)
+        connection = http.client.HTTPConnection("127.0.0.1", server.server_address[1], timeout=PATIENCE)
         connection.request(method, f"/{server.guard.token}/api/store", b"")
         assert connection.getresponse().status == (404 if method == "GET" else 405)
         connection.close()
@@ -343,7 +344,7 @@ class TestAttacks:
 def test_every_start_page_has_a_nonce_of_its_own(server):
     seen = set()
     for path in ("", "index.html", ""):
-        connection = http.client.HTTPConnection("127.0.0.1", server.server_address[1], timeout=10)
+        connection = http.client.HTTPConnection("127.0.0.1", server.server_address[1], timeout=PATIENCE)
         connection.request("GET", f"/{server.guard.token}/{path}")
         reply = connection.getresponse()
         policy, text = reply.headers["Content-Security-Policy"], reply.read().decode()

@@ -21,6 +21,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.library_cases import library_cases
 from support.models import EVERY_ELEMENT
+from support.patience import PATIENCE
 
 from torsionnet.core import atomic
 from torsionnet.core.entries.renaming import Renaming
@@ -483,7 +484,7 @@ def test_told_to_end_it_leaves_no_temporary_file(tmp_path):
         assert running.stdout.readline().strip() == b"writing"
         assert len(list(tmp_path.iterdir())) == 1
         running.send_signal(signal.SIGTERM)
-        assert running.wait(20) == 128 + signal.SIGTERM
+        assert running.wait(PATIENCE) == 128 + signal.SIGTERM
     assert not list(tmp_path.iterdir())
 
 

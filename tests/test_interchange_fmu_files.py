@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.fmu_hosts import VERSIONS, Host, fmpy, library_model, unpacked
+from support.patience import PATIENCE
 
 import torsionnet as tn
 from torsionnet.core.errors import MissingExtraError, UsageError
@@ -257,12 +258,20 @@ def test_a_host_in_c_needs_no_python(tmp_path):
     path, folder = unpacked(rig)
     (tmp_path / "host.c").write_text(HOST)
     subprocess.run(
-        [compiler, "-w", f"-I{folder}/sources", "host.c", "-o", "host", "-ldl"], cwd=tmp_path, check=True, timeout=60
+        [compiler, "-w", f"-I{folder}/sources", "host.c", "-o", "host", "-ldl"],
+        cwd=tmp_path,
+        check=True,
+        timeout=PATIENCE,
     )
     library = next(Path(folder, "binaries").glob("*/*"))
     token = fmpy.read_model_description(str(path)).guid
     said = subprocess.run(
-        [tmp_path / "host", library, token, "1e-3"], capture_output=True, text=True, check=True, env={}, timeout=60
+        [tmp_path / "host", library, token, "1e-3"],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={},
+        timeout=PATIENCE,
     ).stdout.splitlines()
     expected = rig.simulate("theta_1", {"T_M": np.full(501, 10.0)}, 1e3)["theta_1"].values[1:]
     np.testing.assert_allclose([float(line) for line in said[:500]], expected, rtol=1e-10)
@@ -279,15 +288,15 @@ def test_sources_of_two_units_in_one_program(tmp_path):
         _, folder = unpacked(library_model(name))
         subprocess.run(
             [compiler, "-w", "-c", f"-DFMI2_FUNCTION_PREFIX=unit{number}_", f"{folder}/sources/all.c", "-o", f"{number}.o"],
-            cwd=tmp_path, check=True, timeout=60,
+            cwd=tmp_path, check=True, timeout=PATIENCE,
         )  # fmt: skip
         calls.append(f"extern const char *unit{number}_fmi2GetVersion(void);")
     (tmp_path / "main.c").write_text(
         "#include <stdio.h>\n" + "\n".join(calls)
         + '\nint main(void) { return printf("%s %s", unit0_fmi2GetVersion(), unit1_fmi2GetVersion()) < 0; }\n'
     )  # fmt: skip
-    subprocess.run([*call, "0.o", "1.o", "-lm"], cwd=tmp_path, check=True, timeout=60)
-    said = subprocess.run([tmp_path / "both"], capture_output=True, text=True, check=True, timeout=10).stdout
+    subprocess.run([*call, "0.o", "1.o", "-lm"], cwd=tmp_path, check=True, timeout=PATIENCE)
+    said = subprocess.run([tmp_path / "both"], capture_output=True, text=True, check=True, timeout=PATIENCE).stdout
     assert said == "2.0 2.0"
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 from support import campaigns
+from support.patience import wait_for
 from support.study_runs import answers_as_text, processes_of_session, small_study, started, study_of_answers
 
 from torsionnet.cli.app import app
@@ -254,19 +255,13 @@ class TestFolder:
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="asks the system for its processes")
 class TestKilled:
-    def wait_for(self, folder, size, program, patience=120.0):
-        until = time.monotonic() + patience
-        while kept_bytes(folder) < size and program.poll() is None and time.monotonic() < until:
-            time.sleep(0.002)
-        assert time.monotonic() < until
+    def until_kept(self, folder, size, program):
+        wait_for(lambda: kept_bytes(folder) >= size or program.poll() is not None, pause=0.002)
 
     def ended(self, program):
         program.send_signal(signal.SIGKILL)
         program.wait()
-        until = time.monotonic() + 20
-        while processes_of_session(program.pid) and time.monotonic() < until:
-            time.sleep(0.05)
-        assert not processes_of_session(program.pid)
+        wait_for(lambda: not processes_of_session(program.pid))
 
     @pytest.mark.slow
     @pytest.mark.parametrize("processes", [1, pytest.param(2, marks=pytest.mark.slow)])
@@ -276,7 +271,7 @@ class TestKilled:
         whole, folder = kept_bytes(tmp_path / "whole"), tmp_path / "study"
         for share in (0.02, 0.5, 0.9) if campaigns.many else (0.5,):
             program = started(folder, processes, "answers", *FEW)
-            self.wait_for(folder, share * whole, program)
+            self.until_kept(folder, share * whole, program)
             assert program.poll() is None
             self.ended(program)
             assert kept_bytes(folder) < whole
@@ -292,7 +287,7 @@ class TestKilled:
             folder, study = tmp_path / f"study_{study}", study + 1
             for _ in range(50):
                 program = started(folder, chance.choice([1, 1, 2]), "answers")
-                self.wait_for(folder, kept_bytes(folder) + 1, program)
+                self.until_kept(folder, kept_bytes(folder) + 1, program)
                 until = time.monotonic() + chance.uniform(0.0, 4.0)
                 while time.monotonic() < until and program.poll() is None:
                     time.sleep(0.002)

@@ -14,8 +14,9 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from support.cluster_processes import PATIENCE, STUDY_CLIENT, client, kill_all_of, process, scheduler, wait_for, workers
+from support.cluster_processes import STUDY_CLIENT, client, kill_all_of, process, scheduler, workers
 from support.cluster_work import DeadlyWork, FailingWork, NoiseWork, Prepared, noise
+from support.patience import PATIENCE, wait_for
 
 from torsionnet.core.errors import MissingExtraError, ModelError, UsageError
 from torsionnet.study.run.cluster import chunk_task, cluster_losses, dask_executor
@@ -82,7 +83,7 @@ class TestAddress:
                 told = f"no scheduler answers at {address} within 0.5 s.*firewall"
                 with pytest.raises(UsageError, match=told), connected(where, 0.5):
                     pass
-                assert time.monotonic() - began < 5
+                assert time.monotonic() - began < 25  # 30 s is the time that dask itself would take
 
     @pytest.mark.slow
     def test_silence(self):
@@ -149,7 +150,7 @@ class TestExecutor:
             assert len(local.futures) <= bound
             if done == 200:
                 break
-        wait_for(lambda: not local.futures, 10)
+        wait_for(lambda: not local.futures)
 
     def test_surroundings_of_workers(self, local):
         """Memory is kept for the next chunk, and linear algebra has one thread."""
@@ -282,13 +283,13 @@ def test_no_workers_any_more_is_said_while_it_waits(study_folder, monkeypatch):
             if len(said) == 3:
                 cluster.scale(1)
 
-        rescue = threading.Timer(20, cluster.scale, [1])  # without words nothing else would end the test
+        rescue = threading.Timer(PATIENCE, cluster.scale, [1])  # without words nothing else would end the test
         rescue.start()
         work = NoiseWork(str(study_folder), 0.02)
         for done, _ in enumerate(DaskExecutor(user, study_folder, told).map(work, range(40))):
             if done == 5:
                 cluster.scale(0)
-                wait_for(lambda: not user.nthreads(), 10)
+                wait_for(lambda: not user.nthreads())
         rescue.cancel()
     assert is_whole(study_folder, 40)
     assert len(said) >= 3
@@ -385,7 +386,7 @@ class TestKills:
             children = psutil.Process(running.pid).children(recursive=True)
             assert len(children) >= 2
             os.kill(running.pid, signal.SIGKILL)
-            psutil.wait_procs(children, timeout=20)
+            psutil.wait_procs(children, timeout=PATIENCE)
             assert not [child for child in children if child.is_running() and child.status() != psutil.STATUS_ZOMBIE]
         assert chunks_there(study_folder) < 200
         with client("local:2", study_folder, 200) as running:

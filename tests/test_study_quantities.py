@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.patience import PATIENCE
 from support.study_blocks import columns, singly, spread, together
 
 import torsionnet as tn
@@ -223,10 +224,10 @@ def test_threads_collect_their_own_warnings() -> None:
 
     def warn(number: int) -> None:
         with collected_warnings(found[number]):
-            ready.wait(10)
+            ready.wait(PATIENCE)
             for _ in range(50):
                 warnings.warn(f"of {number}", TorsionnetWarning, stacklevel=1)
-            ready.wait(10)
+            ready.wait(PATIENCE)
 
     threads = [threading.Thread(target=warn, args=(number,)) for number in range(4)]
     for thread in threads:

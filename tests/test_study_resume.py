@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support import campaigns
+from support.patience import PATIENCE, wait_for
 from support.study_runs import CHUNK, VARIANTS, contents, deadly, deaf, processes_of_session, small_study, started
 
 from torsionnet.core.errors import SolveError, TorsionnetWarning, UsageError
@@ -45,13 +46,8 @@ def chunk_files(folder):
     return sorted(file for file in (folder / "chunks").glob("*.npz") if not file.name.startswith("."))
 
 
-def wait_for_chunks(folder, count, patience=60.0):
-    until = time.monotonic() + patience
-    while time.monotonic() < until:
-        if (folder / "chunks").is_dir() and len(chunk_files(folder)) >= count:
-            return
-        time.sleep(0.005)
-    raise AssertionError("no chunks came")
+def wait_for_chunks(folder, count):
+    wait_for(lambda: (folder / "chunks").is_dir() and len(chunk_files(folder)) >= count, pause=0.005)
 
 
 def kill(program):
@@ -243,10 +239,7 @@ class TestKilled:
         wait_for_chunks(folder, 5)
         kill(program)
         assert (folder / LOCK).exists()
-        until = time.monotonic() + 20
-        while processes_of_session(program.pid) and time.monotonic() < until:
-            time.sleep(0.05)
-        assert not processes_of_session(program.pid)
+        wait_for(lambda: not processes_of_session(program.pid))
         run_study(small_study(), folder)
         assert contents(folder) == contents(whole)
 
@@ -257,7 +250,7 @@ class TestKilled:
         wait_for_chunks(folder, 5)
         workers = [one for one in processes_of_session(program.pid) if one != program.pid]
         os.kill(max(workers), signal.SIGKILL)
-        assert program.wait(120) == 0
+        assert program.wait(PATIENCE) == 0
         assert contents(folder) == contents(whole)
 
     @pytest.mark.slow

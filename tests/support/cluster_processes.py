@@ -9,9 +9,9 @@ import time
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from support.patience import wait_for
+
 TESTS = Path(__file__).parents[1]
-PATIENCE = 240.0
-"""Seconds, on a machine that does much else."""
 CLIENT = """
 import sys
 from pathlib import Path
@@ -89,11 +89,3 @@ def client(where, folder, count):
     """A program that runs the chunks that are missing."""
     with process("-c", CLIENT, where, folder, count) as started:
         yield started
-
-
-def wait_for(condition, seconds=PATIENCE, says=lambda: ""):
-    """Until something holds."""
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, f"waited in vain\n{says()}"
-        time.sleep(0.02)

@@ -11,10 +11,10 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from support.patience import wait_for
 from torsionnet.explore import ExploreServer, open_documents
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "microsoft-edge")
-PATIENCE = 20.0
 WIDE = {"width": 1440, "height": 900}
 SLOW = 500.0
 """ms; on a quiet machine an update takes 25. A shared one that builds other things meanwhile is no fault of ours."""
@@ -65,10 +65,7 @@ class Visit:
 
     def until(self, question, what):
         """Wait for something on the page. (The page forbids the evaluation that playwright would wait with.)"""
-        limit = time.monotonic() + PATIENCE
-        while not question():
-            assert time.monotonic() < limit, f"{what} did not happen; console: {self.console}"
-            time.sleep(0.02)
+        wait_for(question, lambda: f"{what} did not happen; console: {self.console}")
 
     @contextmanager
     def update(self):
