@@ -5,7 +5,7 @@ import re
 import mpmath
 import numpy as np
 import pytest
-import scipy.linalg
+import scipy
 
 import torsionnet as tn
 from torsionnet.model.elements import Values

@@ -2,11 +2,12 @@
 
 import re
 from dataclasses import replace
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from scipy import signal
+import scipy
 from support.known_damping import two_light_modes
 
 from torsionnet.core.errors import UsageError
@@ -38,27 +39,26 @@ def white(count, seed=0, size=1.0):
 
 def oscillator(torque, rate=RATE):
     """Angle of a damped oscillator, and its transfer function at the same sampling."""
-    b, a = signal.cont2discrete(([1.0], [INERTIA, DAMPING, STIFFNESS]), 1 / rate, method="bilinear")[:2]
-    return signal.lfilter(b[0], a, torque), lambda f: signal.freqz(b[0], a, f, fs=rate)[1]
+    b, a = scipy.signal.cont2discrete(([1.0], [INERTIA, DAMPING, STIFFNESS]), 1 / rate, method="bilinear")[:2]
+    return scipy.signal.lfilter(b[0], a, torque), lambda f: scipy.signal.freqz(b[0], a, f, fs=rate)[1]
 
 
 def relative(values, truth):
     return np.abs(values / truth - 1)
 
 
-_T1, _T2 = white(8000, 1), white(8000, 2)
-DATA = {
-    "T1": _T1,
-    "T2": _T2,
-    "t1": signal.lfilter([0.3, 0.2], [1, -0.5], _T1) + 0.4 * _T2 + 0.2 * white(8000, 3),
-    "t2": signal.lfilter([0.1, 0.6], [1, 0.3], _T2) - 0.3 * _T1 + 0.2 * white(8000, 4),
-}
+@cache
+def data():
+    T1, T2 = white(8000, 1), white(8000, 2)
+    t1 = scipy.signal.lfilter([0.3, 0.2], [1, -0.5], T1) + 0.4 * T2 + 0.2 * white(8000, 3)
+    t2 = scipy.signal.lfilter([0.1, 0.6], [1, 0.3], T2) - 0.3 * T1 + 0.2 * white(8000, 4)
+    return {"T1": T1, "T2": T2, "t1": t1, "t2": t2}
 
 
 class TestAgainstOthers:
     def pyfrf(self, inputs, outputs, window):
         FRF = pytest.importorskip("pyFRF").FRF
-        exc, resp = (np.array([DATA[name] for name in names])[None] for names in (inputs, outputs))
+        exc, resp = (np.array([data()[name] for name in names])[None] for names in (inputs, outputs))
         return FRF(RATE, exc, resp, resp_type="d", window=window, fft_len=400, nperseg=400, noverlap=320)
 
     @pytest.mark.parametrize("estimator", ["H1", "H2", "Hv"])
@@ -68,11 +68,11 @@ class TestAgainstOthers:
         if window == "hamming":
             name = "hamming_symmetric"
             try:
-                signal.get_window(name, 8)
+                scipy.signal.get_window(name, 8)
             except ValueError:
                 pytest.skip("this scipy has no symmetric windows by name")
         other = self.pyfrf(["T1"], ["t1", "t2"], "none" if window == "boxcar" else window)
-        own = estimate(recorded(**DATA), ["t1", "t2"], "T1", estimator, Welch(name))
+        own = estimate(recorded(**data()), ["t1", "t2"], "T1", estimator, Welch(name))
         theirs = other.get_FRF(estimator).transpose(2, 0, 1)[1:]
         np.testing.assert_allclose(own.values, theirs, rtol=1e-10)
         np.testing.assert_allclose(own.coherence[:, :, 0], other.get_coherence().T[1:], rtol=1e-10)
@@ -81,7 +81,7 @@ class TestAgainstOthers:
     @pytest.mark.parametrize("estimator", ["H1", "H2"])
     def test_two_inputs_agree_with_pyfrf(self, estimator):
         other = self.pyfrf(["T1", "T2"], ["t1", "t2"], "none")
-        spectra = cross_spectra(recorded(**DATA), Welch("boxcar"))
+        spectra = cross_spectra(recorded(**data()), Welch("boxcar"))
         own = estimate(spectra, ["t1", "t2"], ["T1", "T2"], estimator)
         theirs = other.get_FRF(estimator).transpose(2, 0, 1)[1:]
         assert np.max(np.abs(own.values - theirs)) < 1e-10 * np.max(np.abs(theirs))
@@ -90,8 +90,8 @@ class TestAgainstOthers:
 
     @pytest.mark.parametrize(("detrend", "scipys"), [("none", False), ("mean", "constant"), ("linear", "linear")])
     def test_spectra_agree_with_scipy(self, detrend, scipys):
-        own = cross_spectra(recorded(**DATA), Welch("hamming", 2.0, 0.8, detrend), ["T1", "t1"])
-        f, theirs = signal.csd(DATA["T1"], DATA["t1"], RATE, "hamming", 400, 320, detrend=scipys)
+        own = cross_spectra(recorded(**data()), Welch("hamming", 2.0, 0.8, detrend), ["T1", "t1"])
+        f, theirs = scipy.signal.csd(data()["T1"], data()["t1"], RATE, "hamming", 400, 320, detrend=scipys)
         kept = slice(0 if detrend == "none" else 1, None)
         np.testing.assert_allclose(own.frequencies, f[kept], rtol=1e-12)
         np.testing.assert_allclose(own.matrix[:, 0, 1], theirs[kept], rtol=1e-10, atol=1e-16)
@@ -100,7 +100,7 @@ class TestAgainstOthers:
 class TestTruth:
     @pytest.mark.parametrize("estimator", ["H1", "H2", "Hv", "Hs"])
     def test_lag_grows_to_90_degrees_at_resonance(self, estimator):
-        torque = 15 * signal.chirp(np.arange(20_000) / RATE, 0.1, 100, 80)
+        torque = 15 * scipy.signal.chirp(np.arange(20_000) / RATE, 0.1, 100, 80)
         angle, truth = oscillator(torque)
         response = estimate(recorded(T=torque, t=angle), "t", "T", estimator)
         band = (response.frequencies >= 1) & (response.frequencies <= 8)
@@ -285,7 +285,7 @@ class TestUncertainty:
         assert np.isinf(error.magnitude)
 
     def test_effective_averages_of_overlap(self):
-        window = signal.get_window("hann", 1000)
+        window = scipy.signal.get_window("hann", 1000)
         assert effective_averages(window, 500, 1000) == pytest.approx(1000 * 36 / 38, rel=1e-3)
         assert effective_averages(window, 200, 1) == 1
         with pytest.raises(UsageError, match="must be positive"):
@@ -467,7 +467,7 @@ class TestQuestions:
 
     def test_settings_of_the_paper(self):
         time = np.arange(1_000_000) / 10e3
-        torque = 15 * signal.chirp(time, 0.1, 100, 80)
+        torque = 15 * scipy.signal.chirp(time, 0.1, 100, 80)
         angle, truth = oscillator(torque, 10e3)
         response = estimate(recorded(10e3, T=torque, t=angle), "t", "T", settings=PAPER)
         band = response.frequencies <= 70
@@ -522,7 +522,7 @@ class TestBand:
         assert (low.frequencies[0], low.frequencies[-1]) == (0.5, 20)
 
     def test_inputs_that_are_proportional_elsewhere(self):
-        common, own = white(40_000, 6), signal.lfilter(*signal.butter(8, 30, fs=RATE), white(40_000, 7))
+        common, own = white(40_000, 6), scipy.signal.lfilter(*scipy.signal.butter(8, 30, fs=RATE), white(40_000, 7))
         record = recorded(T1=common, T2=common + own, t=white(40_000, 8))
         assert any("all but proportional" in note for note in estimate(record, "t", ["T1", "T2"]).notes)
         assert not any("proportional" in note for note in estimate(record, "t", ["T1", "T2"], band=(1, 20)).notes)

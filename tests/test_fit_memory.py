@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy import signal
+import scipy
 from support.command_line import run
 from support.written_models import TWO_DISCS
 
@@ -41,9 +41,9 @@ def scipys(x, y, settings):
     length = settings.samples(RATE)
     detrend = {"mean": "constant", "linear": "linear", "none": False}[settings.detrend]
     common = (RATE, settings.window, length, length - settings.step(RATE), None, detrend)
-    f, cross = signal.csd(x, y, *common)
+    f, cross = scipy.signal.csd(x, y, *common)
     kept = (f >= BAND[0]) & (f <= BAND[1])
-    return (cross / signal.welch(x, *common)[1])[..., kept]
+    return (cross / scipy.signal.welch(x, *common)[1])[..., kept]
 
 
 def lines_of_impulses(found, answer):

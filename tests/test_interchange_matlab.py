@@ -6,7 +6,7 @@ import subprocess
 
 import numpy as np
 import pytest
-from scipy.io import loadmat
+import scipy
 from support.models import geared_line
 
 import torsionnet as tn
@@ -84,7 +84,7 @@ def test_responses_are_those_of_the_model(name):
 @pytest.mark.parametrize("name", MODELS)
 def test_mat_file_has_the_same_variables(tmp_path, name):
     write_matlab(tn.load(name), tmp_path / "m.mat")
-    script, content = read_script(to_matlab(tn.load(name))), loadmat(tmp_path / "m.mat", simplify_cells=True)
+    script, content = read_script(to_matlab(tn.load(name))), scipy.io.loadmat(tmp_path / "m.mat", simplify_cells=True)
     states = content.pop("state_space")
     content |= {f"state_space.{key}": value for key, value in states.items()}
     for key, value in script.items():
@@ -194,7 +194,7 @@ def test_octave_runs_the_script(tmp_path, name):
     frequencies = " ".join(map(str, FREQUENCIES))
     (tmp_path / "run.m").write_text(OCTAVE.format(folder=tmp_path, frequencies=frequencies))
     subprocess.run(["octave-cli", "--quiet", str(tmp_path / "run.m")], check=False, capture_output=True, timeout=120)
-    out = loadmat(tmp_path / "out.mat")
+    out = scipy.io.loadmat(tmp_path / "out.mat")
     expected = rig.frequency_response(list(rig.sensors), list(rig.inputs), FREQUENCIES).values
     assert out["same"].all()
     for found in (out["H"], out["G"]):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.linalg import toeplitz
+import scipy
 from support.campaigns import examples
 
 import torsionnet as tn
@@ -212,7 +212,7 @@ def test_noise_of_a_record_is_that_of_the_sensor(rig, inertia, stiffness, most):
 @pytest.mark.slow
 def test_noise_between_lines_is_found_beside_a_smooth_misfit():
     rng = np.random.default_rng(1)
-    correlation = toeplitz([1, 0.5, 0.1, *np.zeros(97)])
+    correlation = scipy.linalg.toeplitz([1, 0.5, 0.1, *np.zeros(97)])
     half = np.linalg.cholesky(correlation)
     smooth = 30 * np.exp(1j * np.linspace(0, 4, 100))
     scales = [

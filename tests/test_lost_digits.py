@@ -3,7 +3,7 @@
 import mpmath
 import numpy as np
 import pytest
-from scipy.linalg import eigh
+import scipy
 
 import torsionnet as tn
 from torsionnet.assembly.law_stiffness import LawStiffness
@@ -45,7 +45,10 @@ def examined(rng, n, laws):
     B = np.array([[row.get(j, 0.0) for j in range(n)] for row, *_ in laws])
     M, K = (B.T @ (np.array([law[place] for law in laws])[:, None] * B) for place in (1, 3))
     rest = np.delete(np.arange(n), int(rng.integers(n)))
-    squares = [*eigh(K, M, eigvals_only=True), *eigh(K[np.ix_(rest, rest)], M[np.ix_(rest, rest)], eigvals_only=True)]
+    squares = [
+        *scipy.linalg.eigh(K, M, eigvals_only=True),
+        *scipy.linalg.eigh(K[np.ix_(rest, rest)], M[np.ix_(rest, rest)], eigvals_only=True),
+    ]
     own = np.sqrt(np.array([value for value in squares if value > 0]))
     near = rng.choice(own, 6) * (1 + rng.choice([-1.0, 1.0], 6) * 10 ** -rng.uniform(0, 12, 6))
     return np.concatenate([10 ** rng.uniform(-3, 6, 6), near])

@@ -4,7 +4,7 @@ import sys
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+import scipy
 from support.random_motion_plants import moving_plant
 
 import torsionnet as tn
@@ -144,7 +144,7 @@ def test_massless_node_with_a_contact_is_damped_in_contact_and_static_in_the_gap
         return y[0] - y[2]
 
     parts.terminal, parts.direction = True, -1
-    contact = solve_ivp(
+    contact = scipy.integrate.solve_ivp(
         pressed, (0, 1), [gap, 1.0, gap - 1e-15], "DOP853", rtol=1e-12, atol=1e-14, events=parts, dense_output=True
     )
     times = np.arange(301) / 1e3

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import linear_sum_assignment
+import scipy
 from support import campaigns
 
 import torsionnet as tn
@@ -161,7 +161,7 @@ def densely_followed(model, ends, count):
     for here in values[1:]:
         vibrating = here[here.imag > 0]
         ahead = 2 * last - before
-        before, last = last, vibrating[linear_sum_assignment(np.abs(ahead[:, None] - vibrating))[1]]
+        before, last = last, vibrating[scipy.optimize.linear_sum_assignment(np.abs(ahead[:, None] - vibrating))[1]]
     return last
 
 

@@ -6,8 +6,8 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+import scipy
 import sympy
-from scipy.integrate import quad
 
 import torsionnet as tn
 from torsionnet.assembly.twin import TWINS, Twin
@@ -83,7 +83,9 @@ class TestTorqueOverTwist:
         law = law_of(SPRINGS[kind])
         corners = [-0.175, -0.1625, -0.1, 0, 0.1, 0.1625, 0.175, 0.2]
         for x in (-0.3, -0.15, -0.04, 0.06, 0.16, 0.29):
-            found, error = quad(lambda at: by_hand(kind, at), 0, x, points=corners, epsabs=1e-12, limit=200)
+            found, error = scipy.integrate.quad(
+                lambda at: by_hand(kind, at), 0, x, points=corners, epsabs=1e-12, limit=200
+            )
             assert law.energy(x) == pytest.approx(found, rel=1e-10, abs=10 * error)
 
     def test_tangent_is_the_slope(self, kind):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+import scipy
 from support.controlled_plants import Plant
 
 import torsionnet as tn
@@ -170,7 +170,7 @@ def test_contact_with_damping_pushes_but_never_pulls():
         def rates(s, y, i=i):
             return [y[1], (torque[i] + (torque[i + 1] - torque[i]) * s / 1e-3 - contact(*y)) / inertia]
 
-        state = solve_ivp(rates, (0, 1e-3), state, "DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
+        state = scipy.integrate.solve_ivp(rates, (0, 1e-3), state, "DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
         found.append(state[0])
     assert {event.what for event in record.events} == {"closes", "opens"}
     assert len(record.events) > 10
@@ -239,7 +239,7 @@ def test_twist_passes_a_preload_against_the_torque_as_its_speed_takes_it():
     corner.terminal = True
     t, state = 0.0, np.zeros(2)
     for _ in range(200):
-        end = solve_ivp(rates, (t, 0.7), state, "DOP853", rtol=1e-12, atol=1e-14, events=corner)
+        end = scipy.integrate.solve_ivp(rates, (t, 0.7), state, "DOP853", rtol=1e-12, atol=1e-14, events=corner)
         t, state = end.t[-1], end.y[:, -1]
         if t >= 0.7:
             break

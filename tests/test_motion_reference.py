@@ -4,10 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import quad, solve_ivp
-from scipy.linalg import eigh
-from scipy.optimize import brentq
-from scipy.special import ellipk
+import scipy
 from support.motion_reference import reference_motion
 
 import torsionnet as tn
@@ -25,13 +22,13 @@ class TestFreeMotion:
     def test_period_of_duffing(self):
         w0, a, amplitude = 2.0, 3.0, 1.7
         square = w0**2 + a * amplitude**2
-        closed = 4 * ellipk(a * amplitude**2 / (2 * square)) / math.sqrt(square)
+        closed = 4 * scipy.special.ellipk(a * amplitude**2 / (2 * square)) / math.sqrt(square)
 
         def slowness(angle):  # x = A sin(angle)
             return 1 / math.sqrt(w0**2 + a * amplitude**2 * (1 + math.sin(angle) ** 2) / 2)
 
-        by_energy = 4 * quad(slowness, 0, math.pi / 2, epsabs=0, epsrel=1e-13)[0]
-        found = solve_ivp(lambda _, y: (y[1], -(w0**2) * y[0] - a * y[0] ** 3), (0, closed), (amplitude, 0),
+        by_energy = 4 * scipy.integrate.quad(slowness, 0, math.pi / 2, epsabs=0, epsrel=1e-13)[0]
+        found = scipy.integrate.solve_ivp(lambda _, y: (y[1], -(w0**2) * y[0] - a * y[0] ** 3), (0, closed), (amplitude, 0),
                           method="DOP853", rtol=1e-13, atol=1e-14).y[:, -1]  # fmt: skip
         assert closed == pytest.approx(1.95465730046, abs=1e-11)
         assert by_energy == pytest.approx(closed, rel=1e-12)
@@ -73,7 +70,11 @@ class TestFreeMotion:
             ends = (lambda s: at(s)[1]) if sliding else (lambda s, slid=slid: abs(400 * (at(s)[0] - slid)) - 2)
             start = np.sign(ends(1e-9))
             last = next((i for i, s in enumerate(grid) if np.sign(ends(s)) != start), None)
-            s = grid[-1] if last is None else brentq(ends, grid[last - 1] if last else 1e-9, grid[last], xtol=1e-15)
+            s = (
+                grid[-1]
+                if last is None
+                else scipy.optimize.brentq(ends, grid[last - 1] if last else 1e-9, grid[last], xtol=1e-15)
+            )
             t, (x, v) = t + s, at(s)
             if last is None:
                 break
@@ -247,7 +248,7 @@ class TestShortCircuit:
         for place, k in enumerate(self.K):
             row = np.eye(6)[place] - np.eye(6)[place + 1]
             stiffness += k * np.outer(row, row)
-        squares, shapes = eigh(stiffness, np.diag(2 * self.H / self.LINE))
+        squares, shapes = scipy.linalg.eigh(stiffness, np.diag(2 * self.H / self.LINE))
         total = np.zeros((6, len(times)))
         for square, shape in zip(squares[1:], shapes.T[1:], strict=True):
             w = math.sqrt(square)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+import scipy
 from support.random_motion_plants import moving_plant
 
 import torsionnet as tn
@@ -34,7 +34,7 @@ def test_torque_of_an_induction_machine_follows_its_curve_with_the_time_constant
         return [(torque - load) / 0.4, (kloss(speed) - torque) / tau]
 
     first = [140.0, kloss(140.0)] if start == "moving" else [0.0, 0.0]
-    exact = solve_ivp(rates, (0, (n - 1) / rate), first, "DOP853", rtol=1e-11, atol=1e-9,
+    exact = scipy.integrate.solve_ivp(rates, (0, (n - 1) / rate), first, "DOP853", rtol=1e-11, atol=1e-9,
                       t_eval=np.arange(n) / rate).y  # fmt: skip
     assert record["velocity(m)"].values == pytest.approx(exact[0], abs=1e-7)
     assert record["acceleration(m)"].values == pytest.approx((exact[1] - load) / 0.4, abs=1e-6)
@@ -59,7 +59,7 @@ def test_lagging_machine_at_its_operating_point_stands_still_and_swings_as_its_t
     def rates(t, y):
         return [(np.interp(t, np.arange(81) / 200, small) + y[1]) / 0.4, (-c * y[0] - y[1]) / 0.03]
 
-    exact = solve_ivp(rates, (0, 0.4), [0.0, 0.0], "RK45", rtol=1e-8, atol=1e-12, max_step=0.0025,
+    exact = scipy.integrate.solve_ivp(rates, (0, 0.4), [0.0, 0.0], "RK45", rtol=1e-8, atol=1e-12, max_step=0.0025,
                       t_eval=np.arange(81) / 200).y[0]  # fmt: skip
     assert moved == pytest.approx(exact, abs=2e-3 * np.abs(exact).max())
 
@@ -144,7 +144,9 @@ def test_stiff_motion_takes_the_implicit_method_and_follows_lsoda(monkeypatch):
         film = va - vb
         return [va, -film - 4 * a - 3 * a**3, (2 + film) / 1e-4]
 
-    exact = solve_ivp(rates, (0, 0.05), [0.5, 0, 0], "LSODA", rtol=1e-11, atol=1e-13, t_eval=np.arange(6) / 100).y[0]
+    exact = scipy.integrate.solve_ivp(
+        rates, (0, 0.05), [0.5, 0, 0], "LSODA", rtol=1e-11, atol=1e-13, t_eval=np.arange(6) / 100
+    ).y[0]
     assert any(used)
     assert record["angle(a)"].values == pytest.approx(exact, abs=1e-8)
     assert abs(record.energy.left_over) < 1e-8 * record.energy.supplied

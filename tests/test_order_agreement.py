@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from scipy.stats import chi2, norm, rice
+import scipy
 from support.command_line import run
 from support.twin_engines import plant
 
@@ -124,21 +124,21 @@ class TestIntervals:
         """Of two normal parts, 95 % lie within sqrt(chi2_2(0.95))/1.96 = 1.249 half widths."""
         model = np.tile(resonance(6), 1)
         apart = np.concatenate([pair(model + noise(k), model).in_intervals for k in range(60)])
-        assert np.mean(apart < np.sqrt(chi2.ppf(0.95, 2)) / 1.96) == pytest.approx(0.95, abs=0.01)
+        assert np.mean(apart < np.sqrt(scipy.stats.chi2.ppf(0.95, 2)) / 1.96) == pytest.approx(0.95, abs=0.01)
         assert order_agreement(pair(model + noise(1), model)).intervals == pytest.approx(np.sqrt(2) / 1.96, rel=0.2)
 
     def test_scores_of_small_amplitudes_follow_the_rice_distribution(self):
         sizes = np.array([0.02, 0.05, 0.1, 0.2, 0.4])
         scores = amplitude_scores(sizes, np.full(5, 0.06), np.full(5, WIDTH))
         sigma = WIDTH / 1.959964
-        below = rice.cdf(sizes / sigma, 0.06 / sigma)
-        assert scores[:4] == pytest.approx(norm.ppf(below[:4]), abs=1e-6)
+        below = scipy.stats.rice.cdf(sizes / sigma, 0.06 / sigma)
+        assert scores[:4] == pytest.approx(scipy.stats.norm.ppf(below[:4]), abs=1e-6)
 
     @pytest.mark.parametrize("true", [10.5, 12.0, 30.0])
     def test_scores_of_large_amplitudes_are_nearly_those_of_rice(self, true):
         """The mean is about 1/(2 true) standard deviations above the true amplitude, 0.04 at 12."""
         sizes = true + np.array([-2.0, -1.0, 0.0, 1.0, 2.0])
-        expected = norm.ppf(rice.cdf(sizes, true))
+        expected = scipy.stats.norm.ppf(scipy.stats.rice.cdf(sizes, true))
         scores = amplitude_scores(0.05 * sizes, np.full(5, 0.05 * true), np.full(5, 0.05 * 1.959964))
         assert scores == pytest.approx(expected, abs=0.1 / true)
 

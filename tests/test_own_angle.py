@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.special import jv
+import scipy
 from support.turned_wheels import crossing_angles, steady
 
 import torsionnet as tn
@@ -77,6 +77,6 @@ def test_own_angle_puts_0_075_degrees_into_order_6_from_1_69_degrees_of_order_3(
     seen = over_own_angle(values)
     for place in np.flatnonzero(HALF % 3 == 0):
         n = HALF[place] / 3
-        assert seen[place] == pytest.approx(1j * 2 / (3 * n) * jv(n, -3 * n * size), abs=1e-9)
+        assert seen[place] == pytest.approx(1j * 2 / (3 * n) * scipy.special.jv(n, -3 * n * size), abs=1e-9)
     assert abs(seen[HALF == 6][0]) == pytest.approx(3 / 2 * size**2, rel=0.01)
     assert abs(seen[HALF == 6][0]) / DEGREE == pytest.approx(0.075, abs=5e-4)

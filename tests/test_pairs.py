@@ -7,9 +7,9 @@ from typing import ClassVar
 import jsonschema
 import numpy as np
 import pytest
+import scipy
 from click.testing import CliRunner
 from matplotlib.text import Text
-from scipy import signal
 from support.modelica_reader import Model as ModelicaModel
 
 import torsionnet as tn
@@ -305,7 +305,7 @@ class TestOverTime:
         record = rig.simulate(names, {"T_E": torque}, 500.0)
         S = rig.to_control()
         wanted = [list(READ).index(name) for name in names]
-        _, expected, _ = signal.lsim((S.A, S.B, S.C[wanted], S.D[wanted]), torque, np.arange(2000) / 500.0)
+        _, expected, _ = scipy.signal.lsim((S.A, S.B, S.C[wanted], S.D[wanted]), torque, np.arange(2000) / 500.0)
         for column, name in enumerate(names):
             got = record[name].values
             assert got == pytest.approx(expected[:, column], abs=1e-9 * np.abs(expected[:, column]).max())

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+import scipy
 
 import torsionnet as tn
 from torsionnet.core.units import RPM
@@ -59,7 +59,7 @@ def integrated(times, at, speeds, damping=lambda _: 0.0):
     x = [first[:, None]]
     for piece in range(len(slope)):
         inside = (times > at[piece]) & (times <= at[piece + 1] * (1 + 1e-12))
-        run = solve_ivp(
+        run = scipy.integrate.solve_ivp(
             rates, at[piece : piece + 2], x[-1][:, -1], "DOP853", np.minimum(times[inside], at[piece + 1]),
             rtol=1e-9, atol=1e-12,
         )  # fmt: skip

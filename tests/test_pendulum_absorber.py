@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
+import scipy
 
 import torsionnet as tn
 
@@ -118,8 +118,8 @@ def squared_distance(path, s):
     def slope(u):  # rho^2 = r^2 - lambda^2 s^2
         return np.arcsin(size * u / r) / size
 
-    radial = R + r - quad(lambda u: np.sin(slope(u)), 0, s, epsabs=1e-15)[0]
-    across = quad(lambda u: np.cos(slope(u)), 0, s, epsabs=1e-15)[0]
+    radial = R + r - scipy.integrate.quad(lambda u: np.sin(slope(u)), 0, s, epsabs=1e-15)[0]
+    across = scipy.integrate.quad(lambda u: np.cos(slope(u)), 0, s, epsabs=1e-15)[0]
     return radial**2 + across**2
 
 
@@ -130,7 +130,7 @@ def order_by_the_exact_path(path, swing):
     def slowness(u):
         return swing * r * np.cos(u) / np.sqrt(squared_distance(path, swing * r * np.sin(u)) - end)
 
-    quarter = quad(slowness, 0, np.pi / 2 - 1e-3, epsabs=1e-10, limit=200)[0]
+    quarter = scipy.integrate.quad(slowness, 0, np.pi / 2 - 1e-3, epsabs=1e-10, limit=200)[0]
     quarter += 1e-3 * slowness(np.pi / 2 - 1e-3)
     return np.pi / 2 / quarter
 

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from scipy import signal
+import scipy
 
 from torsionnet import plot
 from torsionnet.core.errors import UsageError
@@ -47,7 +47,7 @@ class TestDecimation:
         assert self.gain(frequency) < -least
 
     def test_half_rate_is_6_db_down(self):
-        _, (at_100, at_120) = signal.freqz(anti_alias_taps(50), 1, [100, 120], fs=10e3)
+        _, (at_100, at_120) = scipy.signal.freqz(anti_alias_taps(50), 1, [100, 120], fs=10e3)
         assert decibels(abs(at_100)) == pytest.approx(-6.0, abs=0.1)
         assert decibels(abs(at_120)) == pytest.approx(-52, abs=1)
 
@@ -100,7 +100,7 @@ class TestDetrending:
         time = sampled(4, 50)
         wave = np.cos(2 * np.pi * 5 * time)
         out = detrend(recorded(wave + 3 - 2 * time, 50), "linear")["x"]
-        np.testing.assert_allclose(out.values, signal.detrend(wave), atol=1e-12)
+        np.testing.assert_allclose(out.values, scipy.signal.detrend(wave), atol=1e-12)
         assert out.notes == ("straight line taken out",)
 
     def test_only_the_named_signals(self):
@@ -205,7 +205,7 @@ class TestSpectrogram:
         sweep = np.sin(2 * np.pi * (10 * time + rate / 2 * time**2))
         seen = spectrogram(recorded(7 * sweep, self.RATE), "x")
         assert np.max(np.abs(seen.ridge - (10 + rate * seen.times))) <= 0.5 * 1.01 + 0.2 * rate
-        weights = signal.get_window("hamming", 2 * self.RATE)
+        weights = scipy.signal.get_window("hamming", 2 * self.RATE)
         offset = np.arange(-self.RATE, self.RATE) / self.RATE
         at_line = np.flatnonzero(np.abs((10 + rate * seen.times) % 0.5) < 1e-9)  # no picket fence there
         smeared = abs(weights @ np.exp(1j * np.pi * rate * offset**2)) / weights.sum()

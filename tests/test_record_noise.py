@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from scipy import stats
+import scipy
 
 import torsionnet as tn
 from torsionnet.identification.fit import load_fit
@@ -135,7 +135,7 @@ def test_an_interval_holds_what_noise_and_steps_do():
     rng, count = np.random.default_rng(2), 200_000
     phases = 2 * np.pi * (np.arange(REST_POSITIONS) + 0.5) / REST_POSITIONS
     for noise, sizes in ((1.0, [0.5]), (0.1, [1.0]), (0.3, [1.0, 0.6])):
-        drawn = noise * stats.t.rvs(30, size=count, random_state=rng)
+        drawn = noise * scipy.stats.t.rvs(30, size=count, random_state=rng)
         drawn += sum(size * np.cos(rng.uniform(0, 2 * np.pi, count)) for size in sizes)
         error = np.sqrt(noise**2 + sum(size**2 for size in sizes) / 2)
         half = interval_half_width(0.95, error, [(size * np.cos(phases)).tolist() for size in sizes], 30)
@@ -149,6 +149,6 @@ def test_steps_of_a_fit_survive_a_file(tmp_path):
     fit.to_yaml(tmp_path / "fit.yaml")
     again = load_fit(tmp_path / "fit.yaml")
     assert again.intervals()["c_2"] == pytest.approx(fit.intervals()["c_2"], rel=1e-12)
-    usual = stats.t.ppf(0.975, fit.degrees_of_freedom) * fit.standard_errors["c_2"]
+    usual = scipy.stats.t.ppf(0.975, fit.degrees_of_freedom) * fit.standard_errors["c_2"]
     assert fit.intervals()["c_2"][1] - fit.values["c_2"] < 0.999 * usual
     assert fit.degrees_of_freedom > 50  # steps that all lines share do not make the noise less certain

@@ -5,8 +5,7 @@ from math import pi, sqrt
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
-from scipy.linalg import expm
+import scipy
 from support.command_line import run
 
 import torsionnet as tn
@@ -37,7 +36,7 @@ def peaks_per_unit(waves, seconds, steps):
         sine = 2 * n + 2 * number
         A[sine, sine + 1], A[sine + 1, sine], A[n + 4, sine] = order * w, -order * w, -size / (2 * H[4] / w)
         z[sine + 1] = 1
-    step, largest = expm(A * seconds / steps), np.zeros(5)
+    step, largest = scipy.linalg.expm(A * seconds / steps), np.zeros(5)
     for _ in range(steps + 1):
         largest = np.maximum(largest, np.abs(K * (z[:5] - z[1:6])))
         z = step @ z
@@ -140,7 +139,7 @@ class TestTorques:
             shaft = 900 * (y[0] - y[1]) + 0.4 * (y[2] - y[3])
             return [y[2], y[3], (torque(time) - shaft) / 0.3, (shaft - brake) / 2]
 
-        return solve_ivp(rate, (0, t[-1]), state, "DOP853", t, rtol=1e-11, atol=1e-12, max_step=2e-3).y
+        return scipy.integrate.solve_ivp(rate, (0, t[-1]), state, "DOP853", t, rtol=1e-11, atol=1e-12, max_step=2e-3).y
 
     def test_ramp_from_the_operating_point(self):
         scenario = {"type": "torques", "duration": "0.4 s", "rate": "1 kHz", "start": "operating_point",
@@ -174,10 +173,10 @@ class TestTorques:
         drive[5, 6], drive[6, 5] = -20 * pi, 20 * pi  # 6 cos, 6 sin
         drive[4:, :4] = 0
         z = np.array([0, 0, 0, 0, 4, 6 * np.cos(pi / 6), 6 * np.sin(pi / 6), 0])
-        before = [expm(drive * s) @ z for s in t if s < at]
-        z = expm(drive * at) @ z
+        before = [scipy.linalg.expm(drive * s) @ z for s in t if s < at]
+        z = scipy.linalg.expm(drive * at) @ z
         z[7] = 5
-        found = np.array([*before, *(expm(drive * (s - at)) @ z for s in t if s >= at)])
+        found = np.array([*before, *(scipy.linalg.expm(drive * (s - at)) @ z for s in t if s >= at)])
         assert record["T"].values == pytest.approx(
             900 * (found[:, 0] - found[:, 1]) + 0.4 * (found[:, 2] - found[:, 3]), abs=1e-9
         )

@@ -4,8 +4,8 @@ import re
 
 import numpy as np
 import pytest
+import scipy
 import yaml
-from scipy.integrate import solve_ivp
 
 import torsionnet as tn
 
@@ -36,7 +36,7 @@ def test_tip_in_of_a_clutch_that_is_clamped_over_time():
         return [y[3], y[4], (engine - clamp) / 0.25, (clamp - shaft) / 0.02, (shaft - 20) / 2.4]
 
     start = [20 / 350, 0, 0, 0, 0]  # at the operating point the clutch holds 20 N m
-    y = solve_ivp(rate, (0, 0.4), start, "DOP853", t, rtol=1e-10, atol=1e-12, max_step=5e-3).y
+    y = scipy.integrate.solve_ivp(rate, (0, 0.4), start, "DOP853", t, rtol=1e-10, atol=1e-12, max_step=5e-3).y
     assert record["n"].values == pytest.approx(y[2], abs=1e-6)
     assert record["T_shafts"].values == pytest.approx(350 * (y[0] - y[1]) + 0.6 * (y[3] - y[4]), abs=1e-5)
     assert "the clamp of clutch is 300 at the operating point and 0 from the start on, in SI units" in record.notes
@@ -191,7 +191,7 @@ def test_a_propeller_follows_the_speed():
         return [y[1] - y[2], (np.interp(t, [0, 0.5], [9e3, 12e3]) - shaft) / 40, (shaft - 22.5 * y[2] ** 2) / 25]
 
     start = [9e3 / 2e5, 20, 20]
-    y = solve_ivp(rate, (0, 3), start, "DOP853", record.time, rtol=1e-10, atol=1e-10, max_step=0.02).y
+    y = scipy.integrate.solve_ivp(rate, (0, 3), start, "DOP853", record.time, rtol=1e-10, atol=1e-10, max_step=0.02).y
     assert record["n"].values == pytest.approx(y[2], rel=1e-7)
     assert record["T"].values == pytest.approx(2e5 * y[0] + 200 * (y[1] - y[2]), rel=1e-6)
 

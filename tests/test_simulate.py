@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy import signal
+import scipy
 
 import torsionnet as tn
 from torsionnet.solve.dynamic_stiffness import triangular
@@ -59,7 +59,7 @@ def test_library_rigs_as_lsim(name):
     names = ["theta_1", "T_T"]
     found = simulated(rig, names, "T_M", torque)
     S = rig.to_control()
-    _, expected, _ = signal.lsim((S.A, S.B, S.C, S.D), torque, np.arange(3000) / RATE)
+    _, expected, _ = scipy.signal.lsim((S.A, S.B, S.C, S.D), torque, np.arange(3000) / RATE)
     for values, column in zip(found, expected.T, strict=True):
         assert values == pytest.approx(column, abs=1e-11 * np.abs(column).max())
 

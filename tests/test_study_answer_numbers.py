@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.stats import binomtest, spearmanr
+import scipy
 from support import campaigns
 
 from torsionnet.core.errors import SolveError, UsageError
@@ -17,7 +17,7 @@ from torsionnet.study.answers.worst_case_search import largest
 @pytest.mark.parametrize("confidence", [0.9, 0.95, 0.999])
 def test_shares_have_the_exact_interval(hits, count, confidence):
     found = counted_share(hits, count, confidence)
-    exact = binomtest(hits, count).proportion_ci(confidence, method="exact")
+    exact = scipy.stats.binomtest(hits, count).proportion_ci(confidence, method="exact")
     assert (found.low, found.high) == pytest.approx((exact.low, exact.high), rel=1e-9, abs=1e-15)
     assert found.value == hits / count
 
@@ -117,7 +117,7 @@ def test_rank_correlations_are_those_of_scipy():
     found = rank_correlations(parameters, values)
     known = np.isfinite(values)
     for column, coefficient in zip(parameters[known].T, found.coefficients, strict=True):
-        assert coefficient == pytest.approx(spearmanr(column, values[known]).statistic, abs=1e-12)
+        assert coefficient == pytest.approx(scipy.stats.spearmanr(column, values[known]).statistic, abs=1e-12)
     assert found.count == 190
     assert (found.low < found.coefficients).all()
     assert (found.coefficients < found.high).all()

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from scipy.stats import norm
+import scipy
 
 import torsionnet as tn
 from torsionnet.core.errors import ModelError
@@ -61,7 +61,7 @@ class TestYield:
         limit = at_quantile(1.5)
         found = answered(study(limits={"f": {"below": limit}}, answers={"a": {"type": "yield"}}))
         share = found.of("as given")
-        assert share.low < norm.sf(1.5) < share.high
+        assert share.low < scipy.stats.norm.sf(1.5) < share.high
         assert share.count == 4000
         assert found.sentences[0].startswith(f"{100 * share.value:.1f} % (")
         assert found.sentences[0].endswith(f"f above {limit:g} Hz, as given")
@@ -74,7 +74,7 @@ class TestYield:
         )  # fmt: skip
         found = answered(one)
         stiff = found.of("stiff")
-        assert stiff.low < norm.sf(1) < stiff.high
+        assert stiff.low < scipy.stats.norm.sf(1) < stiff.high
         assert found.of("soft").value == 0
         assert found.of("in any of them").value == stiff.value
         assert found.of("weighted mean").value == pytest.approx(0.75 * stiff.value)
@@ -112,7 +112,7 @@ class TestFailureProbability:
     @pytest.mark.slow
     @pytest.mark.parametrize(("method", "count", "accuracy"), [("importance", 100_000, 0.05), ("subset", 200, 0.7)])
     def test_one_in_a_million(self, method, count, accuracy):
-        beta = -norm.ppf(1e-6)
+        beta = -scipy.stats.norm.ppf(1e-6)
         answer = {"type": "failure_probability", "method": method, "count": count}
         found = answered(study(limits={"f": {"below": at_quantile(beta)}}, answers={"a": answer}))
         one = found.events["as given"]
@@ -125,7 +125,7 @@ class TestFailureProbability:
         answer = {"type": "failure_probability", "count": 50_000}
         limits = {"f": {"below": at_quantile(4), "above": at_quantile(-4)}}
         one = answered(study(limits=limits, answers={"a": answer})).events["as given"]
-        assert one.probability == pytest.approx(2 * norm.sf(4), rel=0.05)
+        assert one.probability == pytest.approx(2 * scipy.stats.norm.sf(4), rel=0.05)
         assert not one.doubts
 
     @pytest.mark.slow
@@ -138,7 +138,7 @@ class TestFailureProbability:
             correlation=[{"between": ["J", "k"], "coefficient": coefficient}],
         )  # fmt: skip
         of_logarithms = np.log1p(coefficient * DEVIATION**2) / SPREAD**2
-        expected = norm.sf(3 / np.sqrt(1 - of_logarithms))
+        expected = scipy.stats.norm.sf(3 / np.sqrt(1 - of_logarithms))
         assert answered(one).events["as given"].probability == pytest.approx(expected, rel=0.05)
 
 
@@ -220,8 +220,8 @@ def test_scatter_and_parallel_coordinates():
     assert (correlations.low < [-rank, rank]).all()
     found = answered(one, "b")
     within, beyond = found.medians["as given", "f"]
-    assert within == pytest.approx(at_quantile(norm.ppf(norm.cdf(1) / 2)), rel=0.005)
-    assert beyond == pytest.approx(at_quantile(-norm.ppf(norm.sf(1) / 2)), rel=0.005)
+    assert within == pytest.approx(at_quantile(scipy.stats.norm.ppf(scipy.stats.norm.cdf(1) / 2)), rel=0.005)
+    assert beyond == pytest.approx(at_quantile(-scipy.stats.norm.ppf(scipy.stats.norm.sf(1) / 2)), rel=0.005)
 
 
 def test_percentile_bands():

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq, minimize_scalar
+import scipy
 
 import torsionnet as tn
 from torsionnet import plot
@@ -260,9 +260,11 @@ class TestPeaksThatChangePlace:
             return np.abs(ring / ((K - J * f**2 + law) * ring - law**2)).max()
 
         def lowest(c):
-            return minimize_scalar(lambda k: peak(c, k), bounds=(9e3, 14e3), method="bounded", options={"xatol": 1e-2})
+            return scipy.optimize.minimize_scalar(
+                lambda k: peak(c, k), bounds=(9e3, 14e3), method="bounded", options={"xatol": 1e-2}
+            )
 
-        c = brentq(lambda c: lowest(c).fun - 3.6 / K, 20, 30, xtol=1e-4)
+        c = scipy.optimize.brentq(lambda c: lowest(c).fun - 3.6 / K, 20, 30, xtol=1e-4)
         lag = {"lag": {"type": "response", "output": "a", "input": "a", "at": "12 Hz", "part": "imaginary"}}
         found = near(lag, maximise="lag", limits={"peak": {"below": 3.6 / K}})
         assert found == {"c": pytest.approx(c, rel=1e-5), "k_film": pytest.approx(lowest(c).x, rel=1e-5)}

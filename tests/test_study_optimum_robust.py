@@ -4,8 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq, minimize_scalar
-from scipy.stats import norm
+import scipy
 
 import torsionnet as tn
 from torsionnet.response.damper_optimum import DesignParameter
@@ -52,7 +51,7 @@ def mean_and_deviation(x, k):
 def test_the_wide_well_is_the_robust_one(k):
     found = robust_optimum(DesignProblem(X, least(), wells), SCATTER, MeanAndDeviation(k), samples=1024)
     assert found.nominal.values["x"] == pytest.approx(1, abs=1e-3)
-    best = minimize_scalar(lambda x: mean_and_deviation(x, k), bounds=(2.5, 3.5), method="bounded")
+    best = scipy.optimize.minimize_scalar(lambda x: mean_and_deviation(x, k), bounds=(2.5, 3.5), method="bounded")
     assert found.values["x"] == pytest.approx(best.x, abs=0.01)
     _, nominal, robust = found.designs
     (name,) = found.robust.after
@@ -72,7 +71,7 @@ def test_a_percentile_holds_a_limit():
     problem = DesignProblem(X, least(f=QuantityLimit(above=1.0)), square)
     found = robust_optimum(problem, SCATTER, SamplePercentile(97.5), samples=4096)
     assert found.nominal.values["x"] == pytest.approx(1, rel=1e-6)
-    assert found.values["x"] == pytest.approx(1 + SIGMA * norm.ppf(0.975), abs=1e-3)
+    assert found.values["x"] == pytest.approx(1 + SIGMA * scipy.stats.norm.ppf(0.975), abs=1e-3)
     given, nominal, robust = found.designs
     assert given.share_kept[0] == 1
     for design, share in ((nominal, 0.5), (robust, 0.975)):
@@ -88,7 +87,7 @@ def test_fewest_rejects():
     middle, half = (1 + np.sqrt(2)) / 2, (np.sqrt(2) - 1) / 2
     assert found.values["x"] == pytest.approx(middle, abs=0.02)
     share, low, high = found.designs[-1].share_kept
-    assert low < norm.cdf(half / SIGMA) - norm.cdf(-half / SIGMA) < high
+    assert low < scipy.stats.norm.cdf(half / SIGMA) - scipy.stats.norm.cdf(-half / SIGMA) < high
     assert [one.label for one in found.designs] == ["as given", "robust"]
     assert any(text.startswith(f"robust: {100 * share:.4g} % keep all limits") for text in found.sentences)
 
@@ -97,7 +96,7 @@ def test_targets_are_met_in_the_mean_square():
     """(x^2/4 - 1)^2 under x = m + sigma u: mean m^4 + 6 m^2 s^2 + 3 s^4 - 8 (m^2 + s^2) + 16, over 16."""
     goals = DesignGoals((DesignTarget("f", 4.0),))
     found = robust_optimum(DesignProblem(X, goals, square), SCATTER, MeanAndDeviation(3.0), samples=2048)
-    best = brentq(lambda m: 4 * m**3 + 12 * m * SIGMA**2 - 16 * m, 1, 3)
+    best = scipy.optimize.brentq(lambda m: 4 * m**3 + 12 * m * SIGMA**2 - 16 * m, 1, 3)
     assert found.values["x"] == pytest.approx(best, abs=2e-4)
     assert found.nominal.values["x"] == pytest.approx(2, rel=1e-9)
 
@@ -122,7 +121,8 @@ def test_larger_is_better():
     (name,) = found.robust.after
     assert name == "mean - 1 sigma of g"
     assert found.designs[-1].measures[name] == pytest.approx(
-        -minimize_scalar(lambda x: mean_and_deviation(x, 1.0), bounds=(2.5, 3.5), method="bounded").fun, rel=0.01
+        -scipy.optimize.minimize_scalar(lambda x: mean_and_deviation(x, 1.0), bounds=(2.5, 3.5), method="bounded").fun,
+        rel=0.01,
     )
 
 

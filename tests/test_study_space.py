@@ -7,10 +7,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy import stats
-from scipy.stats import qmc
 
 import torsionnet as tn
 import torsionnet.study.space.sampling_points as sampling_points
@@ -139,19 +138,19 @@ def test_draws_have_their_distributions(method, correlation):
     found = space(correlation=correlation, method=method, count=count, seed=5).values(0, count)
     spread = math.log(1 + 0.4**2)
     expected = {
-        "k_1": stats.lognorm(math.sqrt(spread), scale=460 * math.exp(-spread / 2)),
-        "k_2": stats.norm(12_300, 615),
-        "c_1": stats.triang(5 / 7, 2, 2.8),
-        "c_B": stats.uniform(1, 1),
+        "k_1": scipy.stats.lognorm(math.sqrt(spread), scale=460 * math.exp(-spread / 2)),
+        "k_2": scipy.stats.norm(12_300, 615),
+        "c_1": scipy.stats.triang(5 / 7, 2, 2.8),
+        "c_B": scipy.stats.uniform(1, 1),
     }
     for name, law in expected.items():
-        assert stats.kstest(found[name], law.cdf).pvalue > 1e-3, name
+        assert scipy.stats.kstest(found[name], law.cdf).pvalue > 1e-3, name
         assert found[name].mean() == pytest.approx(law.mean(), abs=4 * law.std() / math.sqrt(count))
 
 
 def test_random_draws_are_independent_from_one_to_the_next():
     found = space(count=200_000, seed=2)
-    shares = stats.norm.cdf(found.to_standard_normal(found.values(0, 200_000)))
+    shares = scipy.stats.norm.cdf(found.to_standard_normal(found.values(0, 200_000)))
     columns = [*shares.T, *np.roll(shares, 1, axis=0).T]
     off = np.corrcoef(columns) - np.eye(8)
     assert abs(off).max() < 5 / math.sqrt(200_000)
@@ -162,7 +161,7 @@ def test_random_draws_are_independent_from_one_to_the_next():
 @pytest.mark.parametrize("count", [1, 2, 7, 100, 4096, 10_007])
 def test_a_latin_hypercube_has_one_draw_in_each_part(count):
     found = space(method="latin_hypercube", count=count, seed=4)
-    shares = stats.norm.cdf(found.to_standard_normal(found.values(0, count)))
+    shares = scipy.stats.norm.cdf(found.to_standard_normal(found.values(0, count)))
     for column in shares.T:
         assert sorted(np.floor(column * count).astype(int)) == list(range(count))
 
@@ -188,7 +187,7 @@ def test_every_number_comes_once_in_a_permutation(count, seed):
 def test_every_order_of_five_is_as_frequent():
     seen = Counter(tuple(permuted(np.arange(5), 5, np.random.SeedSequence(seed)).tolist()) for seed in range(6000))
     assert len(seen) == 120
-    assert stats.chisquare(list(seen.values())).pvalue > 1e-3
+    assert scipy.stats.chisquare(list(seen.values())).pvalue > 1e-3
 
 
 def test_the_last_part_of_many_stays_below_one(monkeypatch):
@@ -202,25 +201,25 @@ def test_places_and_numbers_of_a_large_permutation_are_unrelated():
     count = 100_000
     order = permuted(np.arange(count), count, np.random.SeedSequence(8))
     table, _, _ = np.histogram2d(np.arange(count), order, bins=50)
-    assert stats.chisquare(table.ravel()).pvalue > 1e-3
+    assert scipy.stats.chisquare(table.ravel()).pvalue > 1e-3
     assert abs(np.corrcoef(order[1:], order[:-1])[0, 1]) < 4 / math.sqrt(count)
 
 
 @pytest.mark.parametrize("count", [1, 5, 1024, 4096, 20_000])
 def test_a_sobol_sequence_is_scipys(count):
-    theirs = qmc.Sobol(4, scramble=True, seed=np.random.default_rng(11))
+    theirs = scipy.stats.qmc.Sobol(4, scramble=True, seed=np.random.default_rng(11))
     expected = theirs.random(2 ** math.ceil(math.log2(count)))[:count]
     found = space(method="sobol", count=count, seed=11)
-    shares = stats.norm.cdf(found.to_standard_normal(found.values(0, count)))
+    shares = scipy.stats.norm.cdf(found.to_standard_normal(found.values(0, count)))
     assert abs(shares - expected).max() < 2.0**-30
 
 
 def test_a_late_stretch_of_a_sobol_sequence_is_scipys():
-    theirs = qmc.Sobol(4, scramble=True, seed=np.random.default_rng(1))
+    theirs = scipy.stats.qmc.Sobol(4, scramble=True, seed=np.random.default_rng(1))
     theirs.fast_forward(2**22 + 12_345)
     expected = theirs.random(100)
     found = space(method="sobol", count=2**23)
-    shares = stats.norm.cdf(found.to_standard_normal(found.values(2**22 + 12_345, 2**22 + 12_445)))
+    shares = scipy.stats.norm.cdf(found.to_standard_normal(found.values(2**22 + 12_345, 2**22 + 12_445)))
     assert abs(shares - expected).max() < 2.0**-30
 
 
@@ -268,7 +267,7 @@ def test_one_coefficient_for_several():
 def test_joint_density_is_that_of_two_normal_variables():
     vary = {"k_1": Normal(deviation=46), "k_2": Normal(deviation=615)}
     found = space(vary, (Correlation(between=["k_2", "k_1"], coefficient=0.7),))
-    law = stats.multivariate_normal([460, 12_300], [[46**2, 0.7 * 46 * 615], [0.7 * 46 * 615, 615**2]])
+    law = scipy.stats.multivariate_normal([460, 12_300], [[46**2, 0.7 * 46 * 615], [0.7 * 46 * 615, 615**2]])
     points = {"k_1": np.array([400.0, 460, 500]), "k_2": np.array([12_000.0, 13_000, 12_400])}
     assert found.log_density(points) == pytest.approx(law.logpdf(np.column_stack(list(points.values()))), rel=1e-9)
 
@@ -288,7 +287,7 @@ def test_standard_normal_variables_lead_there_and_back(correlation):
     found = space(correlation=correlation)
     u = np.random.default_rng(3).standard_normal((500, 4))
     assert found.to_standard_normal(found.from_standard_normal(u)) == pytest.approx(u, abs=1e-10)
-    shares = stats.norm.cdf(u)
+    shares = scipy.stats.norm.cdf(u)
     unit, normal = found.from_unit(shares), found.from_standard_normal(u)
     assert all(unit[name] == pytest.approx(normal[name], rel=1e-10) for name in RANDOM)
 
@@ -304,7 +303,7 @@ def test_a_box_ends_at_limits_or_three_deviations():
     assert box["k_2"] == pytest.approx((12_300 - 3 * 615, 12_300 + 3 * 615), rel=1e-5)
     assert box["c_M"] == (0, pytest.approx(0.315))
     spread = math.log(1 + 0.4**2)
-    law = stats.lognorm(math.sqrt(spread), scale=460 * math.exp(-spread / 2))
+    law = scipy.stats.lognorm(math.sqrt(spread), scale=460 * math.exp(-spread / 2))
     assert box["k_1"] == pytest.approx(law.ppf([0.00135, 0.99865]), rel=1e-9)
 
 

@@ -6,8 +6,8 @@ import shutil
 
 import numpy as np
 import pytest
+import scipy
 from click.testing import CliRunner
-from scipy.stats import norm
 from support.study_runs import contents
 
 import torsionnet as tn
@@ -393,7 +393,7 @@ class TestLimitsOnCurves:
             limits={"H": {"below": limit}}, answers={"rare": {"type": "failure_probability", "count": 20_000}},
         )  # fmt: skip
         rare = one.answers["rare"].conclude(one)
-        assert rare.events["as given"].probability == pytest.approx(norm.sf(3), rel=0.05)
+        assert rare.events["as given"].probability == pytest.approx(scipy.stats.norm.sf(3), rel=0.05)
         assert "largest H above" in rare.sentences[0]
 
     def test_yield_says_which_value_counts(self, whole):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+import scipy
 from support.command_line import run
 
 import torsionnet as tn
@@ -31,7 +31,7 @@ def full_equation(rate):
         drive = np.exp(2j * np.pi * (first * t + rate * t**2 / 2))
         return [y[1], omega**2 * (drive - y[0]) - 2 * RATIO * omega * y[1]]
 
-    found = solve_ivp(motion, (0, (last - first) / rate), [start, 2j * np.pi * first * start], method="DOP853",
+    found = scipy.integrate.solve_ivp(motion, (0, (last - first) / rate), [start, 2j * np.pi * first * start], method="DOP853",
                       rtol=1e-7, atol=1e-8, max_step=0.01)  # fmt: skip
     size = np.abs(found.y[0])
     at = size.argmax()

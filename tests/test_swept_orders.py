@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.signal import lsim
+import scipy
 from support.command_line import run
 from support.report_blocks import blocks, of, rows
 
@@ -39,7 +39,7 @@ def run_up(step=1e-4):
     whole = 1 / 0.5 + 1 / 2
     torque = 20 * np.cos(6 * angle + np.radians(30))
     system = ([5.0 / 0.5, 4e4 / 0.5], [1.0, 5 * whole, 4e4 * whole])
-    return time, angle, lsim(system, torque, time)[1]
+    return time, angle, scipy.signal.lsim(system, torque, time)[1]
 
 
 def averaged(time, angle, signal, at, cycles):

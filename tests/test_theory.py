@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy import interpolate, linalg, special, stats
+import scipy
 
 import torsionnet as tn
 from torsionnet.model.limits.iacs_m68 import IacsM68
@@ -149,7 +149,7 @@ class TestResponses:
         model = train(inertia("a", J1), spring("a", "ground", damping=C), inputs={"T": {"torque": "a"}})
         h, torque = 0.01, np.array([0.0, 1.0, 3.0, 3.0, -2.0, 0.0])
         A = np.array([[0, 1, 0, 0], [-K / J1, -C / J1, 1 / J1, 0], [0, 0, 0, 1], [0, 0, 0, 0]])
-        step, state, exact = linalg.expm(A * h), np.zeros(2), [0.0]
+        step, state, exact = scipy.linalg.expm(A * h), np.zeros(2), [0.0]
         for here, there in pairwise(torque):
             state = (step @ [*state, here, (there - here) / h])[:2]
             exact.append(state[0])
@@ -362,7 +362,7 @@ class TestSensitivitiesAndTolerances:
 
     def test_10_5_interval_of_a_share(self):
         share = counted_share(3, 40, 0.95)
-        exact = stats.beta.ppf(0.025, 3, 38), stats.beta.ppf(0.975, 4, 37)
+        exact = scipy.stats.beta.ppf(0.025, 3, 38), scipy.stats.beta.ppf(0.975, 4, 37)
         assert (share.low, share.high) == pytest.approx(exact, rel=1e-9)
 
     def test_10_7_sobol_indices_of_a_product(self):
@@ -381,7 +381,7 @@ class TestRotatingTests:
         theta = phi + vibration
         signal = np.cos(12 * phi)
         line = 2 * np.mean(signal * np.exp(-12j * theta) * (1 - 0.5 * np.radians(1.8) * np.sin(0.5 * phi)))
-        assert abs(line) == pytest.approx(special.j0(12 * np.radians(1.8)), abs=2e-3)
+        assert abs(line) == pytest.approx(scipy.special.j0(12 * np.radians(1.8)), abs=2e-3)
         assert np.degrees(12 * vibration.max()) == pytest.approx(21.6)
 
     def test_11_4_a_cubic_spline_keeps_a_known_share_of_a_sine(self):
@@ -390,7 +390,7 @@ class TestRotatingTests:
         at = np.arange(400.0)
         fine = np.linspace(100, 300, 20_001)[:-1]
         for share in (0.05, 0.15, 0.3):
-            spline = interpolate.CubicSpline(at, np.cos(2 * np.pi * share * at))(fine)
+            spline = scipy.interpolate.CubicSpline(at, np.cos(2 * np.pi * share * at))(fine)
             kept = 2 * np.mean(spline * np.exp(-2j * np.pi * share * fine))
             assert abs(kept) == pytest.approx(spline_response(np.array(share)), abs=2e-4)
 

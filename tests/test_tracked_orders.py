@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 import pytest
-from scipy.stats import t as student
+import scipy
 
 from torsionnet.core.errors import UsageError
 from torsionnet.response.measured.pulse_channel import PulseChannel
@@ -134,7 +134,7 @@ def test_interval_covers_in_white_and_in_correlated_noise():
     # A block weights 12 cycles of 100 samples by sin^2 up, 1, and sin^2 down; 2/(11 * 100) of the sum is an order.
     closed = np.sqrt(2 * (10 + 2 * 3 / 8) / 100) / 11
     worth = 11 * 5 / 7  # pairs of cycles that share one correlate by 1/6
-    assert np.sqrt(np.mean(widths**2)) == pytest.approx(student.ppf(0.975, 2 * (worth - 2)) * closed, rel=0.12)
+    assert np.sqrt(np.mean(widths**2)) == pytest.approx(scipy.stats.t.ppf(0.975, 2 * (worth - 2)) * closed, rel=0.12)
 
 
 def crossing(rate: float = 1000.0) -> tuple[Recording, MeanRotation, MeanRotation, np.ndarray]:

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
+import scipy
 
 import torsionnet as tn
 from torsionnet.bench.coast_down import coast_down, turning_inertia
@@ -87,7 +86,7 @@ def test_a_run_up_is_that_of_the_dense_matrices_with_crossings_by_brentq():
     first = steady_amplitudes(start)
     speeds = first * 1j * np.array(list(ORDERS)) * start
     begin = np.concatenate([first.sum(axis=1).real, speeds.sum(axis=1).real])
-    solved = solve_ivp(rates, (0, length), begin, "DOP853", rtol=1e-11, atol=1e-13, dense_output=True)
+    solved = scipy.integrate.solve_ivp(rates, (0, length), begin, "DOP853", rtol=1e-11, atol=1e-13, dense_output=True)
     test = bench({"b": WHEEL, "T": TORQUE}, RunUp(start="500 rpm", stop="600 rpm", duration="0.6 s")).turned()
     pulses, numbers = test.records[""].pulses_of("b").times, test.numbers[""]["b"]
     angle = lambda t: turned(t) + solved.sol(t)[1]  # noqa: E731
@@ -98,7 +97,8 @@ def test_a_run_up_is_that_of_the_dense_matrices_with_crossings_by_brentq():
     assert np.abs(line(pulses)).max() < np.radians(0.2)
     some = range(5, len(pulses) - 5, 20)
     exact = [
-        brentq(lambda t, n=n: angle(t) - line(t) - 2 * np.pi * n / 24, 0, length, xtol=1e-14) for n in numbers[some]
+        scipy.optimize.brentq(lambda t, n=n: angle(t) - line(t) - 2 * np.pi * n / 24, 0, length, xtol=1e-14)
+        for n in numbers[some]
     ]
     assert np.abs(pulses[some] - exact).max() < 3e-9
     at = test.records[""].time

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.stats import t as student_t
+import scipy
 from support.turned_wheels import crossing_angles, position_amplitude, run_up, steady
 from support.wheel_tests import DEGREE, ORDERS, RPM, VALUES, Z, record, teeth
 
@@ -239,7 +239,7 @@ class TestIntervals:
         values = 3 + random.standard_normal(12) + 1j * random.standard_normal(12)
         found = constant_part(values, np.empty((12, 0), dtype=complex), np.zeros(12, dtype=int))
         part = np.sqrt((np.abs(values - values.mean()) ** 2).sum() / (2 * 11))  # of real and of imaginary part
-        assert found.half_width == pytest.approx(student_t.ppf(0.975, 22) * part / np.sqrt(12))
+        assert found.half_width == pytest.approx(scipy.stats.t.ppf(0.975, 22) * part / np.sqrt(12))
 
     @pytest.mark.slow
     def test_intervals_of_orders_and_teeth_cover_95_percent(self):

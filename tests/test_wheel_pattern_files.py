@@ -5,7 +5,7 @@ import pathlib
 
 import numpy as np
 import pytest
-from scipy.interpolate import PchipInterpolator
+import scipy
 from support.command_line import run
 from support.wheel_tests import DEGREE, RPM, VALUES, Z, record, teeth
 
@@ -85,7 +85,11 @@ def test_signals_of_teeth_and_a_file_of_wheels(records):
     test = record(records, 900 * RPM, angle=100 * DEGREE, values=VALUES)
     time = np.arange(test.second.times[2], test.first.times[-2], 1 / 40e3)
     signals = tuple(
-        Signal(one.name, "", np.sin(2 * np.pi * PchipInterpolator(one.times, np.arange(float(len(one))))(time)))
+        Signal(
+            one.name,
+            "",
+            np.sin(2 * np.pi * scipy.interpolate.PchipInterpolator(one.times, np.arange(float(len(one))))(time)),
+        )
         for one in (test.first, test.second)
     )
     times = np.array([one for one in test.index.times if time[0] < one < time[-1]])

@@ -5,9 +5,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+import scipy
 import sympy
-from scipy.integrate import quad
-from scipy.optimize import brentq
 
 import torsionnet as tn
 from torsionnet.core.expressions import FLOAT, Algebra
@@ -147,7 +146,7 @@ class TestDualMassFlywheel:
     def test_energy_is_the_work_of_the_torque(self):
         (law,) = laws_of(self.flywheel(stages=STAGES, blocked=0.2))
         corners = [0.8 * one for one in (0.5, 0.6)]
-        work, _ = quad(lambda twist: law.torque(twist, 0), 0, 0.52, points=corners, epsabs=1e-12)
+        work, _ = scipy.integrate.quad(lambda twist: law.torque(twist, 0), 0, 0.52, points=corners, epsabs=1e-12)
         assert law.energy(0.52) == pytest.approx(work, rel=1e-10)
         assert law.energy(-0.52) == pytest.approx(work, rel=1e-10)
 
@@ -205,7 +204,7 @@ class TestInductionMachine:
         def over(rate):
             return law.torque(0, rate) - 400 * share
 
-        expected = [brentq(over, *pair) for pair in pairwise(ends) if over(pair[0]) * over(pair[1]) < 0]
+        expected = [scipy.optimize.brentq(over, *pair) for pair in pairwise(ends) if over(pair[0]) * over(pair[1]) < 0]
         assert found == pytest.approx(expected, rel=1e-9)
 
     def test_six_tenths_of_the_breakdown_torque(self):
@@ -368,7 +367,11 @@ class TestSynchronousMachine:
         def over(twist):
             return 500 * math.sin(3 * twist) + saliency * math.sin(6 * twist) - torque
 
-        expected = [brentq(over, *pair, xtol=1e-14) for pair in pairwise(grid) if over(pair[0]) * over(pair[1]) < 0]
+        expected = [
+            scipy.optimize.brentq(over, *pair, xtol=1e-14)
+            for pair in pairwise(grid)
+            if over(pair[0]) * over(pair[1]) < 0
+        ]
         apart = np.abs(np.exp(3j * np.array(found))[:, None] - np.exp(3j * np.array(expected)))
         assert apart.shape == (len(expected), len(expected))
         assert max(apart.min(axis=0).max(), apart.min(axis=1).max()) < 1e-9
@@ -380,7 +383,7 @@ class TestSynchronousMachine:
         assert law.curve.slopes(state)[0] == pytest.approx(float(named.stiffness), rel=1e-12)
         (found,) = self.machine(reluctance_torque=120, load_angle="70 deg").at_states([state]).parts(VALUES)
         assert float(found.stiffness) == pytest.approx(float(named.stiffness), rel=1e-12)
-        work, _ = quad(lambda twist: law.torque(twist, 0), 0, 0.3, epsabs=1e-12)
+        work, _ = scipy.integrate.quad(lambda twist: law.torque(twist, 0), 0, 0.3, epsabs=1e-12)
         assert law.energy(0.3) == pytest.approx(work, rel=1e-11)
 
     def test_beyond_the_pull_out_torque_there_is_none(self):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+import scipy
 
 import torsionnet as tn
 from support import campaigns
@@ -146,7 +146,9 @@ class Host:
             (self.unit.getDerivatives if self.version == "2.0" else self.unit.getContinuousStateDerivatives)(dx, n)
             return np.array(dx)
 
-        solution = solve_ivp(rates, (times[0], times[-1]), np.zeros(n), "DOP853", times, rtol=tolerance, atol=1e-16)
+        solution = scipy.integrate.solve_ivp(
+            rates, (times[0], times[-1]), np.zeros(n), "DOP853", times, rtol=tolerance, atol=1e-16
+        )
         found = []
         for time, x in zip(times, solution.y.T, strict=True):
             at(time, x)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-from scipy.linalg import eigh, null_space
+import scipy
 
 from torsionnet.core.expressions import FLOAT
 from torsionnet.model.element_base.laws import Constraint, Law, MotionLaw, Values
@@ -113,9 +113,9 @@ class _Plant:
 
     def __init__(self, drivetrain, torques):
         self.nodes, M, C, K, held, laws = dense_parts(drivetrain)
-        E = null_space(held) if len(held) else np.eye(len(self.nodes))
+        E = scipy.linalg.null_space(held) if len(held) else np.eye(len(self.nodes))
         M, C, K = (E.T @ one @ E for one in (M, C, K))
-        inertias, shapes = eigh(M)
+        inertias, shapes = scipy.linalg.eigh(M)
         massless = inertias <= 1e-12 * inertias.max()
         Z, Y = shapes[:, massless], shapes[:, ~massless]
         self.laws = [_Law(owner, law, E.T @ row) for owner, law, row in laws]
@@ -142,7 +142,7 @@ class _Plant:
             max((law.scale * float(getattr(p, "stiffness", 0)) for p in law.pieces), default=0) * np.outer(law.b, law.b)
             for law in self.laws
         )
-        fastest = np.sqrt(max(eigh(stiff, self.M, eigvals_only=True).max(), 1e-6))
+        fastest = np.sqrt(max(scipy.linalg.eigh(stiff, self.M, eigvals_only=True).max(), 1e-6))
         self.longest = 1 / (STEPS_A_RADIAN * fastest)
 
     def split(self, y):

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import SolveError
@@ -73,7 +73,7 @@ def _local(problem: FitProblem, start: FloatArray, loss: str, scale: float, tole
     lower, upper = search_bounds(problem)
     chosen: Any = loss
     try:
-        found = least_squares(
+        found = scipy.optimize.least_squares(
             problem.residuals,
             np.clip(start, lower, upper),
             jac=problem.jacobian,

@@ -10,8 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import stats
-from scipy.optimize import brentq
+import scipy
 
 from torsionnet.assembly.rows import FloatArray
 
@@ -43,17 +42,19 @@ def interval_half_width(level: float, error: float, steps: Sequence[Sequence[flo
     >>> round(interval_half_width(0.95, 1.0, [cosine.tolist()], 1e6), 1)
     1.4
     """
-    usual = float(stats.t.ppf(0.5 + level / 2, freedom)) * error
+    usual = float(scipy.stats.t.ppf(0.5 + level / 2, freedom)) * error
     known = sum(float(np.mean(np.square(one))) for one in steps)
     if not np.isfinite(error) or known <= NEGLIGIBLE_VARIANCE_SHARE * error**2:
         return usual
     moved, noise = _combined(steps), np.sqrt(max(error**2 - known, NEGLIGIBLE_VARIANCE_SHARE * error**2))
 
     def missed(width: float) -> float:
-        outside = stats.t.sf((width - moved) / noise, freedom) + stats.t.cdf((-width - moved) / noise, freedom)
+        outside = scipy.stats.t.sf((width - moved) / noise, freedom) + scipy.stats.t.cdf(
+            (-width - moved) / noise, freedom
+        )
         return float(outside.mean()) - (1 - level)
 
-    return float(brentq(missed, 0.0, usual + float(np.abs(moved).max())))
+    return float(scipy.optimize.brentq(missed, 0.0, usual + float(np.abs(moved).max())))
 
 
 def _combined(steps: Sequence[Sequence[float]]) -> FloatArray:
@@ -61,7 +62,7 @@ def _combined(steps: Sequence[Sequence[float]]) -> FloatArray:
 
     The sets fill a cube evenly (generalised golden ratio).
     """
-    ratio = float(brentq(lambda x: x ** (len(steps) + 1) - x - 1, 1.0, 2.0))
+    ratio = float(scipy.optimize.brentq(lambda x: x ** (len(steps) + 1) - x - 1, 1.0, 2.0))
     places = (np.arange(POSITION_COMBINATIONS)[:, None] + 0.5) * ratio ** -np.arange(1.0, len(steps) + 1) % 1.0
     return np.asarray(
         np.sum([np.asarray(one)[(places[:, i] * len(one)).astype(int)] for i, one in enumerate(steps)], axis=0)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.result_rows import Out
@@ -153,12 +153,12 @@ def _judge_block(block: MeasurementBlock, residual: FloatArray, covariance: Floa
     r, R = residual * scale, covariance * np.outer(scale, scale)
     mean, square = float(np.trace(R)), float(np.sum(R**2))
     total = float(r @ r) / mean
-    chances = [float(stats.f.sf(total, mean**2 / square, noise.certainty))]
+    chances = [float(scipy.stats.f.sf(total, mean**2 / square, noise.certainty))]
     waves = _waves(count, len(r) // count, block.runs)
     sizes, directions = np.linalg.eigh(waves.T @ R @ waves)
     seen = sizes > ABSORBED_VARIANCE_SHARE * sizes[-1]
     pattern = float(np.mean((directions[:, seen].T @ (waves.T @ r)) ** 2 / sizes[seen]))
-    chances.append(float(stats.f.sf(pattern, int(seen.sum()), noise.certainty)))
+    chances.append(float(scipy.stats.f.sf(pattern, int(seen.sum()), noise.certainty)))
     weights = block.absolute_scale**2
     beyond = max(float((residual**2 - np.diag(covariance)) @ weights), 0.0)
     size = np.sqrt(beyond / float(np.sum(np.abs(block.measured) ** 2)))

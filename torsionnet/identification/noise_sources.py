@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from scipy.optimize import nnls
-from scipy.stats import norm
+import scipy
 
 from torsionnet.assembly.rows import FloatArray
 
@@ -76,7 +75,7 @@ def _shares(level: FloatArray, columns: FloatArray, rest: FloatArray, repeated: 
     for _ in range(REWEIGHTING_ROUNDS):
         rows = columns / found[:, None]
         scale = np.maximum(rows.max(axis=0), tiny)
-        shares = nnls(rows / scale, (level - rest) / found)[0] / scale
+        shares = scipy.optimize.nnls(rows / scale, (level - rest) / found)[0] / scale
         found = np.maximum(rest + columns @ shares, tiny)
     return _probable(level - rest, columns, found, repeated)
 
@@ -92,7 +91,7 @@ def _probable(
     misfit = level / found - rows @ (best / scale)
     spread = np.sqrt(repeated * np.mean(misfit**2) * (inverse**2).sum(axis=1))
     far = best / np.maximum(spread, 1e-12 * np.abs(best).max())
-    shares = np.maximum(best + spread * np.exp(norm.logpdf(far) - norm.logcdf(far)), 0.0)
+    shares = np.maximum(best + spread * np.exp(scipy.stats.norm.logpdf(far) - scipy.stats.norm.logcdf(far)), 0.0)
     return shares / scale, spread / scale
 
 

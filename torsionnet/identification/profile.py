@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import stats
-from scipy.optimize import brentq, least_squares
+import scipy
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError, did_you_mean
@@ -48,7 +47,7 @@ class _Profile:
         # Correlated noise widens a standard error; the rise of chi squared allowed is widened alike.
         naive = np.sqrt(factor * np.linalg.pinv(slopes.T @ slopes)[self.index, self.index])
         wider = (error / naive) ** 2 if known and naive > 0 else 1.0
-        rise = factor * wider * float(stats.f.ppf(level, 1, fit.degrees_of_freedom))
+        rise = factor * wider * float(scipy.stats.f.ppf(level, 1, fit.degrees_of_freedom))
         self.allowed = fit.chi_squared + rise
 
     def end(self, sign: int) -> float:
@@ -66,7 +65,7 @@ class _Profile:
                 if self.rise(inside, guess) >= 0:
                     return inside
                 low, high = sorted((inside, place))
-                return float(brentq(self.rise, low, high, args=(guess,), xtol=1e-3 * self.step))
+                return float(scipy.optimize.brentq(self.rise, low, high, args=(guess,), xtol=1e-3 * self.step))
             inside, distance = place, 2 * distance
         return sign * np.inf
 
@@ -89,7 +88,7 @@ class _Profile:
         def jacobian(x: FloatArray) -> FloatArray:
             return np.asarray(self.problem.jacobian(filled(x))[:, others])
 
-        found = least_squares(
+        found = scipy.optimize.least_squares(
             residuals,
             np.clip(guess[others], self.problem.lower[others], self.problem.upper[others]),
             jac=jacobian,

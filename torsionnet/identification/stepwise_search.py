@@ -8,7 +8,7 @@ peaks near enough, one after the other.
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import least_squares
+import scipy
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import SolveError
@@ -69,7 +69,7 @@ def _with_lines(problem: FitProblem, start: FloatArray, share: float) -> FloatAr
     def jacobian(x: FloatArray) -> FloatArray:
         return np.asarray(problem.jacobian(x)[kept])
 
-    found = least_squares(
+    found = scipy.optimize.least_squares(
         residuals,
         np.clip(start, lower, upper),
         jac=jacobian,

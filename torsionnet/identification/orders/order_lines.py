@@ -8,8 +8,8 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import UsageError
@@ -56,7 +56,7 @@ class OrderLines:
     is_known: bool
     has_phase: bool
     left_out: tuple[float, ...] = ()
-    correlation: csr_array | None = None
+    correlation: scipy.sparse.csr_array | None = None
 
     @property
     def runs(self) -> tuple[slice, ...]:
@@ -209,14 +209,14 @@ def _columns(row: Row) -> tuple[FloatArray, FloatArray, ComplexArray, FloatArray
     return np.full(len(speeds), order), np.asarray(speeds, dtype=float), values, widths
 
 
-def _correlation(orders: FloatArray, times: FloatArray, related: FloatArray) -> csr_array | None:
+def _correlation(orders: FloatArray, times: FloatArray, related: FloatArray) -> scipy.sparse.csr_array | None:
     """Correlation (n_lines, n_lines) of the noise of lines, which falls in a straight line over the time apart."""
     if not (related > 0).any():
         return None
     apart = np.abs(times[:, None] - times) / np.where(related > 0, related, np.finfo(float).tiny)
     alike = np.where((orders[:, None] == orders) & (apart < 1), 1 - apart, 0.0)
     np.fill_diagonal(alike, 1.0)
-    found = csr_array(alike)
+    found = scipy.sparse.csr_array(alike)
     # Far apart, as an average over bins of speed leaves them, they are independent.
     return found if found.nnz > len(orders) else None
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.signal import get_window
-from scipy.sparse import csr_array
+import scipy
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.response import FrequencyResponse
@@ -49,7 +48,7 @@ def averaging_of(data: FrequencyResponse) -> Estimation | None:
     return Estimation("", USUAL_WINDOW, float(1 / spacing.min()), USUAL_OVERLAP, "mean", 10**6, 10**6)
 
 
-def line_correlation(frequencies: FloatArray, estimation: Estimation) -> csr_array:
+def line_correlation(frequencies: FloatArray, estimation: Estimation) -> scipy.sparse.csr_array:
     """Correlation (n_b, n_b) of the random errors of a response's lines, as segments and window bands overlap.
 
     With the window's ambiguity function A(lag, shift), the sum over the lags m between segments of |A(m, f - f')|^2,
@@ -67,12 +66,14 @@ def line_correlation(frequencies: FloatArray, estimation: Estimation) -> csr_arr
         columns += [second, first] if distance else [first]
         values += [np.full(len(first), correlation)] * (2 if distance else 1)
     shape = (len(bins), len(bins))
-    return csr_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
+    return scipy.sparse.csr_array(
+        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape
+    )
 
 
 def _by_distance(estimation: Estimation) -> FloatArray:
     """Correlation of the random errors of lines 0, 1, 2 ... bins apart, up to the last that is not negligible."""
-    window = np.asarray(get_window(estimation.window, WINDOW_SAMPLES), dtype=np.float64)
+    window = np.asarray(scipy.signal.get_window(estimation.window, WINDOW_SAMPLES), dtype=np.float64)
     step = max(1, WINDOW_SAMPLES - round(estimation.overlap * WINDOW_SAMPLES))
     total = np.zeros(WINDOW_SAMPLES // 2)
     for m in range(min(estimation.averages, -(-WINDOW_SAMPLES // step))):

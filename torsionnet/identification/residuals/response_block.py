@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.sparse import csr_array
+import scipy
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.residuals.line_noise import (
@@ -84,7 +84,7 @@ class ResponseBlock(MeasurementBlock):
         return super().known_correlation if lines is None else np.kron(np.eye(self.parts), lines.toarray())
 
     @property
-    def _line_correlation(self) -> csr_array | None:
+    def _line_correlation(self) -> scipy.sparse.csr_array | None:
         """Correlation (n_b, n_b) of the random errors of the lines, or None where it is unknown."""
         averaged = averaging_of(self.data) if self.measurement.error is None else self.data.estimation
         return None if averaged is None else line_correlation(self.frequencies, averaged)

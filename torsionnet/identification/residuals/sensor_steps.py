@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import upfirdn
+import scipy
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.residuals.segments import SegmentRows
@@ -52,7 +52,7 @@ class SensorSteps:
         error = self.size * np.rint(motion / self.size) - motion
         if self.decimation == 1:
             return error
-        return upfirdn(anti_alias_taps(self.decimation), error, 1, self.decimation)[
+        return scipy.signal.upfirdn(anti_alias_taps(self.decimation), error, 1, self.decimation)[
             FILTER_HALF_LENGTH : FILTER_HALF_LENGTH + count
         ]
 

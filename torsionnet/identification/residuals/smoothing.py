@@ -9,9 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import get_window
-from scipy.sparse import csr_array
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.response.estimation import Estimation
@@ -48,8 +47,8 @@ class Smoothing:
     """
 
     fine: FloatArray
-    forward: csr_array
-    mirrored: csr_array
+    forward: scipy.sparse.csr_array
+    mirrored: scipy.sparse.csr_array
     inverted: bool
     exact: bool
     line_indices: NDArray[np.intp]
@@ -91,16 +90,16 @@ def smoothing(frequencies: FloatArray, estimation: Estimation) -> Smoothing:
     return Smoothing(fine, forward, mirrored, inverted, exact, lines - 1)
 
 
-def _sparse(weights: FloatArray, places: NDArray[np.intp], count: int) -> csr_array:
+def _sparse(weights: FloatArray, places: NDArray[np.intp], count: int) -> scipy.sparse.csr_array:
     """Sparse matrix (n_b, count) from weights (n_b, n) and the numbers of their columns, counted from 1."""
     lines = np.repeat(np.arange(len(places)), places.shape[1])
-    return csr_array((weights.ravel(), (lines, places.ravel() - 1)), shape=(len(places), count))
+    return scipy.sparse.csr_array((weights.ravel(), (lines, places.ravel() - 1)), shape=(len(places), count))
 
 
 def _shares(estimation: Estimation, offsets: NDArray[np.intp]) -> FloatArray:
     """Weights with which a window mixes the response at frequency offsets (in fine steps) into a line, sum 1."""
     samples = 4 * NEIGHBOUR_BINS * POINTS_PER_BIN
-    window = np.asarray(get_window(estimation.window, samples), dtype=np.float64)
+    window = np.asarray(scipy.signal.get_window(estimation.window, samples), dtype=np.float64)
     power = np.abs(np.fft.fft(window, samples * POINTS_PER_BIN)) ** 2
     share = power[offsets % len(power)]
     return np.asarray(share / share.sum())

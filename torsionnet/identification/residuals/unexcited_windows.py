@@ -11,8 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import uniform_filter
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.residuals.windowed_estimate import WindowedEstimate
@@ -100,8 +100,8 @@ def unexcited_windows(windowed: WindowedEstimate, G: ComplexArray) -> UnexcitedW
     gain = np.interp(at, windowed.fine, G.real) + 1j * np.interp(at, windowed.fine, G.imag)
     unit = (np.abs(segments.pieces()) ** 2).sum(axis=1)
     power, moment = np.abs(into) ** 2 / unit, -(left * (into * gain).conj()).real / unit
-    near = uniform_filter(power, EXCITATION_CELLS)
+    near = scipy.ndimage.uniform_filter(power, EXCITATION_CELLS)
     unexcited = near < UNEXCITED_POWER_SHARE * near.max(axis=0)
     unexcited &= unexcited.mean(axis=0) > LEAST_UNEXCITED_WINDOWS
-    smooth = uniform_filter(power, SMOOTHING_CELLS)
+    smooth = scipy.ndimage.uniform_filter(power, SMOOTHING_CELLS)
     return UnexcitedWindows(unexcited, moment, smooth, np.abs(left) ** 2 / unit, np.abs(gain) ** 2)

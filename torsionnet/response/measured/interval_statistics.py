@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy import special
+import scipy
 
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 
@@ -39,9 +39,9 @@ def amplitude_scores(measured: FloatArray, calculated: FloatArray, half_widths: 
     scores = size - true - 0.5 / np.maximum(true, 1.0)
     near = (true < NORMAL_FROM) & (size < 2 * NORMAL_FROM)
     if near.any():
-        below = special.chndtr(size[near] ** 2, 2, true[near] ** 2)
+        below = scipy.special.chndtr(size[near] ** 2, 2, true[near] ** 2)
         inside = (below > SAFE_PROBABILITY) & (below < 1 - SAFE_PROBABILITY)
-        scores[near] = np.where(inside, special.ndtri(np.clip(below, SAFE_PROBABILITY, 1.0)), scores[near])
+        scores[near] = np.where(inside, scipy.special.ndtri(np.clip(below, SAFE_PROBABILITY, 1.0)), scores[near])
     return np.asarray(scores)
 
 
@@ -78,4 +78,4 @@ def consistent(scores: ComplexArray | FloatArray, fitted: int = 0) -> bool:
     degrees = max(1.0, per_point * independent_points(scores) - fitted)
     left = max(1.0, per_point * len(scores) - fitted)
     mean = float((np.abs(scores) ** 2).sum()) / left
-    return bool(mean <= special.chdtri(degrees, 1 - PROBABILITY) / degrees)
+    return bool(mean <= scipy.special.chdtri(degrees, 1 - PROBABILITY) / degrees)

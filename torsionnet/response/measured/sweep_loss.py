@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import wofz
+import scipy
 
 from torsionnet.core.units import RPM
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
@@ -63,7 +63,7 @@ def swept_amplitude(offset: FloatArray, sweep: float) -> ComplexArray:
     [1.0, 0.707]
     """
     root = math.sqrt(sweep / 2) * np.exp(-0.25j * math.pi)
-    return np.asarray(math.sqrt(math.pi) / (2 * root) * wofz(1j * (1 + 1j * offset) / (2 * root)))
+    return np.asarray(math.sqrt(math.pi) / (2 * root) * scipy.special.wofz(1j * (1 + 1j * offset) / (2 * root)))
 
 
 def sweep_loss(rate: float, natural: float, ratio: float) -> SweepLoss:

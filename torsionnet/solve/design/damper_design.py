@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.entries.scalars import read_value
@@ -216,7 +216,9 @@ def _fixed_points(
     gap = apart(grid)
     found = []
     for place in np.flatnonzero(np.diff(np.sign(gap)) != 0):
-        point = brentq(lambda f: float(apart(np.array([f]))[0]), grid[place], grid[place + 1], rtol=1e-12)
+        point = scipy.optimize.brentq(
+            lambda f: float(apart(np.array([f]))[0]), grid[place], grid[place + 1], rtol=1e-12
+        )
         sizes = np.concatenate([levels.at(values, np.array([point])) for values in (free, *films)])
         spread = float(sizes.max() / sizes.min() - 1)
         if spread < FIXED_POINT_SPREAD:

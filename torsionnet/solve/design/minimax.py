@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import minimize, minimize_scalar
-from scipy.stats import qmc
 
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.solve.design.levels import Levels
@@ -80,7 +79,10 @@ def smallest_maximum(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
     """
     if len(start) == 1 and levels.precision > GRADIENT_PRECISION:
         return _along_one(levels, box, start)
-    places = [box.place(start), *qmc.Sobol(len(start), scramble=False).random(SAMPLED_STARTS * 2 ** (len(start) - 1))]
+    places = [
+        box.place(start),
+        *scipy.stats.qmc.Sobol(len(start), scramble=False).random(SAMPLED_STARTS * 2 ** (len(start) - 1)),
+    ]
     rough = [largest(levels, box.inside(place), refined=False) for place in places]
     found = [search_from(levels, box, places[index]) for index in np.argsort(rough, kind="stable")[:SEARCHED_STARTS]]
     return box.inside(min(found, key=lambda place: largest(levels, box.inside(place))))
@@ -99,7 +101,7 @@ def _along_one(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
     rough = [level(place) for place in places]
     at = int(np.argmin(rough))
     ends = places[max(at - 1, 0)], places[min(at + 1, len(places) - 1)]
-    search: Any = minimize_scalar
+    search: Any = scipy.optimize.minimize_scalar
     found = search(level, bounds=ends, method="bounded", options={"xatol": 0.1 * np.sqrt(levels.precision)})
     best = found.x if found.fun < rough[at] else places[at]
     return box.inside(np.array([float(best)]))
@@ -145,7 +147,7 @@ def _solved(levels: Levels, box: Box, points: FloatArray, start: FloatArray) -> 
         by_value = levels.slopes(values, points) / (levels.at(values, points) + SMALLEST_LEVEL)[:, None]
         return np.column_stack([-by_value * box.rates(x[:-1]), np.ones(len(points))])
 
-    search: Any = minimize  # its published types know no constraints that are functions
+    search: Any = scipy.optimize.minimize  # its published types know no constraints that are functions
     found = search(
         lambda x: float(x[-1]),
         np.append(start, logs(np.append(start, 0.0)).max()),

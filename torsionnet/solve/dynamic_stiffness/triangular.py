@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy import linalg
+import scipy
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 
@@ -42,14 +42,14 @@ def blocks(A: FloatArray, B: FloatArray, C: FloatArray) -> list[DiagonalBlock]:
     """
     if not len(A):
         return []
-    balanced, (scale, _) = linalg.matrix_balance(A, permute=False, separate=True)
-    size = np.abs(linalg.eigvals(balanced)).max()
-    schur: Any = linalg.schur
+    balanced, (scale, _) = scipy.linalg.matrix_balance(A, permute=False, separate=True)
+    size = np.abs(scipy.linalg.eigvals(balanced)).max()
+    schur: Any = scipy.linalg.schur
     T, Q, resting = schur(balanced, output="complex", sort=lambda pole: abs(pole) <= REST_POLE_RATIO * size)
     inputs, outputs = Q.conj().T @ (B / scale[:, None]), (C * scale) @ Q
     rest = slice(0, resting), slice(resting, None)
     if 0 < resting < len(A):
-        across = linalg.solve_sylvester(T[rest[0], rest[0]], -T[rest[1], rest[1]], -T[rest[0], rest[1]])
+        across = scipy.linalg.solve_sylvester(T[rest[0], rest[0]], -T[rest[1], rest[1]], -T[rest[0], rest[1]])
         inputs[rest[0]] -= across @ inputs[rest[1]]
         outputs[:, rest[1]] += outputs[:, rest[0]] @ across
     parts = [DiagonalBlock(T[part, part], inputs[part], outputs[:, part]) for part in rest if len(T[part])]

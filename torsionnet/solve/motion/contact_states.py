@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import linalg
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import SolveError
@@ -123,7 +123,7 @@ class ContactStates:
         if contact not in self.numbers:
             units = in_steps(self.at, self.h)
             A = self.h * self.form(contact).A * units / units[:, None]
-            return step_matrices(np.asarray(linalg.expm(A)), self.at)
+            return step_matrices(np.asarray(scipy.linalg.expm(A)), self.at)
         return table_steps(self.tables, self.numbers[contact], self.at)
 
     def _add(self, table: MarchTable) -> None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import linalg
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.solve.motion.contact_states import Contact, ContactStates
@@ -92,11 +92,11 @@ class EventLosses:
         steps = few.numbers[:, 2]
         for step in range(int(steps.max())):
             moving = steps > step
-            Z[:, moving] = linalg.expm(A) @ Z[:, moving]
+            Z[:, moving] = scipy.linalg.expm(A) @ Z[:, moving]
             self._drive_at(Z, few.numbers[:, 1] + step + 1, moving)
         parts = np.where(steps > 0, 0.0, few.times[:, 1])
         whole = np.minimum((parts * n_sub).astype(np.int64), n_sub)
-        finest = linalg.expm(A / n_sub) if whole.any() else A
+        finest = scipy.linalg.expm(A / n_sub) if whole.any() else A
         for part in range(int(whole.max())):
             Z[:, whole > part] = finest @ Z[:, whole > part]
         rest = np.maximum(parts - whole / n_sub, 0.0)

@@ -8,8 +8,8 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import linalg
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.solve.motion.contact_form import ContactForm
@@ -106,7 +106,7 @@ def march_table(form: ContactForm, guards: FloatArray, at: Layout, h: float, n_s
     refresh = form.refresh * units / units[:, None]
     own_guards = changing_guards(guards, at)
     rows = guards[own_guards] * units
-    finest = np.asarray(linalg.expm(A / n_sub))
+    finest = np.asarray(scipy.linalg.expm(A / n_sub))
     parts = [finest]
     while len(parts) < round(math.log2(n_sub)):
         parts.insert(0, parts[0] @ parts[0])

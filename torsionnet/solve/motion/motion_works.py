@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import linalg
+import scipy
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.solve.motion.contact_form import ContactForm
@@ -147,12 +147,12 @@ class Works:
         A = self.h * form.A * units / units[:, None]
         work = work_rows(self.states, contact, form, self.h)
         places, weights = gauss_points(*node_count(max(form.largest_rates) * self.h))
-        inside = np.vstack([work.rows @ linalg.expm(place * A) for place in places])
+        inside = np.vstack([work.rows @ scipy.linalg.expm(place * A) for place in places])
         taylor = [work.rows]
         for k in range(1, DEGREE + 1):
             taylor.append(taylor[-1] @ A / k)
-        steps = step_matrices(np.asarray(linalg.expm(A)), at)
-        return _Tables(work, weights, inside, steps, np.array(taylor), np.asarray(linalg.expm(A / self.n_sub)))
+        steps = step_matrices(np.asarray(scipy.linalg.expm(A)), at)
+        return _Tables(work, weights, inside, steps, np.array(taylor), np.asarray(scipy.linalg.expm(A / self.n_sub)))
 
     def _over_steps(self, tables: _Tables, few: Stretches) -> FloatArray:
         weights, steps = tables.weights, tables.steps

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.fft import next_fast_len
+import scipy
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
@@ -27,7 +27,7 @@ def by_spectrum(
         The drivetrain is free to turn, or its response has no finite static value.
     """
     count = torques.shape[1]
-    size = int(next_fast_len(2 * count, real=True))
+    size = int(scipy.fft.next_fast_len(2 * count, real=True))
     frequencies: FloatArray = np.asarray(np.fft.rfftfreq(size, 1 / sampling_rate), dtype=np.float64)
     H = responses([drivetrain], request, frequencies, "graph").values[0]
     if not np.isfinite(H).all():

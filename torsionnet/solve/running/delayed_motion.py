@@ -13,7 +13,7 @@ import warnings
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import linalg
+import scipy
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
@@ -187,6 +187,6 @@ def first_order_hold(
     whole = np.zeros((n + 2 * n_in, n + 2 * n_in), dtype=complex)
     whole[:n, :n], whole[:n, n : n + n_in] = A * h, B * h
     whole[n : n + n_in, n + n_in :] = np.eye(n_in)
-    power = np.asarray(linalg.expm(whole), dtype=np.complex128)
+    power = np.asarray(scipy.linalg.expm(whole), dtype=np.complex128)
     after = power[:n, n + n_in :]
     return power[:n, :n], power[:n, n : n + n_in] - after, after

@@ -15,7 +15,7 @@ from functools import lru_cache
 from typing import Any, TypeAlias
 
 import numpy as np
-from scipy import linalg
+import scipy
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.solve.dynamic_stiffness.triangular import DiagonalBlock, blocks
@@ -220,5 +220,5 @@ def _phi(matrices: ComplexArray, count: int) -> ComplexArray:
     for block in range(count):
         rows, columns = slice(block * n, (block + 1) * n), slice((block + 1) * n, (block + 2) * n)
         whole[:, rows, columns] += np.eye(n)
-    power: Any = linalg.expm(whole)
+    power: Any = scipy.linalg.expm(whole)
     return np.asarray(power[:, :n].reshape(len(matrices), n, count + 1, n).transpose(0, 2, 1, 3))

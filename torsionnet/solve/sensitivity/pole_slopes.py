@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import linalg
+import scipy
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.law_stiffness import LawStiffness
@@ -109,7 +109,7 @@ class ResponsesAroundPoles:
                 "modes with equal frequencies have no sensitivities with springs tabulated "
                 f"over frequency ({owners}); give these a constant stiffness"
             )
-        parted = [linalg.eigvals(moved[..., p], rate).astype(complex) for p in range(moved.shape[2])]
+        parted = [scipy.linalg.eigvals(moved[..., p], rate).astype(complex) for p in range(moved.shape[2])]
         return np.stack([np.sort_complex(_on_axes(slopes, center)) for slopes in parted], axis=1)
 
     def _probes(self, shapes: ComplexArray) -> DerivativeProblem:
@@ -124,7 +124,7 @@ class ResponsesAroundPoles:
         used = [nodes for nodes in self.known if count == 1 and size[nodes[0]] >= max(size.values()) / 2]
         if used:
             return self.known[used[0]]
-        places: list[int] = linalg.qr(shapes.T, pivoting=True, mode="r")[1][:count].tolist()
+        places: list[int] = scipy.linalg.qr(shapes.T, pivoting=True, mode="r")[1][:count].tolist()
         if self.sensors:
             places += np.linspace(0, len(self.nodes) - 1, MEASURED_PROBES).round().astype(int).tolist()
         nodes = tuple(dict.fromkeys(self.nodes[place] for place in places))

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from scipy.special import ndtri
-from scipy.stats import qmc
+import scipy
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
@@ -41,7 +40,7 @@ class DesignTolerance:
 
     def scatter(self, centre: FloatArray, shares: FloatArray) -> FloatArray:
         """Values (n, count) in SI around centres (n,) at shares (count,) of the tolerance's distribution."""
-        units = ndtri(shares) if self.law == "normal" else 2 * shares - 1
+        units = scipy.special.ndtri(shares) if self.law == "normal" else 2 * shares - 1
         width = centre[:, None] if self.relative else np.ones_like(centre)[:, None]
         return np.asarray(centre[:, None] + self.size * width * units)
 
@@ -132,7 +131,7 @@ class DesignTolerances:
 def even_shares(size: int, count: int, seed: int) -> FloatArray:
     """Points (n, size) of the unit cube from a scrambled Sobol sequence, n being the next power of two."""
     _enough(count)
-    shares = qmc.Sobol(size, scramble=True, seed=seed).random_base2(int(np.ceil(np.log2(count))))
+    shares = scipy.stats.qmc.Sobol(size, scramble=True, seed=seed).random_base2(int(np.ceil(np.log2(count))))
     return np.asarray(np.clip(shares, LEAST_TAIL, 1 - LEAST_TAIL))
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from scipy.stats import qmc
+import scipy
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.study.design.design_problem import DesignProblem
@@ -29,7 +29,7 @@ def initial_places(problem: DesignProblem) -> FloatArray:
     """Points (n, n_p) of the unit cube, the given design and an even spread, the best first."""
     size = len(problem.parameters)
     count = 1 << int(np.ceil(np.log2(max(FEWEST_MEMBERS, PER_PARAMETER * size))))
-    spread = qmc.Sobol(size, scramble=False).random(count)
+    spread = scipy.stats.qmc.Sobol(size, scramble=False).random(count)
     places = np.vstack([problem.start, np.clip(spread, 0.5 / count, 1 - 0.5 / count)])
     ranks = problem.ranks(problem.at(places))
     return places[sorted(range(len(places)), key=lambda index: ranks[index])]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares, minimize
+import scipy
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import SolveError
@@ -56,7 +56,7 @@ def _solved(rows: BoundedRows, start: FloatArray) -> FloatArray:
         top = np.column_stack([-rows.size_slopes(x[:size]), np.ones(len(sizes))])
         return np.concatenate([np.column_stack([kept, np.zeros(len(kept))]), top])
 
-    search: Any = minimize  # its published types know no constraints that are functions
+    search: Any = scipy.optimize.minimize  # its published types know no constraints that are functions
     found = search(
         (lambda x: float(x[-1])) if several else (lambda x: float(rows.sizes(x)[0])),
         np.append(start, sizes.max()) if several else start,
@@ -98,7 +98,7 @@ def _fitted(problem: DesignProblem, start: FloatArray) -> FloatArray:
 
     place = np.clip(start, 0.0, 1.0)
     for method in ("trf", "dogbox"):
-        found = least_squares(
+        found = scipy.optimize.least_squares(
             residuals,
             place,
             slopes,

@@ -8,7 +8,7 @@ from importlib.util import find_spec
 from typing import Any, ClassVar
 
 import numpy as np
-from scipy.stats import qmc
+import scipy
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.spec import entry
@@ -129,7 +129,7 @@ def _evolved(
                 out["G"] = np.nan_to_num(problem.goals.excess(found), nan=MISSING_OBJECTIVE, posinf=MISSING_OBJECTIVE)
 
     size = len(problem.parameters)
-    spread = qmc.Sobol(size, scramble=True, seed=seed).random(1 << population.bit_length())
+    spread = scipy.stats.qmc.Sobol(size, scramble=True, seed=seed).random(1 << population.bit_length())
     first = np.vstack([*ends, problem.start, spread])[:population]
     asked = Designs(n_var=size, n_obj=count, n_ieq_constr=limited, xl=np.zeros(size), xu=np.ones(size))
     method = "NSGA-III" if count >= MANY_OBJECTIVES else "NSGA-II"

@@ -7,7 +7,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from scipy.stats import binomtest
+import scipy
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.spec import Json
@@ -60,7 +60,7 @@ class ScatteredDesign:
     @property
     def share_kept(self) -> tuple[float, float, float]:
         """Share of samples that keep all limits, and low and high end of its interval of 95 % confidence."""
-        interval = binomtest(self.kept, self.count).proportion_ci(CONFIDENCE, method="exact")
+        interval = scipy.stats.binomtest(self.kept, self.count).proportion_ci(CONFIDENCE, method="exact")
         return self.kept / self.count, float(interval.low), float(interval.high)
 
 

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
+import scipy
 from numpy.polynomial import chebyshev
-from scipy import optimize
 
 from torsionnet.assembly.rows import FloatArray
 
@@ -80,4 +80,4 @@ def _refined(guard: int, above: float, below: float, guard_at: Callable[[int, fl
         return above
     if guard_at(guard, below) > 0:
         return below
-    return float(optimize.brentq(lambda place: guard_at(guard, place), above, below, xtol=1e-16, rtol=1e-15))
+    return float(scipy.optimize.brentq(lambda place: guard_at(guard, place), above, below, xtol=1e-16, rtol=1e-15))

@@ -7,8 +7,8 @@ from math import inf, log, pi
 from typing import ClassVar
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.special import ndtr, ndtri
 
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.expressions import Number
@@ -47,16 +47,16 @@ class NormalMarginal(Marginal):
         return self.mean + self.deviation * np.asarray(normal, dtype=float)
 
     def cdf(self, values: ArrayLike) -> FloatArray:
-        return np.asarray(ndtr(self.to_normal(values)))
+        return np.asarray(scipy.special.ndtr(self.to_normal(values)))
 
     def sf(self, values: ArrayLike) -> FloatArray:
-        return np.asarray(ndtr(-self.to_normal(values)))
+        return np.asarray(scipy.special.ndtr(-self.to_normal(values)))
 
     def ppf(self, shares: ArrayLike) -> FloatArray:
-        return self.from_normal(ndtri(np.asarray(shares, dtype=float)))
+        return self.from_normal(scipy.special.ndtri(np.asarray(shares, dtype=float)))
 
     def isf(self, shares: ArrayLike) -> FloatArray:
-        return self.from_normal(-ndtri(np.asarray(shares, dtype=float)))
+        return self.from_normal(-scipy.special.ndtri(np.asarray(shares, dtype=float)))
 
     def log_density(self, values: ArrayLike) -> FloatArray:
         return -(self.to_normal(values) ** 2) / 2 - log(2 * pi) / 2 - log(self.deviation)
