@@ -2,6 +2,7 @@
 
 from types import SimpleNamespace
 
+import pytest
 from support import campaigns
 
 TESTS = """
@@ -62,6 +63,14 @@ def test_what_waits_for_the_night_is_slow():
     campaigns.leave_to_the_night([night, day])
     assert "slow" in night.marks
     assert "slow" not in day.marks
+
+
+def test_cases_that_are_not_chosen_wait_for_the_night():
+    first, second = campaigns.by_day(["dear", "cheap"], "cheap")
+    assert [mark.name for mark in first.marks] == ["nightly"]
+    assert second == "cheap"
+    with pytest.raises(AssertionError):
+        campaigns.by_day(["dear"], "renamed")
 
 
 def test_only_campaigns_take_all(monkeypatch):

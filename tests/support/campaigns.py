@@ -6,6 +6,8 @@ from collections import defaultdict
 from functools import cache
 from pathlib import Path
 
+import pytest
+
 _IMPORTED = re.compile(r"^from support\.(\w+) import", re.MULTILINE)
 
 OPTION = "--campaigns"
@@ -21,6 +23,12 @@ def add_option(parser):
 def examples(few, all_of_them):
     """The number for this run: few in `make test` and `make test-slow`, all of them in `make nightly-campaigns`."""
     return all_of_them if many else few
+
+
+def by_day(cases, *chosen):
+    """All cases for ``parametrize``, of which only the chosen run outside ``make nightly-campaigns``."""
+    assert set(chosen) <= set(cases)
+    return [case if case in chosen else pytest.param(case, marks=pytest.mark.nightly) for case in cases]
 
 
 def leave_to_the_night(items):
