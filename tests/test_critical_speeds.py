@@ -590,7 +590,7 @@ class TestWorstOfSeveralCases:
         assert found.excited
         assert found.generalised_force == pytest.approx(np.abs(sums).max(), rel=1e-9)
 
-    @pytest.mark.slow
+    @pytest.mark.nightly
     def test_spread_is_the_worst_of_all_combinations(self):
         found = self.crossings(spread=0.1).of(1, 0.5)
         combinations = [dict(zip(range(1, 7), one, strict=True)) for one in itertools.product((0.9, 1.1), repeat=6)]

@@ -67,7 +67,7 @@ class TestVerification:
         assert sum(line.startswith("|") for line in table.splitlines()) == 2 + verification.MOST_LINES + 1
         assert "41 more [Hz]; worst $f_{" in table
 
-    @pytest.mark.slow
+    @pytest.mark.nightly
     def test_nothing_differs(self, verification):
         page = verification.verification_page()
         assert "DIFFERS" not in page
@@ -88,7 +88,7 @@ class TestPrinting:
         assert "pdflatex was not found" in done.stderr
         assert "texlive-latex-extra" in done.stderr
 
-    @pytest.mark.slow
+    @pytest.mark.nightly
     @pytest.mark.skipif(not all(map(shutil.which, ("pdflatex", "pdftotext"))), reason="pdflatex is not installed")
     def test_both_are_built_without_a_warning_and_carry_the_version(self, tmp_path):
         pytest.importorskip("sphinx", reason="Sphinx is in the group docs; make manuals builds them, too")

@@ -144,15 +144,15 @@ class TestDualMassFlywheel:
         assert twist[0] == pytest.approx(twist[-1], abs=1e-6)
         return parabola(twist) + parabola(-twist)
 
-    @pytest.mark.slow
+    @pytest.mark.nightly
     def test_at_10_hz(self):
         assert self.swing(10) == pytest.approx(0.7321389, abs=6e-8)
 
-    @pytest.mark.slow
+    @pytest.mark.nightly
     def test_at_11_hz_small(self):
         assert self.swing(11) == pytest.approx(0.2833270, abs=6e-8)
 
-    @pytest.mark.slow
+    @pytest.mark.nightly
     def test_at_11_hz_large(self):
         assert self.swing(11, 0.5) == pytest.approx(1.0509184, abs=6e-8)
 

@@ -286,7 +286,7 @@ def test_rigs_have_none_of_these_sections(name):
     assert section("amt_rig", name).sections == ()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_every_condition_of_the_marine_plant_has_its_verdict():
     report = section("marine_medium_speed", "conditions")
     found = of(TableBlock, blocks(report, "conditions"))[1]

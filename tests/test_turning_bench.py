@@ -516,7 +516,7 @@ def test_two_pickups_of_the_library_see_the_pattern_and_the_vibration_of_the_set
     assert np.abs(np.remainder(camshaft + np.pi, 4 * np.pi) - np.pi).max() < np.radians(1.5)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_minute_of_run_up_of_the_marine_plant_takes_less_than_a_minute():
     rig = tn.load_bench("marine_run_up")
     begin = time.process_time()

@@ -119,7 +119,7 @@ class TestEngineOrders:
         assert amplitude < 0.002
         assert phase < 0.5
 
-    @pytest.mark.slow
+    @pytest.mark.nightly
     def test_two_pickups_at_all_speeds(self, engine_orders):
         amplitude, phase = self.two_pickups(engine_orders, ALL_SPEEDS, 34)
         assert amplitude < 0.0005
@@ -145,7 +145,7 @@ class TestEngineOrders:
         assert amplitude < 0.002
         assert phase < 0.5
 
-    @pytest.mark.slow
+    @pytest.mark.nightly
     def test_a_known_inertia_at_all_speeds(self, plant):
         amplitude, phase = self.known_inertia(plant, ALL_SPEEDS, 34)
         assert amplitude < 0.001
