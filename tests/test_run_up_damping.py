@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support import campaigns
 from support.known_damping import F0, ZETA, closed_form, half_power, swept, with_noise
 
 from torsionnet.core.errors import SolveError, UsageError
@@ -16,6 +17,7 @@ from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.recording import Recording, Signal
 
 POLE = 2 * np.pi * F0 * complex(-ZETA, np.sqrt(1 - ZETA**2))
+NIGHT = pytest.mark.nightly
 STEADY_PEAK = 1 / (2 * ZETA * np.sqrt(1 - ZETA**2))
 
 
@@ -214,8 +216,10 @@ def coverage(rate, sigma, seeds, **more):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("rate", "sigma"), [(10, 0.5), (10, 3.0), (3, 2.0)])
+@pytest.mark.parametrize(
+    ("rate", "sigma"), [pytest.param(10, 0.5, marks=NIGHT), (10, 3.0), pytest.param(3, 2.0, marks=NIGHT)]
+)
 def test_intervals_of_the_swept_fit_hold_the_truth(rate, sigma):
-    frequency, damping = coverage(rate, sigma, 150)
+    frequency, damping = coverage(rate, sigma, campaigns.examples(60, 150))
     assert 0.90 <= frequency <= 0.99
     assert 0.90 <= damping <= 0.99
