@@ -4,6 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 import scipy
+from support import campaigns
 
 import torsionnet as tn
 from torsionnet.assembly.law_stiffness import LawStiffness
@@ -104,7 +105,7 @@ def test_no_point_that_lost_digits_goes_unmarked(held, seeds):
 @pytest.mark.slow
 @pytest.mark.parametrize("held", [False, True], ids=["free", "held"])
 def test_no_point_of_many_plants_goes_unmarked_and_few_are_marked_for_nothing(held):
-    worst, marked = none_missed(range(100, 250), held)
+    worst, marked = none_missed(range(100, campaigns.examples(140, 250)), held)
     assert (worst > UNMARKED_ERROR).any()
     assert (marked & (worst < 1e-12)).mean() < 0.02
 
