@@ -44,7 +44,7 @@ def test_mutants(block):
         assert_well_behaved(mutant(seed))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("block", range(10))
 def test_many_mutants(block):
     for seed in range(1000 + 500 * block, 1500 + 500 * block):

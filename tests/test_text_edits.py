@@ -258,7 +258,7 @@ def test_edits_of_library_models_change_nothing_else():
         assert len(gone) <= 1 + text.count("\n") - new.count("\n")
 
 
-@pytest.mark.parametrize("step", [23, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("step", [23, pytest.param(1, marks=pytest.mark.nightly)])
 def test_a_text_cut_anywhere_is_edited_or_refused(step):
     refused = done = 0
     for end in range(step - 1, len(BASE), step):

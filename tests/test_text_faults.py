@@ -283,7 +283,7 @@ def test_a_study_or_a_list_has_faults_without_fixes():
 
 
 @pytest.mark.parametrize("name", ["two_stroke_ship", "wind_turbine_3mw"])
-@pytest.mark.parametrize("step", [97, pytest.param(5, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("step", [97, pytest.param(5, marks=pytest.mark.nightly)])
 def test_a_text_cut_anywhere_has_faults_within_it(name, step):
     text, folder = LIBRARY[name], library_models()[name].parent
     for end in range(step - 1, len(text), step):
@@ -294,7 +294,7 @@ def test_a_text_cut_anywhere_has_faults_within_it(name, step):
                 assert edited(text[:end], fix.edits) != text[:end]
 
 
-@pytest.mark.parametrize("step", [7, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("step", [7, pytest.param(1, marks=pytest.mark.nightly)])
 def test_fixes_of_a_text_that_is_being_written_bring_no_second_break(step):
     for end in range(step, len(BASE), step):
         text = BASE[:end]

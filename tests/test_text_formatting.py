@@ -151,7 +151,7 @@ def test_any_layout_becomes_one_that_stays(text):
     assert bare(new) == bare(text)
 
 
-@pytest.mark.parametrize("step", [211, pytest.param(3, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("step", [211, pytest.param(3, marks=pytest.mark.nightly)])
 def test_a_text_cut_anywhere_keeps_its_data(step):
     text = (ROOT / "library" / "wind_turbine_3mw.yaml").read_text(encoding="utf-8")
     for end in range(step - 1, len(text), step):
