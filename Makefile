@@ -15,7 +15,7 @@ BENCHMARKS := $(basename $(notdir $(wildcard benchmarks/[!_]*.py)))
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help signatures demo figures identify test test-slow test-all test-oldest nightly-campaigns compare compare-parts structure hops move join outputs reach test-changed mutation fuzz lint format types generate docs manuals bench bench-short release-files clean
+.PHONY: help signatures demo figures identify test test-slow test-all test-oldest nightly-campaigns compare compare-parts structure hops move join outputs reach test-changed mutation fuzz precheck lint format types generate docs manuals bench bench-short release-files clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -30,7 +30,7 @@ identify: $(VENV)/.installed  ## the paper's identification on the virtual bench
 	$(RUN) -m torsionnet.demo.identification
 
 # Python that writes no bytecode compiles package and tests anew in every process that tests start.
-test test-slow test-all test-oldest nightly-campaigns reach test-changed: export PYTHONDONTWRITEBYTECODE =
+test test-slow test-all test-oldest nightly-campaigns reach test-changed precheck lint generate docs: export PYTHONDONTWRITEBYTECODE =
 
 test: $(VENV)/.group-test  ## tests and docstring examples, on all cores, without those of over a few seconds
 	$(RUN) -m pytest -n auto --dist worksteal -m "not slow" $(ARGS)
@@ -83,9 +83,13 @@ mutation: $(VENV)/.group-test  ## small faults in a copy of the package: which d
 fuzz: $(VENV)/.group-test  ## broken files of every kind for SECONDS=600: a result or an error, soon, in little memory
 	cd tests && ../$(RUN) -m fuzz --seconds $(SECONDS) --keep ../out/fuzz $(ARGS)
 
-lint: $(VENV)/.group-lint  ## ruff: rules and formatting
+precheck: $(VENV)/.group-lint $(VENV)/.group-docs $(VENV)/.group-test  ## in a minute: lint and the types of what changed; each fault with its remedy
+	PYTHONPATH=tests $(RUN) -m structure.precheck $(ARGS)
+
+lint: $(VENV)/.group-lint $(VENV)/.group-docs  ## ruff: rules and formatting; rules of form, each fault with its remedy
 	$(RUN) -m ruff check .
 	$(RUN) -m ruff format --check .
+	PYTHONPATH=tests $(RUN) -m structure.form
 
 format: $(VENV)/.group-lint  ## let ruff reformat, and repair what it safely can
 	$(RUN) -m ruff format .

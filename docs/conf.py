@@ -58,16 +58,31 @@ sphinx_gallery_conf = {
     "plot_gallery": "True",
     "capture_repr": (),
     "image_scrapers": ("gallery_figures", "matplotlib"),
+    "reset_modules": ("matplotlib", "gallery_figures.observe"),
+    "reset_modules_order": "both",
 }
 
 
 def setup(app):
     """Connect the steps of the build: generated pages are written before the others are read."""
+    import gallery_figures
     from pygments.lexers.special import TextLexer
 
+    gallery_figures.forget_stale()
     app.add_lexer("csv", TextLexer)  # Pygments knows none for it
     app.connect("builder-inited", lambda _: subprocess.run([sys.executable, DOCS / "made_files.py"], check=True))
     app.connect("autodoc-process-docstring", for_sphinx, priority=400)
+    app.connect("html-page-context", one_navigation, priority=400)  # before that of the theme
+
+
+NAVIGATION = {}
+
+
+def one_navigation(_app, name, _template, context, _doctree):
+    """Let the 400 pages of the reference, which stand nowhere in the navigation, have it worked out once."""
+    if name.startswith("reference/"):
+        resolve = context["toctree"]
+        context["toctree"] = lambda **how: NAVIGATION.get(str(how)) or NAVIGATION.setdefault(str(how), resolve(**how))
 
 
 def for_sphinx(_app, what, _name, _object, _options, lines):

@@ -18,7 +18,7 @@ import re
 import sys
 import tempfile
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from hashlib import blake2b
@@ -48,10 +48,11 @@ STARTS = {"subprocess.Popen", "os.fork", "os.posix_spawn", "os.exec", "os.system
 
 @dataclass
 class Observed:
-    """Files read and folders listed below the checkout, relative to it, and whether other processes were started."""
+    """Files read and folders listed below the checkout since a time, and whether other processes were started."""
 
     paths: set[str] = field(default_factory=set)
     started: bool = False
+    began: float = field(default_factory=time.time)
 
     def note(self, event: str, given: tuple[Any, ...]) -> None:
         """Note an event that Python tells to its audit hooks."""
@@ -115,7 +116,10 @@ def installed() -> str:
     return f"{sys.version} {' '.join(sorted(names))}"
 
 
-def digest_of_all(names: Iterable[str]) -> str:
+def digest_of_all(names: Sequence[str], began: float | None = None) -> str:
+    """Digest of files, folders and installed packages; empty if any was edited since a time, perhaps after its use."""
+    if began and any((ROOT / name).stat().st_mtime > began for name in names if digest(name)):
+        return ""
     text = "\n".join([installed(), *(f"{name} {digest(name)}" for name in names)])
     return blake2b(text.encode(), digest_size=12).hexdigest()
 
@@ -171,14 +175,12 @@ def bring_up_to_date(names: Iterable[str], *, keep: bool = True, write: bool = T
     stale = [name for name in sorted(names, key=_place) if not (keep and is_current(known.get(name)))]
     if not stale:
         return
-    began = time.time()
     with tempfile.TemporaryDirectory() as scratch:
         for name, inputs in made(stale, Path(scratch)):
             folder = Path(scratch) / str(stale.index(name))
             files = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*") if path.is_file()}
             before = known.get(name, {"made": {}})["made"]
-            edited = any((ROOT / one).stat().st_mtime > began for one in inputs if digest(one))  # perhaps after use
-            known[name] = {"from": inputs, "digest": "" if edited else digest_of_all(inputs), "made": {}}
+            known[name] = {"from": inputs, "digest": digest_of_all(inputs, OBSERVED.began), "made": {}}
             for place, path in files.items():
                 text = path.read_bytes()
                 known[name]["made"][place] = blake2b(text, digest_size=12).hexdigest()
