@@ -27,7 +27,8 @@ def many_chunks(monkeypatch):
 
 
 @pytest.mark.parametrize("count", [10**7, 10**10, 10**13])
-def test_chunks_grow_with_the_count(count):
+def test_chunks_grow_with_the_count(count, monkeypatch):
+    monkeypatch.setattr(Evaluator, "__call__", lambda *_: {})  # how long a variant takes is not asked here
     study = small_study(count)
     size = Workload.of(study).chunk_size
     assert size >= 20_000
