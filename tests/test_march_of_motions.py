@@ -5,6 +5,7 @@ import sys
 import numpy as np
 import pytest
 import scipy
+from support import campaigns
 from support.random_motion_plants import moving_plant
 
 import torsionnet as tn
@@ -51,7 +52,7 @@ def test_little_memory_changes_nothing(monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [2, 3])
+@pytest.mark.parametrize("seed", campaigns.by_day([2, 3], 2))
 def test_compiled_loops_march_as_numpy_does(monkeypatch, seed):
     pytest.importorskip("numba")
     plain, record = simulated(seed, seconds=0.5, most=20)

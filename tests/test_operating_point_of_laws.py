@@ -4,6 +4,7 @@ from math import sqrt
 
 import numpy as np
 import pytest
+from support import campaigns
 from support.random_motion_plants import moving_plant
 
 import torsionnet as tn
@@ -84,7 +85,7 @@ def test_random_plants_are_in_balance(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("first", range(0, 300, 30))
+@pytest.mark.parametrize("first", campaigns.by_day(range(0, 300, 30), 0, 150))
 def test_more_random_plants_are_in_balance(first):
     for seed in range(first, first + 30):
         check_balance(*random_plant(seed))

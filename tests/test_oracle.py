@@ -23,7 +23,6 @@ from oracle.roles import EVERY, roles
 from oracle.rounding import unavoidable
 from oracle.solution import Mechanics
 from oracle.tally import Finding, Tally
-from support import campaigns
 
 import torsionnet as tn
 
@@ -318,10 +317,10 @@ def agrees(seeds, values):
 
 @pytest.mark.slow
 def test_random_drivetrains_agree_with_exact_mechanics():
-    agrees((f"quick-{i}" for i in range(campaigns.examples(5, 8))), campaigns.examples(1000, 2000))
+    agrees((f"quick-{i}" for i in range(10)), 2000)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("part", range(3))
 def test_many_random_drivetrains_agree_with_exact_mechanics(part):
     agrees((f"tests-{i}" for i in range(25 * part, 25 * part + 25)), 8000)

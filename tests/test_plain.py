@@ -5,6 +5,7 @@ import pytest
 pytest.importorskip("flint", reason="exact values need python-flint")
 
 from plain.campaign import run
+from support import campaigns
 
 from torsionnet.model.elements import ELEMENT_TYPES
 
@@ -20,9 +21,9 @@ def test_some():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("block", range(4))
+@pytest.mark.parametrize("block", range(campaigns.examples(1, 4)))
 def test_many(block):
-    findings = run(f"long-{block}-{i}" for i in range(100))
+    findings = run(f"long-{block}-{i}" for i in range(campaigns.examples(20, 100)))
     assert findings.wrong == []
     assert set(ELEMENT_TYPES) - {"mass_elastic"} - IN_ANOTHER_CAMPAIGN - LAWS_OF_MOTION <= findings.drawn.keys()
     assert min(findings.compared.values()) > 0

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from support import campaigns
 from support.motion_reference import reference_motion
 from support.random_motion_plants import moving_plant
 
@@ -41,7 +42,7 @@ def test_a_few_inertias(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", campaigns.by_day(range(12), 2, 4, 11))
 def test_up_to_twenty_inertias(seed):
     apart, grown, reference = compared(seed, 20, 1.0)
     assert len(reference.events) > 20

@@ -4,6 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
+from support import campaigns
 from support.dense_plants import Running, half_range
 
 COMBINATIONS = 0.01
@@ -20,7 +21,7 @@ def cases_of(one, speed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", range(campaigns.examples(12, 60)))
 def test_order_response(seed):
     one = Running(seed)
     names, nodes = list(one.dense.rows), range(one.dense.n)
