@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from support import campaigns
 from support.report_blocks import blocks, of, rows, words
 
 import torsionnet as tn
@@ -380,14 +381,12 @@ class TestNumbers:
         assert set(re.findall(r"\b\w+_\w+\b", shown)) == {"V_c_O_360", "I_M", "I_T"}
 
 
-HARD_MODELS = ("marine_steam_turbine", "planetary_set", "six_cylinder_diesel")
-"""Of many branches, with long formulas, with tables over frequency."""
+HARD_MODELS = ("marine_steam_turbine", "planetary_set", "six_cylinder_diesel", "two_stroke_ship")
+"""Of many branches, with long formulas, with tables over frequency, for approval."""
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name not in HARD_MODELS)) for name in tn.library_models()]
-)
+@pytest.mark.parametrize("name", campaigns.by_day(tn.library_models(), *HARD_MODELS))
 def test_every_library_model_has_a_report(name):
     found = report(name)
     of_kind = {"rig": {"summary", "modes"}, "approval": {"conclusion", "natural_frequencies", "forced_response"}}

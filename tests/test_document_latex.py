@@ -7,6 +7,7 @@ import subprocess
 from itertools import pairwise
 
 import pytest
+from support import campaigns
 
 import torsionnet as tn
 from torsionnet.report import make_report
@@ -28,6 +29,8 @@ needs_latex = pytest.mark.skipif(
     shutil.which("pdflatex") is None or shutil.which("pdftotext") is None, reason="pdflatex is not installed"
 )
 DATE = "2025-03-31"
+SHORT_MODELS = ("amt_rig", "six_cylinder_diesel", "two_stroke_ship")
+"""With long formulas of many configurations, with tables over frequency, and a calculation for approval."""
 
 
 def crank_engine():
@@ -223,7 +226,7 @@ def headings_alone(text):
 @needs_latex
 class TestCompiled:
     @pytest.mark.slow
-    @pytest.mark.parametrize("model", tn.library_models())
+    @pytest.mark.parametrize("model", campaigns.by_day(tn.library_models(), *SHORT_MODELS))
     def test_models_of_the_library(self, tmp_path, model):
         tn.write_report(model, tmp_path / "r.tex", date=DATE)
         log, text = compiled(tmp_path, "r")
