@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
+from support import campaigns
 from support.command_line import process, run
 
 import torsionnet as tn
@@ -101,7 +102,7 @@ def test_the_ship_has_to_pass_its_first_critical_speed_quickly():
 
 
 @pytest.mark.slow
-@each_kind()
+@each_kind(campaigns.by_day(KINDS, "rig", "ship"))
 def test_report(written):
     run("report", written, "-o", "plant.html")
     assert "<h1" in Path("plant.html").read_text(encoding="utf-8")
