@@ -280,7 +280,7 @@ class TestKilled:
         keys = [key for file in logs(folder) for key, _ in records(file)]
         assert len(keys) - len(set(keys)) <= 3 * 2 * processes  # only what was in hand is calculated twice
 
-    @pytest.mark.slow
+    @pytest.mark.nightly
     def test_twenty_times_at_random(self, expected, tmp_path):
         chance, kills, study = random.Random(18), 0, 0
         while kills < 20:
