@@ -44,7 +44,7 @@ def test_the_lowest_kernel_and_no_vectors_give_the_same_answers():
     assert differences(answers("few"), answers_with("few", environment)) == []
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_no_lower_kernel_and_no_vectors_change_an_answer():
     own = answers("many")
     environments = [{"OPENBLAS_CORETYPE": kernel} for kernel in lower_kernels()]
