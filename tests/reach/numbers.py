@@ -29,6 +29,8 @@ def calls_blas(node: ast.AST, imported: set[str]) -> bool:
     match node:
         case ast.BinOp(op=ast.MatMult()) | ast.AugAssign(op=ast.MatMult()):
             return True
+        case ast.Attribute(value=ast.Name(id="scipy")):
+            return True
         case ast.Attribute(attr=name):
             return name in ATTRIBUTES
         case ast.Name(id=name):
