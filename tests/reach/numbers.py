@@ -72,4 +72,5 @@ def write_without_numbers(reach: ReachMap) -> None:
     """Write the list from the map and the package as it is."""
     modules = [(path.relative_to(ROOT).as_posix(), path) for path in (ROOT / "torsionnet").rglob("*.py")]
     numerical = {place for file, path in modules for place in numerical_places(file, path.read_text(encoding="utf-8"))}
-    WITHOUT_NUMBERS.write_text("".join(f"{name}\n" for name in without_numbers(reach, numerical)), encoding="utf-8")
+    names = [name for name in without_numbers(reach, numerical) if (ROOT / name.partition("::")[0]).exists()]
+    WITHOUT_NUMBERS.write_text("".join(f"{name}\n" for name in names), encoding="utf-8")
