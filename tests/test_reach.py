@@ -96,9 +96,9 @@ class TestChange:
 
     def test_every_file_has_a_turn_within_the_time(self, reach):
         places = ("torsionnet/solve/a.py:f", "torsionnet/core/b.py:B.g")
-        # A second for each of both files, and 0.1 + 0.2 s: the dear one has no more time.
-        assert self.chosen(reach, 2.4, *places) == (["test_cheap", "test_text"], 3)
-        assert self.chosen(reach, 2.2, *places) == (["test_cheap"], 3)
+        # Half a second for each of both files, and 0.1 + 0.2 s: the dear one has no more time.
+        assert self.chosen(reach, 1.4, *places) == (["test_cheap", "test_text"], 3)
+        assert self.chosen(reach, 1.2, *places) == (["test_cheap"], 3)
 
     def test_functions_with_lines_that_are_new_or_gone(self, tmp_path, monkeypatch):
         monkeypatch.setattr(changed, "ROOT", tmp_path)

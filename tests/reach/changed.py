@@ -12,9 +12,9 @@ from pathlib import Path
 from reach.reach_map import ReachMap, functions
 from reach.recording import ROOT
 
-SECONDS = 40.0
+SECONDS = 50.0
 """Processor seconds of the tests that are run, with those of collecting their files: half a minute of two cores."""
-OF_FILE = 1.0
+OF_FILE = 0.5
 """Processor seconds that one more file of tests costs before its first test runs."""
 
 
