@@ -694,11 +694,12 @@ def test_streams_are_apart_and_exit_codes_reach_the_shell(broken, tmp_path):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="needs a shell with head")
-def test_reader_that_goes_away_is_no_error(tmp_path):
+@pytest.mark.parametrize("encoding", ["utf-8", "ascii"])
+def test_reader_that_goes_away_is_no_error(tmp_path, encoding):
     command = (
         f'"{sys.executable}" -m torsionnet frf dmf_rig --output theta_1 --input T_M --points 20000 --full | head -1'
     )
-    environment = {**os.environ, "PYTHONPATH": str(Path(tn.__file__).parents[1])}
+    environment = {**os.environ, "PYTHONPATH": str(Path(tn.__file__).parents[1]), "PYTHONIOENCODING": encoding}
     done = subprocess.run(
         command, shell=True, capture_output=True, text=True, cwd=tmp_path, env=environment, timeout=60, check=False
     )
@@ -710,7 +711,8 @@ def test_reader_that_goes_away_is_no_error(tmp_path):
 def test_a_console_without_the_characters_still_shows_the_rest(tmp_path):
     path = tmp_path / "arrow.yaml"
     path.write_text(AXES.replace("two axes", "torque → Ω"), encoding="utf-8")
-    done = process("modes", path, directory=tmp_path, env={"PYTHONIOENCODING": "cp1252", "PYTHONUTF8": "0"})
+    console = {"PYTHONIOENCODING": "cp1252", "PYTHONUTF8": "0"}
+    done = process("modes", path, directory=tmp_path, env=console, encoding="cp1252")
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[0] == "torque ? ?"
 

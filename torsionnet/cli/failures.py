@@ -107,6 +107,8 @@ class ClosedPipeStream:
             self._stream.flush()
 
     def __getattr__(self, name: str) -> Any:
+        if name == "buffer":  # to which click would write past this stream, as ASCII has too few characters for it
+            raise AttributeError(name)
         return getattr(self._stream, name)
 
     @contextlib.contextmanager
