@@ -1,6 +1,6 @@
 """Public names of the package: what its lazy tables offer, the members of public classes, and their signatures.
 
-``python docs/public_names.py`` (``make signatures``) writes the list of signatures, with which a test compares.
+``python docs/public_names.py`` (``make signatures``) writes the list of signatures, with which ``make lint`` compares.
 """
 
 from __future__ import annotations

@@ -1,10 +1,11 @@
 """Rules of form, which `make lint` applies to the checkout, notice what breaks them and let its neighbours pass."""
 
 import re
+import subprocess
 from pathlib import Path
 
 import pytest
-from structure import form, public, words
+from structure import form, precheck, public, words
 from structure.measures import circles, doubled_classes
 from structure.modules import Module, modules_below
 from structure.rules import (
@@ -32,6 +33,7 @@ from structure.rules import (
     without_layer,
 )
 from structure.sentences import first_sentence, is_fragment
+from support.models import EVERY_ELEMENT
 
 import torsionnet as tn
 from torsionnet.core import deprecation
@@ -374,7 +376,46 @@ def test_faults_are_printed_and_fail(monkeypatch, capsys):
     assert form.main() == 0
 
 
-def test_an_element_in_a_file_of_another_name_is_found(monkeypatch):
+def test_an_element_in_a_file_of_another_name_or_without_example_is_found(monkeypatch):
     monkeypatch.setattr(tn.Spring, "__module__", "torsionnet.model.elements.coil")
-    (fault,) = form.misplaced_elements()
-    assert fault.remedy == "rename the file to spring.py"
+    monkeypatch.delitem(EVERY_ELEMENT, "spring")
+    file, example = form.faults_of_elements()
+    assert file.remedy == "rename the file to spring.py"
+    assert example.remedy == 'add "spring": tn.Spring("e", ...)'
+
+
+def test_precheck_says_what_mends_the_faults_of_ruff_and_mypy():
+    lines = [
+        "a.py:1:1: F401 [*] `os` imported but unused",
+        "a.py:2:5: unformatted: File would be reformatted",
+        "a.py:3:80: E501 Line too long (130 > 120)",
+        "a.py:4:2: error: Missing return statement  [return]",
+        "a.py:5: is wrong; mend it",
+        "2 files would be reformatted, 7 files already formatted",
+        "Found 1 error in 1 file (checked 1 source file)",
+        "Success: no issues found in 1 source file",
+    ]
+    told = [line.rpartition("; ")[::2] for line in precheck.remedied(lines)]
+    assert told == [
+        ("a.py:1: F401 [*] `os` imported but unused", "make format"),
+        ("a.py:2: unformatted: File would be reformatted", "make format"),
+        ("a.py:3: E501 Line too long (130 > 120)", "mend it by hand"),
+        ("a.py:4: Missing return statement  [return]", "give it the right type (make types says all)"),
+        ("a.py:5: is wrong", "mend it"),
+    ]
+
+
+def test_types_are_asked_of_what_changed(tmp_path, monkeypatch):
+    for number, command in enumerate((["init", "-q"], ["add", "-A"], [*AS_SOMEBODY, "commit", "-qm", "x"])):
+        if number == 1:
+            for name in ("old", "kept"):
+                a_module(tmp_path, f"{name}.py", "x = 1\n")
+        subprocess.run(["git", *command], cwd=tmp_path, check=True)
+    a_module(tmp_path, "old.py", "x = 2\n")
+    a_module(tmp_path, "solve/new.py", "x = 3\n")
+    monkeypatch.setattr(precheck, "ROOT", tmp_path)
+    assert precheck.changed_modules("HEAD") == ["torsionnet/old.py", "torsionnet/solve/new.py"]
+    assert precheck.git("merge-base", "HEAD", "@{upstream}") == "", "there is no branch to merge into"
+
+
+AS_SOMEBODY = ("-c", "user.name=a", "-c", "user.email=a@example.org")

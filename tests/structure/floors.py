@@ -1,4 +1,4 @@
-"""Layers of the package and the floors in them, which tests enforce and the documentation shows."""
+"""Layers of the package and the floors in them, which `make lint` enforces and the documentation shows."""
 
 from __future__ import annotations
 

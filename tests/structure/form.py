@@ -28,7 +28,7 @@ def form_faults() -> Iterator[Fault]:
         for folder in ("tests", "docs", "benchmarks"):
             for path in sorted((ROOT / folder).rglob("*.py")):
                 yield from imports_of_tests(path)
-        yield from misplaced_elements()
+        yield from faults_of_elements()
         from structure.public import interface_faults  # loads the package, which may have faults that are told above
         from structure.words import words_faults
 
@@ -41,8 +41,10 @@ def form_faults() -> Iterator[Fault]:
         yield Fault("docs/made_files.py", "the generated files cannot be made", "see the error above; make generate")
 
 
-def misplaced_elements() -> Iterator[Fault]:
-    """Element types whose file has another name, so that every file would be imported to find them."""
+def faults_of_elements() -> Iterator[Fault]:
+    """Element types in a file of another name, so that every file would be imported to find them, or without example."""
+    from support.models import EVERY_ELEMENT
+
     from torsionnet.model import elements
 
     for kind, cls in elements.ELEMENT_TYPES.items():
@@ -50,6 +52,9 @@ def misplaced_elements() -> Iterator[Fault]:
         if stem != kind and stem not in elements.ELEMENT_TYPES.families:
             place = f"{cls.__module__.replace('.', '/')}.py:1"
             yield Fault(place, f"has the element type {kind}", f"rename the file to {kind}.py")
+        if kind not in EVERY_ELEMENT:
+            what = f"no example of {kind} in EVERY_ELEMENT"
+            yield Fault("tests/support/models.py", what, f'add "{kind}": tn.{cls.__name__}("e", ...)')
 
 
 def main() -> int:

@@ -34,12 +34,10 @@ def changed_modules(commit: str) -> list[str]:
 def remedied(lines: Iterable[str]) -> Iterator[str]:
     """Lines of ruff and mypy with what mends each; those of form have it."""
     for line in lines:
-        if match := re.match(r"Would reformat: (.*)", line):
-            yield f"{match[1]}: is not formatted; make format"
-        elif match := OF_MYPY.match(line):
+        if match := OF_MYPY.match(line):
             yield f"{match['place']}: {match['what']}; give it the right type (make types says all)"
         elif match := OF_RUFF.match(line):
-            by_itself = "[*]" in match["what"]
+            by_itself = "[*]" in match["what"] or match["what"].startswith("unformatted")
             yield f"{match['place']}: {match['what']}; {'make format' if by_itself else 'mend it by hand'}"
         elif not re.match(r"All checks passed|Found \d+ error|\[\*\] \d+ fixable|No fixes|\d+ files? |Success:", line):
             yield line
@@ -49,9 +47,9 @@ def main(commits: list[str]) -> int:
     began = time.monotonic()
     commit = commits[0] if commits else git("merge-base", "HEAD", "@{upstream}") or "HEAD"
     modules = changed_modules(commit)
-    calls = [["ruff", "check", "--output-format", "concise", "."], ["ruff", "format", "--check", "."]]
+    concise = ["--output-format", "concise", "."]
+    calls = [["ruff", "check", *concise], ["ruff", "format", "--check", *concise], ["structure.form"]]
     calls += [["mypy", *modules]] if modules else []
-    calls += [["structure.form"]]
     started = [
         subprocess.Popen(
             [sys.executable, "-m", *call], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
@@ -61,7 +59,11 @@ def main(commits: list[str]) -> int:
     for process in started:
         for line in remedied(process.communicate()[0].splitlines()):
             print(line, flush=True)
-    failed = [call[0] for call, process in zip(calls, started, strict=True) if process.returncode]
+    failed = [
+        " ".join(call[: 1 + (call[0] == "ruff")])
+        for call, process in zip(calls, started, strict=True)
+        if process.returncode
+    ]
     what = f"{len(modules)} changed modules against {commit[:8]}" if modules else "no changed modules"
     print(f"precheck: {'failed: ' + ', '.join(failed) if failed else 'ok'}, {what}, {time.monotonic() - began:.0f} s")
     return int(bool(failed))

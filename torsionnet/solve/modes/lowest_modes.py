@@ -252,8 +252,7 @@ class _Pencil:
             return k / m
         root = np.sqrt(c * c - 4 * m * k) if np.iscomplexobj(shape) else np.sqrt(max(c * c - 4 * m * k, 0.0))
         w = -c - root if abs(c + root) >= abs(c - root) else -c + root
-        roots = [w / (2 * m) if m else np.inf, 2 * k / w if w else np.inf]
-        return min(roots, key=lambda z: abs(z - near))
+        return min(w / (2 * m) if m else np.inf, 2 * k / w if w else np.inf, key=lambda z: abs(z - near))
 
     def split(self, shapes: AnyArray, center: Any) -> tuple[AnyArray, AnyArray]:
         """Steps in z from ``center`` to the eigenvalues of a cluster, and combinations of shapes that are theirs."""
