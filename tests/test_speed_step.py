@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from support import campaigns
 from support.command_line import run
 from support.dense_speeds import HIGH, LOW, RPM, Chain
 from support.limit_cases import hump, m68, stressed
@@ -56,7 +57,7 @@ def test_random_drivetrains(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(1000, 1060))
+@pytest.mark.parametrize("seed", range(1000, 1000 + campaigns.examples(6, 60)))
 def test_random_drivetrains_against_a_dense_grid(seed):
     chain = Chain.drawn(seed)
     half = chain.half_range(np.arange(LOW, HIGH + 0.01, 0.02))
@@ -92,7 +93,10 @@ def test_the_teeth_of_the_ship():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["marine_medium_speed", "two_stroke_ship", "reciprocating_compressor_train"])
+@pytest.mark.parametrize(
+    "name",
+    campaigns.by_day(["marine_medium_speed", "two_stroke_ship", "reciprocating_compressor_train"], "two_stroke_ship"),
+)
 def test_library_machines(name):
     """Every limit of every configuration: several steps, and the largest of a grid of 0.02 r/min around each worst speed."""
     rig = tn.load(name)
