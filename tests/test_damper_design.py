@@ -42,9 +42,9 @@ def running(mu, **more):
 @pytest.mark.parametrize(
     ("mu", "zeta", "peak", "ratio"),
     [
-        pytest.param(0.2, 0.43519, 11, 0.95346, marks=pytest.mark.slow),
+        pytest.param(0.2, 0.43519, 11, 0.95346, marks=pytest.mark.nightly),
         (0.5, 0.36515, 5, 0.89443),
-        pytest.param(1, 0.28868, 3, 0.81650, marks=pytest.mark.slow),
+        pytest.param(1, 0.28868, 3, 0.81650, marks=pytest.mark.nightly),
     ],
 )
 class TestHoudaille:
@@ -79,7 +79,7 @@ def found(mu):
     return plant.configured(k_film=1.3 * mu * K).damper_design("a", {"c": None, "k_film": None}, input="a")
 
 
-@pytest.mark.parametrize("mu", [pytest.param(0.05, marks=pytest.mark.slow), 0.2], scope="module")
+@pytest.mark.parametrize("mu", [pytest.param(0.05, marks=pytest.mark.nightly), 0.2], scope="module")
 class TestTunedMass:
     """A ring with a spring on an undamped primary mass under a torque."""
 

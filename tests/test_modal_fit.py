@@ -166,7 +166,7 @@ class TestNoise:
         assert nearest(found.poles, poles).max() < bound
 
     @pytest.mark.slow
-    @pytest.mark.parametrize("runs", [30, pytest.param(120, marks=pytest.mark.slow)])
+    @pytest.mark.parametrize("runs", [30, pytest.param(120, marks=pytest.mark.nightly)])
     def test_standard_errors_are_those_of_many_tests(self, runs):
         poles = [pole(8.7, 0.257)]
         residues, _ = chain_residues(poles, 1)
