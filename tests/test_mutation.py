@@ -115,7 +115,8 @@ def test_trials_in_a_copy(tmp_path):
     text = (ROOT / module).read_text(encoding="utf-8")
     faults = {mutant.old: mutant for mutant in mutants(module, text)}
     seen, unseen = faults["intervals > GAP_RATIO * np.median(intervals)"], faults["0"]
-    reach = ReachMap.of({test: (1.0, False, [f"{module}:{seen.function}"])})
+    place = f"{module}:{seen.function}"
+    reach = ReachMap.of({f"{test}_as_it_was": (0.5, False, [place]), test: (1.0, False, [place])})
     trials = Trials(tmp_path, reach, 60, 1)
     elsewhere = Mutant("torsionnet/loading.py", 1, "load", 0, 0, "", "")
     outcomes = list(trials.outcomes([seen, unseen, elsewhere]))
