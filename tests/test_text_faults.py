@@ -110,6 +110,16 @@ def test_errors_beside_a_break_are_told(broken, wrong, message):
     assert any(one.startswith(message) for one in found)
 
 
+@pytest.mark.parametrize("between", ["", "\n", "  # of the shaft\n\n"])
+def test_entries_next_to_a_break_may_follow_from_it(between):
+    """Lines without text between them and the break are passed over, above as below."""
+    wrong = "{type: inertai, node: b, inertia: 1 kg*m^2}"
+    lines = [f"  a: {wrong}\n", f"  b: {wrong}\n", "  s: {type: spring, nodes: [a, b], stiffness: 1]\n", f"  c: {wrong}\n",
+             f"  d: {wrong}\n"]  # fmt: skip
+    found = messages(f"torsionnet: 1\nname: rig\nelements:\n{between.join(lines)}")
+    assert sum(one.startswith('no element type is named "inertai"') for one in found) == 2
+
+
 def test_what_follows_from_a_break_is_not_told():
     for case in CASES:
         if not is_sound_yaml(case.text) and len(case.text) < 1000:
