@@ -29,10 +29,10 @@ def parameters_section(subject: ReportData) -> Section | None:
     if rig.parameters:
         blocks.append(_parameters(rig, dict(subject.request.settings)))
     changed = _changed(subject.cases)
-    if len(subject.cases) > 1 and changed:
+    if changed:
         blocks.append(_configurations(subject.cases, changed, rig))
     switched = _switched(subject.cases)
-    if len(subject.cases) > 1 and switched:
+    if switched:
         blocks.append(_switches(subject.cases, switched))
     blocks += _operating_points(subject.cases)
     return Section("parameters", ("Parameters",), tuple(blocks)) if blocks else None
