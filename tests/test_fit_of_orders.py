@@ -11,6 +11,7 @@ from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.identification import Measurement, Unknown, identify, load_fit, rank_causes
 from torsionnet.identification.fit_file import load_fit_plan
 from torsionnet.identification.fit_problem import make_problem
+from torsionnet.identification.orders.order_lines import order_faults
 from torsionnet.identification.orders.parametric_orders import parametric_orders
 from torsionnet.identification.unknown_parameter import read_unknowns
 from torsionnet.io import read_frequency_response
@@ -178,6 +179,19 @@ def test_single_orders_without_intervals_take_their_noise_from_the_scatter():
     fit = identify(engine_model(), Measurement(orders, "T_cpl"), ["k_cpl"])
     assert abs(fit.values["k_cpl"] / 5.6e3 - 1) < 0.02
     assert any("has no intervals: its noise is taken from the scatter over speed" in note for note in fit.notes)
+
+
+@pytest.mark.parametrize(("blind", "lacking"), [((), []), ((0.5, 1.5), []), (tuple(HARMONICS), ["delay"])])
+def test_a_delay_needs_the_phase_of_one_order(blind, lacking):
+    """Orders without phases beside others are compared by their amplitudes, which no delay changes."""
+    late = dense_orders() * np.exp(-1j * np.outer(list(HARMONICS), SPEEDS) * 1e-4)
+    orders = [
+        MeasuredOrder(o, SPEEDS, np.abs(v), None if o in blind else v) for o, v in zip(HARMONICS, late, strict=True)
+    ]
+    test = Measurement(orders, "T_cpl", name="run", delay=True)
+    assert [entry for entry, _ in order_faults(test, list(HARMONICS))] == lacking
+    if not lacking:
+        assert identify(engine_model(), test, ["k_cpl"]).values["delay[run]"] == pytest.approx(1e-4, rel=1e-3)
 
 
 @pytest.mark.slow

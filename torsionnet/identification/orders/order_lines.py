@@ -173,7 +173,7 @@ def order_faults(measurement: Measurement, excited: Sequence[float]) -> list[tup
     if measurement.speeds is not None and not _inside(measurement.speeds, speeds).any():
         low, high = (edge * RPM for edge in measurement.speeds)
         found.append(("speeds", f"nothing was measured from {low:g} to {high:g} rpm: {_speeds_there(speeds)}"))
-    if not has_phases(data):
+    if not shows_phases(measurement):
         if measurement.reference_angle:
             text = "a reference angle is found from phases, but the phases of these orders have no reference"
             found.append(("reference_angle", f"{text}; track them against a pulse or an encoder's index"))
