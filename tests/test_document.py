@@ -265,12 +265,12 @@ elements:
   d: {type: damper, nodes: [a, b], damping: 1}
 inputs: {T: {torque: a}}
 sensors: {S: {torque: s}}
-configurations: {way: {dry: {off: [d]}, wet: {on: [d]}}}
+configurations: {way: {dry: {off: [d]}, stiff: {off: [d], k: 2000 N*m/rad}, wet: {on: [d]}}}
 """
         )
         found = report(switched, sections=["equations"])
         heads = [words(block.text) for block in of(Paragraph, blocks(found, "equations"))]
-        assert "Configuration dry" in heads
+        assert "Configuration dry, stiff" in heads  # which differ in a value alone
         assert "Configuration wet" in heads
 
     @pytest.mark.slow
