@@ -10,6 +10,7 @@ from support.patience import PATIENCE, wait_for
 from torsionnet.cli import main
 from torsionnet.explore import ExploreServer, api, connections, document, documents, open_documents
 from torsionnet.explore.api import reply
+from torsionnet.explore.choices import read_pair
 from torsionnet.explore.line_ends import LineEnds
 from torsionnet.explore.newest_turn import NewestTurn
 from torsionnet.explore.offset_counting import OffsetCounting
@@ -118,6 +119,18 @@ class TestTexts:
         start = page.type(RIG.replace("k:", "c:").replace(": k}", ": c}"), 2)["model"]["start"]
         assert (start["choice"], start["values"]) == ({"configuration": "stiff"}, {})
         assert page.type(RIG, 3)["model"] == before | {"revision": 3}
+
+    def test_responses_asked_for_stay_while_their_nodes_do(self, file):
+        pairs = [read_pair("motor/brake"), read_pair("brake/motor"), read_pair("torque(shaft)/motor")]
+        page = Page(open_documents(str(file), pairs=pairs)[0])
+
+        def kept(text, revision):
+            page.type(text, revision)
+            return [str(pair) for pair in page.documents.named("tab").examined().sound.session.pairs]
+
+        assert kept(RIG + "# same\n", 1) == ["motor/brake", "brake/motor", "torque(shaft)/motor"]
+        assert kept(RIG.replace("brake", "disc"), 2) == ["torque(shaft)/motor"]
+        assert kept(RIG.replace("motor", "disc"), 3) == []
 
     def test_a_file_named_in_the_text_lies_beside_the_model(self, page, file):
         secret = file.parent.parent / "secret.yaml"
@@ -421,6 +434,8 @@ class TestServices:
             ("text", {"text": "\ud800", "revision": 1}, "half of a character"),
             ("text", {"text": "a", "revision": 1, "file": "x"}, '"file" is no entry'),
             ("hover", {"text": "a", "at": "0"}, "at is a whole number"),
+            ("hover", {"text": "a", "at": 0, "file": "x"}, '"file" is no entry'),
+            ("outline", {"text": "a", "at": 0}, '"at" is no entry'),
             ("store", {"text": "a", "disk": "", "force": 1}, "force is true or false"),
             ("store", {"text": "a", "disk": "x" * 1000}, "disk is too large"),
             ("open", {"file": "/etc/passwd"}, '"file" is no entry'),

@@ -68,6 +68,7 @@ def test_harmonics_with_a_cylinder_out(carrier):
     assert [str(group.title) for group in sums.groups] == ["All cylinders working", "Without cylinder 2"]
     out = vector_sums(ship, "engine", modes=[1], without=[2])
     assert float(rows(sums)[-1][1]) == pytest.approx(out.of(1, 6), abs=6e-5)
+    assert {len(cell.partition(".")[2]) for row in rows(sums) for cell in row[1:]} == {4}  # decimals, of both groups
     assert "With a cylinder out as in misfire: that cylinder" in str(table(carrier, "harmonics", "indicated").notes)
 
 

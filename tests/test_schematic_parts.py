@@ -5,6 +5,7 @@ from torsionnet.plot import schematic
 from torsionnet.plot.drawing.pieces import Piece
 from torsionnet.plot.schematic.drawing_parts import cut_heights
 from torsionnet.plot.schematic.schematic import schematic_parts
+from torsionnet.report import make_report
 
 MM = 25.4
 
@@ -41,3 +42,19 @@ def test_parts_hold_every_text_once_and_are_legible():
         width, height = MM * one.get_size_inches()
         assert height * min(1, 170 / width) <= 235
         assert min(text.get_size() for text in one.axes[0].texts) * min(1, 170 / width) >= 6
+
+
+def test_parts_are_counted_in_their_captions():
+    """Signs are explained below the first alone; a drawing that fits the page is no part."""
+    captions = {
+        model: [
+            picture.caption
+            for picture in make_report(model, sections=["schematic"], date=None, **more).sections[0].blocks
+        ]
+        for model, more in (("wind_turbine_3mw", {"configurations": ["free"]}), ("dmf_rig", {}))
+    }
+    parts = captions["wind_turbine_3mw"]
+    assert [one[0] for one in parts] == [f"The drivetrain, part {n} of {len(parts)}." for n in range(1, len(parts) + 1)]
+    assert [len(one) for one in parts] == [2, *[1] * (len(parts) - 1)]
+    assert captions["dmf_rig"][0][0] == "The drivetrain."
+    assert len(parts) > 1
