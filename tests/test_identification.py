@@ -7,6 +7,7 @@ import pytest
 from support.campaigns import examples
 
 import torsionnet as tn
+from torsionnet import plot
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.identification import Candidate, choose_model, load_fit
 from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer
@@ -204,7 +205,7 @@ def test_a_record_that_begins_in_motion_needs_settling():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("route", ["record", "file"])
+@pytest.mark.parametrize("route", ["record", pytest.param("file", marks=pytest.mark.nightly)])
 def test_intervals_hold_the_truth(route):
     """benchmarks/interval_coverage.py does it for more rigs, sensors, windows and seeds."""
     from benchmarks.interval_coverage import WINDOWS, Case, benches, measured
@@ -244,7 +245,7 @@ def test_steps_of_an_encoder_widen_the_errors(stepped):
 @pytest.mark.slow
 def test_errors_from_steps_are_the_scatter(stepped):
     """Where noise is small, fits scatter by where in a step the rig stands, and their errors say so."""
-    fits = [stepped(seed) for seed in range(40)]
+    fits = [stepped(seed) for seed in range(examples(15, 40))]
     scatter = np.std([fit.values["c_2"] for fit in fits])
     error = np.median([fit.standard_errors["c_2"] for fit in fits])
     assert 0.6 * scatter < error < 1.7 * scatter
@@ -270,6 +271,8 @@ def test_nearly_indistinguishable_parameters_are_named_with_their_correlation():
     fit = tn.identify(rig, tests, ["c_O", "c_B"])
     (verdict,) = [text for text in fit.verdicts if "indistinguishable" in text]
     assert verdict == "c_O and c_B are indistinguishable in IV, V: correlation -0.98"
+    (shown,) = plot.correlation(fit).axes[0].images
+    assert np.array_equal(shown.get_array(), fit.correlation)
 
 
 @ROUTES
@@ -360,7 +363,7 @@ def test_profile_of_a_response_without_noise_is_a_point():
         assert fit.profile(name) == pytest.approx((fit.values[name],) * 2, rel=1e-6)
 
 
-@pytest.mark.parametrize("runs", [50, pytest.param(150, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("runs", [50, pytest.param(150, marks=pytest.mark.nightly)])
 @pytest.mark.slow
 def test_standard_errors_are_the_scatter(runs):
     rig = tn.load("dmf_rig")

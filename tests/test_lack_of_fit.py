@@ -278,7 +278,7 @@ def wrong_fit(case, noise):
         *((case, 0.05) for case in WRONG if case != "inertia"),
         ("inertia", 3.0),
         pytest.param("inertia", 0.05, marks=pytest.mark.slow),
-        *(pytest.param(case, 3.0, marks=pytest.mark.slow) for case in WRONG if case != "inertia"),
+        *(pytest.param(case, 3.0, marks=pytest.mark.nightly) for case in WRONG if case != "inertia"),
     ],
 )
 def test_wrong_models_are_found_out_and_explained(case, noise):
@@ -389,6 +389,6 @@ def test_right_models_are_rarely_called_wrong(rig, sensor):
     benches = {"": sweep(rig, SENSORS[sensor], duration=30.0)}
     wrong = [
         fitted(rig, benches, {"c_2": 8.0, "k_2": 400.0}, WINDOWS["Hamming 2 s"], "records", seed).lack_of_fit.rejected
-        for seed in range(20)
+        for seed in range(examples(6, 20))
     ]
     assert sum(wrong) <= 1
