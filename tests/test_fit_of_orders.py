@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support import campaigns
 from support.order_fits import HARMONICS, K_COUPLING, SPEEDS, dense_orders, engine_model, tracked
 
 import torsionnet as tn
@@ -196,15 +197,15 @@ def test_a_delay_needs_the_phase_of_one_order(blind, lacking):
 
 @pytest.mark.slow
 def test_intervals_cover_the_true_values():
-    values, rig, inside = dense_orders(misfire={4: 0.3}, k_cpl=5.6e3), engine_model(), {"k_cpl": 0, ENGINE: 0}
-    seeds = 100
-    for seed in range(seeds):
-        fit = identify(rig, measurement(values, seed), list(inside))
+    values, rig, errors = dense_orders(misfire={4: 0.3}, k_cpl=5.6e3), engine_model(), {"k_cpl": [], ENGINE: []}
+    for seed in range(campaigns.examples(25, 100)):
+        fit = identify(rig, measurement(values, seed), list(errors))
         for name, true in (("k_cpl", 5.6e3), (ENGINE, 0.3)):
             low, high = fit.intervals()[name]
-            inside[name] += low < true < high
-    for name, count in inside.items():
-        assert 0.90 * seeds <= count <= 0.99 * seeds, name
+            errors[name].append((fit.values[name] - true) / (high - low))
+    for name, those in errors.items():
+        assert np.mean(np.abs(those) < 0.5) >= 0.9, name
+        assert np.std(those) == pytest.approx(0.5 / 1.96, rel=0.25), name
 
 
 def test_faults_of_orders_are_named():
@@ -324,7 +325,7 @@ def test_close_points_of_a_filter_count_as_fewer(tmp_path):
 
 @pytest.mark.slow
 def test_intervals_from_close_points_cover_the_true_values():
-    rig, inside, seeds = engine_model(), {"k_cpl": 0, ENGINE: 0}, 40
+    rig, inside, seeds = engine_model(), {"k_cpl": 0, ENGINE: 0}, campaigns.examples(20, 40)
     for seed in range(seeds):
         fit = identify(rig, Measurement(close_points(seed, related=(5.0,) * len(HARMONICS))), list(inside))
         for name, true in (("k_cpl", 5.6e3), (ENGINE, 0.3)):

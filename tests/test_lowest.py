@@ -69,7 +69,7 @@ CASES = {
 
 @pytest.mark.few(1)
 @pytest.mark.parametrize("case", CASES.values(), ids=CASES)
-@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.nightly)])
 def test_lowest_modes_are_the_dense_ones(case, seed, sparse_only):
     system = tree(seed, **{"n": 80, **case})
     every, natural = complex_modes(system), undamped_modes(system)[0]

@@ -39,10 +39,10 @@ def is_symbol(patch):
 
 
 GLYPHS_AND_SHAPES = [
-    pytest.param(glyph, shape, marks=[pytest.mark.slow] * ((row + column) % 4 > 0))
+    pytest.param(glyph, shape, marks=[pytest.mark.nightly] * ((row + column) % 4 > 0))
     for (row, glyph), (column, shape) in itertools.product(enumerate(GLYPHS), enumerate(SHAPES))
 ]
-"""Every glyph with every shape of ports; each of them a few times without slow tests."""
+"""Every glyph with every shape of ports; each of them a few times by day."""
 
 
 class TestMadeUpElements:
