@@ -275,8 +275,8 @@ def test_nearly_indistinguishable_parameters_are_named_with_their_correlation():
     assert np.array_equal(shown.get_array(), fit.correlation)
 
 
-@ROUTES
 @pytest.mark.slow
+@pytest.mark.parametrize("route", ["response", pytest.param("record", marks=pytest.mark.nightly)])
 def test_fifth_gear_with_more_drag_is_found_and_named(route):
     rig = tn.load("amt_rig")
     odd = observed(route, rig.configured("V", c_O=360), "V")

@@ -14,6 +14,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from support import campaigns
 from support.cluster_processes import STUDY_CLIENT, client, kill_all_of, process, scheduler, workers
 from support.cluster_work import DeadlyWork, FailingWork, NoiseWork, Prepared, noise
 from support.patience import PATIENCE, wait_for
@@ -345,12 +346,13 @@ class TestKills:
             connected(str(file)) as cluster,
             client(file, study_folder, 150) as running,
         ):
-            for reached in (20, 60, 100):
+            for reached in (20, 60, 100)[: campaigns.examples(1, 3)]:
                 wait_for(lambda reached=reached: chunks_there(study_folder) > reached and cluster.nthreads())
                 os.kill(random.choice(list(cluster.run(os.getpid).values())), signal.SIGKILL)
             assert running.wait(PATIENCE) == 0, running.said()
         assert is_whole(study_folder, 150)
 
+    @pytest.mark.nightly
     def test_all_workers_with_their_nannies(self, tmp_path, study_folder):
         """Those that come after them go on, without the client being started again."""
         with scheduler(tmp_path) as (file, _), client(file, study_folder, 100) as running:
@@ -404,6 +406,7 @@ class TestKills:
             assert running.wait(PATIENCE) == 0, running.said()
         assert is_whole(study_folder, 150)
 
+    @pytest.mark.nightly
     def test_campaign(self, tmp_path, study_folder):
         """Ten kills of anything at any time."""
         chance = random.Random(1)
@@ -435,7 +438,7 @@ quantities:
 """
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_study_through_all_losses(tmp_path, study_folder):
     """A whole study, whose scheduler and then whose client is killed, to the last byte what one process comes to.
 
