@@ -7,15 +7,17 @@ SECONDS ?= 600
 
 VENV := .venv
 OLDEST := .venv-oldest
+NEWEST := .venv-newest
 CITATION := .venv-citation
 RUN := $(VENV)/bin/python
 PIP := $(RUN) -m pip --disable-pip-version-check
+NIGHTLY := $(addprefix nightly-,kernels packages mutation fuzz campaigns release)
 BENCHMARKS := $(basename $(notdir $(wildcard benchmarks/[!_]*.py)))
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help signatures demo figures identify test test-slow test-all test-oldest nightly-campaigns compare compare-parts structure hops move join outputs reach test-changed mutation fuzz precheck lint format types generate docs manuals bench bench-short release-files clean
+.PHONY: help signatures demo figures identify test test-slow test-all test-campaigns test-kernel test-oldest test-newest test-nightly $(NIGHTLY) wheel compare compare-parts structure hops move join outputs reach test-changed mutation fuzz precheck lint format types generate docs manuals bench bench-short release-files clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -30,7 +32,7 @@ identify: $(VENV)/.installed  ## the paper's identification on the virtual bench
 	$(RUN) -m torsionnet.demo.identification
 
 # Python that writes no bytecode compiles package and tests anew in every process that tests start.
-test test-slow test-all test-oldest nightly-campaigns reach test-changed precheck lint generate docs: export PYTHONDONTWRITEBYTECODE =
+test test-slow test-all test-campaigns test-kernel test-oldest test-newest reach test-changed precheck lint generate docs: export PYTHONDONTWRITEBYTECODE =
 
 test: $(VENV)/.group-test  ## tests and docstring examples, on all cores, without those of over a few seconds
 	$(RUN) -m pytest -n auto --dist worksteal -m "not slow" $(ARGS)
@@ -41,11 +43,34 @@ test-slow: $(VENV)/.group-test  ## what `make test` leaves out, but for the camp
 test-all: $(VENV)/.group-test  ## all tests, also campaigns over many seeds
 	$(RUN) -m pytest -n auto --dist worksteal --campaigns $(ARGS)
 
-nightly-campaigns: $(VENV)/.group-test  ## what is marked nightly, and with all seeds what .ci/run tries with few
+test-campaigns: $(VENV)/.group-test  ## what is marked nightly, and with all seeds what the others try with few
 	$(RUN) -m pytest -n auto --dist worksteal --campaigns -m "nightly or campaign" $(ARGS)
 
 test-oldest: $(OLDEST)/.installed  ## `make test` with the oldest packages that pyproject.toml allows, in .venv-oldest
 	$(OLDEST)/bin/python -m pytest -n auto --dist worksteal -m "not slow" $(ARGS)
+
+test-newest: $(NEWEST)/.installed  ## the same with what the index has now, in .venv-newest, by Python 3.13 where there is one
+	$(NEWEST)/bin/python -m pytest -n auto --dist worksteal -m "not slow" $(ARGS)
+
+# Rounding differs between the kernels of BLAS; no verdict may.
+test-kernel: KERNEL ?= next
+test-kernel: MARKED ?= not slow
+test-kernel: $(VENV)/.group-test  ## those of `make test` that calculate, with the BLAS kernel below the processor's own, or KERNEL=lowest
+	$(RUN) tests/support/kernels.py $(KERNEL) $(RUN) -m pytest -n auto --dist worksteal -m "$(MARKED)" --numbers $(ARGS)
+
+test-nightly:  ## all parts of the night; ARGS=status says which are green, ARGS=reached runs those that changed files reach
+	PYTHONPATH=tests "$(PYTHON)" -m phases.nightly $(ARGS)
+
+$(NIGHTLY): nightly-%:
+	PYTHONPATH=tests "$(PYTHON)" -m phases.nightly $*
+
+wheel: $(VENV)/.group-test  ## as a user has it: a wheel in a fresh environment, run far from the checkout
+	rm -rf .cache/wheel
+	$(RUN) -m build --wheel --outdir .cache/wheel
+	"$(PYTHON)" -m venv .cache/wheel/venv
+	.cache/wheel/venv/bin/python -m pip --disable-pip-version-check install --quiet .cache/wheel/*.whl
+	cd / && "$(CURDIR)/.cache/wheel/venv/bin/torsionnet" library
+	cd / && "$(CURDIR)/.cache/wheel/venv/bin/torsionnet" modes dmf_rig
 
 compare: $(VENV)/.group-test  ## 300 random models against exact mechanics; make compare ARGS="--models 3000 --seed 1"
 	cd tests && ../$(RUN) -m oracle $(ARGS)
@@ -122,7 +147,7 @@ release-files: $(VENV)/.group-release $(CITATION)/.installed  ## validate and bu
 	PYTHONPATH=tests $(RUN) -m release $(ARGS)
 
 clean:  ## remove everything that make creates, .venv included
-	rm -rf $(VENV) $(OLDEST) $(CITATION) build dist out docs/_build docs/gallery docs/reference docs/sg_execution_times.rst
+	rm -rf $(VENV) $(OLDEST) $(NEWEST) $(CITATION) build dist out docs/_build docs/gallery docs/reference docs/sg_execution_times.rst
 	rm -f docs/generated/paper.md docs/generated/element_index.md docs/generated/reference_index.md docs/generated/cases.md docs/generated/verification.md docs/generated/bench_numbers.md
 	rm -f docs/generated/signs_*.svg docs/generated/symbol_*.svg docs/generated/tutorial_*
 	rm -rf .cache .hypothesis .mypy_cache .pytest_cache .ruff_cache
@@ -150,6 +175,17 @@ $(OLDEST)/.installed: pyproject.toml tests/oldest.txt
 	$(OLDEST)/bin/python -m pip --disable-pip-version-check install --quiet --upgrade "pip>=25.1"
 	$(OLDEST)/bin/python -m pip --disable-pip-version-check install --quiet --constraint tests/oldest.txt --editable ".[all]" --group test
 	@touch $@
+
+# Made anew each time: the index changes.
+$(NEWEST)/.installed: FORCE
+	rm -rf $(NEWEST)
+	"$$(python3.13 -c 'print("python3.13")' 2>/dev/null || echo "$(PYTHON)")" -m venv $(NEWEST)
+	$(NEWEST)/bin/python -m pip --disable-pip-version-check install --quiet --upgrade "pip>=25.1"
+	$(NEWEST)/bin/python -m pip --disable-pip-version-check install --quiet --editable ".[all]" --group test
+	$(NEWEST)/bin/python --version
+	@touch $@
+
+FORCE:
 
 # cffconvert cannot share an environment with the other checkers.
 $(CITATION)/.installed: pyproject.toml

@@ -1,5 +1,7 @@
 """The processor, the kernels of BLAS and the vector instructions of numpy change no answer but its rounding."""
 
+import sys
+
 import numpy as np
 import pytest
 from support import kernels
@@ -26,11 +28,6 @@ def same(value, other):
     return bool(np.all(np.abs(value - other) <= TOLERANCE * np.abs(value).max()))
 
 
-def without_vectors():
-    """The variable that leaves numpy the instructions which all processors have."""
-    return {"NPY_DISABLE_CPU_FEATURES": " ".join(kernels.dispatched())}
-
-
 def lower_kernels():
     try:
         return kernels.all_lower()
@@ -40,7 +37,7 @@ def lower_kernels():
 
 @pytest.mark.slow
 def test_the_lowest_kernel_and_no_vectors_give_the_same_answers():
-    environment = {"OPENBLAS_CORETYPE": lower_kernels()[-1]} | without_vectors()
+    environment = {"OPENBLAS_CORETYPE": lower_kernels()[-1]} | kernels.without_vectors()
     assert differences(answers("few"), answers_with("few", environment)) == []
 
 
@@ -48,7 +45,7 @@ def test_the_lowest_kernel_and_no_vectors_give_the_same_answers():
 def test_no_lower_kernel_and_no_vectors_change_an_answer():
     own = answers("many")
     environments = [{"OPENBLAS_CORETYPE": kernel} for kernel in lower_kernels()]
-    for environment in [*environments, without_vectors()]:
+    for environment in [*environments, kernels.without_vectors()]:
         assert differences(own, answers_with("many", environment)) == [], environment
 
 
@@ -101,14 +98,13 @@ class TestChoice:
         for name in lower_kernels():
             assert kernels.kernel(name) == name
 
-    def test_the_command_prints_it_alone(self, capsys, monkeypatch):
+    def test_a_command_runs_with_the_next_or_the_lowest(self, capfd, monkeypatch):
+        show = "import os; print(os.environ['OPENBLAS_CORETYPE'], 'NPY_DISABLE_CPU_FEATURES' in os.environ)"
         monkeypatch.setattr(kernels, "kernel", lambda asked=None: asked or "SkylakeX")
-        assert kernels.main() == 0
-        assert capsys.readouterr().out == "Haswell\n"
+        assert kernels.main(["next", sys.executable, "-c", show]) == 0
+        assert capfd.readouterr().out.endswith("Haswell False\n")
+        assert kernels.main(["lowest", sys.executable, "-c", f"{show}; exit(5)"]) == 5
+        assert capfd.readouterr().out.endswith("Nehalem True\n")
         monkeypatch.setattr(kernels, "kernel", lambda asked=None: asked or "neoversen1")
-        assert kernels.main() == 3
-        said = capsys.readouterr()
-        assert (said.out, said.err) == (
-            "",
-            "no other kernel to try: below the kernel neoversen1 there is none that is compared\n",
-        )
+        assert kernels.main(["next", sys.executable, "-c", show]) == 0
+        assert "below the kernel neoversen1 there is none that is compared" in capfd.readouterr().out

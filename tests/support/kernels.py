@@ -1,4 +1,4 @@
-"""Which BLAS kernels the processor can run besides its own: ``python tests/support/kernels.py`` prints the next one below it.
+"""Which BLAS kernels the processor can run besides its own: ``python tests/support/kernels.py next COMMAND`` runs a command with the next one below it.
 
 OpenBLAS rounds differently from one kernel to the next; the variable OPENBLAS_CORETYPE chooses one by name.
 """
@@ -74,15 +74,25 @@ def dispatched():
     return [name for name in __cpu_dispatch__ if __cpu_features__.get(name)]
 
 
-def main():
-    """Print the kernel, or say why there is none; 0 or 3 for the shell."""
+def without_vectors():
+    """The variable that leaves numpy the instructions which all processors have."""
+    return {"NPY_DISABLE_CPU_FEATURES": " ".join(dispatched())}
+
+
+def main(words):
+    """Run a command with the next kernel, or with the lowest and without numpy's vector code; 0 where there is no other."""
+    which, *command = words
     try:
-        sys.stdout.write(f"{lower()}\n")
+        changes = {"OPENBLAS_CORETYPE": lower() if which == "next" else all_lower()[-1]}
     except NoOtherKernelError as reason:
-        sys.stderr.write(f"no other kernel to try: {reason}\n")
-        return 3
-    return 0
+        sys.stdout.write(f"no other kernel to try: {reason}\n")
+        return 0
+    if which == "lowest":
+        changes |= without_vectors()
+    sys.stdout.write(f"BLAS kernel {changes}\n")
+    sys.stdout.flush()
+    return subprocess.run(command, env=os.environ | changes, check=False).returncode
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(sys.argv[1:]))
