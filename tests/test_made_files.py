@@ -93,3 +93,34 @@ def test_every_name_has_a_writer(monkeypatch):
     import made_files
 
     assert {*generate.PAGES, *generate.WRITERS} == {*made_files.IN_REPOSITORY, *made_files.FOR_PAGES}
+
+
+EXAMPLE = """
+import sys
+sys.path[:0] = ["", "docs"]
+import gallery_figures
+gallery_figures.forget_stale()
+if len(sys.argv) > 1:
+    gallery_figures.observe({}, "plot_units.py", "before")
+    import torsionnet.units
+    gallery_figures.observe({}, "plot_units.py", "after")
+"""
+
+
+def test_an_example_runs_again_where_what_it_imported_has_changed(checkout):
+    pytest.importorskip("sphinx_gallery", reason="sphinx-gallery is in the group docs")
+    shutil.copy(PROGRAM.with_name("gallery_figures.py"), checkout / "docs")
+    ran = checkout / "docs" / "gallery" / "plot_units.py.md5"
+    ran.parent.mkdir()
+
+    def is_kept(*more):
+        subprocess.run([sys.executable, "-B", "-c", EXAMPLE, *more], cwd=checkout, check=True)
+        return ran.exists()
+
+    ran.touch()
+    assert not is_kept("run"), "nothing is known of when it ran"
+    ran.touch()
+    (checkout / "torsionnet" / "other.py").write_text("VALUE = 2\n", encoding="utf-8")
+    assert is_kept()
+    (checkout / "torsionnet" / "units.py").write_text("FACTOR = 5\n", encoding="utf-8")
+    assert not is_kept()
