@@ -55,6 +55,9 @@ LONG = {
     "from_test_to_response",
 }
 """Pages whose programs have long records, reports or sweeps: they run where slow tests do, as do all commands and examples."""
+DEAR = {"campaign", "compressor", "identify_parameters", "marine", "trust_a_fit"}
+DEAR |= {"plot_damping_choice", "plot_fit_gears", "plot_study_damper", "plot_study_yield"}
+"""Pages and examples of most of the seconds: they run at night, their commands on short files in tests of these."""
 IN_ORDER = {"ticks_to_misfire"}
 """Pages whose programs and commands need each other's files; tests of their own run them in the order of the page."""
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -256,7 +259,9 @@ def test_axes_of_the_model_file_page_combine():
 
 def each(paths):
     """Parametrise over pages or examples."""
-    cases = [pytest.param(path, marks=[pytest.mark.slow] * (path.stem in LONG), id=path.stem) for path in paths]
+    mark = {path.stem: [pytest.mark.slow] for path in paths if path.stem in LONG}
+    mark |= {path.stem: [pytest.mark.nightly] for path in paths if path.stem in DEAR}
+    cases = [pytest.param(path, marks=mark.get(path.stem, ()), id=path.stem) for path in paths]
     return pytest.mark.parametrize("path", cases)
 
 
@@ -269,7 +274,7 @@ def lay_out(page, folder):
 
 
 @pytest.mark.few(1)
-@each(path for path in PAGES if blocks(path, "python") and path.stem not in IN_ORDER)
+@each([path for path in PAGES if blocks(path, "python") and path.stem not in IN_ORDER])
 def test_programs_on_pages_run(path, workplace, capsys):
     lay_out(path, workplace)
     names, printed = {}, ""
@@ -325,11 +330,7 @@ OWN_RECORDS = {"angle_from_pulses", "calibrate_wheel", "damping_from_run_up", "f
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "path",
-    [path for path in PAGES if commands(path) and path.stem not in OWN_RECORDS | IN_ORDER],
-    ids=lambda path: path.stem,
-)
+@each([path for path in PAGES if commands(path) and path.stem not in OWN_RECORDS | IN_ORDER])
 def test_commands_on_pages_work_one_after_the_other(path, workplace, capsys):
     lay_out(path, workplace)
     for line in commands(path, shown_with_output=path.stem not in PRINTED):
@@ -400,7 +401,7 @@ def test_there_is_a_gallery():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@each(EXAMPLES)
 def test_example_draws(path, workplace, capsys):
     import matplotlib as mpl
     import matplotlib.pyplot as plt
