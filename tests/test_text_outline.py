@@ -5,6 +5,7 @@ import sys
 from itertools import pairwise
 
 import pytest
+from support import campaigns
 
 from torsionnet.model.files.library import library_models
 from torsionnet.text.hovering import hover
@@ -152,10 +153,12 @@ def test_texts_cut_at_every_character():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", sorted(library_models()))
+@pytest.mark.parametrize(
+    "name", campaigns.by_day(sorted(library_models()), "amt_rig", "drill_string", "marine_medium_speed")
+)
 def test_library_texts_cut_in_many_places(name):
     text = library_models()[name].read_text(encoding="utf-8")
-    for length in range(0, len(text), 23):
+    for length in range(0, len(text), campaigns.examples(211, 23)):
         is_in_place(text[:length])
         is_in_place(text[:length] + text[length + 7 :])
 
