@@ -501,7 +501,7 @@ def test_answers_on_a_cluster(local, study_folder, monkeypatch):
     assert answers_as_text(study, study_folder) == alone
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_slurm_recipe_of_the_page(tmp_path, monkeypatch, capsys):
     """It leaves a scheduler file that works, and its jobs start workers of one thread that keep their memory."""
     jobqueue = pytest.importorskip("dask_jobqueue")
