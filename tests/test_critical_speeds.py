@@ -538,6 +538,18 @@ class TestPictures:
             marks[np.argmin(abs(marks[:, 0] - 529.88) + abs(marks[:, 1] - 26.494))], 1e-4
         )
 
+    def test_lines_that_end_at_one_place_share_a_label(self):
+        orders = {order: {"amplitude": "1 N*m"} for order in (2, 2.02, 3)}
+        rig = tn.Drivetrain(
+            "two",
+            [tn.Inertia("A", node="a", inertia=1), tn.Inertia("B", node="b", inertia=2),
+             tn.Spring("s", nodes=("a", "b"), stiffness=1e4)],
+            speeds={"of": "a", "list": ["100 rpm", "1000 rpm"]},
+            excitations={"shake": {"type": "harmonic", "node": "a", "orders": orders}},
+        )  # fmt: skip
+        (axes,) = interference_diagram(rig.critical_speeds()).axes
+        assert [text.get_text() for text in axes.texts if "Hz" not in text.get_text()] == ["2", "3"]
+
     def test_stars_of_one_diagram_share_a_panel(self):
         found = marine({"engine": INLINE_SIX}).critical_speeds(lowest=4)
         stars = [one.star for one in found.crossings if one.mode.number == 3]

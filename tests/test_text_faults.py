@@ -166,6 +166,7 @@ MENDED = {  # what is wrong in BASE, the title of the first fix; the fix gives B
     "parameter in an expression": ("stiffness: k", "stiffness: 2*kk", 'write "k"', "stiffness: 2*k"),
     "unit misspelt": ("kN*m/rad", "kN*m/rd", 'write "rad"', ""),
     "wrong unit": ("0.1 kg*m^2", "0.1 kg*m", "write 0.1 kg*m^2", ""),
+    "wrong unit in quotes": ("0.1 kg*m^2", "'0.1 kg*m'", "write '0.1 kg*m^2'", "'0.1 kg*m^2'"),
     "decimal comma in brackets": ("inertia: 2}", "inertia: 0,152 kg*m^2}", "write a decimal point", "0.152 kg*m^2}"),
     "decimal comma": ("1 kN*m/rad", "13,3 kN*m/rad", "write a decimal point", "13.3 kN*m/rad"),
     "missing key": (", inertia: 0.1 kg*m^2", "", "insert inertia: 1 kg*m^2", ", inertia: 1 kg*m^2}"),
