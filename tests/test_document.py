@@ -157,6 +157,21 @@ class TestValues:
         assert ("dmf", "spring", "primary – input shaft", "stiffness", "k_{1}", "460", "N·m/rad") in rows(table)
         assert ("", "", "", "damping", "c_{1}", "4", "N·m·s/rad") in rows(table)
 
+    def test_signs_are_those_of_torques_in_elements(self):
+        """A node of the name of an element has none."""
+        rig = tn.Drivetrain(
+            "fan",
+            [tn.Inertia("rotor", node="rotor", inertia=1), tn.Inertia("wheel", node="hub", inertia=2),
+             tn.Spring("shaft", nodes=("rotor", "hub"), stiffness=1e4)],
+            inputs={"T": {"torque": "rotor"}},
+            sensors={"M": {"torque": "shaft"}, "M_hub": {"torque": "shaft", "at": "hub"}, "phi": {"angle": "rotor"}},
+        )  # fmt: skip
+        found = of(TableBlock, blocks(report(rig, sections=["elements"]), "elements"))
+        table = next(one for one in found if words(one.caption) == "Inputs and sensors")
+        signs = [row[-1] for row in rows(table)]
+        assert signs == ["", rig.elements["shaft"].sign, "positive when it drives out of the element into hub", ""]
+        assert signs[1]
+
     def test_configurations_differ_by(self, amt):
         table = of(TableBlock, blocks(amt, "parameters"))[1]
         assert rows(table)[-1] == ("V_c_O_360", "360", "3.26")

@@ -226,6 +226,21 @@ def test_a_gain_is_tried_both_ways():
     assert cause_fits.explaining_fits([found], cause_fits.sum_of_squares(problem, problem.start)) == [found]
 
 
+@pytest.mark.parametrize(("kind", "unknown", "factors"), [("value", "k_2", [1, 0.5, 2]), ("delay", "delay", [1])])
+def test_values_of_the_model_are_searched_from_several_starts(kind, unknown, factors):
+    problem, begun = make_problem(rig(), [reversed_test()], {"d": Unknown()}, "complex"), []
+
+    def solve(tried, start, tolerance=1e-12):
+        del tolerance
+        names = [name.partition("[")[0] for name in tried.names]
+        begun.append(start[names.index(unknown)] / (tried.start[names.index(unknown)] or 1))
+        return SimpleNamespace(x=start)
+
+    cause_fits.fit_causes(problem, [Cause(kind, unknown)], [problem.start], solve, 0.0)
+    assert len(begun) == len(factors)
+    assert kind != "value" or begun == pytest.approx(factors)
+
+
 @pytest.mark.slow
 def test_a_reversed_channel_is_named_by_fit_and_ranking():
     ranking = rank_causes(rig(), reversed_test())

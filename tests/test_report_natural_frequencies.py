@@ -180,5 +180,39 @@ class TestSection:
             signs = [(at[f"blade{i}.tip"] / at["hub"]).real for i in (1, 2, 3)]
             assert [f"blade{i}.edge" in told[str(number)] for i in (1, 2, 3)] == [sign < 0 for sign in signs]
 
+    def test_a_node_on_a_branch_lies_in_an_element_or_at_a_mass(self):
+        """Two equal arms swing against each other at sqrt(k/J), and the hub between them, with all else, is at rest."""
+        masses = {
+            "sun": 0.3,
+            "ring": 2.0,
+            "carrier": 4.0,
+            "motor": 0.7,
+            "left": 1.0,
+            "hub": 2.0,
+            "right": 1.0,
+            "tip": 3.0,
+        }
+        springs = {
+            ("carrier", "tip"): 2e4,
+            ("motor", "sun"): 1e3,
+            ("ring", "hub"): 5e3,
+            ("left", "hub"): 1e4,
+            ("hub", "right"): 1e4,
+        }
+        rig = tn.Drivetrain(
+            "tied",
+            [
+                tn.Planetary("set", sun="sun", ring="ring", carrier="carrier", ratio=3),
+                *(tn.Inertia(f"J_{node}", node=node, inertia=inertia) for node, inertia in masses.items()),
+                *(tn.Spring("_".join(nodes), nodes=nodes, stiffness=value) for nodes, value in springs.items()),
+            ],
+            speeds={"of": "sun", "list": ["100 rpm", "900 rpm"]},
+            excitations={"e": {"type": "harmonic", "node": "sun", "orders": {2: {"amplitude": 1}}}},
+        )
+        (table, *_) = of(TableBlock, section(rig).blocks)
+        told = {row[1]: row[5] for row in rows(table)}
+        assert told[f"{np.sqrt(1e4) / (2 * np.pi):.2f}"] == "at hub"
+        assert told[rows(table)[0][1]] == "in motor sun, in ring hub"
+
     def test_models_without_excitations_have_none(self):
         assert make_report("dmf_rig", sections=["natural_frequencies"], date=None).sections == ()
