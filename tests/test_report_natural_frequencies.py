@@ -5,7 +5,7 @@ import pytest
 from support.report_blocks import of, rows, words
 
 import torsionnet as tn
-from torsionnet.plot.relative_amplitudes import relative_amplitudes
+from torsionnet.plot.relative_amplitudes import BRANCH_STEP, relative_amplitudes
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Paragraph, Picture, TableBlock
 from torsionnet.report.report_data import ReportData, cases_of
@@ -109,6 +109,18 @@ def test_picture_marks_each_node_once():
         assert len(rings) == count
     with pytest.raises(tn.UsageError, match="no Holzer table"):
         relative_amplitudes([])
+
+
+def test_a_branch_stands_a_little_apart_from_the_line_before():
+    """Masses of a line are one step from each other, and the first of a branch BRANCH_STEP from the last before it."""
+    masses = [tn.Inertia(name, node=name, inertia=1) for name in "abcdef"]
+    shafts = [tn.Spring("_".join(pair), nodes=tuple(pair), stiffness=1e4) for pair in ("ab", "bc", "cd", "be", "ef")]
+    holzer = tn.Drivetrain("branched", [*masses, *shafts]).holzer_table(1)
+    (axes,) = relative_amplitudes([holzer]).axes
+    lines = [one.get_xdata() for one in axes.lines if len(one.get_xdata()) > 2]
+    assert sorted(map(len, lines)) == [3, 4]
+    assert {step for one in lines for step in np.diff(one)} == {1.0}
+    assert lines[1][0] - lines[0][-1] == pytest.approx(BRANCH_STEP)
 
 
 def section(model, **options):
