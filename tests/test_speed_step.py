@@ -262,6 +262,14 @@ def test_where_to_look_next():
     assert math.isfinite(float(speeds_to_refine(speeds, np.where(speeds > 12, straight.T, np.nan).T, 6.5)[0]))
 
 
+def test_a_valley_between_two_speeds_falls_below_a_level():
+    speeds, curve = np.linspace(10, 20, 11), lambda n: (2 - 1.8 / (1 + (n - 14.5) ** 2))[:, None]
+    assert curve(speeds).min() > 0.4
+    for _ in range(4):
+        speeds = np.sort(np.append(speeds, speeds_to_refine(speeds, curve(speeds), 0.4)))
+    assert curve(speeds).min() == pytest.approx(0.2, rel=0.01)
+
+
 class TestOrdersOfOneFrequency:
     """Engine and propeller on one shaft have order 4 both: apart they are 30 and 20 N m, together what is measured."""
 
