@@ -312,7 +312,7 @@ def test_reload_keeps_everything(opened):
         opened.page.keyboard.press("Enter")
     opened.page.locator("label", has_text="deg").click()
     opened.page.get_by_role("button", name="Dark colours").click()
-    opened.until(lambda: "theme=dark" in opened.page.url, "the address of the last choice")
+    opened.until(lambda: "theme=dark" in opened.page.evaluate("location.hash"), "the address of the last choice")
     opened.settle()
     before = drawn(opened)
     opened.page.reload()

@@ -268,14 +268,18 @@ def test_no_workers_yet_is_said_while_it_waits(tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
-def test_no_workers_any_more_is_said_while_it_waits(study_folder, monkeypatch):
-    """All workers go while chunks are left; it is said as often as at the beginning, and others go on."""
+@pytest.mark.parametrize("fetched_late", [False, True])
+def test_no_workers_any_more_is_said_while_it_waits(study_folder, monkeypatch, fetched_late):
+    """All workers go while chunks are left; it is said as often as at the beginning, and others go on.
+
+    With them go chunks in hand, and what they had calculated and nobody had fetched.
+    """
     from distributed import Client, LocalCluster
 
     monkeypatch.setattr(cluster_losses, "SAID_FIRST", 0.2)
     monkeypatch.setattr(dask_executor, "LOOK_EVERY", 0.05)
     monkeypatch.setattr(dask_executor, "TASK_SECONDS", 0.0)
-    asked = {"processes": False, "threads_per_worker": 1, "dashboard_address": None}
+    asked = {"processes": False, "threads_per_worker": 1, "dashboard_address": ":0"}
     with LocalCluster(n_workers=1, **asked) as cluster, Client(cluster, set_as_default=False) as user:
         said = []
 
@@ -286,9 +290,11 @@ def test_no_workers_any_more_is_said_while_it_waits(study_folder, monkeypatch):
 
         rescue = threading.Timer(PATIENCE, cluster.scale, [1])  # without words nothing else would end the test
         rescue.start()
-        work = NoiseWork(str(study_folder), 0.02)
+        work = NoiseWork(str(study_folder), 0.2)
         for done, _ in enumerate(DaskExecutor(user, study_folder, told).map(work, range(40))):
             if done == 5:
+                if fetched_late:
+                    wait_for(lambda: chunks_there(study_folder) > 7)
                 cluster.scale(0)
                 wait_for(lambda: not user.nthreads())
         rescue.cancel()

@@ -212,6 +212,10 @@ class _Running(Generic[S]):
     def _next(self) -> list[tuple[S, DoneChunk[Any]]]:
         """Parts of the study and the workers' reports on them, of the tasks that finished since the last call."""
         ended = self.finished.next_batch(block=True)
+        # What was not fetched is lost with its worker, and is waited for like what was in hand there.
+        for task in [task for task in ended if task.status == "lost"]:
+            self.finished.add(task)
+            ended.remove(task)
         for task in ended:
             if task.status != "finished":
                 with worker_errors(self.tasks[task]):
