@@ -87,10 +87,8 @@ def pytest_collection_modifyitems(items, config):
     """Mark what a run tries with fewer examples, and what one without slow tests leaves out."""
     campaigns.leave_to_the_night(items)
     campaigns.leave_cases_out(items)
-    for item in items:
-        name = item.nodeid.split("::")[1].split("[")[0]
-        if isinstance(item, pytest.Function) and name in campaigns.sized(item.path):
-            item.add_marker("campaign")
+    if "campaign" in config.option.markexpr:  # to read files as syntax takes a tenth of collecting
+        campaigns.mark_sized(items)
     if left_out := without_numbers(config):
         gone = [item for item in items if item.nodeid.partition("[")[0] in left_out]
         config.hook.pytest_deselected(items=gone)

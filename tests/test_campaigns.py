@@ -42,6 +42,7 @@ def test_each_way_is_seen(tmp_path, request):
     names = campaigns.sized(tmp_path / "tests.py")
     expected = {"test_by_a_value", "test_by_a_range", "test_by_a_function", "test_by_a_helper", "TestOfAClass"}
     assert {name for name in names if name.lower().startswith("test")} == expected
+    campaigns.mark_sized([request.node])
     assert request.node.get_closest_marker("campaign")  # this one asks there, too
 
 

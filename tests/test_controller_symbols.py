@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-import sympy
 from support.controlled_plants import FREQUENCIES, Plant
 
 import torsionnet as tn
@@ -100,6 +99,8 @@ class TestNumbers:
 
 class TestForms:
     def test_governor_is_the_textbook_second_order(self):
+        import sympy
+
         H = speed_loop().symbolic().transfer_function("w", "T")
         s, J, p, i = sympy.symbols("s J p i")
         assert sympy.simplify(H.polynomial.expression - s / (J * s**2 + p * s + i)) == 0
@@ -111,6 +112,8 @@ class TestForms:
 
     def test_the_loop_leaves_no_pole_of_the_drivetrain_alone(self):
         """Two masses, one sensed and the other driven: as many poles as states."""
+        import sympy
+
         elements = [
             tn.Inertia("one", node="a", inertia="J"),
             tn.Spring("shaft", nodes=("a", "b"), stiffness="k"),
@@ -124,6 +127,8 @@ class TestForms:
         assert len(H.polynomial.denominator) == 5  # two masses have no more than four poles
 
     def test_a_delay_stays_out_of_polynomials(self):
+        import sympy
+
         H = speed_loop("tau").symbolic().transfer_function("w", "T")
         i, tau = sympy.symbols("i tau")
         assert tau in H.free_symbols
@@ -138,6 +143,8 @@ class TestForms:
 
     def test_what_delayed_and_undelayed_torques_leave_at_rest(self):
         """k - k e^(-s tau) is k tau s for slow motions: only the series of the delay knows."""
+        import sympy
+
         elements = [
             tn.Inertia("rotor", node="a", inertia=2),
             tn.Spring("hold", nodes=("a", "ground"), stiffness="k"),

@@ -10,7 +10,6 @@ from support.command_line import run
 from support.running_plants import INLINE_SIX, PRESSURE, car, engine, marine, two_mass
 
 import torsionnet as tn
-from torsionnet.plot import interference_diagram, star_diagrams
 from torsionnet.response.margin_rules import PRESETS, MarginClause, MarginRule, margin_rule
 from torsionnet.response.vibrations.vibration_mode import amplification
 from torsionnet.solve.running.generalised_force import star_diagram
@@ -525,6 +524,8 @@ class TestCommand:
 
 class TestPictures:
     def test_interference_diagram(self):
+        from torsionnet.plot import interference_diagram
+
         found = marine({"engine": INLINE_SIX}).critical_speeds(margin="api684", lowest=6)
         (axes,) = interference_diagram(found).axes
         assert axes.get_xlabel() == "speed of fly [rpm]"
@@ -547,16 +548,22 @@ class TestPictures:
             speeds={"of": "a", "list": ["100 rpm", "1000 rpm"]},
             excitations={"shake": {"type": "harmonic", "node": "a", "orders": orders}},
         )  # fmt: skip
+        from torsionnet.plot import interference_diagram
+
         (axes,) = interference_diagram(rig.critical_speeds()).axes
         assert [text.get_text() for text in axes.texts if "Hz" not in text.get_text()] == ["2", "3"]
 
     def test_stars_of_one_diagram_share_a_panel(self):
+        from torsionnet.plot import star_diagrams
+
         found = marine({"engine": INLINE_SIX}).critical_speeds(lowest=4)
         stars = [one.star for one in found.crossings if one.mode.number == 3]
         titles = [axes.get_title() for axes in star_diagrams(stars).axes]
         assert any(title.startswith("engine 3, 6, 9\n") for title in titles)
 
     def test_no_stars(self):
+        from torsionnet.plot import star_diagrams
+
         with pytest.raises(tn.UsageError, match="no star diagram to draw"):
             star_diagrams([])
 

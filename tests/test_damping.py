@@ -4,15 +4,14 @@ import math
 from fractions import Fraction
 
 import pytest
-import sympy
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from support.models import sympy_algebra
 
 from torsionnet.core.damping import MEASURES, DampingError, DampingMeasure, convert_damping
 from torsionnet.core.expression_reading import parse_expression, scalar
-from torsionnet.core.expressions import FLOAT, RATIONAL, Algebra, ExpressionError
+from torsionnet.core.expressions import FLOAT, RATIONAL, ExpressionError
 
-SYMPY = Algebra(number=lambda x: sympy.Rational(x.numerator, x.denominator), sqrt=sympy.sqrt, pi=sympy.pi)
 K, F = 1300.0, 12.5
 OMEGA = 2 * math.pi * F
 
@@ -103,11 +102,13 @@ def test_c_to_c_needs_nothing_else():
 
 @given(st.floats(min_value=1e-3, max_value=1.5), NAMES)
 def test_the_measure_of_a_spring_agrees_with_the_converter(value, measure):
+    import sympy
+
     damping = DampingMeasure(measure, scalar(value), scalar(F))
     expected = convert_damping(value, measure, "c", stiffness=K, frequency=F)
     for algebra, stiffness in ((FLOAT, K), (RATIONAL, Fraction(K))):
         assert float(damping.viscous(stiffness, {}, algebra)) == pytest.approx(expected, rel=1e-12)
-    assert float(damping.viscous(sympy.Float(K), {}, SYMPY)) == pytest.approx(expected, rel=1e-12)
+    assert float(damping.viscous(sympy.Float(K), {}, sympy_algebra())) == pytest.approx(expected, rel=1e-12)
     assume(measure != "c")
     eta = convert_damping(value, measure, "eta")
     assert float(damping.loss_factor({}, FLOAT)) == pytest.approx(eta, rel=1e-12)
@@ -119,12 +120,14 @@ def test_rational_loss_factors_stay_exact():
 
 
 def test_symbols():
+    import sympy
+
     k, zeta, f = sympy.symbols("k zeta f", positive=True)
     damping = DampingMeasure("zeta", parse_expression("zeta"), parse_expression("2*f_0"))
     assert damping.names == {"zeta", "f_0"}
-    c = damping.viscous(k, {"zeta": zeta, "f_0": f}, SYMPY)
+    c = damping.viscous(k, {"zeta": zeta, "f_0": f}, sympy_algebra())
     assert sympy.simplify(c - zeta * k / (2 * sympy.pi * f)) == 0
-    delta = DampingMeasure("log_decrement", parse_expression("d")).loss_factor({"d": zeta}, SYMPY)
+    delta = DampingMeasure("log_decrement", parse_expression("d")).loss_factor({"d": zeta}, sympy_algebra())
     assert sympy.simplify(delta - 2 * zeta / sympy.sqrt(4 * sympy.pi**2 + zeta**2)) == 0
 
 
@@ -157,6 +160,6 @@ def test_measures_without_an_answer():
 
 def test_zero_is_refused_in_symbols_too():
     with pytest.raises(DampingError, match="is 0"):
-        DampingMeasure("Q", scalar(0)).loss_factor({}, SYMPY)
+        DampingMeasure("Q", scalar(0)).loss_factor({}, sympy_algebra())
     with pytest.raises(DampingError, match="is 0"):
-        DampingMeasure("eta", scalar(1), scalar(0)).viscous(K, {}, SYMPY)
+        DampingMeasure("eta", scalar(1), scalar(0)).viscous(K, {}, sympy_algebra())

@@ -10,7 +10,6 @@ import shlex
 import sys
 from pathlib import Path
 
-import networkx
 import pytest
 from structure.floors import LAYERS
 
@@ -130,6 +129,8 @@ class TestGeneratedPages:
     @pytest.mark.slow
     @pytest.mark.usefixtures("generate")
     def test_arrows_of_the_house_lead_to_all_that_is_imported_and_to_nothing_twice(self):
+        import networkx
+
         house = importlib.import_module("house_picture")
         level = {name: depth for depth, layer in enumerate(LAYERS) for name in layer.names}
         imported = {(level[a], level[b]) for a, b in house._imports() if level[a] != level[b]}

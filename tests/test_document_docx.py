@@ -6,10 +6,8 @@ import sys
 import zipfile
 
 import pytest
-from matplotlib.figure import Figure
 
 import torsionnet as tn
-from torsionnet.plot.drawing.rendering import figure_bytes
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import (
     BreakableMath,
@@ -71,6 +69,8 @@ NUMBERS = TableBlock(
 
 
 def picture(size=(2, 1)):
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=size)
     figure.add_subplot().plot([0, 1])
     return Picture("line", figure, ("A line.",), "a line that rises")
@@ -224,6 +224,8 @@ class TestFile:
         assert lines[1:] == [["Prepared", "", "", ""], ["Checked", "", "", ""], ["Approved", "", "", ""]]
 
     def test_words_language_and_logo_of_a_template(self, tmp_path):
+        from torsionnet.plot.drawing.rendering import figure_bytes
+
         (tmp_path / "words.yaml").write_text("language: de\ntexts: {Table: Tabelle, Contents: Inhalt, Name: Wer}\n")
         (tmp_path / "logo.png").write_bytes(figure_bytes(picture().figure, "png"))
         report = make_report("dmf_rig", sections=["elements"], date=DATE, template=tmp_path)

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import sympy
 from support.dotted_models import dotted
 from support.library_cases import library_cases
 
@@ -46,6 +45,8 @@ def test_a_model_as_a_part_is_written_and_read(name):
 
 
 def test_symbols_of_parts_have_their_owner_as_index():
+    import sympy
+
     rig = dotted(tn.load("dmf_rig"))
     function = rig.symbolic().transfer_function("rig.theta_1", "rig.T_M")
     plain = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_M")

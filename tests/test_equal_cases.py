@@ -7,7 +7,6 @@ import pytest
 from support.written_models import TWO_CYLINDER_PLANT, TWO_CYLINDERS
 
 import torsionnet as tn
-from torsionnet.plot import limit_check, order_response
 from torsionnet.report.document_tree import TableBlock
 from torsionnet.report.report import make_report
 from torsionnet.response.worst_response import ALL_CASES_EQUAL
@@ -62,6 +61,8 @@ def test_equal_torques_are_those_of_the_first_node_and_phases_have_a_unit():
 
 
 def test_axes_of_large_torques_are_in_kilonewton_metres(plant):
+    from torsionnet.plot import limit_check, order_response
+
     panel = limit_check(plant.check_limits(), "rubber").axes[0]
     assert panel.get_ylabel() == "mean torque [kN·m]"
     assert panel.lines[-1].get_ydata().max() == pytest.approx(20)

@@ -11,9 +11,9 @@ import sys
 import threading
 from dataclasses import MISSING
 from fractions import Fraction
+from functools import cache
 from pathlib import Path
 
-import jsonschema
 import numpy as np
 import pytest
 import yaml
@@ -311,14 +311,21 @@ def test_every_entry_is_counted():
 
 # Schema
 
-VALIDATOR = jsonschema.Draft202012Validator(json_schema())
+
+@cache
+def validator():
+    import jsonschema
+
+    return jsonschema.Draft202012Validator(json_schema())
 
 
 def is_valid(text):
-    return VALIDATOR.is_valid(compose(text, "f").data)
+    return validator().is_valid(compose(text, "f").data)
 
 
 def test_schema_is_a_schema():
+    import jsonschema
+
     jsonschema.Draft202012Validator.check_schema(json_schema())
 
 
@@ -326,9 +333,9 @@ def test_good_models_fit_the_schema():
     for path in library_models().values():
         text = path.read_text(encoding="utf-8")
         assert text.startswith("# yaml-language-server: $schema=torsionnet.schema.json\ntorsionnet: 1\n")
-        VALIDATOR.validate(compose(text, "f").data)
-        VALIDATOR.validate(load(path).definition.to_data())
-    VALIDATOR.validate(rich_model().definition.to_data())
+        validator().validate(compose(text, "f").data)
+        validator().validate(load(path).definition.to_data())
+    validator().validate(rich_model().definition.to_data())
 
 
 @pytest.mark.parametrize(
@@ -402,7 +409,7 @@ def test_schema_and_reader_agree_on_keys(kind):
     variants = {"as it is": entry, "unknown key": {**entry, "nonsense": 1}, "wrong case": {**entry, "Type": kind}}
     variants |= {f"without {key}": {name: value for name, value in entry.items() if name != key} for key in required}
     for what, variant in variants.items():
-        fits = VALIDATOR.is_valid({"torsionnet": 1, "elements": {"x": variant}})
+        fits = validator().is_valid({"torsionnet": 1, "elements": {"x": variant}})
         assert fits == (not element_faults(variant)) == (what == "as it is"), what
 
 

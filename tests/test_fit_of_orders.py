@@ -17,7 +17,6 @@ from torsionnet.identification.orders.parametric_orders import parametric_orders
 from torsionnet.identification.unknown_parameter import read_unknowns
 from torsionnet.io import read_frequency_response
 from torsionnet.io.tracked_order_tables import read_tracked_orders, write_tracked_orders
-from torsionnet.plot import fit as draw_fit
 from torsionnet.response.order_comparison import MeasuredOrder
 from torsionnet.solve.sensitivity import ParametricResponse
 
@@ -254,6 +253,8 @@ def test_fit_file_of_orders_tells_all_faults_with_their_place(tmp_path):
 
 
 def test_fit_file_of_orders_is_fitted_and_saved(tmp_path):
+    from torsionnet.plot import fit as draw_fit
+
     engine_model().to_yaml(tmp_path / "engine.yaml")
     values = dense_orders(misfire={4: 0.3})
     write_tracked_orders([tracked(values, SIGMA, 0)], tmp_path / "run.csv")

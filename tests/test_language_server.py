@@ -18,8 +18,6 @@ pytest.importorskip("pygls", reason='the language server needs pip install "tors
 
 from click.testing import CliRunner
 from lsprotocol import types as lsp
-from pygls.exceptions import JsonRpcException
-from pygls.lsp.client import LanguageClient
 
 from torsionnet.cli.app import app
 
@@ -107,6 +105,8 @@ def finished(work):
 
 def session(folder, talk, encodings=None):
     """Talk of an editor with a server of its own, from the first message to the exit."""
+
+    from pygls.lsp.client import LanguageClient
 
     async def all_of_it():
         client = LanguageClient("test", "1")
@@ -231,6 +231,8 @@ def test_what_mends_a_fault_is_offered_at_its_place_and_makes_it_vanish(tmp_path
 
 
 def test_names_are_found_and_renamed_in_the_whole_file(tmp_path):
+    from pygls.exceptions import JsonRpcException
+
     async def talk(editor):
         document = editor.open(README)
         client = editor.client

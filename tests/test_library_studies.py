@@ -3,7 +3,6 @@
 import json
 from dataclasses import replace
 
-import jsonschema
 import pytest
 import yaml
 from click.testing import CliRunner
@@ -31,6 +30,8 @@ def test_every_study_loads_without_a_warning(name):
 @pytest.mark.few(1)
 @pytest.mark.parametrize("name", library_studies())
 def test_editors_find_nothing_wrong_in_any_study(name):
+    import jsonschema
+
     text = library_studies()[name].read_text(encoding="utf-8")
     schema = library_studies()[name].parent / text.splitlines()[0].partition("$schema=")[2]
     jsonschema.validate(yaml.safe_load(text), json.loads(schema.read_text(encoding="utf-8")))

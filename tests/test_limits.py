@@ -14,7 +14,6 @@ from support.ship_plant import PAGE_SHIP, SHIP
 import torsionnet as tn
 from torsionnet.model.limits.iacs_m68 import IacsM68
 from torsionnet.model.limits.m68_stress import permissible, size_factor, usual_range
-from torsionnet.plot import limit_check as drawn
 
 
 class TestPermissibleStress:
@@ -557,6 +556,8 @@ class TestShip:
 
     @pytest.mark.slow
     def test_the_picture_has_limit_lines_and_shaded_ranges(self, folder):
+        from torsionnet.plot import limit_check as drawn
+
         figure = drawn(tn.load(folder / "ship.yaml").configured("normal").check_limits())
         first, _, last = figure.axes
         labels = first.get_legend_handles_labels()[1]

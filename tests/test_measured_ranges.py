@@ -9,7 +9,6 @@ from support.measured_pump import PLANT, RPM, torque, tracked
 
 import torsionnet as tn
 from torsionnet.io.tracked_order_tables import write_tracked_orders
-from torsionnet.plot import limit_check
 from torsionnet.solve.running.measured_ranges import measured_ranges
 
 
@@ -39,6 +38,8 @@ class TestLimits:
         assert "above it from" in text
 
     def test_exceeded_in_the_barred_range_alone(self):
+        from torsionnet.plot import limit_check
+
         rpm = np.arange(310.0, 890.0, 5.0)
         model = tn.load("plant.yaml")
         check = model.check_limits()

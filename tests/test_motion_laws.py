@@ -7,7 +7,6 @@ from fractions import Fraction
 import numpy as np
 import pytest
 import scipy
-import sympy
 
 import torsionnet as tn
 from torsionnet.assembly.twin import TWINS, Twin
@@ -267,6 +266,8 @@ def test_symmetric_curve_is_its_own_mirror_image():
 class TestAlgebras:
     def test_symbols(self):
         """Torque and tangent of a clearance with symbols for all its entries, in contact."""
+        import sympy
+
         b, k, c = sympy.symbols("b k c")
         values = {"b": Twin(Fraction(1, 5), b), "k": Twin(Fraction(100), k), "c": Twin(Fraction(3), c)}
         law = law_of(tn.Clearance("e", **ENDS, gap="b", stiffness="k", damping="c"), TWINS, values)
@@ -285,6 +286,8 @@ class TestAlgebras:
         assert tangent.stiffness.gradient == pytest.approx([1, 0.75])
 
     def test_symbolic_stiffness_of_a_drivetrain(self):
+        import sympy
+
         rig = tn.Drivetrain(
             "rig",
             [

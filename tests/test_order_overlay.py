@@ -10,7 +10,6 @@ from support.command_line import run
 
 import torsionnet as tn
 from torsionnet.io.order_tables import read_orders
-from torsionnet.plot import order_overlay
 from torsionnet.response.order_comparison import MeasuredOrder, compared_orders
 
 RPM = np.pi / 30
@@ -118,6 +117,8 @@ class TestCommand:
 
 class TestPicture:
     def test_dots_over_lines(self, folder):
+        from torsionnet.plot import order_overlay
+
         response = tn.loads(PLANT).configured("rough").order_response("torque(shaft)")
         measured = read_orders(folder / recorded(folder), response.outputs[0])
         (panel,) = order_overlay(response, {"torque(shaft)": measured}).axes

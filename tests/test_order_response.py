@@ -14,8 +14,6 @@ from support.written_models import TWO_FANS
 import torsionnet as tn
 from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
 from torsionnet.model.excitations.slider_crank import piston_curvature, piston_rate
-from torsionnet.plot import order_response as drawn
-from torsionnet.plot import waterfall, waveform
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.solve.responses import shared_response
@@ -463,6 +461,8 @@ class TestFiles:
 
 class TestPictures:
     def test_axes_and_lines(self):
+        from torsionnet.plot import order_response as drawn
+
         data = reference("forced_inline_six")
         run = plant(data).order_response(["torque(crank3)", "angle(hub)"])
         figure = drawn(run, conventions=tn.Conventions(angle="deg"))
@@ -473,6 +473,8 @@ class TestPictures:
         assert all((line.get_ydata() <= 2 * total.get_ydata()).all() for line in figure.axes[0].lines)
 
     def test_waveform_over_two_revolutions(self):
+        from torsionnet.plot import waveform
+
         run = plant(reference("forced_inline_six")).order_response("torque(crank3)")
         (axes,) = waveform(run, rpm=run.rpm[1]).axes
         values = axes.lines[0].get_ydata()
@@ -482,6 +484,8 @@ class TestPictures:
             waveform(run, rpm=1)
 
     def test_waterfall_has_a_spectrum_at_the_height_of_every_speed(self):
+        from torsionnet.plot import waterfall
+
         run_ = (
             tn.loads(TWO_FANS)
             .configured("rough")
@@ -497,6 +501,8 @@ class TestPictures:
 
     def test_waterfall_of_what_does_not_vibrate(self):
         """Two equal discs driven alike do not twist the shaft between them."""
+        from torsionnet.plot import waterfall
+
         still = response((OrderLine("motor", 2, Fraction(1)),), [[0.0], [0.0]])
         assert waterfall(still).axes[0].lines
 

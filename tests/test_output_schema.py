@@ -5,7 +5,6 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-import jsonschema
 import numpy as np
 import pytest
 from support.command_line import run
@@ -136,6 +135,8 @@ CALLS = {
 @pytest.mark.few(2)
 @pytest.mark.parametrize("call", [call for calls in CALLS.values() for call in calls])
 def test_output_follows_its_schema(folder, call, monkeypatch):
+    import jsonschema
+
     monkeypatch.chdir(folder)
     schema = json.loads(run("schema", "--json-of", call.split()[0]).stdout)
     jsonschema.Draft202012Validator.check_schema(schema)

@@ -4,12 +4,10 @@ import json
 from pathlib import Path
 from typing import ClassVar
 
-import jsonschema
 import numpy as np
 import pytest
 import scipy
 from click.testing import CliRunner
-from matplotlib.text import Text
 from support.modelica_reader import Model as ModelicaModel
 
 import torsionnet as tn
@@ -411,6 +409,8 @@ sensors: {rel: {angle: [a, b]}, slip: {velocity: [b, a]}}
         assert any('the angle of "b" against "a" is imposed by phi' in fault.message for fault in faults)
 
     def test_schema(self):
+        import jsonschema
+
         validator = jsonschema.Draft202012Validator(json_schema())
         good, _ = read_text(self.TEXT, "pair.yaml")
         validator.validate(json.loads(json.dumps(good.to_data())))
@@ -475,6 +475,8 @@ class TestElsewhere:
         assert shown.exit_code == 0
 
     def test_schematic_has_both_arrows(self):
+        from matplotlib.text import Text
+
         plan = plot.schematic(plant(ENGINE, READ))
         texts = [text.get_text() for text in plan.findobj(match=Text)]
         assert any("against block" in text for text in texts)

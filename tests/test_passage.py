@@ -6,7 +6,6 @@ import scipy
 
 import torsionnet as tn
 from torsionnet.core.units import RPM
-from torsionnet.plot import passage_response as drawn
 from torsionnet.response.vibrations.vibration_cycles import cycles_above, envelopes, half_ranges
 
 J, K, C = (2.0, 3.0), 1.2e4, 6.0
@@ -187,6 +186,8 @@ def test_cycles_and_time_above():
 
 
 def test_results_are_shown():
+    from torsionnet.plot import passage_response as drawn
+
     run = two_masses().passage_response(["torque(shaft)", "a"], [0, 1], [80, 120])
     peak = run.peak("torque(shaft)")
     assert run.table().rows[0][:2] == ("torque(shaft)", peak.half_range)
@@ -216,6 +217,8 @@ def test_speeds_that_cannot_be_followed(times, speeds, said):
 
 def test_many_cycles_are_drawn_as_the_area_between_their_envelopes():
     """Of 955 cycles no line is drawn; the area reaches as high as the half range, on one axis with the quick passage."""
+    from torsionnet.plot import passage_response as drawn
+
     rig = two_masses()
     quick, slow = (rig.passage_response("torque(shaft)", [0, time], [80, 120]) for time in (1, 60))
     levels = [{"allowed": np.full(len(one.times), 20.0)} for one in (quick, slow)]

@@ -7,11 +7,8 @@ import os
 from dataclasses import replace
 from fractions import Fraction
 
-import control
 import numpy as np
-import pint
 import pytest
-import sympy
 from hypothesis import HealthCheck, Phase, assume, event, given, settings
 from hypothesis import strategies as st
 from support import campaigns
@@ -102,6 +99,8 @@ def assert_same_poles(first, second, relative=1e-5):
 
 def to_digits(matrix):
     """A sympy matrix of numbers as an array of 100 digits."""
+    import sympy
+
     cells = [[MP.mpf(str(sympy.N(cell, 100))) for cell in row] for row in matrix.tolist()]
     return np.array(cells, object).reshape(matrix.shape)
 
@@ -277,6 +276,8 @@ def test_equations_in_any_coordinates_describe_the_same_drivetrain(blueprint, f,
 @given(blueprints(size=3), st.data())
 def test_named_symbols_give_the_numeric_equations(blueprint, data):
     """Every value a parameter: M, C, K with the values put in are the row-wise sums of first principles."""
+    import sympy
+
     del data
     parameters, elements = {}, []
     for piece in blueprint.pieces:
@@ -310,7 +311,6 @@ def test_order_of_elements_changes_nothing(blueprint, f, random):
     assert_same_poles(shuffled.modes(), blueprint.drivetrain().modes())
 
 
-UNITS = pint.UnitRegistry()
 WRITINGS = {  # field: SI in pint, then (text of torsionnet, unit of pint, factor or inverse)
     "stiffness": (
         "N*m/rad",
@@ -353,7 +353,9 @@ WRITINGS |= {"orbit_radius": WRITINGS["length"], "planet_inertia": WRITINGS["ine
 @examples(30)
 @given(blueprints(), frequencies, st.data())
 def test_unit_a_value_is_written_in_changes_nothing(blueprint, f, data):
-    elements = []
+    import pint
+
+    units, elements = pint.get_application_registry(), []
     for piece in blueprint.pieces:
         element, texts = piece.element(), {}
         for field, value in piece.values.items():
@@ -361,9 +363,9 @@ def test_unit_a_value_is_written_in_changes_nothing(blueprint, f, data):
                 si, *writings = WRITINGS[field]
                 text, unit, factor = data.draw(st.sampled_from(writings))
                 if factor is None:
-                    size = (1 / UNITS.Quantity(float(value), si)).to(unit).magnitude
+                    size = (1 / units.Quantity(float(value), si)).to(unit).magnitude
                 else:
-                    size = UNITS.Quantity(float(value), si).to(unit).magnitude * factor
+                    size = units.Quantity(float(value), si).to(unit).magnitude * factor
                 texts[field] = f"{size!r} {text}"
         if texts:
             element = replace(element, **texts)
@@ -392,6 +394,8 @@ def test_splitting_a_node_by_a_rigid_coupling_changes_nothing(blueprint, f, data
 @examples(25)
 @given(blueprints(size=2), blueprints(kinds=RATIONAL, size=2, holds=HOLDS), ratios, frequencies, st.data())
 def test_drivetrain_behind_a_gear_scaled_by_tau_squared_equals_no_gear(front, behind, tau, f, data):
+    import sympy
+
     front, behind = front.prefixed("u_"), behind.prefixed("d_")
     joint = data.draw(st.sampled_from(front.nodes))
     plain = front.plus(*(piece.scaled(1 / tau**2).moved({"d_n0": joint}) for piece in behind.pieces))
@@ -880,6 +884,8 @@ def test_each_conjugate_pair_is_given_once_in_order(blueprint):
 @examples(25)
 @given(blueprints(holds=HOLDS), frequencies, st.data())
 def test_state_space_has_the_same_frequency_response(blueprint, f, data):
+    import control
+
     mechanics = blueprint.mechanics
     moving = [node for node in mechanics.nodes if mechanics.moves(node)]
     at = data.draw(st.lists(st.sampled_from(moving), min_size=1, max_size=2, unique=True))

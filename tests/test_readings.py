@@ -4,7 +4,6 @@ import random
 from fractions import Fraction
 
 import mpmath
-import networkx as nx
 import numpy as np
 import pytest
 from support import campaigns
@@ -127,6 +126,8 @@ def test_what_is_no_sensor_cannot_be_measured(name):
 
 @pytest.mark.parametrize("seed", range(20))
 def test_groups_are_the_connected_parts_of_the_graph(seed):
+    import networkx as nx
+
     source, graph, joined = random.Random(seed), nx.Graph(), Groups(range(12))
     graph.add_nodes_from(range(12))
     for _ in range(source.randint(0, 12)):

@@ -2,10 +2,8 @@
 
 import json
 
-import jsonschema
 import numpy as np
 import pytest
-import sympy
 from click.testing import CliRunner
 from support.modelica_reader import Model as ModelicaModel
 
@@ -197,6 +195,8 @@ class TestValues:
             assert rig.configured(name).modes().natural_frequencies == pytest.approx([10 / 2 / np.pi], rel=1e-12)
 
     def test_in_symbols(self):
+        import sympy
+
         k, tau, J, c = sympy.symbols("k tau J c")
         system = line(referred_to="crank").symbolic()
         place = system.coordinates.index("prop")
@@ -346,6 +346,8 @@ class TestFaults:
 
 class TestFiles:
     def test_round_trip_keeps_what_was_written(self):
+        import jsonschema
+
         rig = line(referred_to="crank", sensors={"T_c": {"torque": "shaft", "referred_to": "crank"}})
         definition, _ = read_text(dump(rig.definition), "line.yaml")
         data = definition.to_data()

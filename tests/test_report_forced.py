@@ -5,13 +5,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from matplotlib.text import Text
 from support.report_blocks import blocks, of, rows
 
 import torsionnet as tn
 from torsionnet.model.free_end import free_end
-from torsionnet.plot import interference_diagram, limit_families
-from torsionnet.plot.drawing.torque_units import axis_unit
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Paragraph, Picture, TableBlock
 from torsionnet.response.limits.governing_peaks import governing_peaks, line_name
@@ -197,6 +194,8 @@ class TestForcedResponse:
 
 class TestFamilies:
     def test_worst_is_marked_and_the_others_are_counted(self, checks):
+        from torsionnet.plot import limit_families
+
         (panel,) = limit_families(checks).axes
         labels = [text.get_text() for text in panel.get_legend().get_texts()]
         assert labels == ["heavy", "2 other conditions"]
@@ -205,6 +204,8 @@ class TestFamilies:
         assert [text.get_text() for text in panel.texts] == ["continuous"]
 
     def test_unknown_limits_are_refused(self, checks):
+        from torsionnet.plot import limit_families
+
         with pytest.raises(tn.UsageError, match="nothing to draw"):
             limit_families(checks, "screw")
 
@@ -215,10 +216,16 @@ class TestAxes:
         [("N*m", 9999.0, "N·m"), ("N*m", 1e4, "kN·m"), ("N*m", 1e7, "MN·m"), ("Pa", 3e7, "N/mm²")],
     )
     def test_unit_of_an_axis(self, unit, largest, expected):
+        from torsionnet.plot.drawing.torque_units import axis_unit
+
         assert axis_unit(unit, largest)[1] == expected
 
     def test_labels_of_low_modes_do_not_overprint(self):
         """The wind turbine has seven modes in the lowest fiftieth of its axis."""
+        from matplotlib.text import Text
+
+        from torsionnet.plot import interference_diagram
+
         figure = interference_diagram(tn.load("wind_turbine_3mw").configured("free").critical_speeds())
         figure.canvas.draw()
         labels = [one for one in figure.axes[0].texts if one.get_text().startswith("mode")]

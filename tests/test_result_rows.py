@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Literal, get_args
 
-import jsonschema
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -97,6 +96,8 @@ def test_json_has_the_declared_keys_in_their_order():
     ],
 )
 def test_schema_takes_what_is_written_and_nothing_else(change, fault):
+    import jsonschema
+
     data = to_json(row(curve=np.ones(2))) | change
     found = list(jsonschema.Draft202012Validator(json_schema(Row)).iter_errors(data))
     assert bool(found) == bool(fault)
@@ -104,6 +105,8 @@ def test_schema_takes_what_is_written_and_nothing_else(change, fault):
 
 
 def test_every_key_but_optional_ones_is_required():
+    import jsonschema
+
     data = to_json(row(curve=np.ones(2)))
     for key in data:
         rest = {name: value for name, value in data.items() if name != key}

@@ -5,7 +5,6 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-import sympy
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from support import campaigns, strategies
@@ -21,7 +20,7 @@ from torsionnet.symbolic.algebra.program import Program
 from torsionnet.symbolic.tree_fraction import single_edges
 
 EXAMPLES = settings(max_examples=campaigns.examples(5, 30), deadline=None)
-COEFFICIENTS = [-3, -2, -1, 1, 1, 2, sympy.Rational(1, 3)]
+COEFFICIENTS = [-3, -2, -1, 1, 1, 2, Fraction(1, 3)]
 
 
 class Draw:
@@ -32,6 +31,8 @@ class Draw:
         self.members, self.values = [], {}
 
     def law(self, *names, coefficients=()):
+        import sympy
+
         k = sympy.Symbol(f"k_{len(self.members)}")
         self.values[k] = Fraction(self.random.randint(1, 20), self.random.randint(1, 5))
         chosen = coefficients or self.random.choices(COEFFICIENTS, k=len(names))
@@ -60,6 +61,8 @@ class Draw:
 
     @property
     def matrix(self):
+        import sympy
+
         index = {name: number for number, name in enumerate(self.names)}
         total = sympy.zeros(len(index))
         for member in self.members:
@@ -70,14 +73,20 @@ class Draw:
         return total
 
     def number(self, k):
+        import sympy
+
         return sympy.Rational(self.values[k].numerator, self.values[k].denominator)
 
     def row(self, count):
+        import sympy
+
         return {
             name: sympy.Integer(self.random.choice([-2, -1, 1, 3])) for name in self.random.sample(self.names, count)
         }
 
     def vector(self, row):
+        import sympy
+
         return sympy.Matrix([row.get(name, 0) for name in self.names])
 
     def run(self, node):
@@ -192,6 +201,8 @@ class TestBlocks:
 @EXAMPLES
 @given(st.randoms(use_true_random=False), st.integers(2, 5))
 def test_single_edges_are_the_same_stiffness(source, count):
+    import sympy
+
     drawn = Draw(source, count)
     drawn.tree()
     single = single_edges(drawn.network)

@@ -4,7 +4,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-import sympy
 
 import torsionnet as tn
 from torsionnet.symbolic.formula_text import for_display
@@ -83,6 +82,8 @@ class TestLawsBetweenTheSameCoordinates:
 
 class TestContinuedFractionsOfShafts:
     def test_a_shaft_is_a_spring_between_two_inertias(self):
+        import sympy
+
         s, rho, G, L, d, J = sympy.symbols("s rho G L d J")
         shaft = tn.Shaft("s", nodes=("a", "b"), outer_diameter="d", length="L", **STEEL)
         model = tn.Drivetrain(
@@ -201,6 +202,8 @@ class TestShown:
         assert places == sorted(places)
 
     def test_factors_in_words(self):
+        import sympy
+
         H = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T")
         lines = str(H.normalised).splitlines()
         assert lines[0] == "gain (k_1 + k_2)/(k_1*k_2) = 0.0022491"
@@ -210,6 +213,8 @@ class TestShown:
 
     def test_damping_ratio_of_a_difference(self):
         """Where a sign is not plain from the symbols, nothing may be taken out of the root."""
+        import sympy
+
         x, y = sympy.symbols("x y")
         coefficients = (sympy.Integer(1), (x + 1) / (x - y), -5 / (x - y))
         zeta = Factor(coefficients).zeta.xreplace({x: 1, y: 3})
@@ -233,6 +238,8 @@ class TestShown:
         assert shafts(40).symbolic().transfer_function("n40", "T")._repr_latex_() is None
 
     def test_long_numbers_and_turned_sums(self):
+        import sympy
+
         z, k = sympy.symbols("z k")
         assert str(for_display((-z - 1) ** 2 * k)) == "k*(z + 1)**2"
         assert str(for_display(sympy.Rational(112984829027616, 10**12) * k)) == "112.98483*k"

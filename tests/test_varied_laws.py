@@ -4,11 +4,11 @@ import re
 
 import numpy as np
 import pytest
-import sympy
+from support.models import sympy_algebra
 
 import torsionnet as tn
 import torsionnet.io as io
-from torsionnet.core.expressions import FLOAT, Algebra
+from torsionnet.core.expressions import FLOAT
 from torsionnet.model.elements import MotionLaw, Values
 from torsionnet.model.files.reader import read_text
 from torsionnet.solve.batch.batch_plan import batch_plan
@@ -100,8 +100,10 @@ def test_a_preload_of_zero_does_not_hold(rig):
 
 def test_stages_in_symbols():
     """k gamma up to phi_1, and k_2 (gamma - phi_1) more from there on."""
+    import sympy
+
     k, k_2, phi, x = sympy.symbols("k k_2 phi_1 x", positive=True)
-    algebra = Algebra(lambda one: sympy.Rational(one.numerator, one.denominator), sympy.sqrt, sympy.pi)
+    algebra = sympy_algebra()
     stages = [{"stiffness": "k", "to_twist": "phi_1"}, {"stiffness": "k_2"}]
     (law,) = tn.Spring("e", nodes=("a", "b"), stages=stages).whole_parts(
         Values({"k": k, "k_2": k_2, "phi_1": phi}, algebra)

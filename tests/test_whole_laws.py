@@ -6,10 +6,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import scipy
-import sympy
+from support.models import sympy_algebra
 
 import torsionnet as tn
-from torsionnet.core.expressions import FLOAT, Algebra
+from torsionnet.core.expressions import FLOAT
 from torsionnet.model.element_base.torque_curve import MotionState
 from torsionnet.model.elements import Action, Constraint, Law, MotionLaw, Values, make_element
 
@@ -28,9 +28,6 @@ CONVERTER = {
     "test_speed": 200,
     "torque_ratio": [[0, 2.2], [0.9, 1], [1, 0.98]],
 }
-SYMBOLS = Algebra(
-    number=lambda number: sympy.Rational(number.numerator, number.denominator), sqrt=sympy.sqrt, pi=sympy.pi
-)
 VALUES = Values({}, FLOAT)
 
 
@@ -123,8 +120,10 @@ class TestClutch:
         assert (law.scaled_by, clutch.parts(VALUES)[0].damping) == ("", 17)
 
     def test_symbols(self):
+        import sympy
+
         given = {"nodes": ["a", "b"], "state": "slipping", "friction": FACES, "clamp_torque": "T_1"}
-        value = Values({"T_1": sympy.Symbol("T_1")}, SYMBOLS)
+        value = Values({"T_1": sympy.Symbol("T_1")}, sympy_algebra())
         clutch = make_element("clutch", "e", given)
         (part,) = clutch.at_states([MotionState(rate=5.0, piece=3)]).parts(value)
         assert sympy.simplify(part.damping + sympy.Rational(1, 500) * sympy.Symbol("T_1")) == 0
@@ -225,10 +224,12 @@ class TestInductionMachine:
         assert machine.has_own_working_point
 
     def test_symbols(self):
+        import sympy
+
         parameters = {name: sympy.Symbol(name, positive=True) for name in ("T_k", "w", "s_k")}
         given = {"node": "a", "synchronous_speed": "w", "breakdown_torque": "T_k", "breakdown_slip": "s_k"}
         machine = make_element("induction_machine", "e", given)
-        (part,) = machine.at_states([MotionState(rate=97.0)]).parts(Values(parameters, SYMBOLS))
+        (part,) = machine.at_states([MotionState(rate=97.0)]).parts(Values(parameters, sympy_algebra()))
         number = part.damping.subs({parameters["T_k"]: 400, parameters["w"]: 100, parameters["s_k"]: 0.1})
         expected = 2 * 400 * 0.1 * (0.1**2 - 0.03**2) / (100 * (0.03**2 + 0.1**2) ** 2)
         assert float(number) == pytest.approx(expected, rel=1e-12)

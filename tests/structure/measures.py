@@ -6,13 +6,13 @@ from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 
-import networkx as nx
-
 from structure.modules import Module, modules_below
 
 
 def circles(modules: Iterable[Module]) -> list[list[str]]:
     """Groups of modules that import each other, the largest first; imports in functions count, too."""
+    import networkx as nx
+
     graph: nx.DiGraph[str] = nx.DiGraph()
     known = {module.name for module in modules}
     for module in modules:

@@ -15,7 +15,6 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 
 import libcst as cst
-from libcst.helpers import get_full_name_for_node
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = "torsionnet"
@@ -67,6 +66,8 @@ class _SplitImports(cst.CSTTransformer):
     def leave_SimpleStatementLine(
         self, original_node: cst.SimpleStatementLine, updated_node: cst.SimpleStatementLine
     ) -> cst.BaseStatement | cst.FlattenSentinel[cst.BaseStatement]:
+        from libcst.helpers import get_full_name_for_node
+
         del original_node
         (statement, *others) = updated_node.body
         if others or not isinstance(statement, cst.ImportFrom) or isinstance(statement.names, cst.ImportStar):

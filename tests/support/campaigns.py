@@ -50,6 +50,14 @@ def leave_cases_out(items):
                 item.add_marker("slow")
 
 
+def mark_sized(items):
+    """Mark as ``campaign`` what tries few examples in most runs."""
+    for item in items:
+        name = item.nodeid.split("::")[1].split("[")[0]
+        if isinstance(item, pytest.Function) and name in sized(item.path):
+            item.add_marker("campaign")
+
+
 @cache
 def sized(path):
     """Names at the top of a file of tests, of functions, classes and values, that ask here how many examples to try."""

@@ -5,6 +5,7 @@ from pathlib import Path
 import torsionnet as tn
 from torsionnet.assembly.functionals import functional
 from torsionnet.core.errors import UsageError
+from torsionnet.core.expressions import Algebra
 
 SHEET = Path(__file__).parents[1] / "sheets" / "line.csv"
 
@@ -198,3 +199,10 @@ def without_indeterminate(rig):
         except UsageError:
             continue
     return tn.Drivetrain(rig.name, rig.elements, inputs=rig.inputs, sensors=kept)
+
+
+def sympy_algebra():
+    """Exact numbers of sympy, for values with symbols in them."""
+    import sympy
+
+    return Algebra(number=lambda x: sympy.Rational(x.numerator, x.denominator), sqrt=sympy.sqrt, pi=sympy.pi)

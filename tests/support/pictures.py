@@ -10,7 +10,6 @@ import torsionnet as tn
 from support.drawn_models import MODELS, inertia
 from support.library_cases import LARGE
 from support.models import EVERY_ELEMENT
-from torsionnet.plot import schematic
 
 
 def alone(kind):
@@ -38,6 +37,8 @@ each_example = pytest.mark.parametrize(
 @cache
 def drawn(example):
     """The schematic of an example, made once for all tests that look at it."""
+    from torsionnet.plot import schematic
+
     return drawable(schematic(EXAMPLES[example]()))
 
 
