@@ -17,10 +17,11 @@ import pytest
 pytest.importorskip("pygls", reason='the language server needs pip install "torsionnet[lsp]"')
 
 from click.testing import CliRunner
-from lsprotocol import types as lsp
+from support.collecting import OnDemand
 
 from torsionnet.cli.app import app
 
+lsp = OnDemand("lsprotocol.types")
 ROOT = Path(__file__).parents[1]
 COMMAND = [sys.executable, "-m", "torsionnet", "language-server"]
 README = re.search(

@@ -5,11 +5,9 @@ import pytest
 from support.modal_cases import chain_residues, pole, response_of
 
 import torsionnet as tn
+from torsionnet import plot
 from torsionnet.core.errors import UsageError
 from torsionnet.modal import Settings, circle_fit, cmif, identify_modes, stabilisation
-from torsionnet.plot import circle, mac_matrix, save
-from torsionnet.plot import stabilisation as stabilisation_picture
-from torsionnet.plot.stabilisation import _apart
 
 LINES = np.arange(0.5, 30.01, 0.1)
 POLES = [pole(5, 0.02), pole(9, 0.05), pole(9.2, 0.04)]
@@ -28,7 +26,7 @@ def points(axes):
 
 class TestStabilisation:
     def test_every_pole_is_drawn_as_what_it_is(self, diagram):
-        drawn = points(stabilisation_picture(diagram).axes[0])
+        drawn = points(plot.stabilisation(diagram).axes[0])
         assert sum(len(part) for part in drawn.values()) == sum(len(order.poles) for order in diagram.orders)
         for order in diagram.orders:
             stable = drawn["and in shape"]
@@ -36,14 +34,14 @@ class TestStabilisation:
             np.testing.assert_allclose(found, np.sort(np.abs(order.poles[order.stable]) / 2 / np.pi), rtol=1e-12)
 
     def test_behind_it_is_the_indicator(self, diagram):
-        level = stabilisation_picture(diagram).axes[1]
+        level = plot.stabilisation(diagram).axes[1]
         np.testing.assert_allclose(level.lines[0].get_ydata(), cmif(diagram.response)[:, 0], rtol=1e-12)
         assert len(level.lines) == 2
         assert level.get_ylabel() == "CMIF [rad/(N·m)]"
 
     def test_modes_are_named_in_the_unit_shown(self, diagram):
         found = identify_modes(diagram, selection="clusters")
-        axes = stabilisation_picture(diagram, found, conventions=tn.Conventions(frequency="rpm")).axes[0]
+        axes = plot.stabilisation(diagram, found, conventions=tn.Conventions(frequency="rpm")).axes[0]
         words = [text.get_text() for text in axes.texts]
         assert words[0] == f"{60 * found.natural_frequencies[0]:.4g} rpm, {100 * found.damping_ratios[0]:.3g} %"
         assert axes.get_xlabel() == "natural frequency |λ|/2π [rpm]"
@@ -55,22 +53,24 @@ class TestStabilisation:
         full = stabilisation(response)
         found = identify_modes(full)
         assert len(found) == 2
-        assert len(stabilisation_picture(full, found).axes[0].texts) == 1
+        assert len(plot.stabilisation(full, found).axes[0].texts) == 1
 
     def test_names_stand_side_by_side(self):
+        from torsionnet.plot.stabilisation import _apart
+
         assert _apart(np.array([1.0, 5.0]), 1.0, 10) == [1, 5]
         assert _apart(np.array([1.0, 1.2, 1.4]), 1.0, 10) == [1, 2, 3]
         assert _apart(np.array([8.0, 9.5, 9.8]), 1.0, 10) == [8, 9, 10]
 
     def test_is_written(self, diagram, tmp_path):
-        save(stabilisation_picture(diagram, identify_modes(diagram)), tmp_path / "picture.png")
+        plot.save(plot.stabilisation(diagram, identify_modes(diagram)), tmp_path / "picture.png")
         assert (tmp_path / "picture.png").stat().st_size > 10_000
 
 
 class TestCircle:
     def test_points_circle_and_pairs(self):
         fit = circle_fit(tn.load("dmf_rig").frequency_response("theta_1", "T_T", LINES), near=8)
-        plane, pairs = circle(fit).axes
+        plane, pairs = plot.circle(fit).axes
         around, own, radius, top = plane.lines
         np.testing.assert_allclose(np.hypot(*(around.get_xydata() - [fit.center.real, fit.center.imag]).T), fit.radius)
         np.testing.assert_allclose(own.get_xdata() + 1j * own.get_ydata(), fit.points)
@@ -85,7 +85,7 @@ class TestCircle:
 class TestMac:
     def test_numbers_and_names(self):
         values = np.array([[1.0, 0.25, 0.0], [0.1, np.nan, 0.9]])
-        axes = mac_matrix(values, rows=["8.7 Hz", "81 Hz"]).axes[0]
+        axes = plot.mac_matrix(values, rows=["8.7 Hz", "81 Hz"]).axes[0]
         np.testing.assert_array_equal(np.asarray(axes.images[0].get_array().filled(np.nan)), values)
         assert axes.images[0].get_clim() == (0, 1)
         assert [text.get_text() for text in axes.texts] == ["1.00", "0.25", "0.00", "0.10", "-", "0.90"]
@@ -93,10 +93,10 @@ class TestMac:
         assert [tick.get_text() for tick in axes.get_xticklabels()] == ["1", "2", "3"]
 
     def test_many_modes_have_no_numbers(self):
-        assert len(mac_matrix(np.eye(30)).axes[0].texts) == 0
+        assert len(plot.mac_matrix(np.eye(30)).axes[0].texts) == 0
 
     def test_messages(self):
         with pytest.raises(UsageError, match="fewer than two sensors in common"):
-            mac_matrix(None)
+            plot.mac_matrix(None)
         with pytest.raises(UsageError, match="2 modes need as many names, got 1"):
-            mac_matrix(np.eye(2), rows=["a"])
+            plot.mac_matrix(np.eye(2), rows=["a"])

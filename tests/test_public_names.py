@@ -11,13 +11,12 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from user_types import rig
 
 import torsionnet as tn
 from torsionnet.model.elements import Element, element_classes
 
 ROOT = Path(__file__).parents[1]
-MISTAKES = Path(rig.__file__).with_name("mistakes.py")
+MISTAKES = Path(__file__).with_name("user_types") / "mistakes.py"
 PACKAGES = [
     *(tn.bench, tn.identification, tn.io, tn.modal, tn.plot, tn.report, tn.response, tn.sensitivity, tn.signals),
     *(tn.study, tn.symbolic, tn.campaign),
@@ -170,6 +169,8 @@ def test_the_program_of_a_user_is_right(tmp_path):
     """``make types`` lets type checkers look at it; what they pass has to run."""
     table = tmp_path / "couplings.csv"
     table.write_text("size,stiffness [N*m/rad],loss_factor\nA350,5e4,0.1\n", encoding="utf-8")
+    from user_types import rig
+
     elements = rig.others(table)
     assert elements["maker"].stiffness.value == 50_000
     shaft = rig.driveline(3000, [0.2, 0.3])

@@ -1,10 +1,9 @@
 """Schematics cut into parts: where a cut may stand, and that the parts together hold what the whole holds."""
 
 import torsionnet as tn
-from torsionnet.plot import schematic
+from torsionnet import plot
 from torsionnet.plot.drawing.pieces import Piece
 from torsionnet.plot.schematic.drawing_parts import cut_heights
-from torsionnet.plot.schematic.schematic import schematic_parts
 from torsionnet.report import make_report
 
 MM = 25.4
@@ -34,10 +33,12 @@ def test_no_place_for_a_cut_leaves_the_drawing_whole():
 
 
 def test_parts_hold_every_text_once_and_are_legible():
+    from torsionnet.plot.schematic.schematic import schematic_parts
+
     rig = tn.load("wind_turbine_3mw").configured("free")
     parts = schematic_parts(rig, 135)
     assert len(parts) > 1
-    assert sorted(text for one in parts for text in texts(one)) == sorted(texts(schematic(rig, title="")))
+    assert sorted(text for one in parts for text in texts(one)) == sorted(texts(plot.schematic(rig, title="")))
     for one in parts:
         width, height = MM * one.get_size_inches()
         assert height * min(1, 170 / width) <= 235

@@ -11,18 +11,16 @@ from heapq import heappop, heappush
 
 import numpy as np
 import pytest
-from matplotlib.textpath import text_to_path
 from support.drawn_models import MODELS, inertia
 from support.pictures import texts
 
 import torsionnet as tn
+from torsionnet import plot
 from torsionnet.core.errors import UsageError
-from torsionnet.plot import schematic
 from torsionnet.plot.drawing.pieces import ROLES, is_math, text_width
 from torsionnet.plot.drawing.symbol_runs import symbol_runs
 from torsionnet.plot.drawing.text_widths import font_widths
 from torsionnet.plot.schematic import wiring
-from torsionnet.plot.schematic.canvas import _font
 from torsionnet.plot.schematic.svg_drawing import schematic_svg
 from torsionnet.plot.schematic.svg_groups import _id
 
@@ -82,7 +80,7 @@ class TestGroups:
     def test_each_part_has_its_group_and_texts_are_those_of_the_report(self, example):
         model = EXAMPLES[example]()
         drawing, root = examined(model)
-        figure = schematic(model, title="")
+        figure = plot.schematic(model, title="")
         assert shown(root) == sorted(plain(text) for text in texts(figure))
         inches = np.array(drawing.size) / 72
         scale = min(1.0, 24.0 / inches[1])  # pictures for print are no taller than 24 inches
@@ -190,6 +188,10 @@ class TestWidths:
 
     @pytest.mark.parametrize("role", ROLES)
     def test_widths_are_those_of_matplotlib(self, role):
+        from matplotlib.textpath import text_to_path
+
+        from torsionnet.plot.schematic.canvas import _font
+
         for text in self.TEXTS:
             if text and not (is_math(text, role) and role == "node"):
                 expected, _, _ = text_to_path.get_text_width_height_descent(

@@ -2,7 +2,6 @@
 
 import itertools
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 from support.campaigns import examples
@@ -11,8 +10,7 @@ from support.made_up_elements import GLYPHS, SHAPES, Absorber, Maxwell, OnePort,
 from support.pictures import EXAMPLES, SOME_EXAMPLES, collisions, crossed, drawable, drawn, is_round, outside, texts
 
 import torsionnet as tn
-from torsionnet.plot import schematic
-from torsionnet.plot.drawing import style
+from torsionnet import plot
 from torsionnet.plot.drawing.labels import symbol
 from torsionnet.plot.schematic.outlines import BODY
 
@@ -34,6 +32,10 @@ def middle(patch):
 
 def is_symbol(patch):
     """Black, and neither a straight line nor a dot."""
+    import matplotlib as mpl
+
+    from torsionnet.plot.drawing import style
+
     box = patch.get_path().get_extents()
     return patch.get_edgecolor() == mpl.colors.to_rgba(style.INK) and 4.9 <= min(box.width, box.height) < 80
 
@@ -53,7 +55,7 @@ class TestMadeUpElements:
         ports = dict.fromkeys(node for node in element.ports.values() if node != "ground")
         sensors = {f"T_{port}": {"torque": "made", "at": port} for port in element.ports}
         model = between(element, inputs={"T": {"torque": "a"}}, sensors=sensors if len(ports) > 1 else {})
-        figure = drawable(schematic(model))
+        figure = drawable(plot.schematic(model))
         shown = texts(figure)
         assert "made" in shown
         assert {*ports, *(symbol(name) for name in model.sensors)} <= set(shown)
@@ -68,8 +70,12 @@ class TestMadeUpElements:
         )
 
     def test_a_disc_is_a_disc_as_high_as_its_inertia(self):
+        import matplotlib as mpl
+
+        from torsionnet.plot.drawing import style
+
         rotor = with_glyph(OnePort, "disc")
-        figure = schematic(tn.Drivetrain("r", [rotor("small", "a", 1), rotor("large", "a", 100)]))
+        figure = plot.schematic(tn.Drivetrain("r", [rotor("small", "a", 1), rotor("large", "a", 100)]))
         boxes = [patch.get_path().get_extents() for patch in figure.axes[0].patches if patch.get_fill()]
         low, high = sorted(box.height for box in boxes if box.width == pytest.approx(13))
         assert 20 < low < high
@@ -85,7 +91,7 @@ class TestMadeUpElements:
         ],
     )
     def test_a_dashpot_stands_where_the_law_has_it(self, element, side_by_side):
-        found = strokes(schematic(between(element)))
+        found = strokes(plot.schematic(between(element)))
         (spring,) = (points for points in found if len(points) == 12)
         (pot,) = (points for points in found if len(points) == 4 and is_cup(points))
         overlap = min(spring[:, 0].max(), pot[:, 0].max()) - max(spring[:, 0].min(), pot[:, 0].min())
@@ -95,9 +101,11 @@ class TestMadeUpElements:
     @pytest.mark.parametrize(("cls", "stands_on_ground"), [(OnePort, True), (Absorber, False)])
     def test_what_is_on_one_node_ends_where_its_laws_do(self, cls, stands_on_ground, glyph):
         """Four short slanted lines are the ground; a mass of its own is one filled rectangle more."""
+        import matplotlib as mpl
+
         lone, found = tn.Drivetrain("lone", [inertia("J", "a")]), {}
         for name, model in {"lone": lone, "made": between(with_glyph(cls, glyph)("e", node="a"))}.items():
-            patches = schematic(model).axes[0].patches
+            patches = plot.schematic(model).axes[0].patches
             lines = [patch.get_path().vertices for patch in patches if not patch.get_fill()]
             slanted = [points for points in lines if len(points) == 2 and (np.ptp(points, axis=0) > 1).all()]
             filled = [patch for patch in patches if mpl.colors.to_hex(patch.get_facecolor()) == BODY]
@@ -106,7 +114,7 @@ class TestMadeUpElements:
         assert (hatches >= 4, masses) == (stands_on_ground, not stands_on_ground)
 
     def test_a_spring_beside_a_series_of_two(self):
-        found = strokes(schematic(between(Zener("e", nodes=("a", "b")))))
+        found = strokes(plot.schematic(between(Zener("e", nodes=("a", "b")))))
         upper, lower = sorted((points for points in found if len(points) == 12), key=lambda points: -points[0, 1])
         (pot,) = (points for points in found if len(points) == 4 and is_cup(points))
         assert upper[:, 1].min() > lower[:, 1].max()
@@ -114,7 +122,7 @@ class TestMadeUpElements:
         assert pot[:, 0].min() > lower[-2, 0]
 
     def test_a_spring_without_damping_has_no_dashpot(self):
-        found = strokes(schematic(between(tn.Spring("e", nodes=("a", "b"), stiffness=300))))
+        found = strokes(plot.schematic(between(tn.Spring("e", nodes=("a", "b"), stiffness=300))))
         assert not any(is_cup(points) for points in found if len(points) == 4)
 
 
@@ -128,7 +136,7 @@ class TestRatios:
     @pytest.mark.parametrize(("ratio", "text"), [("-tau", "−$\\tau$ = −4.94"), ("-i", "$\\tau$ = −$i$ = −4.94")])
     def test_a_ratio_is_not_said_to_be_its_own_negative(self, ratio, text):
         model = between(tn.Gear("g", nodes=("a", "b"), ratio=ratio), parameters={ratio[1:]: 4.94})
-        assert [shown for shown in texts(schematic(model)) if "4.94" in shown] == [text]
+        assert [shown for shown in texts(plot.schematic(model)) if "4.94" in shown] == [text]
 
 
 def mark_of(figure, name):
@@ -189,7 +197,7 @@ def tapped():
 class TestTorquesStandBesideTheirElement:
     @pytest.mark.slow
     def test_flags_of_a_hub(self):
-        figure = drawable(schematic(tapped()))
+        figure = drawable(plot.schematic(tapped()))
         assert collisions(figure) == crossed(figure) == []
         said = {name: mark_of(figure, name)[0] for name in tapped().sensors}
         assert {said[name] for name in ("T_0", "T_1", "T_6", "T_7", "T_8", "T_at_x", "T_at_z")} == {"torque"}
@@ -202,7 +210,7 @@ class TestTorquesStandBesideTheirElement:
         names = examples(SOME_EXAMPLES, EXAMPLES)
         for example in (*(name for name in names if name not in MODELS), "hybrid", "crowded", "moving housing"):
             checked += self.check(EXAMPLES[example](), drawn(example))
-        assert self.check(tapped(), drawable(schematic(tapped()))) > 0
+        assert self.check(tapped(), drawable(plot.schematic(tapped()))) > 0
         assert checked > 10
 
     @staticmethod

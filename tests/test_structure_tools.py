@@ -4,9 +4,7 @@ import subprocess
 import sys
 
 import pytest
-from structure.join import candidates, join
 from structure.modules import modules_below
-from structure.move import move, rewritten
 from structure.outputs import run, same
 
 
@@ -45,6 +43,8 @@ def tree(tmp_path):
 
 
 def test_what_names_a_module_follows_it(tree):
+    from structure.move import move
+
     move(
         [("first/modes", "first/modes/modes"), ("first/batch", "first/modes/batch"), ("plot/bode", "plot/charts/bode")],
         tree,
@@ -65,6 +65,8 @@ def test_what_names_a_module_follows_it(tree):
 
 
 def test_names_that_only_begin_alike_stay():
+    from structure.move import rewritten
+
     names = {"torsionnet.first.modes": "torsionnet.first.modes.modes"}
     text = "import torsionnet.first.modes_over_speed\nfrom torsionnet.first.modes import modes\n"
     assert rewritten(text, names, code=True) == text.replace("first.modes import", "first.modes.modes import")
@@ -82,6 +84,8 @@ def test_names_that_only_begin_alike_stay():
     ],
 )
 def test_a_move_that_cannot_be_changes_nothing(tree, old, new, why):
+    from structure.move import move
+
     with pytest.raises(SystemExit, match=why):
         move([(old, new)], tree)
     assert not subprocess.run(["git", "diff", "--quiet"], cwd=tree, check=False).returncode
@@ -119,6 +123,8 @@ def pair(tmp_path):
 
 
 def test_a_joined_module_is_part_of_the_one_that_imported_it(pair):
+    from structure.join import join
+
     assert join("gears/teeth", "gears/gear", pair) == "Teeth."
     assert not (pair / "torsionnet/gears/teeth.py").exists()
     text = (pair / "torsionnet/gears/gear.py").read_text("utf-8")
@@ -135,6 +141,8 @@ def test_a_joined_module_is_part_of_the_one_that_imported_it(pair):
 
 
 def test_what_nothing_needs_at_import_goes_to_the_end(pair):
+    from structure.join import join
+
     join("gears/angles", "gears/kinds", pair)
     text = (pair / "torsionnet/gears/kinds.py").read_text("utf-8")
     parts = ["TURN = 360", "def f():", "    return KINDS + SIZES + _whole()", "def _whole():\n    return TURN\n"]
@@ -152,12 +160,16 @@ def test_what_nothing_needs_at_import_goes_to_the_end(pair):
     ],
 )
 def test_a_join_that_cannot_be_changes_nothing(pair, old, into, why):
+    from structure.join import join
+
     with pytest.raises(SystemExit, match=why):
         join(old, into, pair)
     assert not subprocess.run(["git", "diff", "--quiet"], cwd=pair, check=False).returncode
 
 
 def test_modules_that_could_be_joined_are_listed(pair):
+    from structure.join import candidates
+
     found = [(old.path.stem, into.path.stem) for old, into in candidates(modules_below(pair / "torsionnet"))]
     assert found == [("angles", "kinds"), ("gear", "kinds"), ("names", "other"), ("sizes", "teeth"), ("teeth", "gear")]
 

@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -25,7 +26,7 @@ from torsionnet.study.run.cluster.cluster_losses import ClusterError
 from torsionnet.study.run.cluster.connecting import connected
 from torsionnet.study.run.cluster.dask_executor import TASKS_AHEAD, DaskExecutor, check_folder, folder_fault
 
-pytest.importorskip("distributed")
+pytestmark = pytest.mark.skipif(find_spec("distributed") is None, reason="needs dask.distributed")
 
 
 def is_whole(folder, count):

@@ -2,8 +2,6 @@
 
 import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.text import Text
 
 import torsionnet as tn
 from torsionnet import plot
@@ -92,6 +90,9 @@ def test_labels_of_maps_stay_in_the_picture(cases, limit):
 
 def _misplaced(figure):
     """Texts that are not within the picture, and pairs of them that lie over each other."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.text import Text
+
     FigureCanvasAgg(figure).draw()
     texts = [one for one in figure.findobj(Text) if one.get_visible() and one.get_text().strip()]
     # Ticks beyond the ends of an axis are not drawn; numbers on lines of a map may touch them.

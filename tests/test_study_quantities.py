@@ -5,23 +5,35 @@ import math
 import threading
 import warnings
 from collections import Counter
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from support.patience import PATIENCE
-from support.study_blocks import columns, singly, spread, together
+from support.study_blocks import (
+    amt_rig,
+    columns,
+    dmf_rig,
+    held_ship,
+    misfiring_ship,
+    ship_at_three_speeds,
+    singly,
+    spread,
+    together,
+    turbine_generator,
+)
 
 import torsionnet as tn
 from torsionnet.core.collected_warnings import collected_warnings
 from torsionnet.core.errors import ModelError, TorsionnetWarning
-from torsionnet.model.excitations.speed_range import SpeedRange
 from torsionnet.study.quantities.peak_search import band_grid, largest
 from torsionnet.study.quantities.quantity import QUANTITIES
 from torsionnet.study.quantities.variant_block import VariantBlock
 
-AMT = tn.load("amt_rig").configured("II")
-DMF = tn.load("dmf_rig")
+
+@pytest.fixture
+def model(request: pytest.FixtureRequest) -> tn.Drivetrain:
+    """Made when a test asks for it: to read models takes much of collecting."""
+    return request.param()
 
 
 def made(kind: str, **entries: object) -> object:
@@ -52,21 +64,21 @@ PARTS = {
 @pytest.mark.parametrize("part", PARTS)
 @pytest.mark.parametrize("input", ["T_M", "T_T"])
 def test_a_response_is_that_of_every_variant(part: str, input: str) -> None:
-    values = spread(AMT, ("k_1", "c_O"))
+    values = spread(amt_rig(), ("k_1", "c_O"))
     quantity = made("response", output="theta_1", input=input, band="1..40 Hz", points=30, part=part)
-    found = quantity.evaluate(singly(AMT, values))
+    found = quantity.evaluate(singly(amt_rig(), values))
     f = np.geomspace(1, 40, 30)
     for row, own in zip(found, columns(values), strict=True):
-        H = AMT.configured(**own).frequency_response("theta_1", input, f)
+        H = amt_rig().configured(**own).frequency_response("theta_1", input, f)
         assert row == pytest.approx(PARTS[part](H.values[:, 0, 0]), rel=1e-9)
-    measure = quantity.measure(AMT)
+    measure = quantity.measure(amt_rig())
     assert measure.over == "frequency"
     assert measure.points.tolist() == f.tolist()
     assert measure.unit == {"phase": "rad", "dB": "dB"}.get(part, "rad/(N*m)")
 
 
 def test_a_variant_that_cannot_be_has_no_values_and_says_why() -> None:
-    block = block_of(DMF, k_2=[400.0, -5.0])
+    block = block_of(dmf_rig(), k_2=[400.0, -5.0])
     found = made("response", output="theta_1", input="T_T", at=5).evaluate(block)
     assert np.isfinite(found[0]).all()
     assert np.isnan(found[1]).all()
@@ -126,7 +138,7 @@ def test_a_narrow_peak_is_found_among_many_that_look_higher(
 
 
 def test_what_a_quantity_says_of_impossible_variants_does_not_count() -> None:
-    block = together(DMF, {"k_2": np.array([400.0, -5.0])}, one=Ones())
+    block = together(dmf_rig(), {"k_2": np.array([400.0, -5.0])}, one=Ones())
     assert np.isnan(block.of("one")).tolist() == [[False], [True]]
 
 
@@ -147,25 +159,25 @@ def test_a_band_without_a_peak_has_its_largest_value_at_an_end() -> None:
 
 @pytest.mark.parametrize(("mean", "of"), [("rms", lambda sizes: math.sqrt(np.mean(sizes**2))), ("arithmetic", np.mean)])
 def test_the_mean_of_a_band_is_that_of_its_points(mean: str, of: object) -> None:
-    values = spread(AMT, ("k_1",), count=3)
+    values = spread(amt_rig(), ("k_1",), count=3)
     quantity = made("band_mean", output="theta_1", input="T_M", band="1..40 Hz", points=50, mean=mean)
-    found = quantity.evaluate(singly(AMT, values))[:, 0]
+    found = quantity.evaluate(singly(amt_rig(), values))[:, 0]
     for value, own in zip(found, columns(values), strict=True):
-        H = AMT.configured(**own).frequency_response("theta_1", "T_M", np.linspace(1, 40, 50))
+        H = amt_rig().configured(**own).frequency_response("theta_1", "T_M", np.linspace(1, 40, 50))
         assert value == pytest.approx(of(H.magnitude[:, 0, 0]), rel=1e-9)
 
 
 FAULTS = [
-    (DMF, ("response", {"output": "theta_2", "input": "T_N", "at": 5}), {"output", "input"}),
-    (DMF, ("response", {"output": "theta_1", "input": "T_T", "at": 5, "excitation": "x"}), {"input"}),
-    (DMF, ("natural_frequency", {"mode": 5}), {"mode"}),
-    (DMF, ("natural_frequency", {"mode": 3, "which": "undamped"}), {"mode"}),
-    (DMF, ("damping_ratio", {"mode": 3}), {"mode"}),
-    (DMF, ("peak", {"output": "torque(dmv)", "input": "T_M", "band": "1..40 Hz"}), {"output"}),
+    (dmf_rig, ("response", {"output": "theta_2", "input": "T_N", "at": 5}), {"output", "input"}),
+    (dmf_rig, ("response", {"output": "theta_1", "input": "T_T", "at": 5, "excitation": "x"}), {"input"}),
+    (dmf_rig, ("natural_frequency", {"mode": 5}), {"mode"}),
+    (dmf_rig, ("natural_frequency", {"mode": 3, "which": "undamped"}), {"mode"}),
+    (dmf_rig, ("damping_ratio", {"mode": 3}), {"mode"}),
+    (dmf_rig, ("peak", {"output": "torque(dmv)", "input": "T_M", "band": "1..40 Hz"}), {"output"}),
 ]
 
 
-@pytest.mark.parametrize(("model", "asked", "paths"), FAULTS)
+@pytest.mark.parametrize(("model", "asked", "paths"), FAULTS, indirect=["model"])
 def test_what_a_model_lacks_is_said_with_its_place(
     model: tn.Drivetrain, asked: tuple[str, dict[str, object]], paths: set[str]
 ) -> None:
@@ -200,7 +212,7 @@ def test_what_fits_has_no_faults_and_is_written_back_as_it_was_read() -> None:
     ):
         quantity, faults = QUANTITIES[kind].read(entries)
         assert not faults
-        assert not list(quantity.model_faults(DMF, {}))
+        assert not list(quantity.model_faults(dmf_rig(), {}))
         again, _ = QUANTITIES[kind].read(quantity.to_data())
         assert again == quantity
 
@@ -237,34 +249,41 @@ def test_threads_collect_their_own_warnings() -> None:
     assert found == [{f"of {number}": 50} for number in range(4)]
 
 
-PLANT = tn.load("marine_medium_speed")
-THREE = SpeedRange(of="fly", list=["400 rpm", "600 rpm", "750 rpm"], rated="750 rpm")
-SHORT = PLANT.with_definition(replace(PLANT.definition, speeds=THREE))
-# With the propeller's damping of full power at all speeds: one set of modes instead of one for each crossing.
-HELD = SHORT.configured(Q_prop="188.7 kN*m", n_prop="151.8 rpm")
-
-SSR = tn.load("turbine_generator_ssr")
-
 ASKED = [
-    (AMT, ("k_1", "c_O", "I_1"), "response", {"output": "theta_1", "input": "T_T", "band": "1..40 Hz", "points": 30}),
-    (AMT, ("k_1", "c_O", "I_1"), "response", {"output": "T_T", "input": "T_M", "at": "0 Hz"}),
-    (AMT, ("k_1", "c_O"), "peak", {"output": "theta_1", "input": "T_T", "band": "1..40 Hz"}),
-    (AMT, ("k_1", "c_O"), "peak_frequency", {"output": "theta_1", "input": "T_M", "band": "1..40 Hz"}),
-    (DMF, ("k_1", "k_2", "I_1"), "peak", {"output": "theta_1", "input": "T_M", "band": "1..200 Hz"}),
-    (DMF, ("k_2",), "band_mean", {"output": "theta_1", "input": "T_M", "band": "1..40 Hz", "points": 50}),
-    (SHORT, ("k_cpl", "psi_cpl"), "peak", {"output": "T_cpl", "input": "T_prop", "band": "2..60 Hz"}),
-    (SHORT, ("k_cpl", "psi_cpl", "water"), "order_torque", {"output": "T_cpl"}),
-    (SHORT, ("k_cpl", "c_dmp"), "order_torque", {"output": "stress(int_shaft)", "order": 3, "curve": True}),
-    (SHORT, ("k_cpl",), "order_torque", {"output": "T_crank", "size": "rms", "speeds": "500..800 rpm"}),
-    (SHORT.configured("firing=misfire"), ("k_cpl",), "order_torque", {"output": "T_cpl", "excitations": ["engine"]}),
-    (HELD, ("k_cpl", "c_dmp"), "critical_speed_margin", {"orders": [3.0], "speeds": "600..650 rpm"}),
-    (SHORT, ("k_cpl", "c_dmp"), "utilisation", {"limit": "tail"}),
-    (AMT, ("k_1", "c_O"), "natural_frequency", {"mode": 1}),
-    (SHORT, ("k_cpl", "water"), "natural_frequency", {"mode": 2, "which": "undamped"}),
-    (SHORT, ("k_cpl", "water"), "damping_ratio", {"mode": 1, "order": "ascending"}),
-    (DMF, ("k_1", "k_2"), "transient_peak", {"output": "T_T", "input": "T_M", "torque": 10, "duration": 0.05}),
-    (SSR, ("K_4", "H_G"), "scenario_peak", {"scenario": "two_phases", "output": "T_LPB_G", "rate": "1 kHz"}),
-    (DMF, ("k_1", "k_2"), "expression", {"of": "sqrt(static)/2"}),
+    (
+        amt_rig,
+        ("k_1", "c_O", "I_1"),
+        "response",
+        {"output": "theta_1", "input": "T_T", "band": "1..40 Hz", "points": 30},
+    ),
+    (amt_rig, ("k_1", "c_O", "I_1"), "response", {"output": "T_T", "input": "T_M", "at": "0 Hz"}),
+    (amt_rig, ("k_1", "c_O"), "peak", {"output": "theta_1", "input": "T_T", "band": "1..40 Hz"}),
+    (amt_rig, ("k_1", "c_O"), "peak_frequency", {"output": "theta_1", "input": "T_M", "band": "1..40 Hz"}),
+    (dmf_rig, ("k_1", "k_2", "I_1"), "peak", {"output": "theta_1", "input": "T_M", "band": "1..200 Hz"}),
+    (dmf_rig, ("k_2",), "band_mean", {"output": "theta_1", "input": "T_M", "band": "1..40 Hz", "points": 50}),
+    (ship_at_three_speeds, ("k_cpl", "psi_cpl"), "peak", {"output": "T_cpl", "input": "T_prop", "band": "2..60 Hz"}),
+    (ship_at_three_speeds, ("k_cpl", "psi_cpl", "water"), "order_torque", {"output": "T_cpl"}),
+    (
+        ship_at_three_speeds,
+        ("k_cpl", "c_dmp"),
+        "order_torque",
+        {"output": "stress(int_shaft)", "order": 3, "curve": True},
+    ),
+    (ship_at_three_speeds, ("k_cpl",), "order_torque", {"output": "T_crank", "size": "rms", "speeds": "500..800 rpm"}),
+    (misfiring_ship, ("k_cpl",), "order_torque", {"output": "T_cpl", "excitations": ["engine"]}),
+    (held_ship, ("k_cpl", "c_dmp"), "critical_speed_margin", {"orders": [3.0], "speeds": "600..650 rpm"}),
+    (ship_at_three_speeds, ("k_cpl", "c_dmp"), "utilisation", {"limit": "tail"}),
+    (amt_rig, ("k_1", "c_O"), "natural_frequency", {"mode": 1}),
+    (ship_at_three_speeds, ("k_cpl", "water"), "natural_frequency", {"mode": 2, "which": "undamped"}),
+    (ship_at_three_speeds, ("k_cpl", "water"), "damping_ratio", {"mode": 1, "order": "ascending"}),
+    (dmf_rig, ("k_1", "k_2"), "transient_peak", {"output": "T_T", "input": "T_M", "torque": 10, "duration": 0.05}),
+    (
+        turbine_generator,
+        ("K_4", "H_G"),
+        "scenario_peak",
+        {"scenario": "two_phases", "output": "T_LPB_G", "rate": "1 kHz"},
+    ),
+    (dmf_rig, ("k_1", "k_2"), "expression", {"of": "sqrt(static)/2"}),
 ]
 OTHERS = {"static": made("response", output="theta_1", input="T_T", at=0)}
 
@@ -274,7 +293,7 @@ def test_every_kind_of_quantity_is_among_them() -> None:
 
 
 @pytest.mark.few(2)
-@pytest.mark.parametrize(("model", "names", "kind", "entries"), ASKED)
+@pytest.mark.parametrize(("model", "names", "kind", "entries"), ASKED, indirect=["model"])
 def test_variants_solved_together_have_the_values_they_have_alone(
     model: tn.Drivetrain, names: tuple[str, ...], kind: str, entries: dict[str, object]
 ) -> None:
@@ -289,7 +308,7 @@ def test_variants_solved_together_have_the_values_they_have_alone(
 
 
 @pytest.mark.few(1)
-@pytest.mark.parametrize(("model", "names", "kind", "entries"), ASKED)
+@pytest.mark.parametrize(("model", "names", "kind", "entries"), ASKED, indirect=["model"])
 def test_values_do_not_depend_on_who_is_solved_along(
     model: tn.Drivetrain, names: tuple[str, ...], kind: str, entries: dict[str, object]
 ) -> None:

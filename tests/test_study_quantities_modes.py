@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from support.study_blocks import columns, singly, spread, together
+from support.study_blocks import amt_rig, columns, dmf_rig, ship, singly, spread, together
 
 import torsionnet as tn
 from torsionnet.response.modes import OSCILLATORY
@@ -13,9 +13,11 @@ from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.natural_frequency import MIXED
 from torsionnet.study.quantities.quantity import QUANTITIES
 
-AMT = tn.load("amt_rig").configured("II")
-DMF = tn.load("dmf_rig")
-PLANT = tn.load("marine_medium_speed")
+
+@pytest.fixture
+def model(request: pytest.FixtureRequest) -> tn.Drivetrain:
+    """Made when a test asks for it: to read models takes much of collecting."""
+    return request.param()
 
 
 def made(kind: str, **entries: object) -> object:
@@ -40,11 +42,11 @@ def vibrations(model: tn.Drivetrain) -> np.ndarray:
 
 
 CASES = [
-    (AMT, ("k_1", "c_O", "I_1"), 1),
-    (DMF, ("k_2", "I_1", "c_2"), 1),
-    (DMF, ("k_2", "I_1", "c_2"), 2),
-    (PLANT, ("k_cpl", "water"), 1),
-    (PLANT, ("k_cpl", "water"), 3),
+    (amt_rig, ("k_1", "c_O", "I_1"), 1),
+    (dmf_rig, ("k_2", "I_1", "c_2"), 1),
+    (dmf_rig, ("k_2", "I_1", "c_2"), 2),
+    (ship, ("k_cpl", "water"), 1),
+    (ship, ("k_cpl", "water"), 3),
 ]
 HOW = [
     ("natural_frequency", {}, lambda value: abs(value) / (2 * math.pi)),
@@ -55,7 +57,7 @@ HOW = [
 
 @pytest.mark.few(2)
 @pytest.mark.parametrize(("kind", "entries", "formula"), HOW)
-@pytest.mark.parametrize(("model", "names", "mode"), CASES)
+@pytest.mark.parametrize(("model", "names", "mode"), CASES, indirect=["model"])
 def test_a_mode_is_that_of_every_variant(
     model: tn.Drivetrain, names: tuple[str, ...], mode: int, kind: str, entries: dict[str, str], formula: object
 ) -> None:
@@ -67,7 +69,7 @@ def test_a_mode_is_that_of_every_variant(
         assert quantity.evaluate(block)[:, 0] == pytest.approx(expected, rel=1e-9)
 
 
-@pytest.mark.parametrize("model", [AMT, DMF, PLANT])
+@pytest.mark.parametrize("model", [amt_rig, dmf_rig, ship], indirect=True)
 def test_undamped_natural_frequencies_count_from_the_lowest_vibration(model: tn.Drivetrain) -> None:
     (name,) = [name for name in ("k_1", "k_cpl") if name in model.parameters]
     values = spread(model, (name,), count=3)
@@ -79,7 +81,7 @@ def test_undamped_natural_frequencies_count_from_the_lowest_vibration(model: tn.
 
 @pytest.mark.few(1)
 @pytest.mark.parametrize(("kind", "entries", "formula"), HOW)
-@pytest.mark.parametrize("model", [AMT, PLANT])
+@pytest.mark.parametrize("model", [amt_rig, ship], indirect=True)
 def test_modes_do_not_depend_on_who_is_solved_along(
     model: tn.Drivetrain, kind: str, entries: dict[str, str], formula: object
 ) -> None:
@@ -138,7 +140,7 @@ def test_a_mode_that_is_overdamped_in_a_variant_has_no_value_there() -> None:
 def test_modes_of_variants_with_rows_of_their_own_are_solved_one_by_one() -> None:
     tau = np.array([7.96, 5.42, 4.14, 3.26])
     evaluator = Evaluator(
-        AMT, ("tau",), {"f": made("natural_frequency", mode=1), "zeta": made("damping_ratio", mode=1)}
+        amt_rig(), ("tau",), {"f": made("natural_frequency", mode=1), "zeta": made("damping_ratio", mode=1)}
     )
     assert evaluator.plan is None
     found = evaluator({"tau": tau})
@@ -149,7 +151,10 @@ def test_modes_of_variants_with_rows_of_their_own_are_solved_one_by_one() -> Non
 
 
 def test_variants_that_cannot_be_have_no_modes() -> None:
-    for block in (together(DMF, {"k_2": np.array([400.0, -5.0])}), singly(DMF, {"k_2": np.array([400.0, -5.0])})):
+    for block in (
+        together(dmf_rig(), {"k_2": np.array([400.0, -5.0])}),
+        singly(dmf_rig(), {"k_2": np.array([400.0, -5.0])}),
+    ):
         block.quantities["f"] = made("natural_frequency", mode=1)
         found = block.of("f")[:, 0]
         assert np.isfinite(found[0])

@@ -2,26 +2,25 @@
 
 import math
 import pickle
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.study_blocks import columns, singly, spread
+from support.study_blocks import THREE, columns, dmf_rig, ship, ship_at_three_speeds, singly, spread
 
 import torsionnet as tn
 from torsionnet.core.entries.named_files import files_beside
 from torsionnet.core.errors import ModelError, UsageError
-from torsionnet.model.excitations.speed_range import SpeedRange
 from torsionnet.study.quantities.counted_remarks import MOST_REMARKS, OTHERS
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.quantity import QUANTITIES, QuantityForm
 from torsionnet.study.quantities.user_function import function
 from torsionnet.study.quantities.variant_block import VariantBlock
 
-PLANT = tn.load("marine_medium_speed")
-THREE = SpeedRange(of="fly", list=["400 rpm", "600 rpm", "750 rpm"], rated="750 rpm")
-SHORT = PLANT.with_definition(replace(PLANT.definition, speeds=THREE))
-DMF = tn.load("dmf_rig")
+
+@pytest.fixture
+def model(request: pytest.FixtureRequest) -> tn.Drivetrain:
+    """Made when a test asks for it: to read models takes much of collecting."""
+    return request.param()
 
 
 def made(kind: str, **entries: object) -> object:
@@ -49,19 +48,19 @@ def half_ranges(model: tn.Drivetrain) -> np.ndarray:
 
 
 def test_fewer_speeds_are_some_of_those_of_the_model() -> None:
-    every = np.array(PLANT.definition.speeds.values)
-    few = made("order_torque", output="T_cpl", speeds="400..500 rpm", every=10).at(PLANT)
+    every = np.array(ship().definition.speeds.values)
+    few = made("order_torque", output="T_cpl", speeds="400..500 rpm", every=10).at(ship())
     rpm = few * 30 / math.pi
     assert rpm == pytest.approx([400, 420, 440, 460, 480, 500])
     assert np.isin(few, every).all()
-    assert made("utilisation", every=1000).at(PLANT) == pytest.approx(every[[0, -1]])
-    assert made("utilisation").at(PLANT) == pytest.approx(every)
+    assert made("utilisation", every=1000).at(ship()) == pytest.approx(every[[0, -1]])
+    assert made("utilisation").at(ship()) == pytest.approx(every)
 
 
 @pytest.mark.few(1)
 @pytest.mark.parametrize("firing", ["normal", "misfire", "gas_off"])
 def test_the_vibration_of_a_plant_is_that_of_every_variant(firing: str) -> None:
-    model = SHORT.configured(f"firing={firing}")
+    model = ship_at_three_speeds().configured(f"firing={firing}")
     values = spread(model, ("k_cpl", "psi_cpl"), count=3)
     plant = Evaluator(model, tuple(values), {"T": made("order_torque", output="T_cpl"),
                                              "over speed": made("order_torque", output="T_cpl", curve=True)})  # fmt: skip
@@ -75,17 +74,19 @@ def test_the_vibration_of_a_plant_is_that_of_every_variant(firing: str) -> None:
 
 
 def test_one_order_of_an_engine_is_that_of_its_order_response() -> None:
-    values = spread(SHORT, ("k_cpl",), count=2)
+    values = spread(ship_at_three_speeds(), ("k_cpl",), count=2)
     found = Evaluator(
-        SHORT, ("k_cpl",), {"T": made("order_torque", output="T_cpl", order=3.0, excitations=["engine"])}
+        ship_at_three_speeds(),
+        ("k_cpl",),
+        {"T": made("order_torque", output="T_cpl", order=3.0, excitations=["engine"])},
     )(values)
     for value, own in zip(found["T"], columns(values), strict=True):
-        run = SHORT.configured(**own).order_response("T_cpl", excitations=["engine"])
+        run = ship_at_three_speeds().configured(**own).order_response("T_cpl", excitations=["engine"])
         assert value == pytest.approx(np.abs(run.of_order(3.0)).max(), rel=1e-9)
 
 
 def test_one_order_in_the_worst_of_several_cases_is_the_largest_of_them() -> None:
-    model = SHORT.configured("firing=misfire")
+    model = ship_at_three_speeds().configured("firing=misfire")
     found = Evaluator(model, ("k_cpl",), {"T": made("order_torque", output="T_cpl", order=0.5)})(
         {"k_cpl": np.array([3e5])}
     )
@@ -139,20 +140,22 @@ def of_tail_at_last(model: tn.Drivetrain) -> float:
 
 @pytest.mark.slow
 def test_utilisation_is_that_of_the_limits_of_every_variant() -> None:
-    values = spread(SHORT, ("k_cpl",), count=2)
+    values = spread(ship_at_three_speeds(), ("k_cpl",), count=2)
     asked = {"all": made("utilisation"), "tail": made("utilisation", limit="tail"),
              "one": made("utilisation", limit="rubber", criterion="T_KW")}  # fmt: skip
-    names = {one.criterion for one in SHORT.check_limits("rubber").verdicts}
+    names = {one.criterion for one in ship_at_three_speeds().check_limits("rubber").verdicts}
     asked["last"] = made("utilisation", limit="tail", speeds="700..800 rpm")
     asked["one"] = made("utilisation", limit="rubber", criterion=min(names))
-    found = Evaluator(SHORT, ("k_cpl",), asked)(values)
+    found = Evaluator(ship_at_three_speeds(), ("k_cpl",), asked)(values)
     for number, own in enumerate(columns(values)):
-        check = SHORT.configured(**own).check_limits()
+        check = ship_at_three_speeds().configured(**own).check_limits()
         worst = [np.nanmax(one.utilisation) for one in check.verdicts]
         assert found["all"][number] == pytest.approx(max(worst), rel=1e-9)
         of_tail = [np.nanmax(one.utilisation) for one in check.verdicts if one.limit == "tail"]
         assert found["tail"][number] == pytest.approx(max(of_tail), rel=1e-9)
-        assert found["last"][number] == pytest.approx(of_tail_at_last(SHORT.configured(**own)), rel=1e-9)
+        assert found["last"][number] == pytest.approx(
+            of_tail_at_last(ship_at_three_speeds().configured(**own)), rel=1e-9
+        )
         single = check.of("rubber", min(names))
         assert found["one"][number] == pytest.approx(np.nanmax(single.utilisation), rel=1e-9)
 
@@ -201,7 +204,7 @@ def test_a_margin_is_taken_over_the_nearer_end_of_what_excites() -> None:
 
 def test_a_half_sine_is_over_after_its_rise() -> None:
     wave = {"torque": 10, "shape": "half_sine", "rise": 0.1, "duration": 0.2, "rate": 100}
-    found = made("transient_peak", output="T_T", input="T_M", **wave).torques(DMF).values
+    found = made("transient_peak", output="T_T", input="T_M", **wave).torques(dmf_rig()).values
     assert found == pytest.approx([*np.sin(np.pi * np.arange(11) / 10) * 10, *[0] * 10], abs=1e-12)
 
 
@@ -219,9 +222,9 @@ def test_a_torque_over_time_comes_from_a_recording_or_a_list(tmp_path) -> None:
     listed = made("transient_peak", output="T_T", input="T_M", history={"rate": "1 kHz", "values": torque})
     assert not faults
     assert unknown[0].path == ("history", "channel")
-    expected = np.abs(DMF.configured(k_2=400).simulate("T_T", {"T_M": torque}, 1000)["T_T"].values).max()
+    expected = np.abs(dmf_rig().configured(k_2=400).simulate("T_T", {"T_M": torque}, 1000)["T_T"].values).max()
     for one in (recorded, listed, QUANTITIES["transient_peak"].read(recorded.to_data())[0]):
-        assert one.evaluate(singly(DMF, {"k_2": np.array([400.0])}))[0, 0] == pytest.approx(expected, rel=1e-12)
+        assert one.evaluate(singly(dmf_rig(), {"k_2": np.array([400.0])}))[0, 0] == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -246,7 +249,9 @@ def test_transients_that_cannot_be_are_refused(entries: dict[str, object]) -> No
 
 
 def test_margins_are_those_of_the_critical_speeds() -> None:
-    held = SHORT.configured(Q_prop="188.7 kN*m", n_prop="151.8 rpm")  # one set of modes instead of one a crossing
+    held = ship_at_three_speeds().configured(
+        Q_prop="188.7 kN*m", n_prop="151.8 rpm"
+    )  # one set of modes instead of one a crossing
     values = spread(held, ("k_cpl",), count=3)
     asked = {"third": made("critical_speed_margin", orders=[3.0], excitations=["engine"], speeds="600..650 rpm")}
     found = Evaluator(held, ("k_cpl",), asked)(values)["third"]
@@ -264,16 +269,16 @@ def test_an_expression_calculates_from_others_curves_too() -> None:
     H = made("response", output="theta_1", input="T_T", band="1..40 Hz", points=20)
     asked = {"H": H, "H0": made("response", output="theta_1", input="T_T", at=0),
              "amplification": made("expression", of="H/H0"), "root": made("expression", of="sqrt(amplification)^2*2")}  # fmt: skip
-    evaluator = Evaluator(DMF, ("k_2",), asked)
+    evaluator = Evaluator(dmf_rig(), ("k_2",), asked)
     found = evaluator({"k_2": np.array([400.0, 500.0])})
     assert found["amplification"] == pytest.approx(found["H"] / found["H0"][:, None], rel=1e-15)
     assert found["root"] == pytest.approx(2 * found["amplification"], rel=1e-14)
-    assert not [fault for one in asked.values() for fault in one.model_faults(DMF, asked)]
-    measures = {name: one.measured(DMF, asked) for name, one in asked.items()}
+    assert not [fault for one in asked.values() for fault in one.model_faults(dmf_rig(), asked)]
+    measures = {name: one.measured(dmf_rig(), asked) for name, one in asked.items()}
     assert measures["amplification"].unit == ""
     assert measures["amplification"].is_curve
-    assert made("expression", of="H0*H0").measured(DMF, asked).unit != ""
-    assert made("expression", of="1/H0", unit="N*m/rad").measured(DMF, asked).unit == "N*m/rad"
+    assert made("expression", of="H0*H0").measured(dmf_rig(), asked).unit != ""
+    assert made("expression", of="1/H0", unit="N*m/rad").measured(dmf_rig(), asked).unit == "N*m/rad"
 
 
 def test_expressions_that_lead_nowhere_are_refused() -> None:
@@ -282,14 +287,14 @@ def test_expressions_that_lead_nowhere_are_refused() -> None:
              "lost": made("expression", of="f_1 + g_2"),
              "one": made("response", output="theta_1", input="T_T", at=[1, 2]),
              "two": made("response", output="theta_1", input="T_T", at=[1, 3]), "both": made("expression", of="one - two")}  # fmt: skip
-    said = {name: [fault.message for fault in one.model_faults(DMF, asked)] for name, one in asked.items()}
+    said = {name: [fault.message for fault in one.model_faults(dmf_rig(), asked)] for name, one in asked.items()}
     assert "circle" in said["a"][0]
     assert "circle" in said["c"][0]
     assert "would add" in said["sum"][0]
     assert len(said["lost"]) == 2
     assert "different points" in said["both"][0]
     with pytest.raises(UsageError, match="circle"):
-        VariantBlock(DMF, {"k_2": np.array([1.0])}, asked, None).of("a")
+        VariantBlock(dmf_rig(), {"k_2": np.array([1.0])}, asked, None).of("a")
     with pytest.raises(ModelError):
         made("expression", of="__import__('os')")
     with pytest.raises(ModelError):
@@ -303,11 +308,11 @@ def module_level(model: tn.Drivetrain) -> float:
 def test_a_function_of_a_user_is_asked_of_every_variant() -> None:
     curve = function(lambda model: [model.parameters["k_2"], 1.0], unit="N*m/rad", over="speed", points=[1.0, 2.0])
     asked = {"twice": function(module_level, unit="N*m/rad"), "curve": curve}
-    found = Evaluator(DMF, ("k_2",), asked)({"k_2": np.array([400.0, 500.0])})
+    found = Evaluator(dmf_rig(), ("k_2",), asked)({"k_2": np.array([400.0, 500.0])})
     assert found["twice"].tolist() == [800.0, 1000.0]
     assert found["curve"].tolist() == [[400.0, 1.0], [500.0, 1.0]]
-    assert curve.measure(DMF).over == "speed"
-    assert asked["twice"].measure(DMF).unit == "N*m/rad"
+    assert curve.measure(dmf_rig()).over == "speed"
+    assert asked["twice"].measure(dmf_rig()).unit == "N*m/rad"
 
 
 def multiple(factor: float):
@@ -317,7 +322,7 @@ def multiple(factor: float):
 
 def test_a_study_with_functions_runs_and_goes_on_only_with_the_same_code(tmp_path) -> None:
     def study(of):
-        return tn.study.define(DMF, {"k_2": {"type": "list", "values": [400, 500]}}, {"twice": function(of)})
+        return tn.study.define(dmf_rig(), {"k_2": {"type": "list", "values": [400, 500]}}, {"twice": function(of)})
 
     assert tn.study.run_study(study(multiple(2)), tmp_path).values("twice").tolist() == [800, 1000]
     assert tn.study.run_study(study(multiple(2)), tmp_path).values("twice").tolist() == [800, 1000]
@@ -335,27 +340,27 @@ def test_a_function_that_other_processes_cannot_have_is_refused_in_words() -> No
         function(3)
     with pytest.raises(UsageError):
         function(module_level, over="frequency")
-    assert list(function(lambda _: [1.0, 2.0]).model_faults(DMF, {}))
+    assert list(function(lambda _: [1.0, 2.0]).model_faults(dmf_rig(), {}))
 
 
 FAULTS = [
-    (DMF, "order_torque", {"output": "T_T"}, "speeds"),
-    (SHORT, "order_torque", {"output": "T_cpL"}, "did you mean"),
-    (SHORT, "order_torque", {"output": "T_cpl", "order": 3.1}, "no order 3.1"),
-    (SHORT, "order_torque", {"output": "T_cpl", "excitations": ["motor"]}, "no excitation"),
-    (SHORT, "order_torque", {"output": "T_cpl", "speeds": "1..2 rpm"}, "none of the model's speeds"),
-    (DMF, "utilisation", {}, "no limits"),
-    (SHORT, "utilisation", {"limit": "tale"}, "did you mean"),
-    (SHORT, "utilisation", {"limit": "rubber", "criterion": "x"}, "rubber"),
-    (DMF, "critical_speed_margin", {}, "speeds"),
-    (SHORT, "critical_speed_margin", {"orders": [3.1]}, "no order 3.1"),
-    (DMF, "scenario_peak", {"output": "T_T", "scenario": "tip_in"}, "no entry scenarios"),
-    (DMF, "transient_peak", {"output": "x", "input": "T_M", "torque": 1, "duration": 1}, "no sensor or node"),
-    (DMF, "transient_peak", {"output": "T_T", "input": "T_M", "torque": 1, "duration": 1, "rate": 1e8}, "samples"),
+    (dmf_rig, "order_torque", {"output": "T_T"}, "speeds"),
+    (ship_at_three_speeds, "order_torque", {"output": "T_cpL"}, "did you mean"),
+    (ship_at_three_speeds, "order_torque", {"output": "T_cpl", "order": 3.1}, "no order 3.1"),
+    (ship_at_three_speeds, "order_torque", {"output": "T_cpl", "excitations": ["motor"]}, "no excitation"),
+    (ship_at_three_speeds, "order_torque", {"output": "T_cpl", "speeds": "1..2 rpm"}, "none of the model's speeds"),
+    (dmf_rig, "utilisation", {}, "no limits"),
+    (ship_at_three_speeds, "utilisation", {"limit": "tale"}, "did you mean"),
+    (ship_at_three_speeds, "utilisation", {"limit": "rubber", "criterion": "x"}, "rubber"),
+    (dmf_rig, "critical_speed_margin", {}, "speeds"),
+    (ship_at_three_speeds, "critical_speed_margin", {"orders": [3.1]}, "no order 3.1"),
+    (dmf_rig, "scenario_peak", {"output": "T_T", "scenario": "tip_in"}, "no entry scenarios"),
+    (dmf_rig, "transient_peak", {"output": "x", "input": "T_M", "torque": 1, "duration": 1}, "no sensor or node"),
+    (dmf_rig, "transient_peak", {"output": "T_T", "input": "T_M", "torque": 1, "duration": 1, "rate": 1e8}, "samples"),
 ]
 
 
-@pytest.mark.parametrize(("model", "kind", "entries", "words"), FAULTS)
+@pytest.mark.parametrize(("model", "kind", "entries", "words"), FAULTS, indirect=["model"])
 def test_what_a_model_lacks_is_said(model: tn.Drivetrain, kind: str, entries: dict[str, object], words: str) -> None:
     said = " ".join(fault.message for fault in made(kind, **entries).model_faults(model, {}))
     assert words in said
@@ -380,7 +385,7 @@ def test_every_quantity_goes_to_other_processes_and_into_a_file(kind: str) -> No
     quantity, faults = QUANTITIES[kind].read(entries)
     assert not faults
     asked = {"f": made("natural_frequency", mode=1), "own": quantity}
-    model = tn.load("turbine_generator_ssr") if kind == "scenario_peak" else SHORT
+    model = tn.load("turbine_generator_ssr") if kind == "scenario_peak" else ship_at_three_speeds()
     assert not list(quantity.model_faults(model, asked))
     assert pickle.loads(pickle.dumps(quantity)) == quantity
     again, faults = QUANTITIES[kind].read(quantity.to_data())
@@ -390,7 +395,7 @@ def test_every_quantity_goes_to_other_processes_and_into_a_file(kind: str) -> No
 
 
 def test_a_block_keeps_few_remarks() -> None:
-    block = singly(DMF, {"k_2": np.array([1.0])})
+    block = singly(dmf_rig(), {"k_2": np.array([1.0])})
     for number in range(3 * MOST_REMARKS):
         block.remark(f"of {number}")
     assert len(block.remarks) == MOST_REMARKS + 1
@@ -401,7 +406,7 @@ def test_a_function_that_fails_says_of_which_variant():
     def picky(model):
         return 1 / (model.parameters["k_2"] - 500)
 
-    study = tn.study.define(DMF, {"k_2": {"type": "list", "values": [400, 500]}}, {"picky": function(picky)})
+    study = tn.study.define(dmf_rig(), {"k_2": {"type": "list", "values": [400, 500]}}, {"picky": function(picky)})
     with pytest.raises(ZeroDivisionError) as error:
         tn.study.run_study(study)
     assert "picky was asked for the variant k_2 = 500" in error.value.__notes__[0]

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support.collecting import OnDemand
 
 from torsionnet.response.recording import Recording, Signal
 from torsionnet.signals import CycleAverage, PhaseReference, VoldKalman, mean_rotation, track_orders
 
-rota = pytest.importorskip("rota")
+rota = OnDemand("rota")
 RATE = 1000.0
 
 

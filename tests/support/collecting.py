@@ -30,6 +30,18 @@ def pytest_collect_file(file_path, parent):
     return ours
 
 
+class OnDemand:
+    """Package that is imported when a test first uses it, and skips that test where it is missing."""
+
+    def __init__(self, name):
+        self._name = name
+
+    def __getattr__(self, name):
+        if name.startswith("_"):  # pytest asks all that a file defines whether it is a fixture
+            raise AttributeError(name)
+        return getattr(pytest.importorskip(self._name), name)
+
+
 class Examples(DoctestModule):
     """Examples in the docstrings of a module, by its text; it is imported when the first of them runs."""
 

@@ -30,6 +30,7 @@ class TypeRegister(MutableMapping[str, T], Generic[T]):
         self.packages = (packages,) if isinstance(packages, str) else tuple(packages)
         self.families = families
         self._types: dict[str, T] = {}
+        self._complete = False
 
     def __getitem__(self, kind: str) -> T:
         if kind not in self._types:
@@ -69,5 +70,7 @@ class TypeRegister(MutableMapping[str, T], Generic[T]):
         importlib.import_module(f"{self._files[file]}.{file}")
 
     def _import_all(self) -> None:
-        for file in sorted(self._files):
-            self._import(file)
+        if not self._complete:
+            for file in sorted(self._files):
+                self._import(file)
+            self._complete = True
