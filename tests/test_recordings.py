@@ -274,6 +274,7 @@ class TestFaultyFiles:
             ("a;b\nc;d\n", "found no rows of numbers in the first 2 lines"),
             ("time,T [Nm]\n0,1\n1,x\n2,3\n3,4\n", 'r.csv:3:3: error: "x" is not a number'),
             ("time,T [Nm]\n0,1\n1,2\n2\n3,4\n", "r.csv:4:1: error: the row has 1 cells, the others have 2"),
+            ("time,T [Nm]\n0,1\n1,2\n2,3,5\n3,4\n", "r.csv:4:1: error: the row has 3 cells, the others have 2"),
             ("time,T [Nm]\n0,1\n2,1\n1,1\n", "r.csv:4:1: error: the time stamp 1 s follows 2 s in time"),
             ("time,T [Nm]\n0,1\n1,2\n2,\n", "channels of different lengths: T has 2, time has 3 values"),
             ("T [Nm]\n1\n2\n", "nothing in the file tells the sampling rate"),

@@ -9,6 +9,7 @@ import scipy
 
 import torsionnet as tn
 from torsionnet.bench.coast_down import coast_down, turning_inertia
+from torsionnet.bench.wheel_speeds import with_wheel_speeds
 from torsionnet.bench.wheel_turning import true_places
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.model.bench import (
@@ -24,6 +25,7 @@ from torsionnet.model.bench import (
     ToothedWheel,
     Transducer,
 )
+from torsionnet.response.recording import PulseChannel, Recording
 
 RPM = np.pi / 30
 J_A, J_B, K, C = 1.0, 3.0, 4000.0, 6.0
@@ -274,6 +276,16 @@ def test_a_counter_of_1_mhz_at_600_rpm_leaves_0_00104_degrees():
     assert np.degrees(left.std()) == pytest.approx(0.00104, rel=0.02)
     assert test.records[""].pulses_of("b").tick == 1e-6
     assert (left < 1e-12).all()  # rounded down
+
+
+def test_speeds_of_wheels_reach_to_the_last_pulse_of_any():
+    """24 teeth at 10 turns a second pass every 1/240 s: on b for 2 s, on a for one; drawn at 8 Hz."""
+    pulses = tuple(PulseChannel(name, np.arange(240 * length + 1) / 240) for name, length in (("b", 2), ("a", 1)))
+    channels = {"b": WHEEL, "a": replace(WHEEL, sensor="angle(a)")}
+    plan = Plan(motion=STEADY, channels=channels, acquisition=Acquisition(rate="8 Hz"))
+    for recorded in (pulses, pulses[::-1]):
+        signals = with_wheel_speeds(Recording((), 8.0, pulses=recorded), plan).signals
+        assert np.array([signal.values for signal in signals]) == pytest.approx(np.full((2, 17), 20 * np.pi))
 
 
 def test_the_truth_of_a_bench_with_wheels_is_written_and_read(tmp_path):
