@@ -5,13 +5,14 @@ import itertools
 import mpmath
 import numpy as np
 import pytest
+from support.collecting import OnDemand
 from support.fmu_hosts import VERSIONS, Host, fmpy, library_model, unpacked
 from support.models import geared_line
 
 import torsionnet as tn
 from torsionnet.io.fmu.archive import suggested_step
 
-validation = pytest.importorskip("fmpy.validation")
+validation = OnDemand("fmpy.validation")
 
 MODELS = [("dmf_rig", ""), ("amt_rig", "V"), ("drill_string", ""), ("planetary_set", ""), ("turbine_generator_ssr", "")]
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.collecting import OnDemand
 from support.fmu_hosts import VERSIONS, Host, fmpy, library_model, unpacked
 from support.patience import PATIENCE
 
@@ -19,7 +20,7 @@ from torsionnet.io.fmu import compiling
 from torsionnet.io.fmu.platforms import universal_binary
 from torsionnet.io.formats import extras
 
-validation = pytest.importorskip("fmpy.validation")
+validation = OnDemand("fmpy.validation")
 compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 needs_compiler = pytest.mark.skipif(compiler is None, reason="no C compiler")
 LATEST_FIRST = ["3.0", pytest.param("2.0", marks=pytest.mark.slow)]

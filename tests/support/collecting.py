@@ -2,21 +2,33 @@
 
 import ast
 import gc
+import sys
+import warnings
 from functools import cached_property
 
 import pytest
 from _pytest.doctest import DoctestModule
 
+HEAVY = {
+    *("asammdf", "control", "dask", "distributed", "fmpy", "h5py", "jsonschema", "libcst", "lsprotocol", "matplotlib"),
+    *("pandas", "pint", "pyarrow", "rota", "sksundae"),
+    *(f"scipy.{part}" for part in ("integrate", "linalg", "optimize", "signal", "sparse", "special", "stats")),
+}
+"""Packages that take 0.1 to 1.2 s of the processor, in every process that collects tests: import them in the functions
+that use them, write ``scipy.stats.norm`` for ``from scipy.stats import norm``, or take `OnDemand`."""
+LOADED = pytest.StashKey[set[str]]()
+"""Which of them collecting has loaded."""
 _PROMPT = ">>> "
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_collection():
+def pytest_collection(session):
     """Thousands of tests that all stay alive: to look again and again which are garbage takes a third of collecting."""
     gc.disable()
     try:
         return (yield)
     finally:
+        session.config.stash[LOADED] = HEAVY & set(sys.modules)
         gc.freeze()  # nor do collections while tests run look at them
         gc.enable()
 
@@ -39,7 +51,10 @@ class OnDemand:
     def __getattr__(self, name):
         if name.startswith("_"):  # pytest asks all that a file defines whether it is a fixture
             raise AttributeError(name)
-        return getattr(pytest.importorskip(self._name), name)
+        with warnings.catch_warnings():  # those of other packages while they are imported are not ours
+            warnings.simplefilter("ignore")
+            package = pytest.importorskip(self._name)
+        return getattr(package, name)
 
 
 class Examples(DoctestModule):
@@ -53,7 +68,7 @@ class Examples(DoctestModule):
     def lines(self):
         """Where each of them begins, by its name."""
         tree = ast.parse(self.path.read_text(encoding="utf-8"))
-        return dict(_examples(tree, _module_name(self.path), 0))
+        return dict(examples_in(tree, _module_name(self.path)))
 
     @cached_property
     def imported(self):
@@ -85,11 +100,11 @@ def _module_name(path):
     return ".".join(reversed(parts))
 
 
-def _examples(node, name, line):
+def examples_in(node, name, line=0):
     """The name and the line, from 0, of each docstring with examples; doctest looks into classes, not into functions."""
     if _PROMPT in (ast.get_docstring(node, clean=False) or ""):
         yield name, line
     if not isinstance(node, ast.FunctionDef):
         for one in node.body:
             if isinstance(one, ast.ClassDef | ast.FunctionDef):
-                yield from _examples(one, f"{name}.{one.name}", one.lineno - 1)
+                yield from examples_in(one, f"{name}.{one.name}", one.lineno - 1)

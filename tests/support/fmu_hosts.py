@@ -3,7 +3,6 @@
 import ctypes
 import functools
 import tempfile
-import warnings
 from pathlib import Path
 
 import numpy as np
@@ -12,14 +11,11 @@ import scipy
 
 import torsionnet as tn
 from support import campaigns
+from support.collecting import OnDemand
 from torsionnet.io import write_fmu
 from torsionnet.io.fmu import compiling
 
-with warnings.catch_warnings():
-    warnings.simplefilter("ignore")
-    fmpy = pytest.importorskip("fmpy")
-    fmi2 = pytest.importorskip("fmpy.fmi2")
-    fmi3 = pytest.importorskip("fmpy.fmi3")
+fmpy, fmi2, fmi3 = OnDemand("fmpy"), OnDemand("fmpy.fmi2"), OnDemand("fmpy.fmi3")
 
 VERSIONS = ("2.0", "3.0")
 FOLDERS = []

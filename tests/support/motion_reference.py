@@ -9,14 +9,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-import pytest
 import scipy
 
+from support.collecting import OnDemand
 from torsionnet.core.expressions import FLOAT
 from torsionnet.model.element_base.laws import Constraint, Law, MotionLaw, Values
 from torsionnet.model.motion_laws.piece_curve import Hold
 
-CVODE = pytest.importorskip("sksundae.cvode").CVODE
+sundials = OnDemand("sksundae.cvode")
 RELATIVE, ABSOLUTE = 1e-12, 1e-15
 STEPS_A_RADIAN = 8.0
 """Least steps while the fastest vibration turns by one radian."""
@@ -313,7 +313,7 @@ def _stretch(plant, t, y, stops):
     if guards:
         events.terminal, events.direction = [True] * len(guards), [way for _, way, _, _ in guards]
         options = {"eventsfn": events, "num_events": len(guards)}
-    solver = CVODE(plant.rates, method="Adams", rtol=RELATIVE, atol=ABSOLUTE, max_step=plant.longest,
+    solver = sundials.CVODE(plant.rates, method="Adams", rtol=RELATIVE, atol=ABSOLUTE, max_step=plant.longest,
                    max_num_steps=10_000_000, **options)  # fmt: skip
     # two times would ask for every step
     whole = [t, *stops] if len(stops) > 1 else [t, (t + stops[0]) / 2, stops[0]]
