@@ -176,6 +176,12 @@ def test_missing(plan, key):
         plan(text)
 
 
+def test_searches_begin_at_a_thousand_places_at_most(plan):
+    assert plan(FIT.replace("starts: 3", "starts: 1000")).options["starts"] == 1000
+    with pytest.raises(ModelError, match="expected a whole number from 1 to 1000, got 1001"):
+        plan(FIT.replace("starts: 3", "starts: 1001"))
+
+
 def test_no_file(tmp_path):
     with pytest.raises(UsageError, match="cannot be read: No such file"):
         load_fit_plan(tmp_path / "none.yaml", lambda _: RESPONSE)

@@ -440,6 +440,18 @@ def test_wrong_limits_are_named_with_their_place(entry, message):
     assert message in str(caught.value)
 
 
+def test_a_limit_without_its_rule_is_marked_at_its_name():
+    with pytest.raises(tn.ModelError, match=r"<text>:11:3: error: expected {rule: ..., ...} with one of the rules"):
+        tn.loads(f"{BASE}  wrong: {{element: shaft}}\n")
+
+
+def test_lines_of_fatigue_begin_at_a_thousand_cycles():
+    entry = "{rule: fatigue, element: shaft, fatigue_strength: 150 MPa, mean_stress: none, slope: 5, cycles: %d}"
+    tn.loads(f"{BASE}  few: {entry % 1000}\n")
+    with pytest.raises(tn.ModelError, match="1000"):
+        tn.loads(f"{BASE}  few: {entry % 999}\n")
+
+
 def test_lambda_needs_a_rated_speed():
     text = BASE.replace(", rated: 750 rpm", "")
     for entry in (f"{{rule: iacs_m68, element: shaft, {M68}}}", "{rule: gear, element: shaft, vibratory_share: 30 %}",

@@ -1,8 +1,11 @@
 """Schematics cut into parts: where a cut may stand, and that the parts together hold what the whole holds."""
 
+import pytest
+
 import torsionnet as tn
 from torsionnet import plot
 from torsionnet.plot.drawing.pieces import Piece
+from torsionnet.plot.schematic.arrangement import page_width
 from torsionnet.plot.schematic.drawing_parts import cut_heights
 from torsionnet.report import make_report
 
@@ -30,6 +33,11 @@ def test_a_level_line_is_not_cut():
 
 def test_no_place_for_a_cut_leaves_the_drawing_whole():
     assert cut_heights(Piece(boxes=[(0, 10, 0, 400)]), (0, 10, 0, 400), 150) == []
+
+
+def test_a_page_is_as_wide_as_its_smallest_text_prints_at_six_points():
+    """127 mm are 360 points, in which text of 7 points prints at 6 where they are 420, 10 on each side for the margin."""
+    assert page_width(127) == pytest.approx(400)
 
 
 def test_parts_hold_every_text_once_and_are_legible():

@@ -18,7 +18,7 @@ import torsionnet as tn
 from torsionnet import plot
 from torsionnet.core.errors import UsageError
 from torsionnet.plot.drawing.pieces import ROLES, is_math, text_width
-from torsionnet.plot.drawing.symbol_runs import symbol_runs
+from torsionnet.plot.drawing.symbol_runs import X_HEIGHT, symbol_runs
 from torsionnet.plot.drawing.text_widths import font_widths
 from torsionnet.plot.schematic import wiring
 from torsionnet.plot.schematic.svg_drawing import schematic_svg
@@ -201,11 +201,14 @@ class TestWidths:
                 assert text_width(text, role) == pytest.approx(expected, abs=0.011 * ROLES[role].size)
 
     def test_widths_are_known_units_of_the_font(self):
+        from matplotlib.textpath import TextPath
+
         # The digits of DejaVu Sans are 1303 of 2048 units wide, those of its bold face 1425.
         for face, units in (("", 1303), ("italic", 1303), ("bold", 1425)):
             assert {font_widths(face).advances[font_widths(face).glyphs[ord(digit)]] for digit in "0123456789"} == {
                 units
             }
+        assert pytest.approx(TextPath((0, 0), "x", size=100).get_extents().y1) == X_HEIGHT
         assert font_widths("").width("AV") < font_widths("").width("A") + font_widths("").width("V")
 
     def test_matplotlib_is_not_loaded(self):

@@ -190,8 +190,10 @@ def test_every_order_of_five_is_as_frequent():
     assert scipy.stats.chisquare(list(seen.values())).pvalue > 1e-3
 
 
-def test_the_last_part_of_many_stays_below_one(monkeypatch):
+def test_the_last_part_of_the_most_stays_below_one(monkeypatch):
     count = 10**15
+    with pytest.raises(ModelError, match=f"from 1 to {count}, got {count + 1}"):
+        Samples(count=count + 1)
     monkeypatch.setattr(sampling_points, "permuted", lambda places, count, _: np.full(len(places), count - 1))
     shares = LatinHypercubePoints(("k",), count, 1)(0, 1000)
     assert (count - 1) / count <= shares.min() <= shares.max() < 1
