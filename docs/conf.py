@@ -58,7 +58,7 @@ sphinx_gallery_conf = {
     "plot_gallery": "True",
     "capture_repr": (),
     "image_scrapers": ("gallery_figures", "matplotlib"),
-    "reset_modules": ("matplotlib", "gallery_figures.observe"),
+    "reset_modules": ("matplotlib", "gallery_figures.record"),
     "reset_modules_order": "both",
 }
 

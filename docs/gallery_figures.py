@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-import sys
 import time
 from pathlib import Path
 from typing import Any
 
-from made_files import OBSERVED, ROOT, digest_of_all
+from made_files import ROOT, digest_of_all, files_below, imported
 from matplotlib.figure import Figure
 from sphinx_gallery.scrapers import figure_rst
 
@@ -38,11 +37,13 @@ def _get_sg_image_scraper() -> Any:
 # An example is run again where its script has changed, as sphinx-gallery does, or anything that it was made from
 
 RECORD = ROOT / ".cache" / "gallery.json"
+READ = ("library", "examples")
+"""Folders whose files examples read; to observe which would double the time of the whole build."""
+BEGAN = time.time()
 
 
 def forget_stale() -> None:
     """Let examples run again whose modules, files or packages have changed since they ran."""
-    sys.addaudithook(OBSERVED.note)
     known = json.loads(RECORD.read_text(encoding="utf-8")) if RECORD.exists() else {}
     for ran in (ROOT / "docs" / "gallery").glob("*.py.md5"):
         one = known.get(ran.name.partition(".")[0])
@@ -50,16 +51,13 @@ def forget_stale() -> None:
             ran.unlink()
 
 
-def observe(_conf: Any, script: str | None, when: str) -> None:
-    """Record what an example was made from; modules that those before it imported count as well."""
+def record(_conf: Any, script: str | None) -> None:
+    """Record what an example that has run was made from; modules that those before it imported count as well."""
     if script is None:
         return
-    if when == "before":
-        OBSERVED.paths.clear()
-        OBSERVED.started, OBSERVED.began = False, time.time()
-        return
     known = json.loads(RECORD.read_text(encoding="utf-8")) if RECORD.exists() else {}
-    names = OBSERVED.all_paths()
-    known[Path(script).stem] = {"from": names, "digest": digest_of_all(names, OBSERVED.began)}
+    others = {name for name in files_below(("examples/*.py",)) if name != f"examples/{Path(script).name}"}
+    names = sorted((imported() | files_below(READ)) - others)
+    known[Path(script).stem] = {"from": names, "digest": digest_of_all(names, BEGAN)}
     RECORD.parent.mkdir(exist_ok=True)
     RECORD.write_text(json.dumps(known), encoding="utf-8")

@@ -48,11 +48,10 @@ STARTS = {"subprocess.Popen", "os.fork", "os.posix_spawn", "os.exec", "os.system
 
 @dataclass
 class Observed:
-    """Files read and folders listed below the checkout since a time, and whether other processes were started."""
+    """Files read and folders listed below the checkout, relative to it, and whether other processes were started."""
 
     paths: set[str] = field(default_factory=set)
     started: bool = False
-    began: float = field(default_factory=time.time)
 
     def note(self, event: str, given: tuple[Any, ...]) -> None:
         """Note an event that Python tells to its audit hooks."""
@@ -71,16 +70,7 @@ class Observed:
 
     def all_paths(self) -> list[str]:
         """Sorted paths, those of the imported modules included."""
-        files = (getattr(module, "__file__", None) for module in [*sys.modules.values()])
-        found = self.paths | {name for file in files if file and (name := below_checkout(file))}
-        if self.started:
-            found |= {
-                name
-                for pattern in OF_A_PROCESS
-                for path in ROOT.glob(f"{pattern}/**/*" if "*" not in pattern else pattern)
-                if (name := below_checkout(str(path)))
-            }
-        return sorted(found)
+        return sorted(self.paths | imported() | (files_below(OF_A_PROCESS) if self.started else set()))
 
 
 OBSERVED = Observed()
@@ -94,6 +84,18 @@ def below_checkout(path: str | bytes) -> str:
         return ""
     is_made = name.startswith(MADE_FOLDERS) or name.endswith((".pyi", ".schema.json"))
     return "" if is_made or name.startswith(".") or "__pycache__" in name else name
+
+
+def imported() -> set[str]:
+    """Files of the modules of the checkout that have been imported."""
+    files = (getattr(module, "__file__", None) for module in [*sys.modules.values()])
+    return {name for file in files if file and (name := below_checkout(file))}
+
+
+def files_below(patterns: Iterable[str]) -> set[str]:
+    """Files that patterns name, or that lie in folders that they name, and these folders."""
+    paths = (path for pattern in patterns for path in ROOT.glob(pattern if "*" in pattern else f"{pattern}/**/*"))
+    return {name for path in paths if (name := below_checkout(str(path)))}
 
 
 # What is current
@@ -175,12 +177,13 @@ def bring_up_to_date(names: Iterable[str], *, keep: bool = True, write: bool = T
     stale = [name for name in sorted(names, key=_place) if not (keep and is_current(known.get(name)))]
     if not stale:
         return
+    began = time.time()
     with tempfile.TemporaryDirectory() as scratch:
         for name, inputs in made(stale, Path(scratch)):
             folder = Path(scratch) / str(stale.index(name))
             files = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*") if path.is_file()}
             before = known.get(name, {"made": {}})["made"]
-            known[name] = {"from": inputs, "digest": digest_of_all(inputs, OBSERVED.began), "made": {}}
+            known[name] = {"from": inputs, "digest": digest_of_all(inputs, began), "made": {}}
             for place, path in files.items():
                 text = path.read_bytes()
                 known[name]["made"][place] = blake2b(text, digest_size=12).hexdigest()

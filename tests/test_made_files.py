@@ -101,9 +101,8 @@ sys.path[:0] = ["", "docs"]
 import gallery_figures
 gallery_figures.forget_stale()
 if len(sys.argv) > 1:
-    gallery_figures.observe({}, "plot_units.py", "before")
     import torsionnet.units
-    gallery_figures.observe({}, "plot_units.py", "after")
+    gallery_figures.record({}, "plot_units.py")
 """
 
 
