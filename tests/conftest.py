@@ -1,11 +1,13 @@
 """For all tests: one thread for small matrices, what was skipped for want of a tool, and the processor's time."""
 
 import os
+import sys
+import tempfile
 from collections import Counter
 from pathlib import Path
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 pytest.register_assert_rewrite("support")  # asserts in helpers tell their values, as those in tests do
 
@@ -15,8 +17,15 @@ from support import campaigns, collecting, processor_time  # noqa: E402
 for library in ("OPENBLAS", "OMP", "MKL"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
+# Users have blanks and umlauts in the names of their folders: so has the one of all temporary files, also of processes
+# that tests start; workers get it from the first process. The locale C can write no umlauts.
+STAND = f"Prüf stand {getattr(os, 'getuid', int)()}".encode(sys.getfilesystemencoding(), "ignore").decode()
+if STAND not in tempfile.gettempdir():
+    tempfile.tempdir = os.environ["TMPDIR"] = str(Path(tempfile.gettempdir(), STAND))
+    Path(tempfile.tempdir).mkdir(exist_ok=True)
+
 # How long an example takes depends on what else the machine does.
-settings.register_profile("torsionnet", deadline=None)
+settings.register_profile("torsionnet", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("torsionnet")
 
 collect_ignore = ["user_types/mistakes.py"]  # mistakes of users do not import

@@ -108,7 +108,7 @@ class TestRoundTrip:
         assert files[0].read_bytes() == files[1].read_bytes()
 
     @pytest.mark.parametrize("ending", [".csv", ".npz", ".mat"])
-    @settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+    @settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
     @given(
         st.text(max_size=30),
         st.text(st.characters(exclude_categories=["C", "Z"]), min_size=1, max_size=12),

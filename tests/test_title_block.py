@@ -152,7 +152,9 @@ class TestDocument:
         assert r"| \<b\>50 % \& \$x\_1\$\</b\> |" in markdown_text(made, "f")
 
     def test_words_replace_labels_and_not_what_is_filled_in(self, tmp_path):
-        (tmp_path / "words.yaml").write_text("texts: {Owner: Eigner, Checked: Geprüft, Name: Wer, Hull: Schiff}\n")
+        (tmp_path / "words.yaml").write_text(
+            "texts: {Owner: Eigner, Checked: Geprüft, Name: Wer, Hull: Schiff}\n", encoding="utf-8"
+        )
         block = report(template=tmp_path, title_block={"owner": "Owner", "checked": "Name"}).title_block
         fields = dict(field for row in block.rows for field in row)
         assert (fields["Eigner"], fields["Schiff"]) == ("Owner", "4711")

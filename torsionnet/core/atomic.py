@@ -13,13 +13,19 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
+from torsionnet.core.errors import readable_text
+
 PIPE_TIMEOUT = 10.0
 """Seconds that writing to a pipe waits for a reader, enough for a program that is still starting."""
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
     """Write UTF-8 text with Unix line ends to ``path``, atomically: beside it, then renamed into place."""
-    write_bytes(path, text.encode())
+    try:
+        data = text.encode()
+    except UnicodeEncodeError:
+        data = readable_text(text).encode()
+    write_bytes(path, data)
 
 
 def write_bytes(path: str | os.PathLike[str], data: bytes | memoryview) -> None:

@@ -117,6 +117,15 @@ def printable_text(text: str) -> str:
     return text if text.isprintable() else _STEERING.sub(_written_out, text)
 
 
+def readable_text(text: str) -> str:
+    r"""Text with the name of a file in which bytes that are no text here are read as UTF-8, or else marked.
+
+    >>> readable_text("L\udcc3\udca4ufer"), readable_text("L\udce4ufer")
+    ('Läufer', 'L\ufffdufer')
+    """
+    return text.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
+
+
 _STEERING = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff\ud800-\udfff]")
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from torsionnet.core.errors import UsageError
+from torsionnet.core.errors import UsageError, readable_text
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.elements.mass_elastic import sheet_elements
 from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet, read_sheet
@@ -47,5 +47,7 @@ def mass_elastic_report(path: str | os.PathLike[str]) -> MassElasticSheet:
 def sheet_drivetrain(sheet: MassElasticSheet) -> Drivetrain:
     """Drivetrain of a mass-elastic sheet that was read, its nodes named after the masses."""
     nodes = {mass.name: mass.name for mass in sheet.masses}
-    title = Path(sheet.file).stem.replace("_", " ")
-    return Drivetrain(title, list(sheet_elements(sheet, nodes)), source=f"mass-elastic sheet {sheet.file}")
+    title = readable_text(Path(sheet.file).stem.replace("_", " "))
+    return Drivetrain(
+        title, list(sheet_elements(sheet, nodes)), source=f"mass-elastic sheet {readable_text(sheet.file)}"
+    )

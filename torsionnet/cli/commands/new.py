@@ -12,6 +12,7 @@ import click
 from torsionnet.cli.command import Answer, Command, click_command, text_answer
 from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.options import OutputFile
+from torsionnet.core.errors import readable_text
 
 KINDS = ("ship", "genset", "rig", "train", "turbine")
 """Kinds of starting models; each is a file of that name in the folder ``cli/starting_models``."""
@@ -77,8 +78,7 @@ def starting_model(kind: str, name: str) -> str:
     from torsionnet.model.files.quoting import scalar_text
 
     template = (files("torsionnet.cli") / "starting_models" / f"{kind}.yaml").read_text(encoding="utf-8")
-    readable = name.encode("utf-8", "surrogateescape").decode("utf-8", "replace")  # bytes of a shell that are no text
-    return template.replace(_NAME_LINE, f"name: {scalar_text(readable)}\n", 1)
+    return template.replace(_NAME_LINE, f"name: {scalar_text(readable_text(name))}\n", 1)
 
 
 def _path_and_name(given: str, *, is_path: bool) -> tuple[str, str]:
