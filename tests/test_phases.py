@@ -67,6 +67,13 @@ def test_children_count_and_the_sum_is_judged_as_on_a_quiet_machine(carried_out,
     assert (code, "s of the processor, at most 0 s are allowed" in text) == (red, red)
 
 
+def test_words_for_the_part_are_not_for_its_targets(carried_out, monkeypatch):
+    monkeypatch.setenv("ARGS", "reached")
+    monkeypatch.setenv("MAKEFLAGS", " -- ARGS=reached")
+    code, _, text = carried_out([[phase("show", "import os; print(not {'ARGS', 'MAKEFLAGS'} & os.environ.keys())")]])
+    assert (code, "True" in text) == (0, True)
+
+
 def test_a_tool_that_lacks_is_no_fault_unless_tools_are_there(carried_out):
     lacking = [[phase("tests", f"print('1 {running.LACKING.decode()}')")]]
     assert carried_out([[phase("tools", "exit(3)", brings_tools=True)]], lacking)[0] == 0

@@ -16,12 +16,12 @@ echo "no browser and LaTeX from packages here: tests that need them may be skipp
 exit 3
 """
 TOOLS = Phase("tools", ("bash", "-c", INSTALL), brings_tools=True)
-SET_UP = Phase("set-up", ("make", *(f".venv/.group-{group}" for group in ("test", "lint", "docs"))), 110)
+SET_UP = Phase("set-up", ("make", *(f".venv/.group-{group}" for group in ("test", "lint", "docs"))), 90)
 
 STEPS = (
     ((TOOLS,), (make("clean", 0), SET_UP)),
     # Each of them keeps one core busy.
-    ((make("lint", 5), make("types", 150), make("wheel", 40)), (make("docs", 190), make("demo", 5))),
+    ((make("lint", 20), make("types", 150), make("wheel", 30)), (make("docs", 190), make("demo", 20))),
     ((make("test", 400, "ARGS=--most-of-one=10", name="quick tests"),),),
     ((make("test-kernel", 250, name="second BLAS kernel"),),),
     ((make("test-slow", 850, name="slow tests"),),),

@@ -24,6 +24,10 @@ ALLOWED = 1.25
 LACKING = b"skipped for want of a tool"
 
 
+FOREIGN = {"PYTHONPATH", "MAKEFLAGS", "MFLAGS", "MAKEOVERRIDES", "MAKELEVEL", "ARGS", "SECONDS", "KERNEL", "MARKED"}
+"""What `make test-nightly ARGS=reached` would hand to the targets of all phases."""
+
+
 @dataclass(frozen=True)
 class Phase:
     """One command."""
@@ -167,7 +171,7 @@ class Run:
             print(f"== {phase.name}: ok, {row.wall:.0f} s", flush=True)
 
     def _run(self, phase: Phase, *, streams: bool) -> Row:
-        environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+        environment = {name: value for name, value in os.environ.items() if name not in FOREIGN}
         environment |= {"CI": "true", "NO_COLOR": "1"}
         began, said = time.monotonic(), b""
         with subprocess.Popen(
