@@ -29,6 +29,7 @@ VALUES = {"k_1": Fraction(3), "J": Fraction(1, 2), "tau": Fraction(-2), "x": Fra
         ("k_1/tau^2", Fraction(3, 4)),
         ("-tau**2", -4),
         ("(-tau)**3", 8),
+        ("(k_1 - 3)**0", 1),
         ("2**-2", Fraction(1, 4)),
         ("sqrt(x)", Fraction(3, 2)),
         ("x**0.5", Fraction(3, 2)),

@@ -144,6 +144,16 @@ class TestCircle:
             assert fit.natural_frequency == pytest.approx(hertz, rel=1e-3)
             assert fit.damping_ratio == pytest.approx(0.01, rel=0.01)
 
+    def test_lines_end_at_the_valley_before_the_next_peak(self):
+        """The valley between two alike is halfway, two thirds as high as their peaks."""
+        below, above = (oscillator(hertz, 0.02, np.arange(8, 13, 0.01), "rad/s") for hertz in (10, 10.5))
+        both = replace(below, values=below.values + above.values)
+        for near, ends in ((10, [9.56, 10.25]), (10.5, [10.25, 10.99])):
+            fit = circle_fit(both, near)
+            assert fit.frequencies[[0, -1]] == pytest.approx(ends, abs=0.011)
+            assert fit.natural_frequency == pytest.approx(near, rel=0.01)
+            assert fit.damping_ratio == pytest.approx(0.02, rel=0.1)
+
     @pytest.mark.parametrize(("case", "truth"), [("dmf", 25.7), ("II", 24.5), ("V", 24.8)])
     def test_on_the_rigs_is_closer_than_half_power(self, case, truth):
         zeta = 100 * circle_fit(measured(case), near=PEAKS[case]).damping_ratio
@@ -175,7 +185,8 @@ class TestCircle:
         noisy = circle_fit(replace(clean, values=clean.values + 0.1 * clean.magnitude.max() * noise[:, None, None]), 10)
         assert "off the circle" in " ".join(noisy.notes)
         poles = [pole(10, 0.02), pole(10.5, 0.02)]
-        two = circle_fit(response_of(poles, chain_residues(poles, seed=0)[0], np.arange(5, 15, 0.02)), 10)
+        both = response_of(poles, chain_residues(poles, seed=0)[0], np.arange(5, 15, 0.02))
+        two = circle_fit(both, 10, band=(9.5, 11))
         assert "scatters" in " ".join(two.notes)
 
     def test_messages(self):

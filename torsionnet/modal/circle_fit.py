@@ -111,7 +111,8 @@ def circle_fit(
         Needed where there are several.
     damping : {"viscous", "hysteretic"}
     band : (float, float), optional
-        Hz, the lines to take; by default those around the peak that are at least half as high.
+        Hz, the lines to take; by default those around the peak that are at least half as high, up to the valley
+        between it and the next peak.
 
     Raises
     ------
@@ -175,19 +176,19 @@ def _within(omega: FloatArray, band: tuple[float, float]) -> slice:
 
 
 def _around(size: FloatArray, omega: FloatArray, near: float) -> slice:
-    """Range of lines around the peak nearest to a frequency that are at least half as high, up to the next rise."""
+    """Range of lines around the peak nearest to a frequency, at least half as high, to the valleys beside it."""
     from scipy.signal import find_peaks
 
     summits = find_peaks(size, prominence=0.1 * size.max())[0]
     if not len(summits):
         raise UsageError(f"there is no peak near {near / (2 * np.pi):g} Hz; give the band= of the lines to take")
-    top = int(summits[np.abs(omega[summits] - near).argmin()])
+    place = int(np.abs(omega[summits] - near).argmin())
+    before, top, after = np.concatenate([[0], summits, [len(size)]])[place : place + 3].tolist()
     ends = []
-    for side in (size[top::-1], size[top:]):
+    for side in (size[before : top + 1][::-1], size[top:after]):
         low = np.flatnonzero(side < LOWEST_PART_OF_PEAK * size[top])
         end = int(low[0]) if len(low) else len(side)
-        valley = int(side[:end].argmin()) + 1 if end else 0
-        ends.append(min(end, valley))
+        ends.append(int(side[:end].argmin()) + 1)
     return slice(top - ends[0] + 1, top + ends[1])
 
 
