@@ -34,7 +34,9 @@ def run(tmp_path):
 
     def call(*arguments):
         (tmp_path / "conftest.py").write_text(CONFTEST)
-        (tmp_path / "pytest.ini").write_text(f"[pytest]\nmarkers = slow\npythonpath = {Path(__file__).parent}\n")
+        (tmp_path / "pytest.ini").write_text(
+            f'[pytest]\nmarkers = slow\npythonpath = "{Path(__file__).parent.as_posix()}"\n'
+        )
         (tmp_path / "test_some.py").write_text(TESTS)
         command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "xdist", *arguments]
         environment = os.environ | {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}  # they take longer to load than the tests
