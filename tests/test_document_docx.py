@@ -30,6 +30,7 @@ from torsionnet.report.document_tree import (
     TableGroup,
 )
 from torsionnet.report.writers.docx_math import omml
+from torsionnet.report.writers.docx_table import table_xml
 from torsionnet.report.writers.docx_text import FIGURE_SPACE, POINT_SPACE
 
 docx = pytest.importorskip("docx")
@@ -125,6 +126,8 @@ class TestBlocks:
         document = opened(of(wide))
         assert len(document.tables) > 1
         assert "(continued)" in [one.text for one in document.paragraphs]
+        text = table_xml(wide, "", "")
+        assert text.count('w:val="TableNote"') == text.count("<w:tbl>")  # two tables without one between would be one
         cells = {text for table in document.tables for row in rows(table) for text in row}
         assert all(f"cell{i:015d}" in cells for i in range(14))
         for table in document.tables:

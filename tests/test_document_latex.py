@@ -189,6 +189,11 @@ class TestRoom:
             < 30
         )
 
+    def test_a_text_that_breaks_needs_its_lines(self):
+        """Half a line of the page is 50 letters; 175 are four lines of it, each 1.15 lines high."""
+        short, long = (lines_needed(table("T", [Heading("A")], [("x" * letters,)])) for letters in (10, 175))
+        assert long - short == pytest.approx(3 * 1.15)
+
     def test_rows_of_matrices_with_fractions_stand_apart(self):
         text = latex_document(make_report("amt_rig", date=None, sections=["equations"]), "f")
         matrices = [found for found in re.findall(r"\\begin{bmatrix}.*?\\end{bmatrix}", text) if "dfrac" in found]

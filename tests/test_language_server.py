@@ -701,6 +701,24 @@ def test_ctrl_c_ends_a_server_that_somebody_started_by_hand():
         assert process.wait(PATIENCE) == 130
 
 
+@pytest.mark.parametrize(("before", "after", "offered"), [(3, 0, True), (3, -1, False), (0, 3, True), (-1, 3, False)])
+def test_mending_is_offered_where_the_marked_stretch_touches_the_fault(before, after, offered):
+    """In this process: stretches that end or begin at the fault, and beside it."""
+    from torsionnet.language_server.diagnostics import code_actions
+    from torsionnet.language_server.editor_text import EditorText
+    from torsionnet.language_server.open_model import OpenModel
+    from torsionnet.text.text_edits import TextSpan
+    from torsionnet.text.text_faults import text_faults
+
+    model = OpenModel("file:///model.yaml", EditorText(README.replace("stiffness: k_1", "stifness: k_1")), "", None)
+    faults = [one for one in text_faults(model.text) if one.fixes]
+    (span,) = {one.span for one in faults}
+    marked = (
+        TextSpan(span.start - before, span.start + after) if before == 3 else TextSpan(span.end - before, span.end + 3)
+    )
+    assert bool(code_actions(model, faults, marked)) == offered
+
+
 def test_a_failing_service_becomes_a_message_in_the_log(monkeypatch):
     """Tried in this process, with a service that is broken on purpose."""
     from torsionnet.language_server.editor_text import EditorText

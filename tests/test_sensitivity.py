@@ -346,6 +346,22 @@ def test_modes_have_the_numbers_of_their_table():
 
 
 @pytest.mark.slow
+def test_tornado_shows_four_modes_unless_others_are_asked_for():
+    from torsionnet import plot
+
+    found = mode_sensitivities(tn.load("marine_medium_speed"))
+    first, all_five = (
+        [
+            axes.get_title().partition(":")[0]
+            for axes in plot.tornado(found, modes=modes).axes
+            if ":" in axes.get_title()
+        ]
+        for modes in (None, [1, 2, 3, 4, 5])
+    )
+    assert first == ["real pole", "mode 1", "real pole", "mode 2"]
+    assert all_five == [f"mode {number}" for number in range(1, 6)]
+
+
 def test_tornado_has_no_empty_panels():
     undamped = mode_sensitivities(tn.load("geared_branch"))
     from torsionnet import plot

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import numpy as np
 import scipy
 
@@ -45,7 +47,7 @@ def averaging_of(data: FrequencyResponse) -> Estimation | None:
     spacing = np.diff(data.frequencies)
     if not len(spacing) or not np.allclose(spacing / spacing.min(), np.rint(spacing / spacing.min()), atol=0.01):
         return None
-    return Estimation("", USUAL_WINDOW, float(1 / spacing.min()), USUAL_OVERLAP, "mean", 10**6, 10**6)
+    return Estimation("", USUAL_WINDOW, float(1 / spacing.min()), USUAL_OVERLAP, "mean", sys.maxsize, sys.maxsize)
 
 
 def line_correlation(frequencies: FloatArray, estimation: Estimation) -> scipy.sparse.csr_array:
