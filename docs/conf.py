@@ -33,6 +33,7 @@ exclude_patterns = [
     "Thumbs.db",
 ]
 nitpicky = False
+suppress_warnings = ["sphinx_gallery.space_in_filename"]  # of the folders above the checkout; the examples have none
 default_role = "code"
 
 html_theme = "furo"
