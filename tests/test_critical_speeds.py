@@ -11,6 +11,7 @@ from support.running_plants import INLINE_SIX, PRESSURE, car, engine, marine, tw
 
 import torsionnet as tn
 from torsionnet.response.margin_rules import PRESETS, MarginClause, MarginRule, margin_rule
+from torsionnet.response.star_diagram import StarDiagram
 from torsionnet.response.vibrations.vibration_mode import amplification
 from torsionnet.solve.running.generalised_force import star_diagram
 from torsionnet.solve.running.speed_peaks import SAME_PEAK
@@ -560,6 +561,22 @@ class TestPictures:
         stars = [one.star for one in found.crossings if one.mode.number == 3]
         titles = [axes.get_title() for axes in star_diagrams(stars).axes]
         assert any(title.startswith("engine 3, 6, 9\n") for title in titles)
+
+    def test_numbers_stand_beyond_the_circle_and_beside_the_sum(self):
+        """7 points outwards; where the sum lies over the vector, 9 points below it."""
+        from matplotlib.figure import Figure
+
+        from torsionnet.plot.star_diagrams import draw_star
+
+        found = {}
+        for vectors in ([1, 1j, -1, -1j], [1, 1, 0, 0]):
+            axes = Figure().add_subplot()
+            draw_star(axes, StarDiagram("engine", 1.0, ("1", "2", "3", "4"), ("a", "b", "c", "d"), np.array(vectors)))
+            found |= {text.get_text(): text.xyann for text in axes.texts if text.get_text()}
+        assert [found[label] for label in ("1", "2", "3", "4")] == [
+            pytest.approx(place, abs=1e-3) for place in ((7, 0), (0, 7), (-7, 0), (0, -7))
+        ]
+        assert found["1,2"] == pytest.approx((0, -9), abs=1e-9)
 
     def test_no_stars(self):
         from torsionnet.plot import star_diagrams

@@ -9,6 +9,7 @@ from torsionnet.core.units import RPM
 from torsionnet.study import define, run_study
 from torsionnet.study.answers.draws_beyond import limited_values
 from torsionnet.study.answers.map_answer import MapResult, ParameterMap
+from torsionnet.study.answers.parallel_coordinates_answer import ParallelCoordinatesResult
 from torsionnet.study.answers.percentile_bands_answer import PercentileBandsResult
 from torsionnet.study.answers.yield_answer import YieldResult
 from torsionnet.study.quantities.quantity import QuantityForm
@@ -209,6 +210,13 @@ ANSWERS = {
     "shares": {"type": "sobol_indices", "quantities": ["twist"], "count": 64},
     "rare": {"type": "failure_probability", "limits": ["twist"], "method": "subset", "count": 200},
 }
+
+
+def test_ends_of_parallel_axes_have_four_digits():
+    columns = {"k": np.array([123.456, 234.567]), "f": np.array([1.23456, 2.34567])}
+    found = ParallelCoordinatesResult("lines", dict.fromkeys(columns, ""), {"": columns}, {"": np.zeros(2, bool)}, {})
+    (axes,) = plot.parallel_coordinates(found).axes
+    assert [text.get_text() for text in axes.texts] == ["123.5", "234.6", "1.235", "2.346"]
 
 
 @pytest.mark.slow

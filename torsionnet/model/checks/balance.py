@@ -48,7 +48,7 @@ def _unbalanced(given: Mapping[str, float], done: Mapping[str, float]) -> list[F
     last = list(done)[-1]
     over = rest * given[last] / done[last]
     listed = ", ".join(f"{node} {given[node]:.6g} N*m" for node in done)
-    turned = [node for node in done if len(done) > 1 and abs(rest - 2 * done[node]) <= UNBALANCED_SHARE * largest]
+    turned = [node for node in done if abs(rest - 2 * done[node]) <= UNBALANCED_SHARE * largest]
     hint = f'; did you mean "{turned[-1]}: {-given[turned[-1]]:.6g} N*m"?' if turned else ""
     text = (
         f"the mean torques ({listed}) leave {over:.4g} N*m over at {last}, and a load acts against the rotation{hint}"
