@@ -1,5 +1,7 @@
 """Loss of a resonance peak in a run-up: closed form of the modal amplitude against the full equation of motion."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import scipy
@@ -7,7 +9,7 @@ from support.command_line import run
 
 import torsionnet as tn
 from torsionnet.io.tracked_order_tables import write_tracked_orders
-from torsionnet.response.measured.sweep_loss import sweep_loss, sweep_remarks
+from torsionnet.response.measured.sweep_loss import MOST_DAMPED, sweep_loss, sweep_remarks
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 
 NATURAL, RATIO = 20.0, 0.02
@@ -66,6 +68,14 @@ def test_remark_names_the_mode_the_rate_and_the_loss():
         "order 1 passed 20 Hz (damping ratio 0.02, 1200 rpm) at 10 Hz/s: the model's steady peak loses 43 %"
     )
     assert sweep_remarks(times, 2 * np.pi * (19 + 0.01 * times), [1.0], modes) == ()
+
+
+@pytest.mark.parametrize(("ratio", "told"), [(0.0, 0), (0.299, 1), (MOST_DAMPED, 0)])
+def test_a_mode_without_damping_or_without_a_peak_has_no_remark(ratio, told):
+    """Through 20 Hz within hundredths of a second, so fast that even a mode with 30 % of critical damping loses its peak."""
+    times = np.linspace(0, 0.05, 61)
+    modes = SimpleNamespace(damped_frequencies=np.array([NATURAL]), damping_ratios=np.array([ratio]))
+    assert len(sweep_remarks(times, 2 * np.pi * (10.3 + 1000 * times), [1.0], modes)) == told
 
 
 def test_orders_measured_in_a_fast_run_up_say_so(tmp_path, monkeypatch):

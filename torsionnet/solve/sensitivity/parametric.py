@@ -221,7 +221,7 @@ def parametric_response(
     if f.ndim != 1 or not np.all(np.isfinite(f)) or not np.all(f > 0):
         raise UsageError("derivatives are taken at frequencies above 0, in Hz")
     request = resolve_request(drivetrain, output, input, excitation)
-    redundant = tuple(sorted(drivetrain.assembly.kinematics.reduction.redundant))
+    redundant = drivetrain.assembly.kinematics.reduction.redundant
     return ParametricResponse(
         drivetrain, request, f, unknowns(drivetrain, parameters), request.sensors, request.excitations, redundant
     )

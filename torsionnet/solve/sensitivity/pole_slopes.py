@@ -59,7 +59,7 @@ class ResponsesAroundPoles:
     ) -> None:
         self.chosen: Unknowns = chosen
         self.nodes: tuple[str, ...] = drivetrain.assembly.kinematics.nodes
-        redundant = tuple(sorted(drivetrain.assembly.kinematics.reduction.redundant))
+        redundant = drivetrain.assembly.kinematics.reduction.redundant
         self.system: Augmented = augmented(chosen, chosen.start, self.nodes, redundant)
         self.channels: dict[Input, str] = {channel: name for name, channel in drivetrain.inputs.items()}
         self.sensors: Sequence[Sensor] = sensors
