@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import random
 import subprocess
+import sys
 import tempfile
 from collections import Counter
 from itertools import chain, zip_longest
@@ -18,6 +19,8 @@ from mutation.equivalent import reason_of
 from mutation.mutants import Mutant, mutants
 from mutation.trials import Outcome, Trials
 
+MOST_LIVING = 0.1
+"""Share of the faults that change a result which tests may miss."""
 COMMIT = "commit"
 """As a seed: the hash of the commit, which nobody chooses."""
 
@@ -63,7 +66,8 @@ def shares(outcomes: list[Outcome]) -> list[str]:
     ]
 
 
-def main() -> None:
+def main() -> int:
+    """Exit code 1 where more than `MOST_LIVING` of the faults live."""
     parser = argparse.ArgumentParser(prog="mutation", description=__doc__)
     parser.add_argument("paths", nargs="*", default=["torsionnet"], help="rooms, modules or MODULE:LINE")
     parser.add_argument("-n", "--number", type=int, default=200, help="how many faults (200)")
@@ -88,7 +92,9 @@ def main() -> None:
     for outcome in outcomes[: len(equal)]:
         print(outcome)
     print("\n".join(shares(outcomes)))
+    living = sum(outcome.word in ("survived", "undecided") for outcome in outcomes)
+    return int(living > MOST_LIVING * (len(outcomes) - len(equal)))
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())
