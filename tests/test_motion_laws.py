@@ -13,7 +13,9 @@ from torsionnet.assembly.twin import TWINS, Twin
 from torsionnet.core.expressions import FLOAT
 from torsionnet.model.element_base.torque_curve import MotionState, ScaledCurve
 from torsionnet.model.elements import Constraint, Law, MotionLaw, Values
+from torsionnet.model.motion_balance.rate_states import roots_along
 from torsionnet.model.motion_laws.cubic_curve import CubicCurve
+from torsionnet.model.motion_laws.friction_curve import friction_curve
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope, symmetric_curve
 from torsionnet.solve.sensitivity.dual import DUALS, Dual
 
@@ -357,3 +359,10 @@ def test_survives_the_way_through_a_file(kind, tmp_path):
     again = tn.load(tmp_path / "rig.yaml")
     assert again.definition.elements["e"] == element
     assert law_of(again.definition.elements["e"]) == law_of(element)
+
+
+@pytest.mark.parametrize(("torque", "rates"), [(-15.0, [0.0]), (4.0, [0.0]), (15.0, [0.0]), (15.1, [])])
+def test_friction_under_its_own_torque_stands(torque, rates):
+    """5 N m of one, and of one that turns twice as fast: 5 + 2 * 5 hold at any speed, of which rest is the one told."""
+    law = MotionLaw({"a": 1.0}, friction_curve(5.0, 5.0))
+    assert roots_along([law, law], [1.0, 2.0], torque) == rates
