@@ -67,7 +67,7 @@ def test_no_heavy_package_is_loaded(request):
 
 def test_examples_are_those_of_doctest():
     module = types.ModuleType("wheels")
-    exec(compile(TEXT, "wheels.py", "exec"), vars(module))  # noqa: S102: the text above
+    exec(compile(TEXT, "wheels.py", "exec"), vars(module))
     known = {test.name for test in doctest.DocTestFinder(exclude_empty=True).find(module) if test.examples}
     places = dict(collecting.examples_in(ast.parse(TEXT), "wheels"))
     assert set(places) == known

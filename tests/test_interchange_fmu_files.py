@@ -193,7 +193,7 @@ def test_functions_are_those_of_the_standard(version, tmp_path):
     official = unit.replace(f'"fmi{number}.h"', f'"fmi{number}Functions.h"')
     assert official != unit
     (tmp_path / "official.c").write_text(official)
-    headers = Path(fmpy.__file__).parent / "c-code"
+    headers = Path(importlib.util.find_spec("fmpy").origin).parent / "c-code"
     call = [compiler, "-std=c99", "-Wall", "-Werror", f"-I{headers}", f"-I{folder}/sources", "-c", "official.c"]
     done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
@@ -207,7 +207,7 @@ def test_nothing_but_the_interface_is_visible_and_all_of_it(version):
     here = fmpy.platform if version[0] == "2" else fmpy.platform_tuple
     library = next(Path(folder, "binaries", here).iterdir())
     listed = subprocess.run(["nm", "-D", "--defined-only", library], capture_output=True, text=True, check=True).stdout
-    header = Path(fmpy.__file__).parent / "c-code" / f"fmi{version[0]}Functions.h"
+    header = Path(importlib.util.find_spec("fmpy").origin).parent / "c-code" / f"fmi{version[0]}Functions.h"
     expected = set(re.findall(rf"FMI{version[0]}_Export +\w+ +(fmi\w+);", header.read_text()))
     assert {line.split()[-1] for line in listed.splitlines()} == expected
 
