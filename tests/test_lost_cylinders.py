@@ -1,9 +1,14 @@
 """Mean torque of conditions with a cylinder lost: what limits compare is the torque of that condition."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import torsionnet as tn
+from torsionnet.model.channels import Input
+from torsionnet.model.excitations.engine_entries import EngineEntries
+from torsionnet.model.load.lost_torques import remaining_by_node
 
 RPM = np.pi / 30
 RATIO = 0.2 / 0.84
@@ -70,6 +75,21 @@ def test_the_coupling_carries_the_mean_torque_of_the_condition(name, driver):
 def test_the_lost_cylinder_gives_nothing_and_the_others_what_they_gave():
     run = plant().configured("off").mean_response(["torque(crank)", "torque(k)", "torque(rubber)"], [750 * RPM])
     assert run.values[0] == pytest.approx(1.2e6 / (750 * RPM) * np.array([1, 1, 2]) / 3, rel=1e-9)
+
+
+@pytest.mark.parametrize("ratio", [1.0, -1.0])
+def test_an_engine_that_turns_against_the_reference_loses_the_same(ratio):
+    """Work of a fired cylinder as its load, in proportion to speed; what is left without injection is always that."""
+    half = (FIRED + 1e5) / 2
+    engine = EngineEntries(
+        speed_of="c1", cycle=4, cylinders={1: "c1", 2: "c2"}, firing_order=[1, 2], bore=0.32, stroke=0.4,
+        rod_length=0.84, misfire=[2], load={"mean_indicated_pressure": "20 bar", "rated": "750 rpm", "exponent": 1},
+        gas={"traces": {"20 bar": FIRED.tolist(), "10 bar": half.tolist()}, "motored": LATE.tolist()},
+    )  # fmt: skip
+    places = [Input("torque", node) for node in ("c1", "c2")]
+    definition = SimpleNamespace(excitations={"engine": engine})
+    found = remaining_by_node(definition, {"c1": ratio}, np.array([400, 750]) * RPM, places, [])
+    assert found["c2"] == pytest.approx([LEFT * 750 / 400, LEFT])
 
 
 def test_the_powers_are_in_balance():
