@@ -5,7 +5,7 @@ import pytest
 import torsionnet as tn
 from torsionnet import plot
 from torsionnet.plot.drawing.pieces import Piece
-from torsionnet.plot.schematic.arrangement import page_width
+from torsionnet.plot.schematic.arrangement import arranged, page_width
 from torsionnet.plot.schematic.drawing_parts import cut_heights
 from torsionnet.report import make_report
 
@@ -38,6 +38,20 @@ def test_no_place_for_a_cut_leaves_the_drawing_whole():
 def test_a_page_is_as_wide_as_its_smallest_text_prints_at_six_points():
     """127 mm are 360 points, in which text of 7 points prints at 6 where they are 420, 10 on each side for the margin."""
     assert page_width(127) == pytest.approx(400)
+
+
+def test_names_of_ports_stand_ten_points_below_the_shaft():
+    """That is through the middle of the box, which is 70 points high, unlike all else in the drawing."""
+    elements = [tn.Inertia(f"j_{node}", node=node, inertia=1) for node in "src"]
+    rig = tn.Drivetrain("p", [*elements, tn.Planetary("set", sun="s", ring="r", carrier="c", ratio=3)])
+    drawing = arranged(rig, page_width(170))
+    (shaft,) = {(low + high) / 2 for _, _, low, high in drawing.boxes if high - low == pytest.approx(70)}
+    for label in drawing.labels:
+        if label.text in ("sun", "ring"):
+            (bottom,) = (
+                low for x0, x1, low, high in drawing.boxes if x0 < label.x < x1 and low < label.y < high < low + 20
+            )
+            assert bottom == pytest.approx(shaft - 10)
 
 
 def test_parts_hold_every_text_once_and_are_legible():
