@@ -54,6 +54,16 @@ def test_names_of_ports_stand_ten_points_below_the_shaft():
             assert bottom == pytest.approx(shaft - 10)
 
 
+def test_the_line_of_a_sensor_keeps_four_points_free_on_either_side():
+    """Below the disc, 16 points wide, of an inertia on whose node a damper to ground is measured."""
+    elements = [tn.Inertia("j", node="a", inertia=1), tn.Damper("d", nodes=("a", "ground"), damping=1)]
+    elements += [tn.Spring(f"k_{node}", nodes=("a", node), stiffness=1) for node in "bc"]
+    rig = tn.Drivetrain("p", elements, sensors={"T": {"torque": "d", "at": "a"}})
+    boxes = arranged(rig, page_width(170)).boxes
+    ((x0, x1, low, _),) = (box for box in boxes if box[1] - box[0] == pytest.approx(16))
+    assert [box[:2] for box in boxes if box[3] == low] == [pytest.approx((x0 + 4, x1 - 4))]
+
+
 def test_parts_hold_every_text_once_and_are_legible():
     from torsionnet.plot.schematic.schematic import schematic_parts
 
