@@ -25,3 +25,18 @@ def test_further_solutions_only_of_points_that_are_not_sure():
     assert asked == [(omega.tolist(), False), (omega.tolist(), True), ([3.0], False), ([3.0], True)]
     assert errors[:2] == pytest.approx(0.75 * PERTURBATION, rel=0.4)
     assert errors[2] == pytest.approx(0.75e6 * PERTURBATION, rel=0.4)
+
+
+def test_stiffnesses_are_perturbed_up_and_down():
+    """By half the perturbation to all of it."""
+    moved = []
+
+    def evaluate(kappa, _):
+        moved.append(kappa.by_law[0].real / 7.0 - 1)
+        return kappa.by_law[0][:, None, None]
+
+    kappa = LawStiffness(np.zeros((1, 1)), np.zeros((1, 1)), np.full((1, 1), 7.0), np.arange(1.0, 201.0))
+    expected_errors(evaluate, kappa, np.full((200, 1, 1), 7.0 + 0j))
+    shares = np.concatenate(moved) / PERTURBATION
+    assert 0.4 < np.mean(shares > 0) < 0.6
+    assert 0.49 < np.abs(shares).min() < np.abs(shares).max() < 1.01
