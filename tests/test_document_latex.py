@@ -189,6 +189,11 @@ class TestRoom:
             < 30
         )
 
+    def test_a_heading_of_one_line_is_no_table_of_its_own(self):
+        text = table_latex(table("T", [Heading("A")], [("x",)]))
+        assert r"\textbf{A} \\" in text
+        assert r"\begin{tabular}" not in text
+
     def test_a_text_that_breaks_needs_its_lines(self):
         """Half a line of the page is 50 letters; 175 are four lines of it, each 1.15 lines high."""
         short, long = (lines_needed(table("T", [Heading("A")], [("x" * letters,)])) for letters in (10, 175))
