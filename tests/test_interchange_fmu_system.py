@@ -117,7 +117,7 @@ def test_an_element_that_cannot_be_written_is_named(case):
 @pytest.mark.slow
 def test_random_drivetrains_with_any_values():
     counts = dict.fromkeys(("all", "damped", "relative", "fed through", "open"), 0)
-    for seed in range(campaigns.examples(25, 60)):
+    for seed in range(campaigns.examples(40, 60)):
         source = random.Random(seed)
         drawn, _ = draw(source, loops=seed % 2, planetary=seed % 4 == 0)
         model = with_every_sensor(drawn, source)
