@@ -6,7 +6,6 @@ import pytest
 import torsionnet as tn
 from torsionnet import plot
 from torsionnet.core.units import RPM
-from torsionnet.plot.study.contour_map import LABEL_LINE
 from torsionnet.study import define, run_study
 from torsionnet.study.answers.draws_beyond import limited_values
 from torsionnet.study.answers.map_answer import MapResult, ParameterMap
@@ -92,6 +91,8 @@ def test_labels_of_maps_stay_in_the_picture(cases, limit):
 
 def test_names_of_cases_that_take_more_lines_make_a_picture_of_maps_higher():
     """Names of one line, of two, and of four, above the one row of maps."""
+    from torsionnet.plot.study.contour_map import LABEL_LINE
+
     names = ("a", "a b" * 25, "a b" * 50)
     heights = [plot.contour_map(a_map(rising(), cases=(name, "other"))).get_figheight() for name in names]
     assert np.diff(heights) == pytest.approx([LABEL_LINE, 2 * LABEL_LINE])
