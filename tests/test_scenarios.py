@@ -323,7 +323,7 @@ def test_command_prints_peaks_and_writes_files(tmp_path):
     shown = run("simulate", "turbine_generator_ssr", "two_phases", *options).stdout
     assert "short circuit of 2 phases of G at 0 s" in shown
     assert read_recording(tmp_path / "f.csv")["T_LPB_G"].unit == "N*m"
-    assert "events" not in (tmp_path / "f.svg").read_text()[:20]
+    assert "events" not in (tmp_path / "f.svg").read_text(encoding="utf-8")[:20]
     (record,) = json.loads(run("simulate", "turbine_generator_ssr", "two_phases", *options[:4], "--json").stdout)
     assert record["events"] == [{"time_s": 0.0, "element": "G", "what": "short circuit of 2 phases"}]
     assert record["peaks"][-1]["signal"] == "T_LPB_G"
