@@ -189,7 +189,7 @@ def test_functions_are_those_of_the_standard(version, tmp_path):
     """Compiled against its own headers, which FMPy brings along, instead of the types written here."""
     _, folder = unpacked(library_model("dmf_rig"), version)
     number = version[0]
-    unit = Path(folder, "sources", "all.c").read_text()
+    unit = Path(folder, "sources", "all.c").read_text(encoding="utf-8")
     official = unit.replace(f'"fmi{number}.h"', f'"fmi{number}Functions.h"')
     assert official != unit
     (tmp_path / "official.c").write_text(official)

@@ -24,36 +24,39 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("outputs")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
-        Path("rig.yaml").write_text(TWO_DISCS)
-        Path("plant.yaml").write_text(TWO_FANS)
-        Path("ship.yaml").write_text(SHIP)
-        Path("driven.yaml").write_text(TWO_FANS + DRIVEN)
-        Path("governed.yaml").write_text(GOVERNED)
-        Path("gap.yaml").write_text(GAP)
-        Path("fit.yaml").write_text(FIT_OF_TWO_DISCS)
-        Path("spread.yaml").write_text(SPREAD)
+        Path("rig.yaml").write_text(TWO_DISCS, encoding="utf-8")
+        Path("plant.yaml").write_text(TWO_FANS, encoding="utf-8")
+        Path("ship.yaml").write_text(SHIP, encoding="utf-8")
+        Path("driven.yaml").write_text(TWO_FANS + DRIVEN, encoding="utf-8")
+        Path("governed.yaml").write_text(GOVERNED, encoding="utf-8")
+        Path("gap.yaml").write_text(GAP, encoding="utf-8")
+        Path("fit.yaml").write_text(FIT_OF_TWO_DISCS, encoding="utf-8")
+        Path("spread.yaml").write_text(SPREAD, encoding="utf-8")
         test = FIT_OF_TWO_DISCS.replace("record: run_soft.npz", "response: test.csv").replace(
             "input: T_set, model_input: T", "input: T"
         )
-        Path("short_fit.yaml").write_text(test)
+        Path("short_fit.yaml").write_text(test, encoding="utf-8")
         response = tn.load("rig.yaml").configured("soft").frequency_response("phi", "T", np.linspace(1, 25, 60))
         noise = 0.01 * np.random.default_rng(1).standard_normal(response.values.shape)
         write_frequency_response(replace(response, values=response.values * (1 + noise)), "test.csv")
-        Path("broken.yaml").write_text("name: x\nelements: {a: {type: inertia, node: n, inertia: -1, frob: 2}}\n")
+        Path("broken.yaml").write_text(
+            "name: x\nelements: {a: {type: inertia, node: n, inertia: -1, frob: 2}}\n", encoding="utf-8"
+        )
         run("bench", "rig.yaml", "-c", "soft", "-o", "run_soft.npz")
-        Path("pulses.csv").write_text("n1\n" + "\n".join(str(1000 * count) for count in range(600)))
+        Path("pulses.csv").write_text("n1\n" + "\n".join(str(1000 * count) for count in range(600)), encoding="utf-8")
         pair = record(teeth(), 100.0, angle=np.radians(100))
         write_recording(Recording((), 1e4, pulses=(pair.first, pair.second)), "wheel.npz")
         t = np.arange(500) / 100
         Path("decay.csv").write_text(
             "time [s],T [N*m]\n"
-            + "".join(f"{a:.2f},{b:.6g}\n" for a, b in zip(t, np.exp(-t) * np.cos(40 * t), strict=True))
+            + "".join(f"{a:.2f},{b:.6g}\n" for a, b in zip(t, np.exp(-t) * np.cos(40 * t), strict=True)),
+            encoding="utf-8",
         )
         lines = (f"{a:.2f},{np.cos(60 * a):.6g},20" for a in t)
-        Path("turning.csv").write_text("time [s],T [N*m],n [rad/s]\n" + "\n".join(lines))
+        Path("turning.csv").write_text("time [s],T [N*m],n [rad/s]\n" + "\n".join(lines), encoding="utf-8")
         Path("fan").mkdir()
-        Path("fan", "fan.yaml").write_text(STEADY_FAN)
-        Path("fan", "campaign.yaml").write_text(CAMPAIGN)
+        Path("fan", "fan.yaml").write_text(STEADY_FAN, encoding="utf-8")
+        Path("fan", "campaign.yaml").write_text(CAMPAIGN, encoding="utf-8")
         for seed, name in enumerate(("first", "again")):
             write_steady_record(folder / "fan" / f"{name}.npz", seed, torque(SPEED))
         yield folder

@@ -149,7 +149,7 @@ def test_a_slow_run_is_compared_with_the_steady_response(run_up_of_plant):
 
 def test_an_order_of_undecided_sign_is_compared_by_amplitude():
     """Half orders whose turn of the cycle is not known have no phase: none is said to have the wrong sign."""
-    Path("half.yaml").write_text(PLANT.replace("{6:", "{4.5:"))
+    Path("half.yaml").write_text(PLANT.replace("{6:", "{4.5:"), encoding="utf-8")
     rpm = np.arange(300.0, 900.0, 7.0)
     s = 4.5j * rpm * RPM
     kappa = 4e4 + 5 * s

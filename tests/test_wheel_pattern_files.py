@@ -99,7 +99,9 @@ def test_signals_of_teeth_and_a_file_of_wheels(records):
     run(*words, *CALL, "--level", "A=0", "-o", "one.yaml")
     found = read_wheel_pattern("one.yaml").positions
     assert found == pytest.approx(records, abs=5e-3 * DEGREE)
-    pathlib.Path("wheels.yaml").write_text(f"A: {{teeth: {Z}, level: 0, index: index}}\nC: {{teeth: 60}}\n")
+    pathlib.Path("wheels.yaml").write_text(
+        f"A: {{teeth: {Z}, level: 0, index: index}}\nC: {{teeth: 60}}\n", encoding="utf-8"
+    )
     run(*words, "--wheels", "wheels.yaml", "--pulses", "A", "-o", "two.yaml")
     assert read_wheel_pattern("two.yaml").positions == pytest.approx(found, abs=1e-9)
     assert "one wheel is calibrated at a time" in run(*words, "--wheels", "wheels.yaml", code=2).stderr
@@ -138,6 +140,6 @@ def test_a_channel_that_is_not_there():
 def test_times_of_pulses_in_a_text_file(records):
     times = PulseChannel("A", record(records, 100.0).first.times).times
     rows = [f"{time!r}" for time in (times - times[0] + 1e-3).tolist()]
-    with pathlib.Path("a.csv").open("w") as file:
+    with pathlib.Path("a.csv").open("w", encoding="utf-8") as file:
         file.write("A [s]\n" + "\n".join(rows) + "\n")
     assert "too small" in run("calibrate-wheel", "a.csv", "--pulses", "A", "--teeth", Z, code=2).stderr

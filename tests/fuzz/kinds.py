@@ -152,7 +152,9 @@ def use_running(path: Path) -> None:
         lambda: plant.mean_response(outputs[:2]),
         plant.static_state,
         # Peaks are sought at many speeds, each of them solved alone where parameters follow it.
-        lambda: plant.critical_speeds(() if "by:" in path.read_text(errors="replace") else outputs[:1]),
+        lambda: plant.critical_speeds(
+            () if "by:" in path.read_text(encoding="utf-8", errors="replace") else outputs[:1]
+        ),
         lambda: plant.dissipated_power("rubber"),
         plant.check_limits,
         lambda: plant.holzer_table(1),

@@ -111,7 +111,7 @@ def _seconds() -> float:
 
 def _so_far(running: process.ReaderProcess) -> float:
     with contextlib.suppress(OSError):
-        words = Path(f"/proc/{running._running.pid}/stat").read_text().rpartition(")")[2].split()
+        words = Path(f"/proc/{running._running.pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
         return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
     return 0.0
 
@@ -123,12 +123,12 @@ def _peak_of_children() -> float:
 def _forget_peak() -> None:
     if sys.platform == "linux":
         with contextlib.suppress(OSError):
-            Path("/proc/self/clear_refs").write_text("5")
+            Path("/proc/self/clear_refs").write_text("5", encoding="utf-8")
 
 
 def _peak() -> float:
     """Bytes of memory that were held at most since the last time it was forgotten."""
     with contextlib.suppress(OSError, StopIteration):
-        lines = Path("/proc/self/status").read_text().splitlines()
+        lines = Path("/proc/self/status").read_text(encoding="utf-8").splitlines()
         return 1024.0 * int(next(line.split()[1] for line in lines if line.startswith("VmHWM:")))
     return 1024.0 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss

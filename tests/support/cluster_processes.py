@@ -49,7 +49,7 @@ def process(*arguments, before=()):
     path = os.pathsep.join(map(str, [*before, TESTS.parent, TESTS]))
     environment = {**os.environ, "PYTHONPATH": path, "PYTHONWARNINGS": ""}
     command = [sys.executable, *map(str, arguments)]
-    with tempfile.TemporaryFile("w+") as log:
+    with tempfile.TemporaryFile("w+", encoding="utf-8") as log:
         started = subprocess.Popen(command, env=environment, start_new_session=True, stdout=log, stderr=log)
         started.said = lambda: (log.seek(0), log.read())[1]
         try:
