@@ -11,11 +11,11 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from support.patience import PATIENCE
 
 from torsionnet.cli.app import app
 
 ROOT = Path(__file__).parents[1]
-PATIENCE = 60
 SOUND = """torsionnet: 1
 name: motor and load
 elements:

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 from support import campaigns
 from support.command_line import process, run, runner
+from support.patience import PATIENCE
 from support.written_models import CLUTCH
 
 import torsionnet as tn
@@ -701,7 +702,14 @@ def test_reader_that_goes_away_is_no_error(tmp_path, encoding):
     )
     environment = {**os.environ, "PYTHONPATH": str(Path(tn.__file__).parents[1]), "PYTHONIOENCODING": encoding}
     done = subprocess.run(
-        command, shell=True, capture_output=True, text=True, cwd=tmp_path, env=environment, timeout=60, check=False
+        command,
+        shell=True,
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env=environment,
+        timeout=PATIENCE,
+        check=False,
     )
     assert done.stdout == "DMF test rig\n"
     assert done.stderr == ""
@@ -749,7 +757,7 @@ def on_terminal(*arguments, env):
     except OSError:  # Linux ends a pseudo terminal so
         pass
     os.close(master)
-    assert child.wait(60) == 0
+    assert child.wait(PATIENCE) == 0
     return b"".join(chunks).decode("utf-8")
 
 

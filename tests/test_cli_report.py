@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from support.command_line import run, runner
+from support.patience import PATIENCE
 from support.written_models import CLUTCH
 
 import torsionnet as tn
@@ -189,7 +190,7 @@ class TestCommand:
             running.stdin.close()
             assert running.stdout.readline().startswith("http://127.0.0.1")
             running.terminate()
-            assert running.wait(60) in (0, -15, 143)
+            assert running.wait(PATIENCE) in (0, -15, 143)
 
     @pytest.mark.slow
     def test_time_and_size(self, folder):

@@ -478,5 +478,7 @@ class TestCommand:
             "from torsionnet.explore.answers import answer; s = open_session('amt_rig'); answer(s, s.start);"
             "print(sorted({'sympy', 'control', 'matplotlib', 'pandas'} & set(sys.modules)), 'scipy.signal' in sys.modules)"
         )
-        found = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=60)
+        found = subprocess.run(
+            [sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=PATIENCE
+        )
         assert found.stdout.strip() == "[] False"

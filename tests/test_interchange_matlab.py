@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import scipy
 from support.models import geared_line
+from support.patience import PATIENCE
 
 import torsionnet as tn
 from torsionnet.core.errors import TorsionnetWarning, UsageError
@@ -193,7 +194,9 @@ def test_octave_runs_the_script(tmp_path, name):
     write_matlab(rig, tmp_path / "rig.mat")
     frequencies = " ".join(map(str, FREQUENCIES))
     (tmp_path / "run.m").write_text(OCTAVE.format(folder=tmp_path, frequencies=frequencies))
-    subprocess.run(["octave-cli", "--quiet", str(tmp_path / "run.m")], check=False, capture_output=True, timeout=120)
+    subprocess.run(
+        ["octave-cli", "--quiet", str(tmp_path / "run.m")], check=False, capture_output=True, timeout=PATIENCE
+    )
     out = scipy.io.loadmat(tmp_path / "out.mat")
     expected = rig.frequency_response(list(rig.sensors), list(rig.inputs), FREQUENCIES).values
     assert out["same"].all()

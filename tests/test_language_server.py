@@ -18,6 +18,7 @@ pytest.importorskip("pygls", reason='the language server needs pip install "tors
 
 from click.testing import CliRunner
 from support.collecting import OnDemand
+from support.patience import PATIENCE
 
 from torsionnet.cli.app import app
 
@@ -29,8 +30,6 @@ README = re.search(
     (ROOT / "README.md").read_text(encoding="utf-8"),
     re.DOTALL,
 )[1]
-PATIENCE = 60
-"""Time in s after which an answer counts as missing, on the slowest machine."""
 
 
 class Editor:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from support.made_up_elements import MadeUpInerter
+from support.patience import PATIENCE
 
 import torsionnet as tn
 from torsionnet.model import elements
@@ -142,6 +143,6 @@ def test_a_file_in_the_folder_of_elements_is_all_a_new_type_needs(tmp_path):
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM, str(ROOT / "docs")],
         env=os.environ | {"PYTHONPATH": str(tmp_path), "MPLBACKEND": "Agg"},
-        cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False,
+        cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 import yaml
 from click.testing import CliRunner
+from support.patience import PATIENCE
 
 import torsionnet as tn
 from torsionnet.cli.app import app
@@ -126,7 +127,7 @@ def process(folder, environment, *arguments):
     environment = {**os.environ, "PYTHONPATH": str(Path(tn.__file__).parents[1]), "NO_COLOR": "1", **environment}
     done = subprocess.run(
         [sys.executable, "-X", "dev", "-W", "ignore", "-m", "torsionnet", *arguments],
-        capture_output=True, timeout=120, check=False, cwd=folder, env=environment,
+        capture_output=True, timeout=PATIENCE, check=False, cwd=folder, env=environment,
     )  # fmt: skip
     assert b"Traceback" not in done.stderr, done.stderr.decode("utf-8", "replace")
     assert done.returncode == 0, done.stderr.decode("utf-8", "replace")

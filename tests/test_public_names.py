@@ -11,6 +11,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from support.patience import PATIENCE
 
 import torsionnet as tn
 from torsionnet.model.elements import Element, element_classes
@@ -83,7 +84,9 @@ def test_a_module_never_takes_the_place_of_a_name(package):
 @pytest.mark.slow
 def test_the_function_is_there_whoever_comes_first():
     body = "import torsionnet.modal.stabilisation, torsionnet.plot.bode, torsionnet as tn; print(tn.plot.bode, tn.modal.stabilisation)"
-    shown = subprocess.run([sys.executable, "-c", body], capture_output=True, text=True, check=True, timeout=60).stdout
+    shown = subprocess.run(
+        [sys.executable, "-c", body], capture_output=True, text=True, check=True, timeout=PATIENCE
+    ).stdout
     assert shown.count("<function") == 2
 
 

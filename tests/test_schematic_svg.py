@@ -12,6 +12,7 @@ from heapq import heappop, heappush
 import numpy as np
 import pytest
 from support.drawn_models import MODELS, inertia
+from support.patience import PATIENCE
 from support.pictures import texts
 
 import torsionnet as tn
@@ -218,7 +219,7 @@ class TestWidths:
             "schematic_svg(tn.load('amt_rig'))\n"
             "sys.exit(any(name in sys.modules for name in ('matplotlib', 'sympy', 'scipy')))"
         )
-        assert subprocess.run([sys.executable, "-c", code], check=False, timeout=60).returncode == 0
+        assert subprocess.run([sys.executable, "-c", code], check=False, timeout=PATIENCE).returncode == 0
 
 
 def plain_search(cost, start, goal):

@@ -6,6 +6,7 @@ import sys
 from importlib.util import find_spec
 
 import pytest
+from support.patience import PATIENCE
 
 HEAVY = {"sympy", "control", "scipy", "matplotlib", "jinja2"}
 ALL_BUT_THE_READER = HEAVY | {"numpy", "networkx", "pint", "pydantic"}
@@ -23,7 +24,7 @@ def loaded_modules(body, directory):
         [sys.executable, "-c", PROGRAM.format(body=body)],
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=PATIENCE,
         check=False,
         cwd=directory,
     )

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from support import campaigns
+from support.patience import PATIENCE
 
 import torsionnet as tn
 from torsionnet.core.units import DIMENSIONS, parse_unit
@@ -407,7 +408,7 @@ def test_completion_of_elements_loads_no_numpy() -> None:
         "text = 'elements: {m: {type: inertia, inertia: 3 '\nassert completions(text, len(text))\n"
         "assert completions('', 0)\nassert 'numpy' not in sys.modules\n"
     )
-    subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=PATIENCE)
 
 
 @pytest.mark.parametrize(

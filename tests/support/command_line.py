@@ -8,6 +8,7 @@ from pathlib import Path
 from click.testing import CliRunner
 
 import torsionnet as tn
+from support.patience import PATIENCE
 from torsionnet.cli.app import app
 
 
@@ -29,5 +30,12 @@ def process(*arguments, directory, **options):
     environment = {**os.environ, "PYTHONPATH": str(Path(tn.__file__).parents[1]), **options.pop("env", {})}
     command = [sys.executable, "-m", "torsionnet", *map(str, arguments)]
     return subprocess.run(
-        command, capture_output=True, text=True, timeout=60, check=False, cwd=directory, env=environment, **options
+        command,
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=False,
+        cwd=directory,
+        env=environment,
+        **options,
     )
