@@ -62,6 +62,8 @@ def start() -> None:
         sys.monitoring.use_tool_id(tool, "torsionnet reach")
         sys.monitoring.register_callback(tool, events.PY_START, _started)
         sys.monitoring.set_events(tool, events.PY_START)
+        # What Python calls while it takes its modules apart is no part of a test.
+        atexit.register(sys.monitoring.set_events, tool, 0)
     else:
         threading.settrace(_called)  # type: ignore[arg-type]
         sys.settrace(_called)  # type: ignore[arg-type]
