@@ -2,6 +2,7 @@
 
 import re
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -170,15 +171,72 @@ def test_slider_values_are_written_into_the_text(writing):
 
 
 @pytest.mark.slow
-def test_store_is_explicit(writing, file):
-    assert writing.page.get_by_role("button", name="Store").is_disabled()
+def test_saving_is_explicit(writing, file):
     writing.exchange("13.3", "15")
     assert writing.is_title_marked()
     assert file.read_text() == README_MODEL
     writing.keys.press("Control+s")
-    writing.until(lambda: writing.said().startswith("Stored"), "the word about it")
+    writing.until(lambda: writing.said().startswith("Saved"), "the word about it")
     assert file.read_text() == README_MODEL.replace("13.3", "15")
     assert not writing.is_title_marked()
+
+
+@pytest.mark.slow
+def test_a_faulty_text_is_saved_as_it_stands(writing, file):
+    """By the button and by Ctrl-S, also where a slider was moved before; never the last sound text."""
+    writing.page.fill("#parameter-k_1", "26.6")
+    writing.keys.press("Enter")
+    writing.exchange("stiffness: k_1", "stifness: [k_1")
+    writing.page.get_by_role("button", name="Save").click()
+    faulty = README_MODEL.replace("stiffness: k_1", "stifness: [k_1")
+    writing.until(lambda: file.read_text() == faulty, "the faulty text in the file")
+    writing.until(lambda: "Values of sliders are not in the text" in writing.said(), "the word about the slider")
+    writing.exchange("name: motor", "name motor")
+    writing.keys.press("Control+s")
+    writing.until(lambda: "name motor" in file.read_text(), "the text in the file")
+    assert file.read_text() == writing.text
+    assert [one.name for one in file.parent.iterdir()] == ["model.yaml"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("why", ["template", "library", "read-only", "ended"])
+def test_a_text_that_no_file_takes_becomes_a_download(chromium, file, monkeypatch, why):
+    sources = {"template": {"text": README_MODEL}, "library": {"path": "dmf_rig"}}
+    with serving_text(**sources.get(why, {"path": file})) as server, writing_on(chromium, server) as found:
+        found.exchange("name:", "nam:")
+        if why == "read-only":  # root may write such files all the same
+            monkeypatch.setattr("torsionnet.explore.disk_file.os.access", lambda *_: False)
+        if why == "ended":
+            found.page.route("**/api/**", lambda route: route.abort())
+        with found.page.expect_download() as download:
+            found.keys.press("Control+s")
+        assert download.value.suggested_filename == ("dmf_rig.yaml" if why == "library" else "model.yaml")
+        assert Path(download.value.path()).read_text(encoding="utf-8") == found.text
+        found.until(lambda: found.said().startswith("Saved as a download"), "the word about it")
+        assert found.is_title_marked() == (why in ("read-only", "ended"))
+        assert file.read_text() == README_MODEL
+        if why == "ended":
+            found.found.console.clear()  # the browser tells of the requests without an answer
+
+
+@pytest.mark.slow
+def test_enter_behind_a_number_ends_the_line(writing):
+    """Whatever completion has on show: opened by itself, asked for, or open before the number was typed."""
+    for number in ("tau: 4.14", "{value: 1", "4.14e", "tau: 1k"):
+        writing.put("parameters:\n  k_14: 5\n  k_1: 6\n  ")
+        writing.keys.type(number)
+        time.sleep(0.3)  # completion that opens by itself would be there
+        writing.keys.press("Control+Space")
+        time.sleep(0.3)
+        writing.keys.press("Enter")
+        assert f"\n  {number}\n" in writing.text.replace("}", ""), number
+    writing.put("parameters:\n  k_14: 5\n  tau: ")
+    writing.keys.press("Control+Space")
+    writing.until(lambda: writing.page.locator(".cm-tooltip-autocomplete").count(), "completion")
+    writing.keys.type("14")
+    time.sleep(0.3)
+    writing.keys.press("Enter")
+    assert "tau: 14\n" in writing.text
 
 
 @pytest.mark.slow

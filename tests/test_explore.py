@@ -233,7 +233,7 @@ class TestRequests:
     def test_every_question_answers_json(self, amt, question):
         assert isinstance(json.loads(reply(Documents.of(amt), question, b"{}")), dict)
 
-    @pytest.mark.parametrize("question", ["api/answer", "api/save"])
+    @pytest.mark.parametrize("question", ["api/answer", "api/values"])
     def test_expressions_of_parameters_are_no_slider_values(self, amt, question):
         found = json.loads(reply(Documents.of(amt), question, b'{"values": {"I_1": "2*I_2"}}'))
         assert "expressions" in found["refused"][0]

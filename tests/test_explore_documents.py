@@ -104,7 +104,7 @@ class TestTexts:
         assert ["stifness" in fault.message for fault in faults] == [True]
         page = Page(opened)
         assert page.ask("open")["text"] == broken
-        for question in ("model", "answer", "overlay", "save"):
+        for question in ("model", "answer", "overlay", "values"):
             assert "stifness" in page.ask(question)["refused"][0]
         model = page.type(RIG)["model"]
         assert model["start"]["choice"] == {"configuration": "soft"}
@@ -380,11 +380,11 @@ class TestFile:
             ends = LineEnds.of(text, has_mark=False)
             assert ends.given_back(text.replace("\r\n", "\n").replace("\r", "\n")) == text
 
-    def test_the_downloaded_file_has_the_line_ends_of_the_file(self, file):
+    def test_values_are_written_into_the_text_of_the_page(self, file):
         file.write_bytes(RIG.replace("\n", "\r\n").encode())
         page = Page(open_documents(str(file))[0])
-        found = page.ask("save", values={"k": "500 N*m/rad"})
-        assert found["text"] == RIG.replace("\n", "\r\n").replace("400 N", "500 N")
+        found = page.ask("values", values={"k": "500 N*m/rad"})
+        assert found["text"] == RIG.replace("400 N", "500 N")
 
 
 class TestServices:

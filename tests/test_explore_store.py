@@ -104,7 +104,7 @@ def test_a_file_that_is_gone_is_written_anew_only_on_purpose(server, file):
     disk = post(server, "open", {})[1]["disk"]
     file.unlink()
     found = store(server, NEW, disk)
-    assert (found["stored"], found["disk"]) == (False, GONE)
+    assert (found["stored"], found["disk"], found["text"]) == (False, GONE, None)  # no text to take over
     assert not file.exists()
     assert store(server, NEW, GONE)["stored"]
     assert file.read_text(encoding="utf-8") == NEW

@@ -383,6 +383,13 @@ def test_completion_offers_what_fits_and_its_edits_can_be_put_in(tmp_path):
         where["position"] = lsp.Position(where["position"].line, where["position"].character + 1)
         offered = await editor.client.text_document_completion_async(lsp.CompletionParams(**where))
         assert {"a", "b", "c"} <= {one.label for one in offered.items}
+        assert offered.is_incomplete  # else the editor itself would match digits with names
+
+        # nothing that Enter could hang on a number
+        where = at(editor, "4.14")
+        where["position"] = lsp.Position(where["position"].line, where["position"].character + 4)
+        offered = await editor.client.text_document_completion_async(lsp.CompletionParams(**where))
+        assert not (offered and offered.items)
 
     assert session(tmp_path, talk).logged == []
 

@@ -461,3 +461,16 @@ def test_units_of_a_cell_are_those_of_its_column(row: str, unit: str) -> None:
     """Behind the last column, and where a row is to begin, there is nothing to offer."""
     found = labels(f"elements:\n  s: {{type: tabulated_spring, nodes: [a, b], table: [[1 Hz, 2 N*m/rad, 1], {row}")
     assert found[:1] == ([unit] if unit else [])
+
+
+@pytest.mark.parametrize(
+    "value", ["4.14", "4", "-4", ".5", "4.", "1e", "1e3", "4k", "2*3", "k_1*2", "(k_1 + 2", "3 kN*m^2", "2 .. 4"]
+)
+def test_nothing_is_offered_right_behind_digits(value: str) -> None:
+    """Enter there ends the line; it must not hang a name on the number."""
+    names = "parameters:\n  k_1: 5\n  e_3: 5\n  k_14: 6\n"
+    for place in (f"  tau: {value}|", f"  k_2: {{value: {value}|", f"  tau: {value}|  # ratio\n"):
+        assert labels(names + place) == []
+    for entry in ("stiffness", "nodes", "damping", "ratio"):
+        assert labels(f"{names}elements:\n  s: {{type: spring, {entry}: {value}|") == []
+    assert "k_1" in labels(f"{names}  tau: 4.14*k|")

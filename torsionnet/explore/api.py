@@ -28,14 +28,14 @@ def _overlay(session: Session, state: State) -> dict[str, Any]:
     return {"overlay": session.overlay_for(state)}
 
 
-def _save(session: Session, state: State) -> dict[str, Any]:
-    return {"file": session.saved_file_name, "text": session.changed_file_text(state)}
+def _values(session: Session, state: State) -> dict[str, Any]:
+    return {"text": plain_line_ends(session.changed_file_text(state))}
 
 
 QUESTIONS: Mapping[str, Callable[[Session, State], dict[str, Any]]] = {
     "api/answer": answer,
     "api/overlay": _overlay,
-    "api/save": _save,
+    "api/values": _values,
 }
 """Calculations for a state of the page by their paths; each waits for the one before it of the same document."""
 
@@ -117,10 +117,7 @@ def _found(documents: Documents, path: str, request: PageRequest, is_closed: Cal
     state = read_state(request.entries)
     if path in PICTURES:
         return document.drawn(kind, lambda session: _calculated(PICTURES[path], session, state))
-    found = document.calculated(kind, lambda session: _calculated(QUESTIONS[path], session, state))
-    if path == "api/save" and "text" in found:
-        found["text"] = documents.ends().given_back(plain_line_ends(found["text"]))
-    return found
+    return document.calculated(kind, lambda session: _calculated(QUESTIONS[path], session, state))
 
 
 def _calculated(question: Callable[[Session, State], Answer], session: Session, state: State) -> Answer:

@@ -10,7 +10,7 @@ from threading import Event, Lock
 
 from torsionnet.explore.disk_file import GONE, DiskFile
 from torsionnet.explore.document import SUPERSEDED, Answer, Document, Draft
-from torsionnet.explore.line_ends import UNIX, LineEnds, plain_line_ends
+from torsionnet.explore.line_ends import plain_line_ends
 from torsionnet.explore.session import Session
 from torsionnet.explore.session_remaking import SessionOptions
 
@@ -115,20 +115,17 @@ class Documents:
         """Sentence on why nothing can be stored, empty where it can."""
         return self.source.why_not if self.source.disk is None else self.source.disk.refusal
 
-    def ends(self) -> LineEnds:
-        """Byte order mark and line ends of the file."""
-        return UNIX if self.source.disk is None else self.source.disk.version().ends
-
     def store(self, document: Document, text: str, disk: str) -> Answer:
         """Outcome of storing a text as JSON data."""
         file = self.source.disk
         if file is None:
-            return {"stored": False, "reason": self.source.why_not, "difference": "", "text": "", "disk": ""}
+            return {"stored": False, "reason": self.source.why_not, "difference": "", "text": None, "disk": ""}
         done = file.store(text, disk)
         if not done.reason:
             document.is_stored(text, done.disk.name)
             return {"stored": True, "disk": done.disk.name}
-        shown = {"difference": done.difference, "text": done.disk.text, "disk": done.disk.name}
+        theirs = None if done.disk.refusal or done.disk.name == GONE else done.disk.text
+        shown = {"difference": done.difference, "text": theirs, "disk": done.disk.name}
         return {"stored": False, "reason": done.reason} | shown
 
     def changes(self, document: Document, disk: str, is_closed: Callable[[], bool]) -> Answer:

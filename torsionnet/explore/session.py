@@ -156,12 +156,6 @@ class Session:
         """Measured response of a state's output and input as JSON data in Hz, SI and degrees; None without one."""
         return overlay_data(self.overlay, self.with_defaults(state))
 
-    @property
-    def saved_file_name(self) -> str:
-        """Name of the file that the page saves, which differs from that of the model file."""
-        path = Path(self.file)
-        return f"{path.stem}_changed{path.suffix}"
-
     def changed_file_text(self, state: State) -> str:
         """Text of the model file with the parameter values of a state.
 

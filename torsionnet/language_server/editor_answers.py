@@ -66,8 +66,11 @@ def completion_list(model: OpenModel, at: EditorPosition) -> CompletionList:
     """Proposals for what is written at a position, in the order of the service."""
     from torsionnet.text.completion import completions
 
-    found = completions(model.text, model.shown.offset(at), model.file, model.folder)
-    return CompletionList(False, [_completion(model, one, number) for number, one in enumerate(found)])
+    offset = model.shown.offset(at)
+    found = completions(model.text, offset, model.file, model.folder)
+    items = [_completion(model, one, number) for number, one in enumerate(found)]
+    # Before a word has begun, the next key asks anew: left to themselves, editors match the digits 14 with k_14.
+    return CompletionList(not model.text[:offset][-1:].isalnum(), items)
 
 
 def _completion(model: OpenModel, one: Completion, number: int) -> CompletionItem:

@@ -44,12 +44,16 @@ class Completion:
 
 _REST = re.compile(r"[\w.]*(?:[*/^][\w.*/^]*)?")
 """Rest of a word behind the cursor, which an option replaces too."""
+_NUMBER_BEGUN = re.compile(r"(?<![\w.])\.?\d[\w.]*\Z")
+"""Number right before the cursor, also with letters that follow it without a blank."""
 _KINDS = {"element": "word", "excitation": "word", "input": "sensor"}
 """Kind that a completion shows for things that have none of their own there."""
 
 
 def completions(text: str, offset: int, file: str = "", folder: FolderPath | None = None) -> list[Completion]:
-    """Options for the word at an offset of a model text, the likeliest first; none in comments, quotes and free text.
+    """Options for the word at an offset of a model text, the likeliest first; none in comments, quotes, free text.
+
+    Nothing follows digits at once: whoever ends a number with Enter wants the number.
 
     Of the file at ``file`` the folder is that of ``folder`` or its own; catalogues and parts are read there.
 
@@ -63,7 +67,7 @@ def completions(text: str, offset: int, file: str = "", folder: FolderPath | Non
     'kg*m^2'
     """
     context = cursor_context(text, offset)
-    if context.is_text:
+    if context.is_text or _NUMBER_BEGUN.search(text, context.word.start, context.word.end):
         return []
     offset = context.word.end
     if context.path == (KEY,) and not context.is_key:

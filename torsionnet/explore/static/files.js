@@ -1,16 +1,11 @@
-// Out of the page: the changed model as a file, the command on the clipboard.
+// Out of the page: the text as a download, the command on the clipboard.
 
-import { ask } from "./api.js";
-
-export async function save(state) {
-  const { file, text, refused } = await ask("save", state);
-  if (refused) return refused.join("; ");
+export function download(file, text) {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(new Blob([text], { type: "application/yaml" }));
   link.download = file;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-  return `Saved ${file}.`;
 }
 
 // Where the browser keeps the clipboard to itself, the command is selected and one key away.

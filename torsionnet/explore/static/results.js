@@ -3,7 +3,7 @@
 import { ask, newestOnly, underWay } from "./api.js";
 import { makeChooser, segments } from "./chooser.js";
 import { byKeys, valuesAt, valuesNear } from "./cursor.js";
-import { copy, save } from "./files.js";
+import { copy } from "./files.js";
 import { overFrequency } from "./frequency.js";
 import { drawModes } from "./modes.js";
 import { makePins, pinned } from "./pins.js";
@@ -58,7 +58,6 @@ export const results = {
     byKeys(at("magnitude"), plots.plots, () => plots.plots().forEach((plot) => plot.setCursor({ left: -10, top: -10 })));
     at("reset").addEventListener("click", () => change({ values: {} }));
     at("pin").addEventListener("click", pin);
-    at("save").addEventListener("click", async () => say(await save(question(state)).catch((error) => error.message)));
     at("copy").addEventListener("click", async () => say(await copy(at("command"))));
     at("theme").addEventListener("click", () => change({ theme: isDark(state.theme) ? "light" : "dark" }, { ask: false }));
     whenSystemChanges(() => change({}, { ask: false }));

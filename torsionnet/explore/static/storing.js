@@ -1,8 +1,10 @@
-// The file: storing the text by an explicit act, and following what other programs write into it.
+// The file: saving the text by an explicit act, and following what other programs write into it.
 
 import { ask, quietly } from "./api.js";
 import { decide, paragraph } from "./dialogs.js";
 import { replaceText } from "./edits.js";
+import { download } from "./files.js";
+import { results } from "./results.js";
 import { say } from "./saying.js";
 
 const PATIENCE = 3000; // ms until the next try where the server gave no answer
@@ -15,6 +17,7 @@ export function makeFile(view, opened, changed) {
   let disk = opened.disk;
   let stored = opened.draft ? null : view.state.doc.toString(); // what the file holds, as far as this page knows
   let bar = null;
+  let turn = Promise.resolve();
 
   const name = opened.is_template ? "template" : opened.path_shown.replace(/^.*[\\/]/, "");
   const text = () => view.state.doc.toString();
@@ -22,10 +25,8 @@ export function makeFile(view, opened, changed) {
 
   function mark() {
     const is = unsaved();
-    at("stored").textContent = `${name}${is && opened.can_save ? " – not stored" : ""}`;
+    at("stored").textContent = `${name}${is ? " – not saved" : ""}`;
     at("stored").title = opened.save_hint || opened.path_shown;
-    at("store").disabled = !opened.can_save || !is;
-    at("store").hidden = !opened.can_save;
     document.title = document.title.replace(/^● /, "").replace(/^/, is ? "● " : "");
     changed(is);
   }
@@ -38,22 +39,42 @@ export function makeFile(view, opened, changed) {
     mark();
   }
 
-  async function store(force = false) {
-    if (!opened.can_save) return say(opened.save_hint);
-    if (!unsaved() && !force) return say("The file holds this text already.");
+  // What stands in the editor, faulty or not, goes into the file it came from; where that cannot be, into a download.
+  async function write(force = false) {
     const sent = text();
-    const found = await ask("store", { text: sent, disk, force });
+    const from = disk;
+    const found = await ask("store", { text: sent, disk, force }).catch(({ message }) => ({ reason: message, disk }));
     if (found.stored) {
       took(sent, found.disk);
-      return say(`Stored ${opened.path_shown}.`);
+      return saved(`Saved ${opened.path_shown}.`);
     }
-    const act = await decide("The file has been changed by another program", [paragraph(found.reason), difference(found.difference)], [["mine", "Keep mine"], ["theirs", "Take theirs"], ["", "Cancel"]]);
+    if (found.disk === from) return asDownload(sent, found.reason);
+    const acts = [["mine", "Keep mine"], ["theirs", "Take theirs"], ["download", "Download mine"], ["", "Cancel"]];
+    const possible = acts.filter(([value]) => value !== "theirs" || found.text !== null);
+    const act = await decide("The file has been changed by another program", [paragraph(found.reason), difference(found.difference)], possible);
     if (act === "mine") {
       disk = found.disk;
-      await store(true);
+      await write(true);
     }
     if (act === "theirs") take(found.text, found.disk);
+    if (act === "download") asDownload(sent, found.reason);
     view.focus();
+  }
+
+  // One after the other: the second begins from the version that the first has written.
+  function save() {
+    turn = turn.catch(() => {}).then(() => write());
+    return turn;
+  }
+
+  function asDownload(sent, reason) {
+    download(opened.file, sent);
+    if (!disk) took(sent, disk); // no file waits for it
+    saved(`Saved as a download, ${opened.file}: ${reason.replace(/\.?$/, ".")}`);
+  }
+
+  function saved(words) {
+    say(results.changed().length ? `${words} Values of sliders are not in the text; "Write values into text" puts them there.` : words);
   }
 
   function take(theirs, on) {
@@ -69,7 +90,10 @@ export function makeFile(view, opened, changed) {
       const found = await quietly("changes", { disk: known }).catch(() => null);
       if (!found || found.superseded) await pause(PATIENCE);
       else if (found.refused) say(found.refused.join(" "));
-      else if (found.text !== undefined && found.disk !== disk) heard(found);
+      else if (found.text !== undefined) {
+        await turn.catch(() => {}); // a version of this page's own comes by this way too
+        if (found.disk !== disk) heard(found);
+      }
       if (found?.wait_s) await pause(1000 * found.wait_s);
       known = found?.disk ?? known;
       if (found && performance.now() - begun < SOON) await pause(SOON);
@@ -85,8 +109,8 @@ export function makeFile(view, opened, changed) {
       return say(`${opened.path_shown} was changed by another program; the page follows.`);
     }
     bar?.remove();
-    bar = notice("Another program has changed the file; your text is not stored.", [
-      ["Compare", () => store()],
+    bar = notice("Another program has changed the file; your text is not saved.", [
+      ["Compare", () => save()],
       ["Take theirs", () => take(theirs, on)],
       ["Keep mine", () => {
         disk = on;
@@ -95,10 +119,10 @@ export function makeFile(view, opened, changed) {
     ]);
   }
 
-  addEventListener("beforeunload", (event) => unsaved() && opened.can_save && event.preventDefault());
+  addEventListener("beforeunload", (event) => unsaved() && event.preventDefault());
   if (opened.can_save) follow();
   mark();
-  return { store, mark, unsaved, tookFile: take };
+  return { save, mark, unsaved, tookFile: take };
 }
 
 function pause(ms) {

@@ -7,6 +7,7 @@ import { applyEdits, select } from "./edits.js";
 import { say } from "./saying.js";
 
 const BEGUN = /[\w.]$|[:,[{]\s$|:\s+[-+.\deE]+\s$/; // typing on here asks for words by itself
+const NUMBER = /^\.?\d/;
 const GAP = /: [,}]/; // a value that is still to be written; Tab goes from one to the next
 const KINDS = { "element type": "type", entry: "property", node: "variable", parameter: "constant", unit: "unit", size: "enum" };
 
@@ -15,6 +16,7 @@ export async function complete(context) {
   const line = state.doc.lineAt(at);
   if (!context.explicit && !BEGUN.test(line.text.slice(0, at - line.from))) return null;
   const begun = context.matchBefore(/[\w.]+/);
+  if (begun && NUMBER.test(begun.text)) return null; // Enter ends a number, and nothing may hang on to it
   const text = state.doc.toString();
   const offered = async (place) => (await ask("complete", { text, at: place }).catch(() => ({}))).options ?? [];
   let options = await offered(at);
@@ -23,7 +25,7 @@ export async function complete(context) {
   const [only] = options;
   if (options.length === 1 && state.sliceDoc(only.from, only.to) === only.insert) return null; // it stands there already
   const from = Math.min(...options.map((one) => one.from));
-  return { from, options: options.map((one, k) => option(one, from, at, k)), validFor: /^[\w.]*$/ };
+  return { from, options: options.map((one, k) => option(one, from, at, k)), validFor: /^(?!\.?\d)[\w.]*$/ };
 }
 
 function option({ label, kind, detail, documentation, insert, from, to }, start, at, place) {

@@ -66,12 +66,12 @@ export async function openText(nonce, schematic) {
   addEventListener("keydown", (event) => {
     if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
     const key = event.key.toLowerCase();
-    const found = key === "s" && !event.shiftKey ? () => file.store() : key === "o" && event.shiftKey ? () => showOutline(view) : null;
+    const found = key === "s" && !event.shiftKey ? () => file.save() : key === "o" && event.shiftKey ? () => showOutline(view) : null;
     if (!found || document.querySelector("dialog[open]")) return;
     event.preventDefault();
     act(found)(view);
   });
-  at("store").addEventListener("click", () => act(() => file.store())(view));
+  at("save").addEventListener("click", () => act(() => file.save())(view));
   at("outline").addEventListener("click", () => act(showOutline)(view));
   at("format").addEventListener("click", () => act(format)(view));
   at("write").addEventListener("click", () => act(writeValues)(view));
@@ -85,9 +85,9 @@ export async function openText(nonce, schematic) {
   }
 
   async function writeValues() {
-    const found = await ask("save", results.state());
+    const found = await ask("values", results.state());
     if (found.refused) return say(found.refused.join("; "));
-    if (!sync.isSound()) return say("Mend the text first: values are written into a sound text.");
+    if (found.revision !== sync.revision()) return say("Mend the text first: values are written into a sound text.");
     results.forget();
     if (replaceText(view, found.text, "values")) say("The values stand in the text. Ctrl-Z takes them back.");
     view.focus();
@@ -126,11 +126,11 @@ function offerDrafts(view, opened, file) {
       const { text, disk } = await ask("changes", { disk: "" });
       file.tookFile(text, disk);
     }]] : [];
-    return notice("Here is text that had not been stored when its tab was closed.", acts);
+    return notice("Here is text that had not been saved when its tab was closed.", acts);
   }
   const kept = keptDraft(opened.path_shown);
   if (kept === null || kept === view.state.doc.toString()) return null;
-  return notice("The browser has kept a text of this file that was never stored.", [
+  return notice("The browser has kept a text of this file that was never saved.", [
     ["Bring it back", () => replaceText(view, kept, "draft")],
     ["Forget it", () => keepDraft(opened.path_shown, "", false)],
   ]);
