@@ -354,6 +354,18 @@ class TestDampers:
         (mode,) = damped_mass().critical_speeds(dampers=state).modes
         assert mode.undamped_frequency == pytest.approx(math.sqrt(1e4 / inertia) / (2 * np.pi))
 
+    @pytest.mark.parametrize(("state", "inertia"), [("free", 2), ("half", 2.25), ("locked", 2.5)])
+    def test_states_of_a_film_between_a_mass_and_a_ring(self, state, inertia):
+        plant = tn.Drivetrain(
+            "film of its own",
+            [tn.Inertia("mass", node="a", inertia=2), tn.Spring("spring", nodes=("a", "ground"), stiffness=1e4),
+             tn.Inertia("ring", node="r", inertia=0.5), tn.Damper("film", nodes=("a", "r"), damping=40)],
+            speeds={"of": "a", "list": ["300 rpm", "400 rpm"]},
+            excitations={"fan": {"type": "harmonic", "node": "a", "orders": {2: {"amplitude": 1}}}},
+        )  # fmt: skip
+        (mode,) = plant.critical_speeds(dampers=state, damper_names=["film"]).modes
+        assert mode.undamped_frequency == pytest.approx(math.sqrt(1e4 / inertia) / (2 * np.pi))
+
     def test_as_modelled(self):
         assert damped_mass().critical_speeds().modes[0].damping_ratio > 0.01
 

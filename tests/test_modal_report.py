@@ -84,11 +84,16 @@ class TestCircle:
 
 class TestMac:
     def test_numbers_and_names(self):
+        from matplotlib.colors import to_rgb
+
         values = np.array([[1.0, 0.25, 0.0], [0.1, np.nan, 0.9]])
         axes = plot.mac_matrix(values, rows=["8.7 Hz", "81 Hz"]).axes[0]
         np.testing.assert_array_equal(np.asarray(axes.images[0].get_array().filled(np.nan)), values)
         assert axes.images[0].get_clim() == (0, 1)
         assert [text.get_text() for text in axes.texts] == ["1.00", "0.25", "0.00", "0.10", "-", "0.90"]
+        paper = [text.get_color() == axes.texts[0].get_color() for text in axes.texts]
+        assert paper == [True, False, False, False, False, True], "white on dark fields, dark on light ones"
+        assert sum(to_rgb(axes.texts[0].get_color())) > sum(to_rgb(axes.texts[1].get_color()))
         assert [tick.get_text() for tick in axes.get_yticklabels()] == ["8.7 Hz", "81 Hz"]
         assert [tick.get_text() for tick in axes.get_xticklabels()] == ["1", "2", "3"]
 

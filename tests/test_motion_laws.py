@@ -366,3 +366,11 @@ def test_friction_under_its_own_torque_stands(torque, rates):
     """5 N m of one, and of one that turns twice as fast: 5 + 2 * 5 hold at any speed, of which rest is the one told."""
     law = MotionLaw({"a": 1.0}, friction_curve(5.0, 5.0))
     assert roots_along([law, law], [1.0, 2.0], torque) == rates
+
+
+def test_twists_next_to_the_greatest_torque_of_a_softening_spring():
+    """Two roots run together where the spring is softest, and a polynomial's roots have half the digits there."""
+    curve = CubicCurve(100, -30)
+    greatest = 200 / 3 * math.sqrt(10) / 3
+    for state in curve.states_at(greatest * (1 - 1e-10)):
+        assert curve.torque(state.twist, 0) == pytest.approx(greatest * (1 - 1e-10), rel=1e-15)

@@ -52,6 +52,12 @@ def test_undimensioned_damping_and_stiffness_over_frequency():
     np.testing.assert_allclose(soft, motion(F, SPRINGS / 2 * factor * (1 + 1j * eta)), rtol=1e-11)
 
 
+def test_a_ring_has_an_inertia():
+    text = "torsionnet: 1\nname: x\nelements: {d: {type: spring_damper, node: a, ring_inertia: 0, stiffness: 10}}"
+    with pytest.raises(tn.ModelError, match="0: inertia of the outer ring must be greater than 0"):
+        tn.loads(text)
+
+
 @pytest.mark.slow
 def test_the_best_springs_are_found_with_the_law_over_frequency():
     """A parameter that acts through curves has derivatives: the design is that of a scan."""

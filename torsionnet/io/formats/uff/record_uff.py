@@ -69,12 +69,11 @@ def write(recording: Recording, path: Path) -> None:
 def _dataset(recording: Recording, signal: Signal, number: int) -> dict[str, Any]:
     lines = [signal.name, signal.quantity, f"sampling rate {recording.sampling_rate!r} Hz", recording.title,
              next(iter(recording.notes), "")]  # fmt: skip
-    even = recording.times is None
     return function_dataset(
         lines, func_type=TIME_RESPONSE, rsp_node=number, rsp_dir=0, ref_node=0, ref_dir=0,
         ver_num=len(recording.signals) - number, rsp_ent_name="NONE", ref_ent_name="NONE",
-        data=np.asarray(signal.values), x=recording.time, abscissa_spacing=int(even),
-        abscissa_min=recording.start, abscissa_inc=1 / recording.sampling_rate if even else 0.0,
+        data=np.asarray(signal.values), x=recording.time,
+        abscissa_spacing=int(recording.times is None), abscissa_min=recording.start,
         abscissa_spec_data_type=TIME_AXIS, abscissa_axis_units_lab="s", ordinate_spec_data_type=GENERAL,
         ordinate_axis_units_lab=signal.unit or "NONE",
     )  # fmt: skip
