@@ -95,8 +95,9 @@ join: $(VENV)/.group-test  ## a module into the one that imports it: make join O
 outputs: $(VENV)/.group-test  ## what every command says of every library model: ARGS="record A", ARGS="same A B"
 	PYTHONPATH=tests $(RUN) -m structure.outputs $(ARGS)
 
-reach: $(VENV)/.group-test  ## which functions every quick test calls, in .cache/reach.npz: some minutes, from Python 3.12 on
-	$(RUN) -m pytest -n auto --dist worksteal -m "not slow" --reach .cache/reach.npz $(ARGS)
+reach: MARKED ?= not slow
+reach: $(VENV)/.group-test  ## which functions every quick test calls, in .cache/reach.npz: some minutes, from Python 3.12 on; MARKED="not nightly" for slow ones, too
+	$(RUN) -m pytest -n auto --dist worksteal -m "$(MARKED)" --reach .cache/reach.npz $(ARGS)
 	PYTHONPATH=tests $(RUN) -m reach files
 
 test-changed: $(VENV)/.group-test  ## the tests that reach what differs from HEAD; ARGS=COMMIT from another commit

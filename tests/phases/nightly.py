@@ -53,7 +53,7 @@ PARTS = {
         ("pyproject.toml", "tests/oldest.txt", *ADAPTERS),
     ),
     "mutation": Part(
-        (((make("reach", 700),),), ((make("mutation", 2300, "ARGS=-n 60 --seed commit"),),)),
+        (((make("reach", 1700, "MARKED=not nightly"),),), ((make("mutation", 1300, "ARGS=-n 60 --seed commit"),),)),
         ("torsionnet/*.py", "tests/test_*.py", "tests/support/*", "tests/mutation/*", "tests/reach/*"),
     ),
     # Each keeps one core busy for 20 minutes.

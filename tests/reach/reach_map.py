@@ -66,20 +66,6 @@ class ReachMap:
                 kept["reached"],
             )
 
-    def updated(self, newer: ReachMap) -> ReachMap:
-        """With the notes of a later run of some of the tests."""
-        return ReachMap.of({**self._notes(), **newer._notes()})
-
-    def _notes(self) -> dict[str, tuple[float, bool, list[str]]]:
-        return {
-            test: (
-                float(self.seconds[i]),
-                bool(self.slow[i]),
-                [self.places[number] for number in self.reached[self.bounds[i] : self.bounds[i + 1]]],
-            )
-            for i, test in enumerate(self.tests)
-        }
-
     @cached_property
     def numbers(self) -> dict[str, int]:
         return {place: number for number, place in enumerate(self.places)}
