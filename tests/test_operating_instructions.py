@@ -1,4 +1,4 @@
-"""Operating instructions: ranges outward and highest speeds down to 1 rpm, conditions joined, and what they rest on."""
+"""Operating instructions: ranges outward and highest speeds down to 1 rpm, conditions apart, and what they rest on."""
 
 import json
 import math
@@ -27,6 +27,14 @@ def check(found, configuration="", misfiring=False):
         speeds, "crank", tuple(found.values()), configuration=configuration, misfiring=misfiring,
         configurations=names, others=tuple(name for name in names if name != configuration),
     )  # fmt: skip
+
+
+def two(stress, other, **options):
+    """Verdicts on the shaft with one stress, and on a shaft "line" with another."""
+    timed = {name: options.pop(name) for name in ("passing_time",) if name in options}
+    line = stressed(other, m68(**timed), **options)
+    renamed = {f"line {name}": replace(one, limit="line") for name, one in line.items()}
+    return stressed(stress, m68(), **options) | renamed
 
 
 class TestMisfire:
@@ -75,12 +83,52 @@ class TestInstructions:
         assert one.allowed_in_passing == pytest.approx(1.7 * 66.562e6, rel=1e-4)
         assert one.action == "pass without stopping"
 
-    def test_ranges_that_overlap_are_one_with_the_worst_value(self):
+    def test_conditions_are_never_joined(self):
         first, second = stressed(hump(90, 50), m68()), stressed(hump(100, 53), m68())
-        (one,) = operating_instructions([check(first, "normal"), check(second, "other")])
-        assert one.conditions == ("normal", "other")
-        assert one.value == pytest.approx(100e6)
+        found = operating_instructions([check(first, "normal"), check(second, "other")])
+        assert [one.conditions for one in found] == [("normal",), ("other",)]
+        assert [one.value for one in found] == pytest.approx([90e6, 100e6])
+        assert [one.from_rpm for one in found] == [math.floor(16 / 17.5 * 50), math.floor(16 / (18 - 0.53) * 53)]
+
+    def test_ranges_of_two_shafts_are_one_that_names_both(self):
+        (one,) = operating_instructions([check(two(hump(90, 50), hump(100, 53)))])
+        assert one.limits == ("line, tau_C", "shaft, tau_C")
         assert (one.from_rpm, one.to_rpm) == (45, math.ceil((18 - 0.53) / 16 * 53))
+        assert (one.value, one.action) == (pytest.approx(100e6), "pass without stopping")
+
+    @pytest.mark.parametrize("order", [1, -1])
+    @pytest.mark.parametrize("misfire", [False, True])
+    def test_the_least_permitted_passage_decides(self, order, misfire):
+        """One shaft may pass from 45 to 55 rpm; the other has 120 N/mm^2 at 52 rpm, above its tau_T of 112.6."""
+        found = two(hump(90, 50), hump(120, 52), misfire=misfire)
+        (one,) = operating_instructions([check(dict([*found.items()][::order]), misfiring=misfire)])
+        assert one.action == "not to be run or passed"
+        assert one.value == pytest.approx(120e6)
+        assert one.allowed < one.value
+        assert set(one.limits) == {"shaft, tau_C", "line, tau_C", "line, tau_T"}
+        assert one.limited_by.startswith("line, tau_T; ")
+        assert one.from_rpm <= 45
+        assert one.to_rpm >= 55
+
+    def test_the_shortest_time_of_several_limits_counts(self):
+        found = two(hump(90, 50), hump(80, 53), passing_time="8 s")
+        (one,) = operating_instructions([check(found)])
+        assert one.action == "pass without stopping within 8 s"
+        assert one.limits == ("line, tau_C", "shaft, tau_C")  # the one with a time decides
+
+    def test_a_range_above_the_highest_speed_is_not_passed(self):
+        """With a cylinder out, one shaft ends at 94 rpm; what the other one has above that is part of it."""
+        found = two(hump(70, 100), hump(120, 97), misfire=True)
+        *below, last = operating_instructions([check(found, "misfire", misfiring=True)])
+        assert last.to_rpm is None
+        assert last.action == f"not above {last.from_rpm} rpm, reduce power"
+        assert set(last.limits) >= {"shaft, tau_C", "line, tau_C"}
+        assert all(one.to_rpm <= last.from_rpm for one in below)
+
+    def test_where_no_range_can_be_barred_the_row_says_so(self):
+        (one,) = operating_instructions([check(stressed(hump(70, 88), m68()), "normal")])
+        assert (one.action, one.limits) == ("not to be run or passed", ("shaft, tau_C",))
+        assert one.from_rpm < 88 < one.to_rpm
 
     def test_conditions_with_a_cylinder_out_are_apart(self):
         normal, out = stressed(hump(90, 50), m68()), stressed(hump(70, 100), m68(), misfire=True)
@@ -103,20 +151,25 @@ class TestInstructions:
     @pytest.mark.parametrize(
         ("stress", "last"),
         [
-            (hump(10, 50), "No restrictions."),
-            (hump(90, 50), "No other restrictions."),
-            (hump(130, 50), "Not to be run as it is: shaft not kept."),
+            (hump(10, 50), "No restrictions from 20 to 104 rpm of crank"),
+            (hump(90, 50), "No other restrictions from 20 to 104 rpm of crank"),
+            (hump(130, 50), "Not to be run as it is: shaft not kept"),
         ],
     )
     def test_what_stands_below(self, stress, last):
-        assert instruction_table([check(stressed(stress, m68()))]).notes == (last,)
+        """Every start passes speeds below those examined: the verdict says so itself."""
+        found = check(stressed(stress, m68()))
+        assert instruction_table([found]).notes == (f"{last}; starts and stops not examined.",)
+        said = "starts and stops not examined: speeds below 20 rpm of crank"
+        assert said in found.conclusion
+        assert said in LimitConclusion((found, replace(found, configuration="other"))).sentence
 
 
 def test_command_and_report_show_them():
     result = run("limits", "two_stroke_ship", "-c", "all")
     lines = result.stdout.splitlines()
     assert lines[-1].endswith(
-        "reduced speed: limits hold in normal, misfire_2; with a cylinder out in misfire: at most 97 rpm of flywheel"
+        "reduced speed: starts and stops not examined: speeds below 20 rpm of flywheel; limits hold in normal, misfire_2; with a cylinder out in misfire: at most 97 rpm of flywheel"
     )
     assert lines[0].endswith("worst of every limit")
     assert lines[5].split()[:4] == ["misfire", "tail", "tail", "tau_C"]

@@ -24,7 +24,7 @@ from torsionnet.report.report_tables import results_table, table
 from torsionnet.report.report_text import as_words, capital, unit
 from torsionnet.response.equal_remarks import condition_words
 from torsionnet.response.limits.governing_peaks import line_name, little_damped
-from torsionnet.response.limits.limit_check import listed_names
+from torsionnet.response.limits.limit_check import STARTS, listed_names
 from torsionnet.response.limits.limit_conclusion import LimitConclusion, WorstLimit
 from torsionnet.response.limits.operating_instructions import instruction_table
 
@@ -48,7 +48,7 @@ def conclusion_section(subject: ReportData) -> Section:
 
 
 def _judged(subject: ReportData, found: LimitConclusion) -> Iterator[Block]:
-    yield Paragraph((Strong("Verdict:"), " ", Strong(found.verdict)))
+    yield Paragraph((Strong("Verdict:"), " ", Strong(found.verdict), "; ", Strong(STARTS)))
     findings = [capital(as_words(finding)) for finding in found.findings]
     yield Listing(tuple((text,) for text in [*findings, *_by_small_damping(subject, found)]))
     yield _components(subject, found)

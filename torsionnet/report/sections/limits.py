@@ -50,7 +50,8 @@ def limits_section(subject: ReportData) -> Section | None:
 
 def verdict(found: LimitConclusion) -> Paragraph:
     """Paragraph with the verdict on the model's limits, and first of all what was not examined."""
-    return Paragraph((Strong(f"Verdict on stresses and limits: {found.verdict}."), f" {capital(found.sentence)}."))
+    said = (text for finding in found.findings for text in (" ", capital(as_words(finding)), "."))
+    return Paragraph((Strong("Verdict on stresses and limits:"), " ", Strong(found.verdict), ".", *said))
 
 
 def conclusion(found: LimitConclusion) -> TableBlock:

@@ -32,8 +32,11 @@ def passage_section(subject: ReportData) -> Section | None:
     found = subject.limit_conclusion
     if found is None:
         return None
-    normal, out = (passed_ranges([one for one in found.checks if one.misfiring == out]) for out in (False, True))
-    ranges = [*normal, *(one for one in out if not any(_covers(other, one) for other in normal))]
+    ranges: list[PassedRange] = []
+    # The most used first: what is passed there is passed in the other conditions, too.
+    for one in sorted(passed_ranges(found.checks), key=lambda one: -one.utilisation):
+        if not any(_covers(other, one) for other in ranges):
+            ranges.append(one)
     blocks = [block for number, one in enumerate(ranges[:MOST_RANGES], 1) for block in _range(subject, one, number)]
     if not blocks:
         return None
@@ -41,18 +44,16 @@ def passage_section(subject: ReportData) -> Section | None:
 
 
 def _covers(one: PassedRange, other: PassedRange) -> bool:
-    """Whether a barred range contains another one, whose limits are used no more than its own."""
-    holds = (
-        one.span.rpm_outward[0] <= other.span.rpm_outward[0] and other.span.rpm_outward[1] <= one.span.rpm_outward[1]
-    )
-    return holds and other.utilisation <= one.utilisation
+    """Whether a barred range contains another one."""
+    (low, high), (first, last) = one.span.rpm_outward, other.span.rpm_outward
+    return low <= first and last <= high
 
 
 def _range(subject: ReportData, barred: PassedRange, number: int) -> Iterator[Block]:
     """Blocks of the report on one barred range: what was found, the table of passages, and two of them drawn."""
     from torsionnet.solve.running.range_passage import range_passages
 
-    check, _ = barred.worst
+    check = barred.check
     case = next(one for one in subject.judged_cases if one.configuration == check.configuration)
     asked = barred.seconds_to_pass
     times = sorted({*(subject.request.plan.passage or (QUICK, SLOW)), *((asked,) if asked else ())})

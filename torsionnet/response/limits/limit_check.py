@@ -38,6 +38,8 @@ GRAVITY = (PASS, BARRED, REDUCED, INCOMPLETE, OPEN, FAIL)
 
 VERDICT: Schema = {"enum": [*GRAVITY]}
 """JSON Schema of a verdict on a limit."""
+STARTS = "starts and stops not examined"
+"""Words in every verdict on limits: each start passes speeds below the lowest that was examined."""
 MOST_NAMES = 6
 """Largest number of configurations or limits that a sentence names; of more, the first are named."""
 
@@ -68,6 +70,17 @@ def unexamined_sentence(missing: Sequence[str], known: Sequence[str], examined: 
     if not kept:
         return [f"{lead}all but {listed_names([name or 'the model as written' for name in examined])}"]
     return [lead + (f"all but {listed_names(kept)}" if len(kept) < len(missing) else listed_names(missing))]
+
+
+def starts_sentence(rpm: float, shaft: str) -> str:
+    """Sentence on the speeds below the lowest one examined, in rpm, which every start and stop passes.
+
+    Examples
+    --------
+    >>> starts_sentence(675, "flywheel")
+    'starts and stops not examined: speeds below 675 rpm of flywheel'
+    """
+    return f"{STARTS}: speeds below {rpm:g} rpm of {shaft}"
 
 
 def listed_names(names: Sequence[str]) -> str:
@@ -290,7 +303,7 @@ class LimitCheck(NotebookResult):
         """Texts that conclude from all verdicts on limits, on what was not examined and on what was found."""
         missing = unexamined_sentence(self.others, self.configurations, [self.configuration])
         where = f" in {self.configuration or 'the model as written'}" if self.others else ""
-        return (*missing, *self.left_out, self.finding(where))
+        return (*missing, *self.left_out, starts_sentence(self.rpm[0], self.reference), self.finding(where))
 
     def finding(self, where: str = "") -> str:
         """Sentence that concludes on the limits in one configuration, in which ``where`` names the configuration."""

@@ -22,6 +22,7 @@ from torsionnet.response.limits.limit_check import (
     LimitVerdict,
     gravest,
     listed_names,
+    starts_sentence,
     unexamined_sentence,
 )
 from torsionnet.response.limits.measured_range import MeasuredRangeRow
@@ -194,7 +195,8 @@ class LimitConclusion:
             return self.checks[0].findings
         examined = [one.configuration for one in self.checks]
         missing = unexamined_sentence(self.not_examined, self.configurations, examined)
-        return (*missing, *self.left_out, *self._found())
+        lowest = max(one.rpm[0] for one in self.checks)
+        return (*missing, *self.left_out, starts_sentence(lowest, self._shaft), *self._found())
 
     def _verdicts(self) -> Iterator[tuple[LimitCheck, LimitVerdict]]:
         """Yield pairs of check and verdict, none on a switched-off element whose limit another check judges."""

@@ -11,8 +11,8 @@ import numpy as np
 
 from torsionnet.core.result_rows import Out
 from torsionnet.response.conventions import SI, Conventions
-from torsionnet.response.limits.limit_check import FAIL, LimitCheck, LimitVerdict, listed_names
-from torsionnet.response.limits.speed_spans import SpeedSpan, joined_spans, whole_rpm
+from torsionnet.response.limits.limit_check import FAIL, STARTS, LimitCheck, LimitVerdict, listed_names
+from torsionnet.response.limits.speed_spans import SpeedSpan, joined_spans, spans_above, spans_below
 from torsionnet.response.table import Table, result_table
 
 
@@ -23,7 +23,7 @@ class Instruction:
     Attributes
     ----------
     conditions : tuple of str
-        Configurations in which it holds.
+        The configuration in which it holds; conditions are never joined.
     shaft : str
         Node whose speed the tachometer shows.
     tolerance : float
@@ -31,10 +31,12 @@ class Instruction:
     from_rpm, to_rpm : int or None
         Speeds rounded outward to 1 rpm; None where there is no such end.
     limit, criterion : str
-        Limit that is used most in the range.
+        Limit that decides: of those with the least permitted passage one for passing, else the most used one.
+    limits : tuple of str
+        Names and criteria of all limits that restrict speeds of the range, the decisive one first.
     value, allowed, allowed_in_passing : float
-        Its largest value there, and what it may be in continuous operation and in passing at that speed, SI; NaN where
-        no rule says it.
+        The largest value of the decisive limit there, and what it may be in continuous operation and in passing at that
+        speed, SI; NaN where no rule says it.
     unit, action, marking : str
     """
 
@@ -46,6 +48,7 @@ class Instruction:
     to_rpm: Annotated[int | None, Out("to", "rpm")]
     limit: str
     criterion: str
+    limits: tuple[str, ...]
     value: Annotated[float, Out("value", digits=4)]
     allowed: Annotated[float, Out("allowed", digits=4)]
     allowed_in_passing: Annotated[float, Out("in passing", digits=4)]
@@ -60,8 +63,8 @@ class Instruction:
 
     @property
     def limited_by(self) -> Annotated[str, Out("limit", json=None, after="to_rpm")]:
-        """Text of the name and criterion of the limit with the largest utilisation in the instruction's speed range."""
-        return f"{self.limit}, {self.criterion}"
+        """Text of the names and criteria of all limits that restrict the speed range, the decisive one first."""
+        return "; ".join(self.limits)
 
     @property
     def instruction(self) -> Annotated[str, Out("action and marking", json=None, after="unit")]:
@@ -69,47 +72,65 @@ class Instruction:
         return f"{self.action}; {self.marking}"
 
 
+NOTICE = "notice at each control station"
+"""Marking of every range for the crew."""
+PASS_QUICKLY, PASS_WITHIN, NOT_AT_ALL = range(3)
+"""Ranks of what limits permit in a speed range, rising with gravity: passing without stopping, in a time, none."""
+
+
 @dataclass(frozen=True, eq=False)
 class _Place:
-    """Verdict on a limit, a speed range (rad/s) that it bars, and index of the speed there of largest utilisation."""
+    """Verdict on a limit, a speed range (rad/s) that it restricts, and how that range may be passed.
+
+    ``at`` is the index of the speed of largest utilisation in the range.
+    """
 
     check: LimitCheck
     verdict: LimitVerdict
     span: SpeedSpan
-    at: int
+    passage: int
+
+    @property
+    def at(self) -> int:
+        speeds = self.check.speeds
+        inside = (speeds >= self.span.low) & (speeds <= self.span.high)
+        return int(np.argmax(np.where(inside, np.nan_to_num(self.verdict.utilisation), -1.0)))
 
     @property
     def utilisation(self) -> float:
         return float(self.verdict.utilisation[self.at])
 
+    @property
+    def named(self) -> str:
+        """Text of the name and criterion of the limit."""
+        return f"{self.verdict.limit}, {self.verdict.criterion}"
+
 
 @dataclass(frozen=True, eq=False)
 class PassedRange:
-    """Speed range (rad/s) that the crew passes without stopping, with the verdicts that bar it in several conditions.
+    """Speed range (rad/s) that the crew passes without stopping in one condition, with the verdicts that bar it.
 
     Attributes
     ----------
     span : SpeedSpan
         rad/s, not rounded.
     places : tuple
-        Limits with their conditions.
+        Limits that bar speeds of the range.
     """
 
     span: SpeedSpan
     places: tuple[_Place, ...]
 
     @property
-    def worst(self) -> tuple[LimitCheck, LimitVerdict]:
-        """Check of limits, and its verdict, with the largest utilisation in a speed range to be passed."""
-        found = max(self.places, key=lambda place: place.utilisation)
-        return found.check, found.verdict
+    def check(self) -> LimitCheck:
+        """Check of limits in the condition in which the range is barred."""
+        return self.places[0].check
 
     @property
     def verdicts(self) -> tuple[LimitVerdict, ...]:
-        """Verdicts that bar a speed range in its worst condition, sorted so that the most used limit comes first."""
-        check, first = self.worst
-        others = (one.verdict for one in self.places if one.check is check)
-        return (first, *dict.fromkeys(one for one in others if one is not first))
+        """Verdicts that bar a speed range, sorted so that the most used limit comes first."""
+        places = sorted(self.places, key=lambda place: -place.utilisation)
+        return tuple(dict.fromkeys(place.verdict for place in places))
 
     @property
     def utilisation(self) -> float:
@@ -123,35 +144,19 @@ class PassedRange:
 
 
 def passed_ranges(checks: Sequence[LimitCheck]) -> tuple[PassedRange, ...]:
-    """Speed ranges (rad/s) to be passed without stopping, joined where those of limits and conditions overlap."""
-    passed = [place for one in checks for place in _passed(one)]
-    return tuple(
-        PassedRange(span, tuple(place for place in passed if span.low <= place.span.low <= span.high))
-        for span in joined_spans([place.span for place in passed])
-    )
+    """Speed ranges (rad/s) to be passed without stopping in each condition, joined where those of limits overlap."""
+    return tuple(found for check in checks for found in _joined(list(_passed(check))))
 
 
 def operating_instructions(checks: Sequence[LimitCheck]) -> tuple[Instruction, ...]:
-    """Instructions to the crew from checks of limits of one model; ranges that overlap in several conditions are one.
+    """Instructions to the crew from checks of limits of one model, with rows of their own for every condition.
 
-    Conditions with a cylinder out and with normal firing are kept apart. Speeds to be barred are rounded outward to
-    1 rpm, the highest speed permitted is rounded down.
+    Ranges of several limits that overlap in a condition are one, and the limit with the least permitted passage decides
+    on it: a range that one shaft may pass is not passed where another one may not. Conditions with a cylinder out come
+    last. Speeds to be barred are rounded outward to 1 rpm, the highest speed permitted is rounded down.
     """
-    found: list[Instruction] = []
-    for misfiring in (False, True):
-        those = [one for one in checks if one.misfiring == misfiring]
-        for one in passed_ranges(those):
-            seconds, action = one.seconds_to_pass, "pass without stopping"
-            if seconds is not None:
-                action = f"pass without stopping within {seconds:g} s"
-            marking = "tachometer red, notice at each control station"
-            found.append(_instruction(one.places, *one.span.rpm_outward, action, marking))
-        reduced = [place for one in those for place in _reduced(one)]
-        if reduced:
-            highest = whole_rpm(min(place.span.low for place in reduced), math.floor)
-            action, marking = f"not above {highest} rpm, reduce power", "notice at each control station"
-            found.append(_instruction(reduced, highest, None, action, marking))
-    return tuple(found)
+    ordered = sorted(checks, key=lambda check: check.misfiring)
+    return tuple(_instruction(found) for check in ordered for found in _joined([*_passed(check), *_refused(check)]))
 
 
 def instruction_table(checks: Sequence[LimitCheck], conventions: Conventions = SI, title: str = "") -> Table:
@@ -159,41 +164,66 @@ def instruction_table(checks: Sequence[LimitCheck], conventions: Conventions = S
     rows = operating_instructions(checks)
     failed = dict.fromkeys(one.limit for check in checks for one in check.verdicts if one.verdict == FAIL)
     shown = [_in_units(one, conventions) for one in rows]
-    last = "No other restrictions." if rows else "No restrictions."
+    low, high = max(check.rpm[0] for check in checks), min(check.rpm[-1] for check in checks)
+    other = "No other restrictions" if rows else "No restrictions"
+    last = f"{other} from {low:g} to {high:g} rpm of {checks[0].reference}; {STARTS}."
     if failed:
-        last = f"Not to be run as it is: {listed_names(list(failed))} not kept."
+        last = f"Not to be run as it is: {listed_names(list(failed))} not kept; {STARTS}."
     return result_table(title or "operating instructions", shown, Instruction, notes=[last])
 
 
 def _passed(check: LimitCheck) -> Iterator[_Place]:
+    """Yield the ranges that limits bar below the highest speed that all of them permit."""
     for one in check.verdicts:
-        for span in one.passed:
-            yield _Place(check, one, span, _worst(check, one, span))
+        for span in spans_below(one.barred, check.highest):
+            yield _Place(check, one, span, PASS_QUICKLY if one.seconds_to_pass is None else PASS_WITHIN)
 
 
-def _reduced(check: LimitCheck) -> Iterator[_Place]:
+def _refused(check: LimitCheck) -> Iterator[_Place]:
+    """Yield the ranges that may not even be passed, and the one above the highest speed permitted."""
     for one in check.verdicts:
         if one.highest is not None:
-            span = SpeedSpan(one.highest, float(check.speeds[-1]))
-            yield _Place(check, one, span, _worst(check, one, span))
+            yield _Place(check, one, SpeedSpan(one.highest, float(check.speeds[-1])), NOT_AT_ALL)
+        elif one.verdict == FAIL:
+            # A limit that no range can be barred for permits no passage either: it does not hold.
+            above = [span.widened(one.tolerance) for span in spans_above(check.speeds, one.values, one.allowed)]
+            ends = SpeedSpan(float(check.speeds[0]), float(check.speeds[-1]))
+            for span in spans_below(above, check.highest):
+                yield _Place(check, one, span.within(ends), NOT_AT_ALL)
 
 
-def _worst(check: LimitCheck, one: LimitVerdict, span: SpeedSpan) -> int:
-    inside = (check.speeds >= span.low) & (check.speeds <= span.high)
-    return int(np.argmax(np.where(inside, np.nan_to_num(one.utilisation), -1.0)))
+def _joined(places: Sequence[_Place]) -> Iterator[PassedRange]:
+    for span in joined_spans([place.span for place in places]):
+        yield PassedRange(span, tuple(place for place in places if span.low <= place.span.low <= span.high))
 
 
-def _instruction(places: Sequence[_Place], low: int, high: int | None, action: str, marking: str) -> Instruction:
-    worst = max(places, key=lambda place: place.utilisation)
-    check, one, at = worst.check, worst.verdict, worst.at
-    conditions = tuple(dict.fromkeys(place.check.configuration for place in places))
+def _instruction(found: PassedRange) -> Instruction:
+    places = sorted(found.places, key=lambda place: (-place.passage, not place.verdict.in_passing, -place.utilisation))
+    decisive, check = places[0], found.check
+    one, at = decisive.verdict, decisive.at
+    low, high, action, marking = _action(found, decisive.passage)
     same = [other for other in check.verdicts if (other.limit, other.quantity) == (one.limit, one.quantity)]
     passing = [float(other.allowed[at]) for other in same if other.in_passing]
     return Instruction(
-        conditions, listed_names([name or "as written" for name in conditions]), check.reference,
+        (check.configuration,), check.configuration or "as written", check.reference,
         max(place.verdict.tolerance for place in places), low, high, one.limit, one.criterion,
-        float(one.values[at]), float(one.allowed[at]), min(passing, default=math.nan), one.unit, action, marking,
+        tuple(dict.fromkeys(place.named for place in places)), float(one.values[at]), float(one.allowed[at]),
+        min(passing, default=math.nan), one.unit, action, marking,
     )  # fmt: skip
+
+
+def _action(found: PassedRange, passage: int) -> tuple[int, int | None, str, str]:
+    """Ends of a range in whole rpm, what the crew does about it, and how it is marked."""
+    low, high = found.span.rpm_outward
+    reduced = any(place.verdict.highest is not None and place.passage == NOT_AT_ALL for place in found.places)
+    if reduced and found.span.low > found.check.speeds[0]:
+        return low, None, f"not above {low} rpm, reduce power", NOTICE
+    action = {
+        PASS_QUICKLY: "pass without stopping",
+        PASS_WITHIN: f"pass without stopping within {found.seconds_to_pass or 0.0:g} s",
+        NOT_AT_ALL: "not to be run or passed",
+    }[passage]
+    return low, high, action, f"tachometer red, {NOTICE}"
 
 
 def _in_units(one: Instruction, conventions: Conventions) -> Instruction:

@@ -21,7 +21,7 @@ and steady."""
 def range_passages(
     drivetrain: AssembledModel, barred: PassedRange, seconds: Sequence[float]
 ) -> tuple[RangePassage, ...]:
-    """Passages of a barred range up and down in given times in s, judged in its worst condition by each barring limit.
+    """Passages of a barred range up and down in given times in s, judged by each barring limit.
 
     Speeds run evenly, and begin and end a quarter of the range outside of it, as far as speeds are examined there.
     Empty where no limit judges a vibratory value, as those of heat.
@@ -29,12 +29,12 @@ def range_passages(
     Parameters
     ----------
     drivetrain : AssembledModel
-        In the configuration of the worst check of the range.
+        In the configuration of the check of the range.
     barred : PassedRange
     seconds : sequence of float
         s, from one end of the range to the other.
     """
-    check, _ = barred.worst
+    check = barred.check
     subject = limit_subject(drivetrain.definition, drivetrain.exact_values)
     judged = []
     for verdict in barred.verdicts:
