@@ -18,7 +18,7 @@ elements:
 
 
 STAGE = "{stiffness: 9, to: 4 N*m}"
-RISING = "the torque of a spring does not fall with its twist; here from"
+RISING = "the torque of a spring does not fall with its twist at rest; here from"
 FAULTS = [  # a mark stands where the fault is told, and the messages in their order
     ("^e: {type: spring, nodes: [a, b]}", ["spring e needs stiffness: ", "; or stages, or torque_over_twist"]),
     (
@@ -67,8 +67,16 @@ FAULTS = [  # a mark stands where the fault is told, and the messages in their o
         ["the twist must increase from row to row; here it is b/2 = 0.00174533 after b = 0.00349066"],
     ),
     (
-        "e: {type: spring, nodes: [a, b], torque_over_twist: [[0, 0], [b, T_s], ^[3*b, 0.5*T_s]]}",
+        "e: {type: spring, nodes: [a, b], torque_over_twist: [[0, T_s], ^[b, 0.5*T_s], [3*b, 20]]}",
         [f"{RISING} T_s = 10 to 0.5*T_s = 5"],
+    ),
+    (
+        "e: {type: clutch, nodes: [a, b], state: slipping, torque: [[0, 20], [5, 18]], stick: ^19 N*m}",
+        ["a clutch holds at least the torque with which it slips, 20 N*m; here only 19 N*m"],
+    ),
+    (
+        "e: {type: clutch, nodes: [a, b], state: slipping, slip_speed: 3, torque: [[-5, -18], [5, 18]], ^stick: 30}",
+        ["rows through negative slips hold as they are, without sticking; begin them at slip 0"],
     ),
     ("e: {type: friction, nodes: [a, b], torque_over_slip: [[0, ^0*T_s], [3, 2]]}", ["friction has a torque at slip"]),
     (

@@ -370,7 +370,11 @@ class Drivetrain(RunningMachinery, AttributeHints):
         >>> round(point.states["claw"][0].twist, 9), point.torques["claw"]
         (0.3, (20.0,))
         """
-        asked = self if torque is None and speed is None else self.at(torque=torque, speed=speed)
+        asked = self
+        if torque is not None or speed is not None:
+            asked = self.at(torque=torque, speed=speed)
+        elif self.definition.load is None:  # all laws act, also those that keep a working point in linear results
+            asked = self.at_point(self.definition.operating_point)
         tangents = asked.definition.tangents
         return () if tangents is None else tangents.states
 

@@ -32,8 +32,10 @@ from torsionnet.model.element_base.laws import (
     make_row,
 )
 from torsionnet.model.element_base.nodes import NodePair
+from torsionnet.model.element_base.quantity_group import shown
 from torsionnet.model.element_base.quantity_rows import numbers_of
 from torsionnet.model.motion_laws.friction_curve import clutch_curve
+from torsionnet.model.motion_laws.piece_curve import PieceCurve
 
 _SLIP = RowColumn("slip speed", "speed")
 
@@ -53,8 +55,9 @@ class Clutch(Element):
     With a stiffness, the springs stand between the faces and the second node; ``NAME.disc`` is the node of the disc.
 
     T(n) is its law of motion in time: where the slip comes to an end the faces stick, while the torque that equilibrium
-    asks for is at most T(0). A scenario may give T_1 over time, as ``clamp``. Without ``slip_speed`` linear results
-    take the slip at the operating point; the clutch sticks, as a closed one, unless the operating point lets it slip.
+    asks for is at most T(0), or ``stick``, the torque at which they break away; with ``friction`` that is at T_1 of the
+    file, and follows the clamp force. A scenario may give T_1 over time, as ``clamp``. Without ``slip_speed`` linear
+    results take the slip at the operating point; the clutch sticks, as a closed one, unless that lets it slip.
 
     Examples
     --------
@@ -94,6 +97,12 @@ class Clutch(Element):
     clamp_torque: Expression | None = entry(
         PhysicalQuantity("torque at a friction coefficient of one", "torque", "T_1", exclusive=True), None
     )
+    stick: Expression | None = entry(
+        PhysicalQuantity(
+            "greatest torque while it sticks; default: that at slip zero", "torque", "T_s", exclusive=True
+        ),
+        None,
+    )
     drag: Expression = entry(PhysicalQuantity("viscous drag when open", "damping", "c_d"), 0)
     stiffness: Expression | None = entry(
         PhysicalQuantity("stiffness of the springs of the disc; none: rigid", "stiffness", "k", exclusive=True), None
@@ -110,6 +119,9 @@ class Clutch(Element):
             faults.append(Fault("a rigid disc has no damping; give its springs a stiffness too", ("damping",)))
         if self.state == "slipping" and not faults:
             faults += _slip_faults(self)
+            if self.stick is not None and not faults and self._table[0][0].value < 0:
+                text = "rows through negative slips hold as they are, without sticking; begin them at slip 0"
+                faults.append(Fault(text, ("stick",), on_key=True))
         return faults
 
     def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
@@ -150,12 +162,27 @@ class Clutch(Element):
         if not self.has_motion_laws:
             return self.parts(value)
         row = difference(self.nodes[0], self.disc)
-        curve = clutch_curve(numbers_of(self._table, value)).entered(value.algebra.number)
+        stick: Any = None if self.stick is None else value(self.stick)
         if self.friction is None:
-            faces = MotionLaw(row, curve)
+            faces = MotionLaw(row, self._curve(value, stick))
         else:
-            faces = MotionLaw(row, curve, scale=value(self.clamp_torque), scaled_by="clamp")
+            clamp = value(self.clamp_torque)
+            curve = self._curve(value, None if stick is None else stick / clamp)
+            faces = MotionLaw(row, curve, scale=clamp, scaled_by="clamp")
         return (faces, *self._disc_and_bodies(value))
+
+    def _curve(self, value: Values, stick: Any) -> PieceCurve:
+        return clutch_curve(numbers_of(self._table, value), stick).entered(value.algebra.number)
+
+    def value_faults(self, value: Values) -> list[Fault]:
+        """Fault of faces that stick below the torque with which they begin to slip."""
+        if self.stick is None or self.state != "slipping":
+            return []
+        slipping = value(self._table[0][1]) * (1 if self.friction is None else value(self.clamp_torque))
+        if not value(self.stick) < slipping:
+            return []
+        text = f"a clutch holds at least the torque with which it slips, {float(slipping):g} N*m"
+        return [Fault(f"{text}; here only {shown(self.stick, value(self.stick))}", ("stick",))]
 
     def _disc_and_bodies(self, value: Values) -> list[Law]:
         first, second = self.nodes

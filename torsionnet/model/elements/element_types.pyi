@@ -261,8 +261,9 @@ class Clutch(_Clutch):
     With a stiffness, the springs stand between the faces and the second node; ``NAME.disc`` is the node of the disc.
 
     T(n) is its law of motion in time: where the slip comes to an end the faces stick, while the torque that equilibrium
-    asks for is at most T(0). A scenario may give T_1 over time, as ``clamp``. Without ``slip_speed`` linear results
-    take the slip at the operating point; the clutch sticks, as a closed one, unless the operating point lets it slip.
+    asks for is at most T(0), or ``stick``, the torque at which they break away; with ``friction`` that is at T_1 of the
+    file, and follows the clamp force. A scenario may give T_1 over time, as ``clamp``. Without ``slip_speed`` linear
+    results take the slip at the operating point; the clutch sticks, as a closed one, unless that lets it slip.
 
     Parameters
     ----------
@@ -273,6 +274,7 @@ class Clutch(_Clutch):
     torque: slipping: rows [slip speed, torque]
     friction: slipping, instead: rows [slip speed, friction coefficient]
     clamp_torque: torque at a friction coefficient of one [N*m]
+    stick: greatest torque while it sticks; default: that at slip zero [N*m]
     drag: viscous drag when open [N*m*s/rad]
     stiffness: stiffness of the springs of the disc; none: rigid [N*m/rad]
     damping: viscous damping in parallel to the springs [N*m*s/rad]
@@ -293,6 +295,7 @@ class Clutch(_Clutch):
         torque: NumberRows | None = None,
         friction: NumberRows | None = None,
         clamp_torque: Scalar | None = None,
+        stick: Scalar | None = None,
         drag: Scalar = 0,
         stiffness: Scalar | None = None,
         damping: Scalar | DampingMeasure | Mapping[str, Scalar] | None = None,

@@ -174,14 +174,16 @@ class Spring(Element):
 
 
 def _row_faults(rows: ExpressionRows, value: Values) -> list[Fault]:
-    """Faults of rows [twist, torque] that fall, are all level, or do not reach zero twist."""
+    """Faults of rows [twist, torque] that fall at rest, are all level, or do not reach zero twist."""
     name = "torque_over_twist"
     faults = [fault.under(name) for fault in row_order_faults(TWIST_COLUMN, rows, value)]
     numbers = numbers_of(rows, value)
     for at, ((low, high), (_, given)) in enumerate(zip(pairwise(numbers), pairwise(rows), strict=True), 1):
-        if high[1] < low[1]:
+        if high[1] < low[1] and low[0] <= 0 <= high[0]:
             fall = f"from {shown(rows[at - 1][1], low[1])} to {shown(given[1], high[1])}"
-            faults.append(Fault(f"the torque of a spring does not fall with its twist; here {fall}", (name, at)))
+            faults.append(
+                Fault(f"the torque of a spring does not fall with its twist at rest; here {fall}", (name, at))
+            )
     first, last = numbers[0], numbers[-1]
     if first[0] > 0 or last[0] < 0 or (first[0] < 0 and last[0] == 0):
         text = "rows begin at twist 0, and then hold both ways, or go from a negative to a positive twist"
@@ -189,7 +191,7 @@ def _row_faults(rows: ExpressionRows, value: Values) -> list[Fault]:
     elif first[0] == 0 and first[1] < 0:
         text = "rows from twist 0 on hold both ways, so that the first torque must not be negative"
         faults.append(Fault(text, (name, 0, 1)))
-    if not faults and first[1] == last[1]:
+    if not faults and len({torque for _, torque in numbers}) == 1:
         faults.append(Fault("the torque of a spring rises with its twist", (name, len(rows) - 1)))
     return faults
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -13,6 +13,10 @@ from torsionnet.model.element_base.laws import WholePart
 from torsionnet.model.elements import Constraint, Element, Law, MotionLaw, Row, Values
 from torsionnet.model.elimination import Reduction, reduce_rows
 from torsionnet.model.kinematics import exact_row
+from torsionnet.model.load.external_torques import UNBALANCED_SHARE, stated_torques
+from torsionnet.model.motion_laws.piece_curve import PieceCurve, Slope
+from torsionnet.model.parameters import resolve
+from torsionnet.model.torque_places import torque_place
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +74,16 @@ class LawNetwork:
         return tuple(one for one in self.motion if not one.is_over_twist)
 
     @cached_property
+    def dampers(self) -> tuple[PlacedMotionLaw, ...]:
+        """Linear laws whose damping resists a motion that springs leave free, as bearings do, as laws over the rate."""
+        found = []
+        for owner, law in self.linear:
+            if law.damping and any(self.free.in_floats(exact_row(law.row)).values()):
+                damper = MotionLaw(law.row, PieceCurve("rate", (Slope(damping=float(law.damping)),)))
+                found.append(PlacedMotionLaw(owner, -1, damper, damper))
+        return tuple(found)
+
+    @cached_property
     def reduction(self) -> Reduction:
         """Angles of all nodes over the coordinates that constraints leave."""
         return reduce_rows([exact_row(row) for row in self.held], self.order)
@@ -123,11 +137,31 @@ def law_network(definition: Definition, values: Mapping[str, Any]) -> LawNetwork
 def keeps_own_point(element: Element, definition: Definition) -> bool:
     """Whether an element stays linear about the working point that its entries name, whatever the operating point.
 
-    An operating point that a call asks for replaces it, unless the element follows speeds and the call names none.
+    An operating point that a call asks for replaces it. It stays where the call names no speed and either its torques,
+    with that of the element among them, are in balance, or the law follows more speeds than that of its row.
     """
     if not element.has_own_working_point:
         return False
-    return not definition.is_asked or ("torque" not in element.working_point and not definition.operating_point.speed)
+    if not definition.is_asked:
+        return True
+    point = definition.operating_point
+    if "torque" in element.working_point or point.speed:
+        return False
+    stated = any(torque_place(place).nodes == (getattr(element, "node", ""),) for place in point.torque)
+    return "speed_ratio" in element.working_point or (stated and _torques_balance(definition))
+
+
+def _torques_balance(definition: Definition) -> bool:
+    """Whether the torques of the operating point alone leave nothing over on the motions that are free of springs."""
+    values = resolve(definition.parameters)[0]
+    free = law_network(replace(definition, is_asked=False), values).free
+    left: dict[str, float] = {}
+    size: dict[str, float] = {}
+    for node, torque in stated_torques(definition, values).items():
+        for name, share in free.in_floats(exact_row({node: 1})).items():
+            left[name] = left.get(name, 0.0) + share * torque
+            size[name] = size.get(name, 0.0) + abs(share * torque)
+    return all(abs(left[name]) <= UNBALANCED_SHARE * size[name] for name in left)
 
 
 def following_elements(definition: Definition) -> tuple[Element, ...]:

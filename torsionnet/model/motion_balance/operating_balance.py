@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -26,6 +28,8 @@ if TYPE_CHECKING:
 
 SAME_SPEED = 1e-9
 """Share of the largest speed by which slips may differ from those that given speeds ask for: more than rounding."""
+MOST_COMBINATIONS = 100
+"""Largest number of combinations of twists that are listed, beyond which each law has the one nearest to rest."""
 MOST_LISTED = 4
 """Largest number of operating points that a message lists."""
 
@@ -168,16 +172,16 @@ class OperatingBalance:
         refused: list[ModelError] = []
         for motion in sorted(motions, key=lambda one: (one.distance, -one.sticking)) if given else motions:
             try:
-                state = self._balanced(motion, external)
+                found = self._balanced(motion, external)
             except ModelError as error:  # as where the slip of one balance lies beyond a table
                 refused.append(error)
             else:
-                yield state
+                yield from found
         if len(refused) == len(motions):
             raise refused[0]
 
-    def _balanced(self, motion: SteadySpeeds, external: Mapping[str, float]) -> BalancedState:
-        """State of all laws with steady speeds, whose torques twist the springs."""
+    def _balanced(self, motion: SteadySpeeds, external: Mapping[str, float]) -> list[BalancedState]:
+        """States of all laws with steady speeds, whose torques twist the springs; several where a torque falls."""
         from torsionnet.model.motion_balance.determinate_torques import determinate_torques
         from torsionnet.model.motion_balance.twist_search import twist_balance
 
@@ -191,16 +195,32 @@ class OperatingBalance:
             one: (speed.state, speed.torque) for one, speed in motion.laws.items()
         }
         known = determinate_torques(network, acting)
-        for one, torque in known.items():
-            found[one] = self._state_at(one, torque), float(torque)
+        choices = [self._states_at(one, torque) for one, torque in known.items()]
         if len(known) < len(network.over_twist):
             balance = twist_balance(network, {node: float(torque) for node, torque in acting.items()})
             own = zip(network.over_twist, balance.states, balance.torques.tolist(), strict=True)
             found |= {one: (state, torque) for one, state, torque in own if one not in known}
+        if math.prod(map(len, choices)) > MOST_COMBINATIONS:
+            choices = [some[:1] for some in choices]
+        return [
+            self._in_states(motion, external, slipping, found | dict(zip(known, some, strict=True)))
+            for some in itertools.product(*choices)
+        ]
+
+    def _in_states(
+        self,
+        motion: SteadySpeeds,
+        external: Mapping[str, float],
+        slipping: Mapping[str, Fraction],
+        found: Mapping[PlacedMotionLaw, tuple[MotionState, float]],
+    ) -> BalancedState:
+        from torsionnet.model.motion_balance.steady_stability import returns_to_twists
+
         self._require_range(found)
+        twisted = {one: found[one][0] for one in self.network.over_twist}
         states: dict[str, tuple[MotionState, ...]] = {}
         torques: dict[str, tuple[float, ...]] = {}
-        for one in network.motion:
+        for one in self.network.motion:
             state, own_torque = found[one]
             states[one.owner] = (*states.get(one.owner, ()), state)
             torques[one.owner] = (*torques.get(one.owner, ()), own_torque)
@@ -223,21 +243,27 @@ class OperatingBalance:
             torques,
             dict(external),
             outer,
-            motion.is_stable,
+            motion.is_stable and returns_to_twists(self.network, twisted),
             notes,
             motion.sticking,
             tuple(dict.fromkeys(stated)),
         )
 
-    def _state_at(self, one: PlacedMotionLaw, torque: Any) -> MotionState:
-        """State of a law over the twist at a torque in N m; of several the one nearest to rest that holds."""
+    def _states_at(self, one: PlacedMotionLaw, torque: Any) -> list[tuple[MotionState, float]]:
+        """States of a law over the twist at a torque in N m, of a rising curve only the one nearest to rest.
+
+        Of one that falls somewhere, as that of a magnetic coupling beyond its largest torque, all; those that hold come
+        first.
+        """
         law = one.law
         found = law.curve.states_at(torque / law.scale) if law.scale else (AT_REST,)
         if found is None:
             found = _bracketed_twists(law, float(torque))
-        rising = [state for state in found if law.curve.holds(state) or law.curve.slopes(state)[0] >= 0]
-        if rising:
-            return min(rising, key=lambda state: abs(state.twist))
+        falling = [state for state in found if not law.curve.holds(state) and law.curve.slopes(state)[0] < 0]
+        rising = sorted((state for state in found if state not in falling), key=lambda state: abs(state.twist))
+        states = [*rising, *falling] if falling else rising[:1]
+        if states:
+            return [(state, float(torque)) for state in states]
         raise ModelError([Fault(_not_reached(law, float(torque)), ("elements", one.owner))], self.definition.name)
 
     def _require_range(self, found: Mapping[PlacedMotionLaw, tuple[MotionState, float]]) -> None:
@@ -261,8 +287,8 @@ class OperatingBalance:
             return stable[0]
         most = max(one.sticking for one in stable)
         sticking = [one for one in stable if one.sticking == most]
-        if len(sticking) == 1:
-            return sticking[0]
+        if len({tuple(one.speeds.items()) for one in sticking}) == 1:
+            return sticking[0]  # of several twists the one nearest to rest comes first
         listed = "; ".join(map(self._speeds_text, sticking[:MOST_LISTED]))
         text = (
             f"{len(sticking)} stable operating points are in balance: {listed}; choose one with speed={{node: value}}"

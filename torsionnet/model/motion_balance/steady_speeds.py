@@ -1,9 +1,10 @@
 """Speeds at which laws of motion over the rate are in balance with the mean torques, all of them with their stability.
 
-At steady speed springs pass speeds on, inertias and dampers take no torque. What is left are the motions that no spring
-resists, w, on which torques from outside f and laws over the rate act: f = sum_l r_l T_l(r_l^T w). A law whose torque
-follows from these equations alone is inverted; of the others all solutions along their common motion are bracketed
-between the corners of the curves.
+At steady speed springs pass speeds on, and inertias take no torque. What is left are the motions that no spring
+resists, w, on which torques from outside f and laws over the rate act, those of dampers among them: f = sum_l r_l
+T_l(r_l^T w). A law whose torque follows from these equations alone is inverted; of the others all solutions along their
+common motion are bracketed between the corners of the curves. Where given speeds fix a motion and the torques given are
+in balance, they hold as given: what dampers take there is part of them.
 """
 
 from __future__ import annotations
@@ -11,13 +12,15 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.errors import Fault, ModelError
+from torsionnet.model.element_base.torque_curve import AT_REST
+from torsionnet.model.elements import MotionLaw
 from torsionnet.model.kinematics import exact_row
 from torsionnet.model.load.external_torques import UNBALANCED_SHARE
 from torsionnet.model.motion_balance.law_network import LawNetwork, PlacedMotionLaw
@@ -33,6 +36,7 @@ from torsionnet.model.motion_balance.rate_states import (
     torque_at,
 )
 from torsionnet.model.motion_balance.steady_stability import ZERO_SHARE, null_space, returns_to_speeds
+from torsionnet.model.motion_laws.piece_curve import PieceCurve, Slope
 
 FloatArray = NDArray[np.float64]
 
@@ -123,7 +127,13 @@ class _Motions:
         back = np.linalg.pinv(matrix)
         asked = back @ np.array([given[node] for node in known])
         rows = {one: row_of(one.law.row) for one in network.over_rate}
-        return cls(network, external, title, shares, torques, sizes, rows, asked, back @ matrix)
+        found = cls(network, external, title, shares, torques, sizes, rows, asked, back @ matrix)
+        balanced = found._is_balanced(torques)
+        if balanced and not rows:
+            return found
+        resisting = {one: row_of(one.law.row) for one in network.dampers}
+        rows |= {one: row for one, row in resisting.items() if not (balanced and found._is_asked(row))}
+        return replace(found, shares={node: row_of({node: 1}) for node in network.nodes}, rows=rows)
 
     def _is_asked(self, row: FloatArray) -> bool:
         """Whether given speeds determine the motion of a row."""
@@ -240,6 +250,10 @@ class _Motions:
         """States of laws that share a torque: along one motion all of them, else those that stick."""
         names = ", ".join(dict.fromkeys(one.owner for one in laws))
         if np.linalg.matrix_rank(rows) > 1:
+            against = list(self._against_dampers(laws, rows, torques))
+            if against:
+                yield from against
+                return
             held = shared_by_sticking([one.law for one in laws], rows, torques)
             if held is None or not all(sticks(one.law) for one in laws):
                 text = (
@@ -259,6 +273,34 @@ class _Motions:
             text = f"the mean torques leave {wanted:.4g} N*m for {names}, which no speed of them gives"
             raise ModelError([Fault(text, ("elements", laws[0].owner))], self.title)
         yield from [states for states in found if not any(map(_is_beyond, states.items()))] or found
+
+    def _against_dampers(
+        self, laws: Sequence[PlacedMotionLaw], rows: FloatArray, torques: FloatArray
+    ) -> Iterator[dict[PlacedMotionLaw, LawSpeed]]:
+        """States of one law among dampers, which give all motions over its torque T: D w = f - r T, with g = r^T w.
+
+        That leaves T(g) + g/s = r^T D^-1 f/s, s = r^T D^-1 r, of which all roots are taken.
+        """
+        linear = np.array([one in self.network.dampers for one in laws])
+        D = (rows[linear].T * [one.law.curve.slopes(AT_REST)[1] for one in laws if one in self.network.dampers]) @ rows[
+            linear
+        ]
+        if np.count_nonzero(~linear) > 1 or np.linalg.matrix_rank(D) < np.linalg.matrix_rank(rows):
+            return
+        back = np.linalg.pinv(D)
+        motions = [(back @ torques, 0.0)]
+        if not linear.all():
+            (row,), (bent,) = rows[~linear], [one for one in laws if one not in self.network.dampers]
+            s, free = float(row @ back @ row), float(row @ back @ torques)
+            path = MotionLaw(bent.law.row, PieceCurve("rate", (Slope(damping=1 / s),)))
+            roots = roots_along([bent.law, path], [1.0, 1.0], free / s)
+            motions = [(back @ (torques - row * torque), torque) for torque in ((free - rate) / s for rate in roots)]
+        for motion, torque in motions:
+            rates = (rows @ motion).tolist()
+            yield {
+                one: LawSpeed(state := state_at(one.law, rate), torque_at(one.law, state.rate) if damps else torque)
+                for one, rate, damps in zip(laws, rates, linear.tolist(), strict=True)
+            }
 
     def _motion(self, laws: Mapping[PlacedMotionLaw, LawSpeed], left_over: FloatArray) -> SteadySpeeds:
         solved = [one for one in laws if self.rows[one].any()]

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.model.element_base.torque_curve import MotionState
 from torsionnet.model.kinematics import exact_row
 from torsionnet.model.motion_balance.law_network import LawNetwork, PlacedMotionLaw
 from torsionnet.model.motion_balance.rate_states import LawSpeed
@@ -48,6 +49,36 @@ def returns_to_speeds(
         inertia = np.eye(len(inertia))
     rates = np.linalg.eigvals(np.linalg.solve(inertia, damping)).real
     return bool(rates.min() >= -ZERO_SHARE * np.abs(rates).max())
+
+
+def returns_to_twists(network: LawNetwork, states: Mapping[PlacedMotionLaw, MotionState]) -> bool:
+    """Whether the twists return where the torque of a law over the twist falls: its energy is least there.
+
+    Steps hold their rows still; the stiffness of all other laws is positive on what is left.
+    """
+    slopes = {
+        one: float(one.rounded.scale) * float(one.law.curve.slopes(state)[0])
+        for one, state in states.items()
+        if not one.law.curve.holds(state)
+    }
+    if all(slope >= 0 for slope in slopes.values()):
+        return True
+    place = {name: number for number, name in enumerate(network.coordinates)}
+
+    def row_of(row: Mapping[str, Any]) -> FloatArray:
+        found = np.zeros(len(place))
+        for name, share in network.reduction.in_floats(exact_row(row)).items():
+            if name in place:
+                found[place[name]] = share
+        return found
+
+    rows = [(row_of(law.row), float(law.stiffness)) for _, law in network.elastic]
+    rows += [(row_of(one.law.row), slope) for one, slope in slopes.items()]
+    held = [row_of(one.law.row) for one in states if one not in slopes]
+    moving = null_space(np.array(held).reshape(len(held), len(place)))
+    stiffness = sum(size * np.outer(moving.T @ row, moving.T @ row) for row, size in rows)
+    sizes = np.linalg.eigvalsh(stiffness)
+    return bool(sizes.min() >= -ZERO_SHARE * np.abs(sizes).max())
 
 
 def free_row(network: LawNetwork, row: Mapping[str, Any]) -> FloatArray:

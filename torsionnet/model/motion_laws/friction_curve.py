@@ -31,16 +31,18 @@ def slip_curve(rows: NumberRows, stick: Any = None) -> PieceCurve:
     return symmetric_curve("rate", (Hold(0, -held, held), *above))
 
 
-def clutch_curve(rows: NumberRows) -> PieceCurve:
+def clutch_curve(rows: NumberRows, stick: Any = None) -> PieceCurve:
     """Curve of the faces of a clutch by rows [slip speed, torque or friction coefficient], up to the last row.
 
-    Rows from slip zero on hold both ways and stick up to the first of them; rows through negative slips hold as they
-    are, without a step.
+    Rows from slip zero on hold both ways and stick up to ``stick``, by default the first of them; rows through negative
+    slips hold as they are, without a step.
 
     >>> curve = clutch_curve(((0, 20.0), (10, 15.0)))
     >>> curve.torque(0, -4), curve.pieces[1]
     (-18.0, Hold(at=0, low=-20.0, high=20.0))
     """
+    if stick is not None:
+        return slip_curve(rows, stick)
     slopes = _slopes(rows)
     return symmetric_curve("rate", slopes) if rows[0][0] == 0 else PieceCurve("rate", slopes)
 

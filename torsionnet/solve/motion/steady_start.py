@@ -97,7 +97,7 @@ def _balanced(
     if tangents is None:
         return None
     asked = {place: torque for place, torque in places.items() if torque}
-    if _same(acting_means(drivetrain), asked):
+    if asked and _same(acting_means(drivetrain), asked):
         return tangents.state
     try:
         return _state_under(drivetrain, asked)
