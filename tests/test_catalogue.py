@@ -126,6 +126,7 @@ def test_without_catalogue_a_limit_still_needs_a_value(tmp_path):
          "couplings.csv", 2),
         (COUPLINGS.replace("kN*m/rad", "kg"), "A350", "not a value of stiffness", "couplings.csv", 3),
         (COUPLINGS.replace("kN*m/rad", "kNn/rad"), "A350", "kNn", "couplings.csv", 2),
+        (COUPLINGS.replace("kN*m/rad", "10^3 N*m/rad"), "A350", "has a power of ten", "couplings.csv", 2),
         (COUPLINGS.replace("T_KN [kN*m]", "T_KN"), "A350", 'column "T_KN" has no unit', "couplings.csv", 2),
         (COUPLINGS.replace("size;", "name;"), "A350", 'has no column "size"', "couplings.csv", 2),
         (COUPLINGS.replace("P_KV", "T_KN"), "A350", 'two columns are named "T_KN"', "couplings.csv", 2),

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from torsionnet.core.delimited.aligned_columns import aligned_rows
 from torsionnet.core.delimited.dialect import detect_encoding
 from torsionnet.core.errors import Fault, ModelError, Position
 
@@ -16,6 +18,8 @@ COMMENT_MARKS = ("#", "%", "//")
 """Characters with which a comment line of a sheet begins."""
 MOST_ROWS = 5000
 """Largest number of rows of a sheet, as a drivetrain has some hundred masses, and more rows are some other file."""
+_OTHER_COMMA = re.compile(r"(?<!\d),|,(?!\d)")
+"""Expression of a comma that is no decimal sign."""
 _BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
 """First bytes of files of spreadsheet programs (xlsx and xls), which are no text."""
 
@@ -31,15 +35,15 @@ class Cell:
 
 @dataclass(frozen=True)
 class CellGrid:
-    """Filled cells of a sheet by row, with the separator found and the lines of the file.
+    """Filled cells of a sheet by row, with the separator (a blank: aligned columns) and the lines of the file.
 
-    ``remarks`` are its comment lines.
+    ``remarks`` are its comment lines, without their marks.
     """
 
     file: str
     separator: str
     rows: tuple[tuple[Cell, ...], ...]
-    remarks: tuple[str, ...]
+    remarks: tuple[Cell, ...]
     lines: tuple[str, ...]
 
     def fault(self, text: str, cell: Cell, severity: str = "error") -> Fault:
@@ -69,25 +73,33 @@ def parse_grid(lines: Sequence[str], file: str) -> CellGrid:
     """Cells by row in lines of text, with the cell separator detected.
 
     >>> grid = parse_grid(["# of 2020", "mass;J", "disc; 0,5"], "x.csv")
-    >>> grid.separator, [cell.text for cell in grid.rows[1]], grid.rows[1][1].column, grid.remarks
-    (';', ['disc', '0,5'], 7, ('of 2020',))
+    >>> grid.separator, [cell.text for cell in grid.rows[1]], grid.rows[1][1].column, grid.remarks[0].text
+    (';', ['disc', '0,5'], 7, 'of 2020')
     """
-    remarks = tuple(line.lstrip("#%/ ").strip() for line in lines if line.lstrip().startswith(COMMENT_MARKS))
+    remarks = tuple(Cell(text.strip(), number, line.index(text) + 1) for number, line in enumerate(lines, 1)
+                    if line.lstrip().startswith(COMMENT_MARKS) and (text := line.lstrip("#%/ \t")))  # fmt: skip
     body = [(number, line) for number, line in enumerate(lines, 1) if not line.lstrip().startswith(COMMENT_MARKS)]
     filled = [line for _, line in body if line.strip()]
     if len(filled) > MOST_ROWS:
         raise _refused(f"the sheet has more than {MOST_ROWS} rows; keep only rows of masses and shafts", file, lines)
     separator = next((sign for sign in CELL_SEPARATORS if 2 * sum(sign in line for line in filled) > len(filled)), None)
+    if separator is None or (separator == "," and not any(map(_OTHER_COMMA.search, filled))):
+        aligned = aligned_rows(body)
+        separator = " " if aligned else separator
     if separator is None:
-        what = "found no columns; they are separated by semicolons, commas or tabs"
+        what = "found no columns; they are separated by semicolons, commas or tabs, or aligned by blanks"
         raise _refused(what if filled else "the sheet is empty", file, lines)
     try:
-        rows = list(_rows(body, separator))
+        rows = [*map(_aligned_cells, aligned)] if separator == " " else _rows(body, separator)
     except csv.Error as error:
         raise _refused(f"this cannot be read as a table: {error}", file, lines) from None
     return CellGrid(
         file, separator, tuple(row for row in rows if any(cell.text for cell in row)), remarks, tuple(lines)
     )
+
+
+def _aligned_cells(row: Sequence[tuple[str, int, int]]) -> tuple[Cell, ...]:
+    return tuple(Cell(*cell) for cell in row)
 
 
 def _refused(text: str, file: str, lines: Sequence[str]) -> ModelError:

@@ -33,6 +33,14 @@ class SheetUnit:
     text: str
     power: int = 0
 
+    def times(self, factor: Fraction) -> SheetUnit:
+        """Unit multiplied by a factor; without a text where that is no power of ten."""
+        digits = len(str(max(factor.numerator, factor.denominator))) - 1
+        power = digits if factor > 1 else -digits
+        scaled = self.factor * factor if isinstance(self.factor, Fraction) else self.factor * float(factor)
+        text, added = (self.text, power) if factor == Fraction(10) ** power else ("", 0)
+        return SheetUnit(scaled, self.dimension, text, self.power + added)
+
 
 def sheet_unit(text: str) -> SheetUnit:
     """Unit that a text of a sheet names, with its factor to SI and its dimension; raises UnitError.
@@ -59,7 +67,8 @@ def _spelled(text: str) -> str:
     Points and hyphens are products, all after a slash is below it.
     """
     spelled = re.sub(r"(?<=[A-Za-z0-9²³])\s*[.\-]\s*(?=[A-Za-z])", "*", plain_unit(text))
-    spelled = re.sub(r"\b(mm|cm|m|s|in|ft)([23])\b", r"\1^\2", re.sub(r"\bsec(?=\b|\d)", "s", spelled))
+    spelled = re.sub(r"\blbs\b", "lb", re.sub(r"\bsec(?=\b|\d)", "s", spelled))
+    spelled = re.sub(r"\b(mm|cm|m|s|in|ft)([23])\b", r"\1^\2", spelled)
     if _dimension(spelled) in _KNOWN:
         return spelled
     above, slash, below = spelled.partition("/")

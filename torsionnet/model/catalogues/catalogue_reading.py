@@ -124,7 +124,7 @@ def _unit(grid: CellGrid, cell: Cell, text: str, faults: list[Fault]) -> str | N
     except UnitError as error:
         faults.append(grid.fault(str(error), cell))
         return None
-    if not unit.text:
+    if unit.power:
         faults.append(grid.fault(f'the unit "{text}" has a power of ten; write another unit, as MN*m/rad', cell))
     return unit.text
 

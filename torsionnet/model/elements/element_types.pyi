@@ -1389,7 +1389,7 @@ class MassElastic(_MassElastic):
     def __init__(
         self,
         name: str,
-        table: str | Path | MassElasticSheet,
+        table: str | Path | Mapping[str, str] | MassElasticSheet,
         at: Mapping[str, str] | tuple[tuple[str, str], ...] = (),
         *,
         description: str = '',
@@ -1402,7 +1402,7 @@ class MassElastic(_MassElastic):
     def __init__(
         self,
         name: str,
-        table: str | Path | MassElasticSheet | None,
+        table: str | Path | Mapping[str, str] | MassElasticSheet | None,
         at: Mapping[str, str] | tuple[tuple[str, str], ...] = (),
         *,
         description: str = '',

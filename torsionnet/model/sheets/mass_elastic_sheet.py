@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
@@ -10,14 +10,43 @@ from typing import TYPE_CHECKING
 
 from torsionnet.core.delimited.cell_grid import CellGrid, read_grid
 from torsionnet.core.errors import ModelError
-from torsionnet.core.units import DIMENSIONS
-from torsionnet.model.sheets.meanings import BY_KEY, is_referred
+from torsionnet.core.units import DIMENSIONS, numeral_of
+from torsionnet.model.sheets.factor_readings import FactorDecision, decide_factors, factor_text
+from torsionnet.model.sheets.meanings import BY_KEY
 from torsionnet.model.sheets.sheet_columns import SheetColumn, SheetColumns, read_columns
-from torsionnet.model.sheets.sheet_rows import SheetLink, SheetMass, read_rows
+from torsionnet.model.sheets.sheet_remarks import SheetRemark, decide_side
+from torsionnet.model.sheets.sheet_rows import SheetLink, SheetMass, SheetRows, read_rows
 from torsionnet.model.sheets.sheet_values import SheetValues
 
 if TYPE_CHECKING:
     from torsionnet.response.table import Table
+
+
+@dataclass(frozen=True)
+class SheetReading:
+    """Choices of a user where a sheet leaves open how it is meant.
+
+    ``values`` are ``real`` or ``referred``; ``factors`` of headings multiply the ``unit`` or the ``values`` of the
+    quantity. Empty where the sheet decides.
+    """
+
+    values: str = ""
+    factors: str = ""
+
+
+@dataclass(frozen=True)
+class SheetGear:
+    """Gear that a sheet does not name: it was put where the speed changes from one mass to the next.
+
+    ``ratio`` is the speed of the first mass over that of the second; ``link`` the name of the connection, ``has_shaft``
+    whether a shaft of the first speed leads to the gear.
+    """
+
+    link: str
+    first: str
+    second: str
+    ratio: Fraction
+    has_shaft: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +65,14 @@ class MassElasticSheet:
         Whether the values of the file are referred to one speed; those here are real.
     notes : tuple of str
         What was assumed or left out.
+    factors : FactorDecision
+        How factors in headings were read, and the lowest vibrations that decided it.
+    gears : tuple of SheetGear
+        Gears that were put where the speed changes.
+    remarks : tuple of SheetRemark
+        Texts beside the table.
+    reading : SheetReading
+        What the user said of the sheet.
     """
 
     file: str
@@ -44,6 +81,10 @@ class MassElasticSheet:
     columns: tuple[SheetColumn, ...]
     referred: bool
     notes: tuple[str, ...]
+    factors: FactorDecision
+    gears: tuple[SheetGear, ...] = ()
+    remarks: tuple[SheetRemark, ...] = ()
+    reading: SheetReading = SheetReading()
 
     def report(self) -> Table:
         """Table of how each column of the sheet was read, its heading, meaning and unit."""
@@ -57,10 +98,15 @@ class MassElasticSheet:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, MassElasticSheet):
             return NotImplemented
-        return (self.file, self.masses, self.links) == (other.file, other.masses, other.links)
+        return (self.file, self.reading, self.masses, self.links) == (
+            other.file,
+            other.reading,
+            other.masses,
+            other.links,
+        )
 
     def __hash__(self) -> int:
-        return hash((self.file, self.masses, self.links))
+        return hash((self.file, self.reading, self.masses, self.links))
 
 
 def _taken(column: SheetColumn) -> str:
@@ -72,10 +118,12 @@ def _taken(column: SheetColumn) -> str:
 def _unit(column: SheetColumn) -> str:
     if not column.meaning or BY_KEY[column.meaning].is_text:
         return ""
+    if column.factor and column.reading and column.unit_text:
+        return f"{factor_text(column.factor.scale(column.reading))} {column.unit_text}"
     return column.unit_text or ("in the cells" if BY_KEY[column.meaning].needs_unit else "1")
 
 
-def read_sheet(path: Path, name: str = "") -> MassElasticSheet:
+def read_sheet(path: Path, name: str = "", reading: SheetReading = SheetReading()) -> MassElasticSheet:
     """Mass-elastic sheet read from a file.
 
     CSV, or text saved by a spreadsheet program; ``name`` is shown instead of the path's.
@@ -85,10 +133,10 @@ def read_sheet(path: Path, name: str = "") -> MassElasticSheet:
     ModelError
         With the row and column of every fault found.
     """
-    return replace(parse_sheet(read_grid(path)), file=name or path.name)
+    return replace(parse_sheet(read_grid(path), reading), file=name or path.name)
 
 
-def parse_sheet(grid: CellGrid) -> MassElasticSheet:
+def parse_sheet(grid: CellGrid, reading: SheetReading = SheetReading()) -> MassElasticSheet:
     """Mass-elastic sheet made from cells that are already read.
 
     >>> from torsionnet.core.delimited.cell_grid import parse_grid
@@ -99,34 +147,47 @@ def parse_sheet(grid: CellGrid) -> MassElasticSheet:
     """
     columns = read_columns(grid)
     values = SheetValues(grid, columns)
-    first = columns.rows[0][0].line if columns.rows else 0
-    referred, said = _referred(columns, grid, first)
-    masses, links, notes = read_rows(values, referred=referred)
+    rows = read_rows(values)
     if values.faults:
         raise ModelError(values.faults, grid.file)
-    unclear = [f'"{one.heading}" was not understood and is left out' for one in columns.all if one.heading
-               and not one.meaning and not one.remark]  # fmt: skip
-    decimal = f"decimal {'comma' if values.decimal == ',' else 'point'}"
-    notes = [decimal, *_speeds(masses, referred, said), *notes, *unclear]
-    return MassElasticSheet(grid.file, tuple(masses), tuple(links), columns.all, referred, tuple(notes))
+    sides = decide_side(columns, rows, grid, reading.values)
+
+    def rows_of(readings: SheetColumns) -> SheetRows:
+        scaled = SheetValues(grid, readings)
+        found = read_rows(scaled)
+        if scaled.faults:
+            raise ModelError(scaled.faults, grid.file)
+        return found
+
+    power = 0 if sides.referred else 2
+    factors = decide_factors(columns, grid, lambda readings: rows_of(readings).scaled(power), reading.factors)
+    faults = [*sides.faults, *factors.faults]
+    if faults:
+        raise ModelError(faults, grid.file)
+    real = rows_of(factors.columns).scaled(-2 if sides.referred else 0)
+    gears = tuple(_gears(real))
+    notes = [f"decimal {'comma' if values.decimal == ',' else 'point'}", *factors.notes(), *sides.notes(rows.ratios)]
+    notes += [f'row {row[0].line}, "{values.label(row)}", is left out' for row in rows.totals]
+    notes += map(_gear_note, gears)
+    notes += [f'"{one.heading or f"column {one.place + 1}"}" {one.remark or "was not understood and is left out"}'
+              for one in columns.all if not one.meaning and (not one.remark or not one.heading)]  # fmt: skip
+    return MassElasticSheet(
+        grid.file, real.masses, real.links, factors.columns.all, sides.referred, tuple(notes), factors, gears,
+        sides.remarks, reading,
+    )  # fmt: skip
 
 
-def _referred(columns: SheetColumns, grid: CellGrid, first: int) -> tuple[bool, bool]:
-    """Whether values of the sheet are referred to one speed, and whether the sheet says so.
-
-    In headings, remarks, or the lines above.
-    """
-    used = [column.referred for column in columns.all if column.meaning in ("inertia", "stiffness")]
-    above = [cell.text for row in grid.rows for cell in row if cell.line < first]
-    texts = [*grid.remarks, *(text for text in above if text not in {one.heading for one in columns.all})]
-    said = [*(one for one in used if one is not None), *filter(lambda one: one is not None, map(is_referred, texts))]
-    return bool(said and said[0]), bool(said)
+def _gears(rows: SheetRows) -> Iterator[SheetGear]:
+    ratios = rows.ratios
+    for link in rows.links:
+        ratio = ratios[link.first] / ratios.get(link.second, ratios[link.first])
+        if ratio != 1:
+            has_shaft = link.stiffness is not None or link.length is not None
+            yield SheetGear(link.name, link.first, link.second, ratio, has_shaft)
 
 
-def _speeds(masses: Iterable[SheetMass], referred: bool, said: bool) -> list[str]:
-    """Notes on what several speeds of a sheet's masses mean for its values."""
-    if len({abs(mass.ratio) for mass in masses} | {Fraction(1)}) == 1:
-        return []
-    if referred:
-        return ["values are referred to the speed of ratio 1, says the sheet; they were made real by the speed ratio"]
-    return ["values are real" if said else "whether values are referred is not said; they were taken as real"]
+def _gear_note(gear: SheetGear) -> str:
+    where = (
+        "at the end of the shaft, whose values are at the speed of the first" if gear.has_shaft else "without a shaft"
+    )
+    return f"between {gear.first} and {gear.second} a gear of ratio {numeral_of(gear.ratio)} was put, {where}"

@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 
 from torsionnet.core.units import DIMENSIONS, Dimension
+from torsionnet.model.sheets.referral_words import heading_side
 
 DAMPING = "damping"
 """Meaning of a sheet's damping column that does not say whether it acts to ground or in the shaft."""
@@ -19,6 +20,7 @@ class Meaning:
     shown: str
     dimensions: tuple[str, ...]
     words: re.Pattern[str]
+    loosely: re.Pattern[str]
     example: str
 
     @property
@@ -38,47 +40,74 @@ class Meaning:
         return any(DIMENSIONS[name] == dimension for name in self.dimensions)
 
 
+_SYMBOLS = r"[jiθkce]|[jikc]\ ?(?:t|p|x)|theta"
+_FILLING = (
+    rf"(?:{_SYMBOLS}|of|the|a|an|and|to|from|at|in|by|its|no|number|i|n|[in]\+1|next|previous|following|adjacent|adjoining"
+    r"|between|mass|masses|moments?|mom|polar|torsion|torsional|torsionally|tors|rotational|rotating|rotary|rotation"
+    r"|angular|shafts?|shafting|crankshaft|shaftline|line|sections?|elements?|stations?|station|part|component|body"
+    r"|dynamic|dyn|static|stat|springs?|rate|constant|const|coefficient|coeff|coef|values?|calculated|viscous|gd2"
+    r"|rotors?|dis[ck]s?|drehmassen?|polares|polaren|massen|der|des|die|das|zur|zum|welle|wellen|wellenstück|nächste[nr]?|naechste[nr]?|masse|dreh"
+    r"|torsions|dynamische|statische|moment|werte?)"
+)
+"""Regular expression of a word that changes nothing in a heading: Torsional stiffness of the shaft."""
+_BEFORE, _AFTER = rf"(?:{_FILLING}\ )*[a-zäöü]*", rf"[a-zäöü]*(?:\ {_FILLING})*"
+_AMID = rf"[a-zäöü]*(?:\ {_FILLING})*\ ?[a-zäöü]*"
+
+
 def _meaning(key: str, shown: str, dimensions: str, words: str, example: str) -> Meaning:
+    """Meaning of a column, with the words of headings; < > and ~ stand for words that change nothing, at its places."""
+    loosely = re.compile(re.sub("[<>~]", ".*", words), re.VERBOSE)
+    words = words.replace("<", _BEFORE).replace(">", _AFTER).replace("~", _AMID)
     pattern = re.compile(words, re.VERBOSE)
-    return Meaning(key, shown, tuple(filter(None, dimensions.split(","))), pattern, example)
+    return Meaning(key, shown, tuple(filter(None, dimensions.split(","))), pattern, loosely, example)
 
 
 _DAMP = r"(?:damp|dämpf|daempf)"
+_SPEED = r"(?:speed|rpm|drehzahl)"
+_TURNING = r"(?:crank\w*|engine|motor|kurbel\w*|propeller|reference|first\ mass|mass|the)"
 MEANINGS = (
     _meaning("number", "number", "", r"(?:(?:mass|masse|station|shaft|item|pos|lfd|node)\ )?(?:no|nr|number|nummer|\#)"
              r"|pos|position|station|node|knoten", "No."),
     _meaning("from", "from mass", "", r"from(?:\ .*)?|von(?:\ .*)?|connected\ from|previous.*|start", "from"),
     _meaning("to", "to mass", "", r"to(?:\ .*)?|nach(?:\ .*)?|connect.*\ to|next.*|bis|anschluss.*|end", "to"),
-    _meaning("inertia", "inertia", "inertia", r".*(?:inertia|trägheit|traegheit|drehmasse|schwungmoment|gd\ ?[2²]"
-             r"|w[rk]\ ?[2²]).*|j|θ|theta|mmi|moi|i|j\ (?!max).{1,4}", "J [kg*m^2]"),
-    _meaning("psi", "relative damping psi", "1", rf"psi|ψ|rel.*{_DAMP}.*|verhältnismäss.*{_DAMP}.*|{_DAMP}.*(?:psi|ψ)",
+    _meaning("inertia", "inertia", "inertia", r"<(?:inertia|trägheit|traegheit|drehmasse|schwungmoment|gd2)>"
+             r"|j|θ|theta|mmi|moi|i|[ji]\ ?(?:[abdf-jl-z]|\d|tot|ges|mot)|mom\ of\ i", "J [kg*m^2]"),
+    _meaning("psi", "relative damping psi", "1", rf"psi|ψ|rel~{_DAMP}>|verhältnismäss~{_DAMP}>|{_DAMP}~(?:psi|ψ)",
              "psi"),
-    _meaning("magnifier", "dynamic magnifier", "1", r".*magnif.*|.*vergrösserung.*|m|m\ dyn|q", "magnifier"),
-    _meaning("eta", "loss factor", "1", r".*(?:loss\ factor|verlustfaktor|verlustwinkel).*|eta|η", "loss factor"),
-    _meaning("zeta", "damping ratio", "1", rf".*(?:{_DAMP}\w*\ ratio|critical|{_DAMP}ungsgrad|lehr).*|zeta|ζ|d",
-             "zeta"),
-    _meaning("absolute", "damping to ground", "damping", rf".*(?:abs|extern|äusser|aeusser|ground|mass).*{_DAMP}.*"
-             rf"|{_DAMP}.*(?:abs|extern|ground|mass).*|outer\ {_DAMP}.*"
-             r"|[bcd]\ (?:abs|ext|mass|ground)\w*", "absolute damping [N*m*s/rad]"),
-    _meaning("relative", "damping of the shaft", "damping", rf".*(?:rel|intern|inner|shaft|welle|material).*{_DAMP}.*"
-             rf"|{_DAMP}.*(?:rel|intern|shaft).*"
-             r"|[bcd]\ (?:rel|int|shaft)\w*", "relative damping [N*m*s/rad]"),
-    _meaning(DAMPING, "damping", "damping,1", rf".*{_DAMP}.*|b|c", "absolute damping [N*m*s/rad]"),
+    _meaning("magnifier", "dynamic magnifier", "1", r"<(?:magnif|vergrösserung)>(?:\ (?:factor|m))?|m|m\ dyn|q",
+             "magnifier"),
+    _meaning("eta", "loss factor", "1", r"<(?:loss\ factor|verlustfaktor|verlustwinkel)>(?:\ (?:eta|η))?|eta|η",
+             "loss factor"),
+    _meaning("zeta", "damping ratio", "1",
+             rf"<(?:{_DAMP}\w*\ ratio|critical(?:\ {_DAMP}\w*(?:\ ratio)?)?|{_DAMP}ungsgrad|lehr\w*)>"
+             r"(?:\ (?:zeta|ζ|d))?|(?:fraction|share|percent|%)\ of\ critical(?:\ damping)?|zeta|ζ|d", "zeta"),
+    _meaning("absolute", "damping to ground", "damping", rf"<(?:abs|extern|äusser|aeusser|ground|mass)~{_DAMP}>"
+             rf"|<{_DAMP}~(?:abs|extern|ground|mass)>|outer\ {_DAMP}>"
+             r"|[bcd]\ (?:abs|ext|mass|ground)[a-z]*", "absolute damping [N*m*s/rad]"),
+    _meaning("relative", "damping of the shaft", "damping", rf"<(?:rel|intern|inner|shaft|welle|material)~{_DAMP}>"
+             rf"|<{_DAMP}~(?:rel|intern|shaft)>"
+             r"|[bcd]\ (?:rel|int|shaft)[a-z]*", "relative damping [N*m*s/rad]"),
+    _meaning(DAMPING, "damping", "damping,1", rf"<{_DAMP}>|b|c", "absolute damping [N*m*s/rad]"),
     _meaning("stiffness", "stiffness", "stiffness,compliance",
-             r".*(?:stiff|rigidity|steifigkeit|federkonst|spring\ (?:rate|const)|complian|elasticity|flexib|nachgieb"
-             r"|elastizit).*|[kce](?:[\ ]?(?:t|dyn|tdyn|t\ dyn|tot|\d))?", "k [N*m/rad]"),
+             r"<(?:stiff|rigidity|steifigkeit|federkonst|spring\ (?:rate|const)|complian|elasticity|flexib|nachgieb"
+             r"|elastizit)>|[kce](?:[\ ]?(?:t|dyn|tdyn|t\ dyn|tot|\d))?", "k [N*m/rad]"),
     _meaning("outer", "outer diameter", "length",
-             r"(?:outer|outside|extern|aussen|äusser|shaft|wellen).*(?:dia|durchm|ø).*"
-             r"|(?:dia|durchm)\w*(?:\ (?:outer|outside|ext|a|o))?|d|d\ ?[ao]|d\ outer|(?:shaft\ )?od|ø|aussen\ ?ø",
+             r"(?:outer|outside|extern|aussen|äusser|shaft|wellen)~(?:dia|durchm|ø)>(?:\ (?:d|od|da))?"
+             r"|(?:dia|durchm)\w*(?:\ (?:outer|outside|ext|a|o|d))?|d|d\ ?[ao]|d\ outer|(?:shaft\ )?od|ø|aussen\ ?ø",
              "outer diameter [mm]"),
-    _meaning("inner", "inner diameter", "length", r"(?:inner|inside|intern|innen).*(?:dia|durchm|ø).*|bore.*|bohrung.*"
-             r"|dia\w*\ (?:inner|inside|int|i)|d\ ?i|d\ inner|(?:shaft\ )?id", "inner diameter [mm]"),
-    _meaning("length", "length", "length", r"(?:shaft\ )?length|länge|laenge|l", "length [mm]"),
-    _meaning("ratio", "speed ratio", "1", r".*(?:speed|rpm|drehzahl).*(?:ratio|factor|verhältnis|faktor)|rel.*speed"
-             r"|ratio\ of\ speeds?|n\ ?/\ ?n\ ?\d?", "speed ratio"),
-    _meaning("gear ratio", "gear ratio", "1", r".*(?:gear|transmission).*ratio.*|ratio|.*übersetzung.*|i",
+    _meaning("inner", "inner diameter", "length",
+             r"(?:inner|inside|intern|innen)~(?:dia|durchm|ø)>(?:\ (?:d|id|di))?|bore>|bohrung>"
+             r"|bore\ dia\w*|dia\w*\ (?:inner|inside|int|i)|d\ ?i|d\ inner|(?:shaft\ )?id", "inner diameter [mm]"),
+    _meaning("length", "length", "length",
+             r"(?:shaft\ )?length|<(?:länge|laenge)|length\ (?:of\ (?:the\ )?shaft|l)|l", "length [mm]"),
+    _meaning("ratio", "speed ratio", "1", rf"{_SPEED}\ ?(?:ratio|factor|verhältnis|faktor)(?:\ {_SPEED})?"
+             rf"(?:\ of(?:\ the)?\ (?:mass|shaft|station|element))?"
+             rf"(?:\ (?:to|over|zu|zur)\ (?:{_SPEED}\ of\ )?{_TURNING}(?:\ {_TURNING}|\ {_SPEED})*)?"
+             rf"|rel(?:ative)?\ speed|ratio\ of\ speeds?"
+             r"|(?:speed\ )?(?:ratio\ )?(?:n\ ?/\ ?n\ ?\d?|mass/(?:crank\w*|engine|first|reference))", "speed ratio"),
+    _meaning("gear ratio", "gear ratio", "1", r"<(?:gear|transmission)~ratio>|ratio>|<übersetzung>|i",
              "speed ratio"),
-    _meaning("speed", "speed", "speed", r".*(?:speed|drehzahl|rpm).*|n", "speed [rpm]"),
+    _meaning("speed", "speed", "speed", rf"<(?:rated\ |nominal\ )?{_SPEED}>(?:\ (?:n|rpm))?|n", "speed [rpm]"),
     _meaning("name", "name", "", r"(?:(?:mass|station|element|shaft)\ )?(?:name|description|designation|text)"
              r"|bezeichnung|benennung|beschreibung|mass|masses|masse|element|component|part|item|bauteil"
              r"|drehmasse|komponente|what", "name"),
@@ -87,47 +116,34 @@ MEANINGS = (
 BY_KEY = {meaning.key: meaning for meaning in MEANINGS}
 """Meanings of columns by their key, as ``inertia``."""
 
-_REFERRED = re.compile(
-    r"\b(?:referred|reduced|reduziert\w*|red|bezogen\w*|equivalent)\b|\bref(?:\.|\b)(?!\s*(?:no|nr|erence))"
-)
-_REAL = re.compile(
-    r"\b(?:real|actual|true|unreduced|unreferred|tatsächlich\w*|(?:not|nicht) (?:referred|reduced|reduziert|bezogen))\b"
-)
-_SIDE_WORDS = re.compile(
-    r"\b(?:referred|reduced|reduziert\w*|red|bezogen\w*|equivalent|ref|real|actual|true|unreduced|unreferred|tatsächlich\w*)\b"
-    r"|\b(?:to|auf)(?: (?:the|die))? (?:crank\w*|kurbel\w*|engine\w*|motor\w*|propeller\w*|shaft \w+)"
-)
+_LIMIT = re.compile(r"\b(?:max|min|maximum|minimum|critical|limit|permissible|permitted|allowable|zul|zulässig)\w*\b")
 
 
-def is_referred(text: str) -> bool | None:
-    """Whether a text says that values are referred to one speed (True) or real (False); None if it says neither.
-
-    >>> is_referred("J red."), is_referred("all values are real"), is_referred("Drehmasse")
-    (True, False, None)
-    """
-    folded = text.casefold()
-    if _REAL.search(folded):
-        return False
-    return True if _REFERRED.search(folded) else None
-
-
-def plain_heading(text: str) -> str:
-    """Heading of a sheet's column in the form that is compared with words.
-
-    Small letters, single blanks, no note on referring.
-
-    >>> plain_heading("J_red. (referred to crank)"), plain_heading("Rel.-Damp.")
-    ('j', 'rel damp')
-    """
-    bare = re.sub(r"[_\-.:,;()\[\]\s]+", " ", text.casefold()).strip()
-    return " ".join(_SIDE_WORDS.sub(" ", bare).split())
-
-
-def meanings_of(heading: str) -> list[Meaning]:
+def meanings_of(words: str, *, loosely: bool = False) -> list[Meaning]:
     """Meanings that the words of a column's heading may have, the likeliest first.
+
+    All words have to be known, unless ``loosely``.
 
     >>> [meaning.key for meaning in meanings_of("Massenträgheitsmoment")], [one.key for one in meanings_of("Mass")]
     (['inertia'], ['name'])
+    >>> meanings_of("Inertia without water"), [one.key for one in meanings_of("Inertia without water", loosely=True)]
+    ([], ['inertia'])
     """
-    plain = plain_heading(heading)
-    return [meaning for meaning in MEANINGS if meaning.words.fullmatch(plain)]
+    plain = heading_side(words)[0]
+    return [meaning for meaning in MEANINGS if (meaning.loosely if loosely else meaning.words).fullmatch(plain)]
+
+
+def is_limit(words: str) -> bool:
+    """Whether the words of a heading are of a limit or rating, as max. torque or permissible stress."""
+    return _LIMIT.search(words) is not None
+
+
+def unknown_words(words: str, meaning: Meaning) -> list[str]:
+    """Words of a heading that keep it from having a meaning which others of its words suggest.
+
+    >>> unknown_words("Inertia without the water", BY_KEY["inertia"])
+    ['without', 'water']
+    """
+    plain = heading_side(words)[0].split()
+    unknown = [word for word in plain if not re.fullmatch(_FILLING, word) and not meaning.loosely.fullmatch(word)]
+    return unknown or plain

@@ -3,16 +3,27 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 
 from torsionnet.core.delimited.cell_grid import Cell, CellGrid
+from torsionnet.core.delimited.sheet_headings import NO_UNIT, HeadingFactor, SheetHeading, read_heading
 from torsionnet.core.delimited.sheet_numbers import is_like_number
-from torsionnet.core.delimited.sheet_units import SheetUnit, named_unit, sheet_unit
+from torsionnet.core.delimited.sheet_units import SheetUnit, sheet_unit
 from torsionnet.core.errors import Fault, ModelError
+from torsionnet.core.listing import comma_list
 from torsionnet.core.units import DIMENSIONS, UnitError
-from torsionnet.model.sheets.meanings import BY_KEY, DAMPING, MEANINGS, Meaning, is_referred, meanings_of, plain_heading
+from torsionnet.model.sheets.meanings import (
+    BY_KEY,
+    DAMPING,
+    MEANINGS,
+    Meaning,
+    is_limit,
+    meanings_of,
+    unknown_words,
+)
+from torsionnet.model.sheets.referral_words import heading_side
 
 LEAST_SIMILARITY = 0.8
 """Smallest ``difflib`` ratio at which an unknown heading is taken for a misspelt word: a letter or two in a word; a
@@ -26,12 +37,18 @@ _WORDS = {
     "drehzahlverhältnis": "ratio",
 }  # fmt: skip
 """Meaning of each word for which an unknown heading may be a misspelling, by word."""
-_NO_UNIT = {"", "-", "–", "—", "1", "[-]", "(-)"}
+_MEASURED = re.compile(r"[+\-−]?[\d.,]*\d(?:\s|$)")
+"""Expression of a cell that begins with a number, with or without a unit behind it."""
+_INERTIA_SYMBOLS = {"j", "i", "θ", "theta"}
 
 
 @dataclass(frozen=True)
 class SheetColumn:
-    """Column of a mass-elastic sheet with its heading, meaning and unit."""
+    """Column of a mass-elastic sheet with its heading, meaning and unit.
+
+    ``factor`` is what its heading multiplies by, ``reading`` whether it was taken to multiply the quantity (``values``)
+    or its unit (``unit``), by which ``unit`` is scaled already; empty as long as that is open.
+    """
 
     place: int
     cell: Cell
@@ -40,18 +57,27 @@ class SheetColumn:
     unit_text: str
     referred: bool | None
     remark: str = ""
+    factor: HeadingFactor | None = None
+    reading: str = ""
 
     @property
     def heading(self) -> str:
         return self.cell.text
 
+    def read_as(self, reading: str) -> SheetColumn:
+        """Column whose factor multiplies the quantity (``values``) or its unit (``unit``)."""
+        if self.factor is None or self.unit is None:
+            return self
+        return replace(self, reading=reading, unit=self.unit.times(self.factor.scale(reading)))
+
 
 @dataclass(frozen=True)
 class SheetColumns:
-    """Columns of a mass-elastic sheet in their order, and the rows of cells below."""
+    """Columns of a mass-elastic sheet in their order, the rows of cells below, and those above the headings."""
 
     all: tuple[SheetColumn, ...]
     rows: tuple[tuple[Cell, ...], ...]
+    above: tuple[tuple[Cell, ...], ...] = ()
 
     def of(self, key: str) -> SheetColumn | None:
         """Column of the sheet that has this meaning, None where there is none."""
@@ -64,6 +90,11 @@ class SheetColumns:
             return None
         return row[column.place]
 
+    def read_as(self, readings: Mapping[int, str]) -> SheetColumns:
+        """Columns with the readings, by place, of the factors in their headings."""
+        read = (one.read_as(readings[one.place]) if one.place in readings else one for one in self.all)
+        return replace(self, all=tuple(read))
+
 
 def read_columns(grid: CellGrid) -> SheetColumns:
     """Columns of a sheet with the meaning and unit that their headings give.
@@ -71,39 +102,80 @@ def read_columns(grid: CellGrid) -> SheetColumns:
     Raises
     ------
     ModelError
-        No inertia, two columns for one thing, units that are missing or wrong, each at its heading.
+        No inertia, two columns for one thing, words that are not understood, units that are missing or wrong, each at
+        its heading.
     """
-    first = next((at for at, row in enumerate(grid.rows) if any(map(is_inertia_heading, row))), None)
-    if first is None:
-        raise ModelError([_no_inertia(grid)], grid.file)
-    above = [grid.rows[first]]
-    for row in grid.rows[first + 1 :]:
-        if any(is_like_number(cell.text) for cell in row):
-            break
-        above.append(row)
-    rows = grid.rows[first + len(above) :]
+    begin, end = _heading_rows(grid)
+    heads, rows = grid.rows[begin:end], grid.rows[end:]
     faults: list[Fault] = []
     columns = []
-    for place, cell in enumerate(above[0]):
+    for place in range(max(map(len, (*heads, *rows)))):
         below = [row[place] for row in rows if place < len(row) and row[place].text]
-        more = [row[place].text for row in above[1:] if place < len(row)]
-        columns.append(_column(place, cell, more, below, faults, grid))
+        texts = [row[place] for row in heads if place < len(row) and row[place].text]
+        if texts:
+            columns.append(_column(place, texts, below, faults, grid))
+            continue
+        # A first column without heading numbers the rows.
+        faults += [grid.fault(f'"{cell.text}" stands below no heading; give its column one', cell)
+                   for cell in below if place and is_like_number(cell.text)]  # fmt: skip
+        remark = "has no heading and is left out" if below else ""
+        columns.append(SheetColumn(place, Cell("", heads[0][0].line, 1), "", None, "", None, remark))
     columns = _without_doubles(columns, faults, grid)
     faults += [fault for column in columns for fault in _misspelt(column, columns, grid)]
     if not faults and all(column.meaning != "inertia" for column in columns):
         faults.append(_no_inertia(grid))
     if faults:
         raise ModelError(faults, grid.file)
-    return SheetColumns(tuple(column for column in columns if column.heading or column.meaning), rows)
+    return SheetColumns(tuple(one for one in columns if one.heading or one.remark), rows, grid.rows[:begin])
+
+
+def _heading_rows(grid: CellGrid) -> tuple[int, int]:
+    """Places of the first row of headings and of the first row below them.
+
+    The row with that of the inertia, one above it with headings of other quantities, and those below without numbers.
+    """
+    several = [at for at, row in enumerate(grid.rows) if sum(bool(cell.text) for cell in row) > 1]
+    first = next((at for at, row in enumerate(grid.rows) if any(map(is_inertia_heading, row))), None)
+    if first is None:
+        first = next((at for at in several if any(_may_be_inertia(cell) for cell in grid.rows[at])), None)
+    if first is None:
+        raise ModelError([_no_inertia(grid)], grid.file)
+    end = first + 1
+    while end < len(grid.rows) and _heads(grid.rows[end]):
+        end += 1
+    begin = first - 1 if first and any(_is_quantity(cell) for cell in grid.rows[first - 1][1:]) else first
+    return begin, end
+
+
+def _heads(row: Sequence[Cell]) -> bool:
+    """Whether a row has no numbers; the 1 of a row of units is none."""
+    numbers = {cell.text for cell in row if is_like_number(cell.text)}
+    units = (cell.text for cell in row if not _MEASURED.match(cell.text))
+    return not numbers or (numbers <= NO_UNIT and any(read_heading(f"[{text}]").unit for text in units))
 
 
 def is_inertia_heading(cell: Cell) -> bool:
     """Whether a cell is the heading of a column of inertias, by its words or by its unit."""
-    name, unit = named_unit(cell.text)
-    if is_like_number(cell.text):
+    if not cell.text or is_like_number(cell.text):
         return False
-    by_words = [meaning.key for meaning in meanings_of(name)[:1]] == ["inertia"]
-    return by_words or (_readable(unit) is not None and _by_unit(unit) == "inertia")
+    heading = read_heading(cell.text)
+    by_words = [meaning.key for meaning in meanings_of(_words(heading))[:1]] == ["inertia"]
+    return by_words or _by_unit(heading.unit_text, heading.unit) == "inertia"
+
+
+def _may_be_inertia(cell: Cell) -> bool:
+    return [one.key for one in meanings_of(_words(read_heading(cell.text)), loosely=True)[:1]] == ["inertia"]
+
+
+def _is_quantity(cell: Cell) -> bool:
+    """Whether a cell is the heading of a column of values, by its words or its unit."""
+    heading = read_heading(cell.text)
+    known = meanings_of(_words(heading))
+    return bool(known and not known[0].is_text) or bool(_by_unit(heading.unit_text, heading.unit))
+
+
+def _words(heading: SheetHeading) -> str:
+    return f"{heading.words} gd2" if heading.disc else heading.words
 
 
 def _no_inertia(grid: CellGrid) -> Fault:
@@ -118,9 +190,8 @@ def _readable(text: str) -> SheetUnit | None:
         return None
 
 
-def _by_unit(text: str) -> str:
+def _by_unit(text: str, unit: SheetUnit | None) -> str:
     """Meaning of a sheet's column by its unit alone: those of inertia and stiffness are used for nothing else."""
-    unit = _readable(text)
     if unit is None:
         return ""
     if unit.dimension == DIMENSIONS["inertia"]:
@@ -131,39 +202,99 @@ def _by_unit(text: str) -> str:
     return DAMPING if "rad" in text and unit.dimension == DIMENSIONS["damping"] else ""
 
 
+def _joined(texts: Sequence[Cell]) -> str:
+    """Heading in several rows as one text, a unit or a factor in a row of its own in brackets."""
+    first, *more = (cell.text for cell in texts)
+    for text in more:
+        alone = read_heading(f"[{text.strip('[]')}]")
+        first += f" [{text.strip('[]')}]" if alone.unit or alone.factor or text in NO_UNIT else f" {text}"
+    return first
+
+
 def _column(
-    place: int, cell: Cell, more: Sequence[str], below: Sequence[Cell], faults: list[Fault], grid: CellGrid
+    place: int, texts: Sequence[Cell], below: Sequence[Cell], faults: list[Fault], grid: CellGrid
 ) -> SheetColumn:
-    name, unit_text = named_unit(cell.text)
-    if not unit_text:
-        unit_text = next((text.strip("[]() ") for text in more if _readable(text.strip("[]() ")) is not None), "")
-    unit_text = "" if unit_text in _NO_UNIT else unit_text
-    if not unit_text and re.search(r"\brpm\b|\br/min\b", cell.text, re.IGNORECASE):
-        unit_text = "rpm"
-    disc = "gd2" in plain_heading(name).replace(" ", "").replace("²", "2") or "schwungmoment" in name.casefold()
-    if unit_text and disc and "GD" not in unit_text:
-        unit_text += " GD2"
-    unit = _readable(unit_text) if unit_text else None
-    known = meanings_of(name) or next(filter(None, map(meanings_of, filter(None, more))), [])
-    words = "" if unit_text else _text_or_not(known, below)
-    blank = SheetColumn(place, cell, "", unit, unit_text, is_referred(cell.text))
-    if not cell.text and not any(more):
-        return blank
+    cell, heading = texts[0], read_heading(_joined(texts))
+    words, referred = heading_side(_words(heading))
+    unit, unit_text = _unit_of(heading, words)
+    if unit is None and unit_text and heading_side(unit_text)[0] == "":
+        referred, unit_text = heading_side(unit_text)[1], ""
+    blank = SheetColumn(place, cell, "", unit, unit_text, referred, factor=heading.factor)
+    known = meanings_of(words)
+    named = "" if unit_text else _text_or_not(known, below)
+    dimension = unit.dimension if unit else None
+    fitting = [one for one in known if one.fits(dimension)] if not named else [BY_KEY[named]]
     if unit_text and unit is None:
         if known and known[0].needs_unit:
             faults.append(grid.fault(_bad_unit(unit_text, known[0]), cell))
         return blank
-    dimension = unit.dimension if unit else None
-    fitting = [one for one in known if one.fits(dimension)] if not words else [BY_KEY[words]]
-    if not fitting and _by_unit(unit_text):
-        return replace(blank, meaning=_by_unit(unit_text), remark="told by its unit")
+    by_unit = _by_unit(unit_text, unit)
+    likely = known or meanings_of(words, loosely=True) or meanings_of(re.sub(r"\([^()]*\)", " ", heading.words))
+    if not fitting and by_unit and not words:
+        return replace(blank, meaning=by_unit, remark="told by its unit")
+    if not fitting and is_limit(words):
+        return replace(blank, remark="a limit, which a model of the shafts does not use")
+    if not fitting and (by_unit or (likely and not known and not likely[0].is_text)):
+        if any(is_like_number(one.text) for one in below):
+            meaning = BY_KEY[by_unit] if by_unit else likely[0]
+            bracket = None if unit_text else re.search(r"[(]([^()]*[A-Za-z][^()]*[*·/^²³\d][^()]*)[)]", heading.words)
+            fault = _not_understood(unknown_words(words, meaning), meaning, texts, grid)
+            faults.append(grid.fault(_bad_unit(bracket[1], meaning), cell) if bracket else fault)
+        return blank
     if not fitting:
         if known and known[0].needs_unit and known[0].key in ("inertia", "stiffness", "absolute", "relative"):
             faults.append(grid.fault(_bad_unit(unit_text, known[0]), cell))
         return blank
     meaning = _preferred(fitting, unit)
     faults += [grid.fault(text, cell) for text in _doubts(meaning, cell.text, unit_text, below)]
+    if not meaning.is_text:
+        faults += [grid.fault(text, cell) for text in _unclear(heading, words, meaning)]
+    if referred and meaning.fits(DIMENSIONS["length"]):
+        text = f'"{cell.text}" is not of the shaft itself; give the stiffness instead, or its real {meaning.shown}'
+        faults.append(grid.fault(text, cell))
     return replace(blank, meaning=meaning.key)
+
+
+def _unit_of(heading: SheetHeading, words: str) -> tuple[SheetUnit | None, str]:
+    """Unit of a column, with that of GD2 or WR2 where the heading says so, and its text; None for what is no unit."""
+    unit, text = heading.unit, heading.unit_text
+    if not text and re.search(r"\brpm\b|\br/min\b", heading.words, re.IGNORECASE):
+        text = "rpm"
+    is_disc = heading.disc == "GD" or (not heading.disc and "schwungmoment" in words)
+    if text and is_disc and "GD" not in text:
+        text += " GD2"
+    elif heading.disc == "WR" and (unit is None or unit.dimension != DIMENSIONS["inertia"]) and text:
+        text += " WR2"
+    return (_readable(text) if text else None), text
+
+
+def _unclear(heading: SheetHeading, words: str, meaning: Meaning) -> Iterator[str]:
+    """Messages why the parts of a heading do not fit together."""
+    if heading.second:
+        yield f'the heading has a second unit or factor, "{heading.second}"; write it as {meaning.example}'
+    if heading.factor is not None and not heading.factor.value:
+        text = heading.factor.text
+        yield f'"{text}" is ambiguous: it may be 1e... or 10 times as much, or a power of ten; write 1e-9 or 10^-9'
+    if heading.disc == "GD" and _INERTIA_SYMBOLS & set(words.split()):
+        yield f'"{heading.words}" and GD2, four times as much, are both in the heading; leave one, or write GD2/4'
+    if heading.factor is not None and heading.unit is None and meaning.needs_unit:
+        yield f'the factor "{heading.factor.text}" has no unit beside it; write the heading as {meaning.example}'
+    elif heading.factor is not None and not meaning.needs_unit:
+        yield f'"{heading.factor.text}" in the heading of {meaning.shown} is not understood; write plain values'
+
+
+def _not_understood(unknown: Sequence[str], meaning: Meaning, texts: Sequence[Cell], grid: CellGrid) -> Fault:
+    """Fault of words in a heading, at the first of them."""
+    quoted = [f'"{word}"' for word in unknown]
+    said = f"{comma_list(quoted, 4)} in the heading of {meaning.shown} is not understood"
+    text = (
+        f"{said}; write it as {meaning.example}, or, if it is something else, without words and unit of {meaning.shown}"
+    )
+    for cell in texts:
+        at = cell.text.casefold().find(unknown[0])
+        if at >= 0:
+            return grid.fault(text, Cell(cell.text[at : at + len(unknown[0])], cell.line, cell.column + at))
+    return grid.fault(text, texts[0])
 
 
 def _preferred(fitting: Sequence[Meaning], unit: SheetUnit | None) -> Meaning:
@@ -211,7 +342,7 @@ def _doubts(meaning: Meaning, heading: str, unit_text: str, below: Sequence[Cell
         yield f'"{heading}" may be psi or a share of critical damping; call it psi [%] or zeta [%]'
     elif meaning.needs_unit and not unit_text and any(is_like_number(cell.text) for cell in below):
         bracketed = re.search(r"[\[(]([^\[\]()]*[A-Za-z][^\[\]()]*)[\])]", heading)
-        if bracketed and is_referred(bracketed[1]) is None:
+        if bracketed and heading_side(bracketed[1])[0]:
             yield _bad_unit(bracketed[1], meaning)
         else:
             yield f'the column "{heading}" has no unit; write its heading as {meaning.example}, in the unit it has'
@@ -247,7 +378,7 @@ def _misspelt(column: SheetColumn, columns: Sequence[SheetColumn], grid: CellGri
     """Fault of a column's heading that is not understood, but nearly a word for a column that the sheet lacks."""
     if column.meaning or not column.heading or column.remark:
         return
-    plain = plain_heading(named_unit(column.heading)[0])
+    plain = heading_side(read_heading(column.heading).words)[0]
     near = [word for word in _WORDS if SequenceMatcher(None, plain, word).ratio() >= LEAST_SIMILARITY]
     if near and _WORDS[near[0]] not in {one.meaning for one in columns}:
         yield grid.fault(f'"{column.heading}" is no heading of a mass-elastic sheet; did you mean "{near[0]}"?',

@@ -68,28 +68,46 @@ class _Begun:
     """Shaft or mesh that the row begins; None where the row does not say how the masses are connected."""
 
 
-def read_rows(values: SheetValues, *, referred: bool) -> tuple[list[SheetMass], list[SheetLink], list[str]]:
-    """Masses, links between them, and notes of a sheet; faults are added to those of ``values``."""
+@dataclass(frozen=True)
+class SheetRows:
+    """Masses of a sheet and links between them, as its rows give them, and the rows that have no values."""
+
+    masses: tuple[SheetMass, ...]
+    links: tuple[SheetLink, ...]
+    totals: tuple[Row, ...] = ()
+    without_values: tuple[Row, ...] = ()
+
+    @property
+    def ratios(self) -> dict[str, Fraction]:
+        """Speed of every mass over that of the crank, by its name."""
+        return {mass.name: mass.ratio for mass in self.masses}
+
+    def scaled(self, power: int) -> SheetRows:
+        """Masses and links with all values multiplied by this power of their speed ratio.
+
+        -2 makes real values of referred ones, 2 the reverse.
+        """
+        ratios, masses, links = self.ratios, [], []
+        for mass in self.masses:
+            inertia, damping = (_times(value, mass.ratio**power) for value in (mass.inertia, mass.damping))
+            masses.append(replace(mass, inertia=inertia, damping=damping))
+        for link in self.links:
+            factor = ratios[link.first] ** power
+            stiffness, damping = (_times(value, factor) for value in (link.stiffness, link.damping))
+            links.append(replace(link, stiffness=stiffness, damping=damping))
+        return replace(self, masses=tuple(masses), links=tuple(links))
+
+
+def _times(value: SheetValue | None, factor: Fraction) -> SheetValue | None:
+    return None if value is None else value.times(factor)
+
+
+def read_rows(values: SheetValues) -> SheetRows:
+    """Masses and links between them of a sheet; faults are added to those of ``values``."""
     reader = _Rows(values)
     reader.read()
     links = reader.connected() if not values.faults else []
-    masses = list(reader.masses.values())
-    if referred:
-        ratios = {mass.name: mass.ratio for mass in masses}
-        masses, links = [_real_mass(one) for one in masses], [_real_link(one, ratios) for one in links]
-    return masses, links, reader.notes
-
-
-def _real_mass(mass: SheetMass) -> SheetMass:
-    factor = 1 / mass.ratio**2
-    scaled = [None if one is None else one.times(factor) for one in (mass.inertia, mass.damping)]
-    return replace(mass, inertia=scaled[0], damping=scaled[1])
-
-
-def _real_link(link: SheetLink, ratios: dict[str, Fraction]) -> SheetLink:
-    factor = 1 / ratios[link.first] ** 2
-    scaled = [None if one is None else one.times(factor) for one in (link.stiffness, link.damping)]
-    return replace(link, stiffness=scaled[0], damping=scaled[1])
+    return SheetRows(tuple(reader.masses.values()), tuple(links), tuple(reader.totals), tuple(reader.without_values))
 
 
 def _quotient(speed: SheetValue, first: SheetValue) -> Fraction:
@@ -106,7 +124,8 @@ class _Rows:
     masses: dict[str, SheetMass] = field(default_factory=dict)
     rows: dict[str, Row] = field(default_factory=dict)
     begun: list[_Begun] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
+    totals: list[Row] = field(default_factory=list)
+    without_values: list[Row] = field(default_factory=list)
     names: Names = field(default_factory=lambda: Names([GROUND]))
     first_speed: SheetValue = SheetValue(Fraction(1))
 
@@ -115,7 +134,7 @@ class _Rows:
         for row in self.values.columns.rows:
             label = self._label(row)
             if label and _TOTAL.match(label.text):
-                self.notes.append(f'row {label.line}, "{label.text}", is left out')
+                self.totals.append(row)
             else:
                 self.all.append(row)
         numbered = Counter(self._plain(row) for row in self.all if self._is_mass(row))
@@ -165,9 +184,7 @@ class _Rows:
                 pending.append(self._link(row, None if both else last))
                 continue
             if not self._is_mass(row) and not self._has_link(row):
-                label = self._label(row)
-                shown = f', "{label.text}",' if label else ""
-                self.notes.append(f"row {row[0].line}{shown} has no values and is left out")
+                self.without_values.append(row)
                 continue
             name, ratio = self._mass(row, ratio)
             for one in pending:

@@ -63,6 +63,11 @@ class SheetValues:
         if wrong:
             raise ModelError([self.grid.fault(wrong[1], wrong[0])], self.grid.file)
 
+    def label(self, row: Sequence[Cell]) -> str:
+        """Text that names a row, empty where it has neither name nor number."""
+        cell = self.columns.cell(row, "name") or self.columns.cell(row, "number")
+        return cell.text if cell else ""
+
     def of(self, row: Sequence[Cell], key: str) -> SheetValue | None:
         """Value, in SI units, of a row in the column that has this meaning; None where there is none."""
         column, cell = self.columns.of(key), self.columns.cell(row, key)
@@ -157,7 +162,7 @@ def _in_unit(number: str, unit: SheetUnit | None) -> SheetValue:
     # Beyond the range of numbers, or nothing left of it: as a model file is refused.
     if value:
         exact(si)
-    if unit.power and "e" in number.casefold():
+    if not unit.text or (unit.power and "e" in number.casefold()):
         return SheetValue(si)
     return SheetValue(si, f"{number}{f'e{unit.power}' if unit.power else ''} {unit.text}")
 
