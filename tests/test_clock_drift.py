@@ -122,6 +122,12 @@ class TestFiftyPpm:
         assert np.std(apart[1000:-1000]) == pytest.approx(0.5 * np.sqrt(450 / 750), rel=0.05)
 
 
+def test_times_go_from_one_clock_to_the_other_and_back():
+    clocks = ClockDrift(0.25, 0.0, 2.0, 0.0)  # shows 2 + 1.25 t
+    assert clocks.to_second([0.0, 2.0]).tolist() == [2.0, 4.5]
+    assert clocks.to_first([2.0, 4.5]).tolist() == [0.0, 2.0]
+
+
 def test_a_record_keeps_its_samples_at_the_rate_of_the_first_clock():
     """A clock that gains shows too much time between samples: their true rate is higher."""
     record = Recording((Signal("T", "torque", np.zeros(10_001)),), 1000.0, start=0.25)
@@ -138,6 +144,17 @@ def test_intervals_of_the_drift_are_those_of_its_scatter():
         clocks = rotation_clocks(first, rotation(true + 2e-5 * draw.normal(size=len(true)), 12), same_start=True)
         ratios.append(clocks.drift / clocks.drift_half_width)
     assert 0.35 < np.std(ratios) < 0.75  # 1/1.96 and its scatter
+
+
+def test_intervals_of_clocks_from_a_signal_are_those_of_its_scatter():
+    """Noise of each system: drift and offset scatter over 12 records as their half widths say."""
+    chance, ratios = np.random.default_rng(5), []
+    for _ in range(12):
+        shared = np.convolve(chance.normal(size=3008), np.hanning(9), "valid")
+        first, second = (Recording((Signal("T", "torque", shared + chance.normal(size=3000)),), 1000.0) for _ in "ab")
+        clocks = signal_clocks(first, second, "T", seconds=0.2)
+        ratios.append((clocks.drift / clocks.drift_half_width, clocks.offset / clocks.offset_half_width))
+    assert np.std(ratios, axis=0) == pytest.approx(1 / 1.96, rel=0.5)
 
 
 class TestRefused:

@@ -7,6 +7,7 @@ import pytest
 
 from torsionnet.response.recording import Recording, Signal
 from torsionnet.signals import CycleAverage, VoldKalman, mean_rotation, track_orders
+from torsionnet.signals.orders.cycle_average import averaged_blocks
 from torsionnet.signals.orders.drop_outs import drop_outs
 
 RATE, SPEED, MEAN, PEAK = 2000.0, 60.0, -400.0, 50.0
@@ -98,6 +99,34 @@ def test_blocks_find_the_same_drop_outs_as_the_whole_record():
         (parts,) = track_orders(iter(blocks), mean, ["T"], orders=[1.5], method=method)
         np.testing.assert_allclose(parts.values, whole.values, atol=1e-6)
         assert whole.notes == parts.notes
+
+
+@pytest.mark.parametrize("lost", [(), (0, 1, 2), (3,), (6, 7, 8)])
+def test_a_block_without_some_cycles_is_a_line_through_the_others_at_its_middle(lost):
+    """Value and scatter against least squares over pairs of cycles, each read as a block of its own."""
+    size = np.random.default_rng(2).normal(PEAK, 3, 9) + 4 * np.arange(9)
+    record = Recording((Signal("a", "angle", SPEED * np.arange(4000) / RATE),), RATE)
+    mean = mean_rotation(record, "a")
+
+    def read(times):
+        angle = SPEED * times - mean.angles[0]
+        cycle = np.clip((angle / (4 * np.pi) + 1e-9).astype(int), 0, 8)
+        return (size[cycle] * np.cos(1.5 * angle))[None]
+
+    def blocks(begins, lost):
+        given = (read, mean, np.array([1.5]), np.array(begins), lambda _: 64, lambda _: np.ones(1), mean.angles[0])
+        return [*averaged_blocks(*given, lambda ends: np.isin(mean.ends.searchsorted(ends[:-1]), lost)[None])]
+
+    (block,) = blocks([0, 9], lost)
+    pairs = np.array([blocks([first, first + 2], ())[0].values[0, 0] for first in range(8)])
+    kept = np.array([first for first in range(8) if first not in lost and first + 1 not in lost])
+    columns = np.stack([np.ones(len(kept)), kept - 3.5], axis=1)
+    (middle, _), (square,) = np.linalg.lstsq(columns + 0j, pairs[kept])[:2]
+    assert block.count == len(kept)
+    assert block.values[0, 0] == pytest.approx(middle, rel=1e-9)
+    # Of the middle, which the mean of the others only is where none is missing on one side.
+    variance = len(kept) * np.linalg.inv(columns.T @ columns)[0, 0]
+    assert block.scatter[0, 0] == pytest.approx(square * variance, rel=1e-9)
 
 
 TIME = np.arange(40_000) / RATE

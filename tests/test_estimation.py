@@ -248,8 +248,11 @@ class TestUncertainty:
         errors = random_errors(spectra, response)
         np.testing.assert_allclose(errors.magnitude, simple.magnitude, rtol=1e-9)
         lower, upper = errors.band(response)
-        np.testing.assert_allclose(upper - response.magnitude, 1.96 * errors.magnitude * response.magnitude)
-        assert np.all(lower >= 0)
+        half_width = 1.96 * errors.magnitude * response.magnitude
+        np.testing.assert_allclose(upper - response.magnitude, half_width)
+        np.testing.assert_allclose(response.magnitude - lower, half_width)
+        lowest, _ = errors.band(response, deviations=1e3)
+        assert np.all(lowest[errors.magnitude > 1e-3] == 0)
 
     def test_scatter_of_estimates_against_a_reference_is_as_predicted(self):
         """With noise on input and output, and another on what the reference cannot know of the input."""
@@ -405,6 +408,12 @@ class TestRemarks:
         assert response.frequencies[peak].tolist() == [19.5] or response.frequencies[peak].tolist() == [20.0]
         assert half_power_bandwidth(response.frequencies, response.magnitude[:, 0, 0], peak[0]) > 3.5
         assert peak_warnings(response, 0.5) == ()
+
+    def test_records_of_too_many_values_are_not_kept(self, monkeypatch):
+        record = recorded(T=white(2000), t=white(2000, 1))
+        assert len(estimate(record, "t", "T").estimation.record) == 2000
+        monkeypatch.setattr("torsionnet.signals.averaging_data.MOST_KEPT_VALUES", 3999)
+        assert estimate(record, "t", "T").estimation.record is None
 
     def test_low_coherence_at_a_peak(self):
         response = self.resonant(0.1)

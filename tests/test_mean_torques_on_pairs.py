@@ -82,6 +82,12 @@ class TestLoad:
         state = {(one.element, one.port): one.torque for one in rig.static_state(1500 * RPM).loads}
         assert state["feet", "frame"] == pytest.approx(expected[2], rel=1e-9)
 
+    def test_a_torque_on_a_frame_that_stands_has_no_power(self):
+        rig = generating_set(f"load: {{absorbed_at: gen-frame, {ABSORBED}, driven_by: {{fly: 1}}}}")
+        balance = rig.power_balance(1500 * RPM)
+        assert balance.state.external == pytest.approx({"fly": TORQUE, "gen": -TORQUE, "frame": TORQUE})
+        assert balance.powers == {"fly": pytest.approx(300e3), "gen": pytest.approx(-300e3), "frame": 0}
+
     def test_power_is_of_the_relative_speed(self):
         """A motor whose housing turns with the wheel at half its speed gives half the power of one that stands."""
         rig = tn.Drivetrain(

@@ -267,6 +267,18 @@ def test_bad_requests_are_answered():
         ends.simulate("angle(a)", {"a": straight([(0, 0), (1, 500)])}, 100, duration=1.0)
 
 
+def test_a_motion_of_too_many_steps_is_refused_as_soon_as_its_steps_become_short(monkeypatch):
+    """A hardening spring vibrates at 10 rad/s until its torque rises after 1 s; it takes some 520 steps for 2 s."""
+    monkeypatch.setattr("torsionnet.solve.motion.smooth.smooth_system.STEPS_BETWEEN_LOOKS", 20)
+    rig = single(tn.Spring("s", nodes=("a", "ground"), stiffness=100, cubic=1e4))
+    driven, start = {"a": straight([(0, 0), (1, 0), (1.2, 2000), (2, 2000)])}, MotionStart(angles={"a": 0.01})
+    monkeypatch.setattr("torsionnet.solve.motion.smooth.smooth_system.MOST_STEPS", 400)
+    with pytest.raises(SolveError, match=r"at 1\.[01]\d* s the motion needs too many steps; .* motion of s there"):
+        rig.simulate("angle(a)", driven, 100, duration=2.0, start=start)
+    monkeypatch.setattr("torsionnet.solve.motion.smooth.smooth_system.MOST_STEPS", 700)
+    rig.simulate("angle(a)", driven, 100, duration=2.0, start=start)
+
+
 def launched(torque, disc=1.2, shaft=0.0):
     """A clutch that closes from no clamp within half a second, with friction that falls with the slip."""
     elements = [

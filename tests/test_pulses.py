@@ -128,6 +128,10 @@ class TestRepairs:
         bounces = np.sort(np.concatenate([times, times[800] + np.array([1e-5, 2e-5, 4e-5])]))
         assert self.found(bounces, "3 pulses too many left out: pulse 801 at 0.5333") < 1e-3
 
+    def test_a_burst_in_a_record_of_few_pulses(self):
+        """The usual interval is the median of all five that there are around it, not of three, two of them short."""
+        assert repaired_pulses([0.0, 1.0, 2.0, 2.01, 2.02, 3.0, 4.0]).spurious.tolist() == [3, 4]
+
     def test_missing_pulses_are_counted(self):
         times = np.delete(pulses_of(self.angle), [100, 700, 701])
         message = r"3 pulses missing and counted: 1 after pulse 99 at 0.066\d* s, 2 after pulse 698 at 0.466"

@@ -19,6 +19,7 @@ from torsionnet.signals.encoder import angle_from_counts, angle_from_pulses, unw
 from torsionnet.signals.pulses import missing_pulses
 from torsionnet.signals.recording_checks import check_recording
 from torsionnet.signals.resampling import resampled
+from torsionnet.signals.value_faults import encoder_leaps
 
 EXTRAS = {".tdms": "nptdms", ".uff": "pyuff", ".h5": "h5py", ".parquet": "pyarrow", ".mf4": "asammdf"}
 ENDINGS = [".csv", ".npz", ".mat", *EXTRAS]
@@ -417,6 +418,12 @@ FAULTS = {  # all that is said for windows of 2 s, beside that these are few
 def test_check_tells(fault):
     given, message = FAULTS[fault]
     assert {str(found) for found in check_recording(given)} == {message, *([FEW] if fault != "short" else [])}
+
+
+def test_steps_that_are_no_whole_numbers_of_the_smallest_are_not_those_of_an_encoder():
+    steps = np.where(np.arange(40) == 20, 0.25, 0.05)
+    assert encoder_leaps(np.cumsum(steps)).tolist() == [20]
+    assert not len(encoder_leaps(np.cumsum(steps * (1 + 0.03 * (np.arange(40) % 2)))))
 
 
 @pytest.mark.parametrize(("windows", "said"), [(4, 0), (3.9, 1)])

@@ -15,6 +15,7 @@ from torsionnet.report import make_report
 from torsionnet.report.document_tree import TableBlock
 from torsionnet.report.writers.markdown import markdown_text
 from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.solve.running.swept_comparison import swept_comparison
 from torsionnet.solve.running.swept_orders import swept_orders
 
 RPM = np.pi / 30
@@ -145,6 +146,20 @@ def test_a_slow_run_is_compared_with_the_steady_response(run_up_of_plant):
     (found,) = json.loads(run("orders", "plant.yaml", "--output", "T", "--measured", "tracked.csv", "--json").stdout)
     (row,) = found["outputs"][0]["measured"]
     assert (row["is_swept"], row["verdict"] == "agrees") == (False, False)
+
+
+def test_orders_of_engines_at_unknown_angles_are_compared_with_the_steady_bound(run_up_of_plant):
+    """They have no single phase to follow over time; what the run-up loses is said all the same."""
+    engine = (
+        "{type: reciprocating_engine, cycle: 4, firing_order: [1], bore: 80 mm, stroke: 90 mm, rod_length: 150 mm, "
+        "reciprocating_mass: 1 kg, "
+    )
+    engines = [f"{node}: {engine}speed_of: {node}, cylinders: {{1: {node}}}}}" for node in "mf"]
+    plant = tn.loads(PLANT.partition("excitations")[0] + "excitations: {" + ", ".join(engines) + "}")
+    run = plant.order_response("T", speeds=[50.0, 55.0])
+    found = swept_comparison(plant, run, ["T"], run_up_of_plant)
+    assert not found.orders
+    assert found.remarks
 
 
 def test_an_order_of_undecided_sign_is_compared_by_amplitude():

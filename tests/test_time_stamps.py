@@ -9,6 +9,7 @@ from support.command_line import run
 from torsionnet.core.delimited.time_stamps import StampReader
 from torsionnet.core.errors import ModelError
 from torsionnet.io.recording_files import iter_blocks, read_recording
+from torsionnet.signals.timing import gaps, jitter
 
 COUNT = 3000
 BEGIN = datetime.fromisoformat("2024-05-03T10:12:13.001")
@@ -212,3 +213,7 @@ def test_quickly_and_one_by_one_the_same(form):
     assert quick._alike(stamps) is not None
     one_by_one = np.concatenate([slow.seconds([stamp, ""])[0][:1] for stamp in stamps])
     np.testing.assert_array_equal(quick.seconds(stamps)[0], one_by_one)
+
+
+def test_a_single_stamp_has_neither_gap_nor_jitter():
+    assert (gaps(np.array([1.0])).tolist(), jitter(np.array([1.0]))) == ([], 0.0)

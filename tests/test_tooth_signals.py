@@ -1,5 +1,7 @@
 """Signals of teeth: level and flank, pickups that grow with the speed, two tracks and the direction they tell."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from support.known_rotation import pulse_times as crossings
@@ -9,8 +11,10 @@ from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.response.recording import Recording, Signal
 from torsionnet.signals.pulse_train import pulse_times
 from torsionnet.signals.rotation.pulse_reading import PulseReading
-from torsionnet.signals.rotation.quadrature import DirectedPulses
+from torsionnet.signals.rotation.quadrature import DirectedPulses, quadrature_pulses
+from torsionnet.signals.rotation.reversing import ReversingRotation
 from torsionnet.signals.rotation.rotation_blocks import iter_wheel_rotations
+from torsionnet.signals.rotation.turning_back import refuse_turning_back
 from torsionnet.signals.rotation.wheel import Wheel
 from torsionnet.signals.rotation.wheel_channel import WheelChannel, wheel_pulses
 from torsionnet.signals.rotation.wheel_rotation import wheel_rotation
@@ -130,10 +134,48 @@ class TestQuadrature:
         assert found.speeds.mean() == pytest.approx(sign * 20, rel=1e-3)
         assert found.revolutions == pytest.approx(80 / (2 * np.pi), rel=0.01)
 
+    @pytest.mark.parametrize("turning", [lambda t: 12.6 * t + 0.1, lambda t: 6 * np.sin(np.pi * t) + 0.13])
+    def test_a_lost_edge_moves_no_pulse_that_is_not_beside_it(self, turning):
+        fine = np.linspace(0, 1, 20_001)
+        edges = []
+        for lag in (0.0, 0.25):
+            high = ((turning(fine) - lag) % 1 < 0.5).astype(int)
+            edges += [fine[:-1][np.diff(high) == step] for step in (1, -1)]
+        whole = quadrature_pulses("n", (edges[0], edges[1]), (edges[2], edges[3]))
+        true = np.floor(turning(whole.times) + 1e-2)
+        assert (whole.numbers.tolist(), whole.notes) == ((true - true[0]).tolist(), ())
+        for place, lost in product(range(4), (3, -3)):
+            some = [np.delete(one, lost) if number == place else one for number, one in enumerate(edges)]
+            found = quadrature_pulses("n", (some[0], some[1]), (some[2], some[3]))
+            beside = np.abs(found.times - edges[place][lost]) < 0.2
+            kept = ~beside & np.isin(found.times, whole.times)
+            assert kept.sum() > 5
+            assert found.numbers[kept].tolist() == whole.numbers[np.isin(whole.times, found.times[kept])].tolist()
+            assert found.notes == ("1 lost edges of two tracks counted",)
+
     def test_tracks_that_are_not_of_one_wheel(self):
         one = self.tracks(self.angle)["a"]
         with pytest.raises(UsageError, match="the two tracks do not change in turn"):
             wheel_pulses(record(a=one, b=one), "a", PulseReading(second="b"))
+
+
+@pytest.mark.parametrize("together", [7, 2**17])
+@pytest.mark.parametrize("before", [10, 11, 33, 50])
+def test_a_standstill_is_seen_wherever_it_is(monkeypatch, before, together):
+    """From ten pulses on either side: at constant deceleration they come at the roots of whole numbers."""
+    monkeypatch.setattr("torsionnet.signals.rotation.turning_back.INTERVALS_TOGETHER", together)
+    places = np.r_[np.arange(-before, 0), 1:11].astype(float)
+    with pytest.raises(UsageError, match=rf"n1: the shaft stands still around -1 s, pulse {before - 1}: "):
+        refuse_turning_back(np.sign(places) * np.sqrt(np.abs(places)), "n1")
+    refuse_turning_back(np.sqrt(np.arange(60.0)), "n1")
+
+
+def test_splines_over_time_read_orders_up_to_their_band_within_0_2_percent():
+    """Half the pulses of a turn are pi from pulse to pulse."""
+    places, read = np.arange(200.0), 50 + np.arange(960) / 10  # 16 periods
+    step = np.pi * ReversingRotation.kept_band
+    found = ReversingRotation(places, places + 0.1 * np.cos(step * places)).at(read)
+    assert 1e-3 < 1 - 2 * np.mean((found - read) * np.cos(step * read)) / 0.1 < 2.5e-3
 
 
 class TestBlocks:

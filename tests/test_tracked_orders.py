@@ -248,6 +248,7 @@ def test_a_geared_wheel_is_tracked_in_its_own_angle():
     assert second.values == pytest.approx(2 * first.values, rel=1e-7)
     pair = (Twist("wheel", "pinion"), seen, pinion)
     (twist,) = track_orders(None, seen, twists=[pair], orders=[3, 6], reference=TOP)
+    assert (twist.name, twist.unit) == ("twist(wheel-pinion)", "rad")
     assert np.abs(twist.values).max() < 1e-9
 
 

@@ -1,5 +1,7 @@
 """What tells a wheel's pattern from vibration, what stays ambiguous, and which tooth is the first."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import scipy
@@ -15,7 +17,7 @@ from torsionnet.signals.rotation.calculated_orders import CalculatedOrders
 from torsionnet.signals.rotation.constant_part import constant_part
 from torsionnet.signals.rotation.pattern_checks import check_pattern
 from torsionnet.signals.rotation.wheel import Wheel
-from torsionnet.signals.rotation.wheel_calibration import WheelTest, calibrate_wheel
+from torsionnet.signals.rotation.wheel_calibration import WheelTest, _over_windows, calibrate_wheel
 from torsionnet.signals.rotation.wheel_rotation import wheel_rotation
 
 
@@ -201,11 +203,12 @@ class TestCalculated:
             index = PulseChannel("I", 2 * np.pi * np.arange(21) / (speed / 2) - 1e-4)
             tests.append(WheelTest(PulseChannel("A", times), index=index))
         known = np.repeat(response[:, None], 3, axis=1)
-        calculated = CalculatedOrders(speeds, np.array([1.0, 2.0]), known, np.zeros((0, 2, 3)))
+        calculated = CalculatedOrders(speeds, np.array([1.0, 2.0]), known, np.zeros((0, 2, 3)), source="the engine")
         found = calibrate_wheel(tests, Wheel(teeth=Z, ratio=2), calculated=calculated, cycle=1)
         for row in found.orders[1:4:2]:
             assert row.by == "calculated orders"
             assert row.value == pytest.approx(position_amplitude(positions, row.order), abs=1e-4 * DEGREE)
+        assert "vibration in orders 'calculated orders' is that of the engine" in found.notes
 
     def test_speeds_beyond_the_calculated_ones_are_refused(self):
         calculated = CalculatedOrders(np.array([50.0, 60.0]), ORDERS, np.zeros((5, 2)), np.zeros((0, 5, 2)))
@@ -242,6 +245,14 @@ class TestIntervals:
         assert found.half_width == pytest.approx(scipy.stats.t.ppf(0.975, 22) * part / np.sqrt(12))
 
     @pytest.mark.slow
+    def test_means_of_teeth_are_of_the_windows_in_which_they_come(self):
+        left = np.array([[0.1, 0.2, np.nan, 0.4], [0.3, np.nan, np.nan, 0.1], [0.2, np.nan, np.nan, np.nan]])
+        windows = [SimpleNamespace(left=lambda _, row=row: row) for row in left]
+        mean, half = _over_windows(SimpleNamespace(first=windows), np.zeros(4))
+        assert mean == pytest.approx([0.2, 0.2, 0, 0.25])
+        low, high = scipy.stats.t.interval(0.95, [2, 1], scale=scipy.stats.sem(left[:, [0, 3]], nan_policy="omit"))
+        assert half == pytest.approx([(high[0] - low[0]) / 2, 0, 0, (high[1] - low[1]) / 2])
+
     def test_intervals_of_orders_and_teeth_cover_95_percent(self):
         """40 wheels, 10 orders, real and imaginary part; two pickups at two speeds, jitter of 5 microseconds."""
         inside, of_teeth = [], []

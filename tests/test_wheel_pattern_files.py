@@ -67,6 +67,13 @@ def records(tmp_path, monkeypatch):
 CALL = ("--pulses", "A", "--teeth", Z, "--index", "index")
 
 
+@pytest.mark.parametrize("angle", ["360 deg", "0 deg"])
+def test_an_angle_of_a_whole_turn_or_of_nothing_is_refused(angle):
+    said = run("calibrate-wheel", "600.npz", *CALL, "--angle", angle, code=2).stderr
+    assert "--angle" in said
+    assert "must be" in said
+
+
 def test_the_command_writes_a_pattern_by_two_pickups(records):
     done = run(
         "calibrate-wheel", "600.npz", "900.npz", *CALL, "--second-pickup", "B", "--angle", "99deg", "--name", "flywheel",
