@@ -15,6 +15,12 @@ MOST_NEWTON_STEPS = 60
 LAST_STEP = 5e-17
 """Part of a step of the grid by which Newton's method may still move when it ends: a rounding of the finer grid."""
 
+ASTRAY = 1e3
+"""Roundings by which a guard that has just come into force may lie below zero: states of motion are the rounded results
+of many steps, and of terms larger than those of the guard."""
+AT_ONCE = 1e-4
+"""Part of a step of the grid after which such a guard lies above zero if it rises."""
+
 
 def numbers_of(coefficients: Any) -> Any:
     """Coefficients of a polynomial as a list, which loops in Python read quicker than an array."""
@@ -85,22 +91,31 @@ def turning_point(coefficients: Any, first: float, last: float) -> float:
 
 
 def first_root(coefficients: Any, length: float, rounding: float) -> float:
-    """First place from 0 to ``length`` where a guard falls below zero by more than rounding, or -1."""
-    start, end = coefficients[0], polynomial_at(coefficients, length)
+    """First place from 0 to ``length`` where a guard falls below zero by more than rounding, or -1.
+
+    One that begins a little below zero and rises above it at once, as a slip that has just begun, has not fallen.
+    """
+    begin, start = 0.0, coefficients[0]
     if start < -rounding:
-        return 0.0
-    rising, rises = coefficients[1] > 0, slope_at(coefficients, length) > 0
-    above, below = 0.0, length
+        begin, below = AT_ONCE, start
+        start = polynomial_at(coefficients, begin)
+        if below < -ASTRAY * rounding or start <= 0:
+            return 0.0
+        if begin >= length:
+            return -1.0
+    end = polynomial_at(coefficients, length)
+    rising, rises = slope_at(coefficients, begin) > 0, slope_at(coefficients, length) > 0
+    above, below = begin, length
     if end >= -rounding:
         if rising or not rises:
             return -1.0
-        below = turning_point(coefficients, 0.0, length)
+        below = turning_point(coefficients, begin, length)
         if polynomial_at(coefficients, below) >= -rounding:
             return -1.0
     if start <= rounding:
         if not rising or rises:
-            return 0.0
-        above = turning_point(coefficients, 0.0, below)
-        if polynomial_at(coefficients, above) <= rounding:
-            return 0.0
+            return begin
+        above = turning_point(coefficients, begin, below)
+        if polynomial_at(coefficients, above) <= 0:
+            return above
     return root_between(coefficients, above, below)

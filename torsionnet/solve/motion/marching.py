@@ -170,7 +170,9 @@ def march(
         if following[c, which] < 0:
             reason = ASK
             break
+        # z meets the conditions before the event but for the rounding of many steps: a slip begins at zero
+        for contact in (c, following[c, which]):
+            put(p, product(refreshes[contact], with_torques(p, i, f, n_u, drive)))
         c = following[c, which]
-        put(p, product(refreshes[c], with_torques(p, i, f, n_u, drive)))
     state[0], state[1], state[3], state[4] = c, i, n_pieces, n_events
     return reason, f, which

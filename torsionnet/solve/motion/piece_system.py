@@ -88,7 +88,7 @@ class PieceMotion:
             if reason == marching.STORM:
                 self._refuse_storm(event_numbers[: state[4]], int(state[1]), f)
             if reason == marching.ASK:
-                z = self._z(p, int(state[1]), f)
+                z = self._refreshed(states.contacts[state[0]], self._z(p, int(state[1]), f))
                 time = self.begins + (int(state[1]) + f) * states.h
                 contact, always = states.after(states.contacts[state[0]], guard, z, time)
                 known = states.number(contact)

@@ -10,6 +10,7 @@ import numpy as np
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.core.threads import one_thread
 from torsionnet.model.channels import Sensor
 from torsionnet.model.scenarios.time_history import TimeHistory, constant
 from torsionnet.response.motion.motion_start import MotionStart
@@ -38,6 +39,7 @@ EVEN = 1e-9
 """Share of the torque over the inertia by which a start counts as accelerating."""
 
 
+@one_thread()
 def simulate(
     drivetrain: AssembledModel,
     outputs: str | Sensor | Sequence[str | Sensor],
