@@ -163,17 +163,23 @@ class TestTwoMasses:
         assert found.excited
         assert found.line == f"{frequency:g} Hz"
 
-    def test_slip_of_a_starting_motor_meets_a_mode_twice_at_most(self):
-        """Twice the slip frequency is 2 (50 Hz - 2 n): 19.49 Hz below synchronous speed at 1500 (1 - 19.49/100) r/min."""
+    def test_slip_of_a_starting_motor_meets_a_mode_twice(self):
+        """Twice the slip frequency is |2 (50 Hz - 2 n)|: 19.49 Hz at 1500 (1 -+ 19.49/100) r/min."""
         slip = {"frequency": "50 Hz", "amplitude": [["0 rpm", 60], ["3000 rpm", 60]]}
         plant = with_machine(slip=slip, pole_pairs=2)
         natural = math.sqrt(self.K / self.J) / (2 * np.pi)
         below = plant.critical_speeds(speeds=np.array([800, 1400]) * RPM).of(1, -4)
         assert below.speed() / RPM == pytest.approx(1500 * (1 - natural / 100))
         assert below.margin == 0
-        assert plant.critical_speeds(speeds=np.array([1300, 1450]) * RPM).of(1, -4).margin == pytest.approx(
-            natural / (100 - 4 * 1300 / 60) - 1
-        )
+        both = plant.critical_speeds(speeds=np.array([1300, 1450]) * RPM)
+        meant = [1500 * (1 + sign * natural / 100) for sign in (-1, 1)]
+        assert [one.speed() / RPM for one in both.crossings] == pytest.approx(meant)
+        assert both.of(1, -4, near=1800 * RPM).speed() / RPM == pytest.approx(meant[1])
+        with pytest.raises(
+            tn.UsageError, match=r"mode 1 meets order -4 at 1207.6 and 1792.4 rpm; say which with near="
+        ):
+            both.of(1, -4)
+        assert [one.margin for one in both.crossings] == [pytest.approx(natural / (100 - 4 * 1300 / 60) - 1)] * 2
 
     def test_cranks_that_turn_against_each_other_add_up(self):
         """Both cylinders fire at once and drive their own crank: twice the torque, although one angle is negative."""

@@ -144,7 +144,8 @@ def test_a_bound_that_holds_is_said():
 
 
 def test_a_value_without_effect_is_said():
-    found = running(0.5).damper_design("a", {"c": (1e-6, 2e-6)})
+    """Far from the resonance, at which even so little damping decides."""
+    found = running(0.5).damper_design("a", {"c": (1e-6, 2e-6)}, speeds=np.linspace(1000, 1100, 11) * np.pi / 30)
     assert any(text.startswith("the maximum hardly depends on c") for text in found.words())
 
 

@@ -70,6 +70,17 @@ def test_remark_names_the_mode_the_rate_and_the_loss():
     assert sweep_remarks(times, 2 * np.pi * (19 + 0.01 * times), [1.0], modes) == ()
 
 
+def test_a_sample_right_on_the_mode_is_passed_like_others():
+    """And a run-up that begins or ends there has passed nothing."""
+    times = np.linspace(0, 3, 61)
+    frequency = 10 + 10 * times
+    modes = SimpleNamespace(damped_frequencies=frequency[[20]], damping_ratios=np.array([0.02]))
+    (text,) = sweep_remarks(times, 2 * np.pi * frequency, [1.0], modes)
+    assert "order 1 passed 20 Hz" in text
+    ends = SimpleNamespace(damped_frequencies=frequency[[0, -1]], damping_ratios=np.array([0.02, 0.02]))
+    assert sweep_remarks(times, 2 * np.pi * frequency, [1.0], ends) == ()
+
+
 @pytest.mark.parametrize(("ratio", "told"), [(0.0, 0), (0.299, 1), (MOST_DAMPED, 0)])
 def test_a_mode_without_damping_or_without_a_peak_has_no_remark(ratio, told):
     """Through 20 Hz within hundredths of a second, so fast that even a mode with 30 % of critical damping loses its peak."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -83,6 +84,23 @@ class OperatingPoints:
             where = f"{self.external.reference} at {speed * RPM:.6g} rpm"
             what = str(parameter.by).replace("_", " ")
             raise UsageError(f"the {what} of {parameter.of} is {shown} with {where}; {error}") from None
+
+    def rows(self, speed: float) -> tuple[int, ...]:
+        """Numbers of the rows at which every table stands at a speed of the reference node in rad/s.
+
+        Tables of parameters and of the load; between two speeds with equal numbers all values are smooth.
+
+        Raises
+        ------
+        UsageError
+            As for :meth:`at`.
+        """
+        self.at(speed)
+        found = []
+        for parameter in self.external.definition.following.values():
+            followed = 0.0 if parameter.by == VIBRATORY_TORQUE else self._followed(parameter, speed)
+            found += [int(followed < 0), bisect_right([row[0].value for row in parameter.table], abs(followed))]
+        return (*found, *self.external.rows(speed))
 
     def _followed(self, parameter: Parameter, speed: float) -> float:
         if parameter.by == "speed":

@@ -69,6 +69,7 @@ class CriticalSpeedRow:
     natural: Annotated[float, Out(json="natural_rad_per_s")]
     damped: Annotated[float, Out(json="damped_rad_per_s")]
     margin: float
+    nearest_speed: Annotated[float, Out(json="margin_at_rad_per_s")]
     required: float | None
     generalised_force: Annotated[float, Out(json="generalised_force_Nm")]
     relative_force: float
@@ -102,6 +103,9 @@ class CriticalSpeedsRecord:
 class CriticalSpeed:
     """Crossing of an excitation order or fixed frequency with one mode, with its margin and generalised force (N m).
 
+    A line may cross a mode at several speeds; where it comes nearer than a rule permits and does not cross it, this is
+    the place where it is nearest, and has no speeds.
+
     Attributes
     ----------
     mode : VibrationMode
@@ -113,8 +117,8 @@ class CriticalSpeed:
     fixed : float
         Part of the frequency in Hz that does not depend on speed: the line excites at order * speed + fixed.
     margin : float
-        Distance of the nearest natural frequency (undamped, and ``|lambda|/2pi``) from the excitation frequencies in
-        the operating range, over the excitation frequency; 0 inside.
+        Least distance of a natural frequency (undamped, or ``|lambda|/2pi``) from the excitation frequency at the same
+        speed, over the operating range, as a share of the excitation frequency; 0 where the two meet in it.
     required : float or None
         Margin required by the rule; None where it covers nothing.
     generalised_force : float
@@ -132,6 +136,13 @@ class CriticalSpeed:
     peaks : tuple of SpeedPeak
     modal_inertia : float
         ``sum_n J_n |phi_n|^2`` in kg m^2, for the shape with its largest angle 1; nan where no torque is given.
+    speeds : (float, float, float)
+        Speeds in rad/s of the reference shaft at which the line meets the undamped, the natural and the damped
+        frequency; nan where it does not.
+    nearest_speed : float
+        Speed in rad/s of the operating range that has the margin; nan where all have.
+    leaps : bool
+        Whether the mode leaps over the line there, as a stiffness that changes in steps makes it do.
     """
 
     mode: VibrationMode
@@ -149,6 +160,9 @@ class CriticalSpeed:
     case: str = ""
     peaks: tuple[SpeedPeak, ...] = ()
     modal_inertia: float = math.nan
+    speeds: tuple[float, float, float] = (math.nan, math.nan, math.nan)
+    nearest_speed: float = math.nan
+    leaps: bool = False
 
     @property
     def equilibrium_amplitude(self) -> float:
@@ -195,13 +209,13 @@ class CriticalSpeed:
         """
         if which not in FREQUENCY_FIELDS:
             raise UsageError(f'no frequency of a mode is named "{which}"; choose {", ".join(FREQUENCY_FIELDS)}')
-        natural = float(getattr(self.mode, FREQUENCY_FIELDS[which]))
-        relative = self.order * float(self.ratio) / (2 * math.pi)
-        if not relative:
-            return math.nan
-        # The frequency of a slip falls with speed and changes its sign: it may meet a mode only above synchronism.
-        found = ((frequency - self.fixed) / relative for frequency in (natural, -natural))
-        return next((speed for speed in found if speed > 0), math.nan)
+        return self.speeds[list(FREQUENCY_FIELDS).index(which)]
+
+    @property
+    def first_speed(self) -> float:
+        """Speed in rad/s at which the line meets the natural, else the undamped frequency, else is nearest to them."""
+        undamped, natural, _ = self.speeds
+        return next((one for one in (natural, undamped, self.nearest_speed) if math.isfinite(one)), math.inf)
 
     def own_speed(self, which: str = "undamped") -> float:
         """Critical speed in rad/s of the shaft that bears the excitation, nan where there is none."""
@@ -213,7 +227,8 @@ class CriticalSpeed:
         vectors = [] if star is None else zip(star.labels, star.nodes, star.vectors.tolist(), strict=True)
         return CriticalSpeedRow(
             self.mode.number, self.excitation, self.order, self.fixed, self.order * float(self.ratio),
-            self.speed("undamped"), self.speed("natural"), self.speed("damped"), self.margin, self.required,
+            self.speed("undamped"), self.speed("natural"), self.speed("damped"), self.margin,
+            self.nearest_speed, self.required,
             self.generalised_force, self.relative_force,
             self.excited, self.excited_in, self.peaks, tuple(StarVector(*one) for one in vectors),
         )  # fmt: skip
@@ -235,6 +250,10 @@ class CriticalSpeed:
             said.append(f"not excited{elsewhere}")
         elif self.case:
             said.append(self.case)
+        if self.leaps:
+            said.append("the mode leaps over the line")
+        elif math.isfinite(self.nearest_speed) and not any(map(math.isfinite, self.speeds)):
+            said.append(f"no crossing: nearest at {screen_text(self.nearest_speed * RPM, 5)} rpm")
         return "; ".join(said)
 
     @property
@@ -257,7 +276,7 @@ class CriticalSpeeds(NotebookResult):
         Operating range in rad/s.
     modes : tuple of VibrationMode
     crossings : tuple of CriticalSpeed
-        Sorted by mode, then by excitation and order.
+        Sorted by mode, then by excitation, order and speed: several where a line crosses a mode at several speeds.
     lines : tuple of OrderLine
         Orders and fixed frequencies examined.
     nodes : tuple of str
@@ -294,13 +313,15 @@ class CriticalSpeeds(NotebookResult):
     condition: str = ""
     notes: tuple[str, ...] = ()
 
-    def of(self, mode: int, order: float, excitation: str | None = None) -> CriticalSpeed:
+    def of(self, mode: int, order: float, excitation: str | None = None, *, near: float | None = None) -> CriticalSpeed:
         """Critical speed (:class:`CriticalSpeed`) at which a mode, by its number, meets an excitation order.
+
+        Where it does at several speeds, the one nearest to the speed ``near`` in rad/s.
 
         Raises
         ------
         UsageError
-            There is no such crossing, or several excitations have it and none is named.
+            There is no such crossing, or several excitations or speeds have it and none is named.
         """
         self.mode(mode)
         found = [
@@ -312,9 +333,16 @@ class CriticalSpeeds(NotebookResult):
         ]
         if len(found) == 1:
             return found[0]
+        names = list(dict.fromkeys(one.excitation for one in found))
+        if len(names) > 1:
+            raise UsageError(f"{', '.join(names)} have order {order:g}; say which excitation")
+        if found and near is not None:
+            return min(found, key=lambda one: abs(one.first_speed - near))
         if found:
-            names = ", ".join(one.excitation for one in found)
-            raise UsageError(f"{names} have order {order:g}; say which excitation")
+            if len({one.fixed for one in found}) > 1:
+                raise UsageError(f"mode {mode} is near {', '.join(one.line for one in found)}; choose among crossings")
+            places = " and ".join(screen_text(one.first_speed * RPM, 5) for one in found)
+            raise UsageError(f"mode {mode} meets order {order:g} at {places} rpm; say which with near=, in rad/s")
         known = ", ".join(dict.fromkeys(one.line for one in self.crossings if one.mode.number == mode)) or "none"
         raise UsageError(f"mode {mode} meets no order {order:g} in or near the operating range; it meets {known}")
 
@@ -379,7 +407,7 @@ class CriticalSpeeds(NotebookResult):
         low, high = (speed * RPM for speed in self.speed_range)
         notes = [
             f"speeds of {self.reference}; operating range {screen_text(low, 6)} to {screen_text(high, 6)} rpm",
-            "margin: of the nearer of both natural frequencies from excitation frequencies in the range; 0 inside",
+            "margin: least distance of both natural frequencies from the line over the range; 0 where they meet there",
             "generalised force: torques of all cylinders summed on the shape with their phases, largest angle 1 rad",
         ]
         return (*notes, *([f"margins: {self.rule}"] if self.rule else []), *self.notes)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -131,6 +132,14 @@ class ExternalTorques:
         if not stated or not math.isclose(speed, self.operating_speed):
             raise UsageError("mean torques over speed need the entry load: {absorbed_at: node, power: ..., ...}")
         return stated
+
+    def rows(self, speed: float) -> tuple[int, ...]:
+        """Numbers of the rows at which the tables of the load's absorbers stand at a speed in rad/s."""
+        return tuple(
+            bisect_right([pair[0] for pair in one.over_speed], abs(self._relative(place) or 0.0) * speed)
+            for place, one in self.absorbers.items()
+            if one.over_speed
+        )
 
     def in_condition(self, speeds: Sequence[float]) -> list[dict[str, float]]:
         """Mean external torques in N m, by node, at each speed > 0 in rad/s, with the cylinders lost that are lost.

@@ -108,7 +108,9 @@ def sweep_remarks(times: FloatArray, speeds: FloatArray, orders: Sequence[float]
         for natural, ratio in zip(modes.damped_frequencies.tolist(), modes.damping_ratios.tolist(), strict=True):
             if natural <= 0 or not 0 < ratio < MOST_DAMPED:
                 continue
-            crossed = np.flatnonzero((frequency[1:] - natural) * (frequency[:-1] - natural) < 0)
+            beside = np.flatnonzero(frequency != natural)  # a sample may lie right on the mode
+            above = frequency[beside] > natural
+            crossed = beside[:-1][above[1:] != above[:-1]]
             losses = [
                 (sweep_loss(rate, natural, ratio), rate)
                 for at in crossed.tolist()

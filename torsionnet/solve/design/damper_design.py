@@ -30,6 +30,7 @@ from torsionnet.solve.design.levels import Levels, OrderLevels, ReceptanceLevels
 from torsionnet.solve.design.minimax import Box, largest, smallest_maximum
 from torsionnet.solve.modes.modes import modes
 from torsionnet.solve.responses.grid import vibration_range
+from torsionnet.solve.running.examined_speeds import ExaminedSpeeds
 from torsionnet.solve.running.order_response import order_response
 from torsionnet.solve.sensitivity.parametric import parametric_response
 from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
@@ -117,7 +118,8 @@ def levels_of(
             raise UsageError("a band of frequencies needs input=; without an input, give speeds instead")
         chosen = None if excitations is None else [*excitations]
         run = order_response(drivetrain, output, speeds=speeds, speed_of=speed_of, excitations=chosen)
-        return OrderLevels(VariedModel(varied), output, chosen, run)
+        examined = ExaminedSpeeds.of(drivetrain, speeds, speed_of=speed_of, excitations=chosen)
+        return OrderLevels(VariedModel(varied), output, chosen, run, examined.refine)
     if speeds is not None or excitations is not None:
         raise UsageError(
             "speeds and excitations do not go with an input, which is swept over frequency; leave out one or the other"

@@ -15,9 +15,11 @@ from torsionnet.model.channels import Sensor
 from torsionnet.response import Channel
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import OrderResponse
+from torsionnet.response.speed_refinement import refine_speeds, speeds_to_refine
 from torsionnet.solve.modes.modes import modes
 from torsionnet.solve.responses.grid import Adaptive
 from torsionnet.solve.responses.peaks import inner_maxima
+from torsionnet.solve.running.examined_speeds import ExaminedSpeeds
 from torsionnet.solve.running.order_response import order_response
 from torsionnet.solve.sensitivity.parametric import ParametricResponse
 from torsionnet.solve.sensitivity.unknowns import Unknowns
@@ -137,14 +139,16 @@ class ReceptanceLevels:
 class OrderLevels:
     """Half range of all orders of one output together, in its unit, at the speeds of a run in rad/s.
 
-    Every response is exact; slopes are central differences of it, so that whatever excites the model may depend on its
-    parameters in any way.
+    With ``refine`` also between these speeds, near resonances and maxima of the model in question. Every response is
+    exact; slopes are central differences of it, so that whatever excites the model may depend on its parameters in any
+    way.
     """
 
     model: VariedModel
     output: str | Sensor
     excitations: Sequence[str] | None
     run: OrderResponse
+    refine: bool = False
     precision: ClassVar[float] = 1e-5
 
     @property
@@ -157,8 +161,13 @@ class OrderLevels:
         return replace(first, name=f"half range of {first.name}")
 
     def grid(self, values: FloatArray) -> FloatArray:
-        del values
-        return self.run.speeds
+        if not self.refine:
+            return self.run.speeds
+        changed, shaft = self.model.at(values), self.run.reference
+        examined = ExaminedSpeeds.of(
+            changed, self.run.speeds, speed_of=shaft, excitations=self.excitations, refine=True
+        )
+        return examined.first(np.empty(0))
 
     def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
         changed, shaft = self.model.at(values), self.run.reference
@@ -174,9 +183,16 @@ class OrderLevels:
         return found
 
     def maxima(self, values: FloatArray) -> FloatArray:
-        levels = self.at(values, self.run.speeds)
-        places = _with_ends(levels)
-        return _highest_first(self.run.speeds[places], levels[places])
+        def with_more(known: FloatArray, more: FloatArray) -> FloatArray:
+            both = np.concatenate([known, [more, self.at(values, more)]], axis=1)
+            return both[:, np.argsort(both[0], kind="stable")]
+
+        grid = self.grid(values)
+        found = np.array([grid, self.at(values, grid)])
+        if self.refine:
+            found = refine_speeds(found, lambda known: speeds_to_refine(known[0], known[1:].T), with_more)
+        places = _with_ends(found[1])
+        return _highest_first(found[0, places], found[1, places])
 
     def shown(self, points: FloatArray) -> FloatArray:
         return points * RPM

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
@@ -15,23 +15,29 @@ from numpy.typing import ArrayLike
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import UsageError
 from torsionnet.core.listing import comma_list
+from torsionnet.core.number_text import screen_text
+from torsionnet.core.units import RPM
 from torsionnet.model.damper_states import AS_MODELLED, with_dampers
 from torsionnet.model.excitations import OrderExcitation, OrderTorques
 from torsionnet.model.operating_values import operating_speed_notes
 from torsionnet.model.speeds import speeds_by_reference
-from torsionnet.response.critical_speeds import FREQUENCY_FIELDS, CriticalSpeed, CriticalSpeeds
+from torsionnet.response.critical_speeds import CriticalSpeed, CriticalSpeeds
 from torsionnet.response.margin_rules import MarginRule, margin_rule
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.vibrations.vibration_mode import VibrationMode
 from torsionnet.solve.modes.mode_pairs import vibration_modes
 from torsionnet.solve.modes.modes import modes
 from torsionnet.solve.running.generalised_force import generalised_force, star_diagram
-from torsionnet.solve.running.modes_over_speed import ModesOverSpeed
+from torsionnet.solve.running.line_meetings import LineOverModes, Meeting
+from torsionnet.solve.running.modes_over_speed import DAMPED, NATURAL, UNDAMPED, ModesOverSpeed
 from torsionnet.solve.running.order_response import input_senses, order_response, with_motions_held
 from torsionnet.solve.running.speed_peaks import with_speed_peaks
 
 LINE_FREQUENCY = "line frequency"
 """Name of the excitation under which lines at 1 and 2 times the frequency of the electric grid are listed."""
+FOLLOWED_ABOVE = 1.5
+"""Ratio of a mode's frequency to the highest of any line above which the mode is not followed closely: no margin of a
+rule is near a half."""
 
 
 def critical_speeds(
@@ -64,20 +70,22 @@ def critical_speeds(
     # The vibrations are those with imposed motions held, as in the order response.
     held = with_motions_held(changed, {name: changed.definition.excitations[name] for name in examined})
     title = drivetrain.title + ("" if dampers == AS_MODELLED else f", damper ring {dampers}")
-    search = CrossingSearch(held, title, reference, speed_range, rule, reach, lowest)
-    search.known = {name: search.known_speeds(name, float(group[0].ratio)) for name, group in examined.items()}
+    acting = {name: float(group[0].ratio) for name, group in examined.items()}
     if line_frequency:
         examined[LINE_FREQUENCY] = [
             OrderLine(LINE_FREQUENCY, 0.0, Fraction(1), times * line_frequency) for times in (1, 2)
         ]
+    every_line = [line for group in examined.values() for line in group]
+    search = CrossingSearch(held, title, reference, speed_range, every_line, rule, reach, lowest)
+    search.known = {name: search.known_speeds(name, ratio) for name, ratio in acting.items()}
     crossings = [one for name, group in examined.items() for one in search.crossings(name, group)]
-    crossings.sort(key=lambda one: (one.mode.number, one.excitation, one.order, one.fixed))
+    crossings.sort(key=lambda one: (one.mode.number, one.excitation, one.order, one.fixed, one.first_speed))
     found = CriticalSpeeds(
         reference=reference,
         speed_range=search.speed_range,
         modes=search.modes,
         crossings=tuple(crossings),
-        lines=tuple(line for group in examined.values() for line in group),
+        lines=tuple(every_line),
         nodes=held.assembly.nodes,
         rule=search.rule,
         title=title,
@@ -96,11 +104,12 @@ def critical_speeds(
 def order_margins(
     drivetrain: AssembledModel, *, speeds: ArrayLike | None = None, excitations: Iterable[str] | None = None
 ) -> tuple[CriticalSpeed, ...]:
-    """Crossings of every order line with every mode, however far away, with margins but no forces or peaks."""
+    """Places where every order line is nearest to every mode, however far away, with margins but no forces or peaks."""
     lines, reference, speed_range = excited_lines(drivetrain, speeds, None, excitations)
     held = with_motions_held(drivetrain, {name: drivetrain.definition.excitations[name] for name in lines})
-    search = CrossingSearch(held, drivetrain.title, reference, speed_range, None, 0.0, None)
-    return tuple(search.met(mode, line) for group in lines.values() for line in group for mode in search.modes)
+    every = [line for group in lines.values() for line in group]
+    search = CrossingSearch(held, drivetrain.title, reference, speed_range, every, None, 0.0, None)
+    return tuple(search.nearest(mode, line) for line in every for mode in search.modes)
 
 
 def excited_frequencies(line: OrderLine, speed_range: tuple[float, float]) -> tuple[float, float]:
@@ -151,6 +160,7 @@ class CrossingSearch:
         title: str,
         reference: str,
         speed_range: tuple[float, float],
+        lines: Sequence[OrderLine],
         rule: MarginRule | None,
         reach: float,
         lowest: int | None,
@@ -161,7 +171,13 @@ class CrossingSearch:
         self.known: dict[str, tuple[float, float]] = {}
         found = vibration_modes(drivetrain, modes(drivetrain))
         self.modes = tuple(sorted(found, key=lambda mode: mode.number))[:lowest]
-        self.over_speed = ModesOverSpeed(drivetrain, reference, speed_range, [mode.number for mode in found])
+        required = [one for line in lines if rule and (one := rule.required(line.order))]
+        self.widest = max([reach, *required])
+        highest = max((excited_frequencies(line, self.limits)[1] for line in lines), default=0.0)
+        self.over_speed = ModesOverSpeed(
+            drivetrain, reference, speed_range, [mode.number for mode in found],
+            reach=self.widest, highest=FOLLOWED_ABOVE * highest,
+        )  # fmt: skip
         self.turning = {
             node: speed
             for node, speed in speeds_by_reference(drivetrain.definition, drivetrain.exact_values, reference).items()
@@ -169,15 +185,26 @@ class CrossingSearch:
         }
 
     def crossings(self, name: str, lines: Sequence[OrderLine]) -> list[CriticalSpeed]:
-        """Critical speeds at which order lines of one excitation meet modes, near the operating range."""
-        blank = [self.met(mode, line) for mode in self.modes for line in lines]
-        near = [one for one in blank if self._is_near(one)]
-        excitation = self.drivetrain.definition.excitations.get(name)
-        return near if excitation is None else list(self._with_forces(near, excitation, self.known[name]))
+        """Critical speeds at which order lines of one excitation meet modes, near the operating range.
 
-    def met(self, mode: VibrationMode, line: OrderLine) -> CriticalSpeed:
-        """Critical speed at which an order line meets a mode, near the operating range or not."""
-        return self._settled(self._crossing(mode, line), line)
+        Where the margin is less than required and they meet nowhere near it, that at which they are nearest.
+        """
+        found = [one for mode in self.modes for line in lines for one in self._near(mode, line)]
+        excitation = self.drivetrain.definition.excitations.get(name)
+        return found if excitation is None else list(self._with_forces(found, excitation, self.known[name]))
+
+    def nearest(self, mode: VibrationMode, line: OrderLine) -> CriticalSpeed:
+        """Place in the operating range where a line is nearest to a mode, with the margin between the two."""
+        beside = LineOverModes(line, self.over_speed.pieces, self.speed_range)
+        points = [beside.nearest(mode.number, curve) for curve in (NATURAL, UNDAMPED)]
+        there = [(0.0 if one.meets else abs(one.offset), one.speed) for one in points if one is not None]
+        margin, speed = min(there, key=lambda one: one[0], default=(math.nan, math.nan))
+        required = self.rule.required(line.order) if self.rule else None
+        if not line.order and not self.over_speed.is_speed_dependent:
+            speed = math.nan  # all speeds are as near
+        return CriticalSpeed(
+            mode, line.excitation, line.order, line.ratio, line.fixed, margin, required, nearest_speed=speed
+        )
 
     def known_speeds(self, name: str, ratio: float) -> tuple[float, float]:
         """Lowest and highest operating speed in rad/s, widened by ``reach`` where the excitation's data cover that."""
@@ -190,39 +217,42 @@ class CrossingSearch:
 
     def notes(self) -> Iterator[str]:
         for where in operating_speed_notes(self.drivetrain.external_torques):
-            yield f"{where}; critical speeds are found with the values at this speed"
+            yield f"{where}; critical speeds are found with the values at their own speed"
+        low, high = self.over_speed.known
+        if low > self.limits[0] or high < self.limits[1]:
+            ends = f"{screen_text(low * RPM, 6)} to {screen_text(high * RPM, 6)} rpm"
+            yield f"tables and laws give the modes from {ends}; critical speeds beyond are unknown"
         for name, known in self.known.items():
             if known != self.limits:
                 text = f"the data of {name} do not go beyond the operating range"
                 yield f"{text}; at critical speeds outside, its torques are those at the nearer end"
 
-    def _crossing(self, mode: VibrationMode, line: OrderLine) -> CriticalSpeed:
-        low, high = excited_frequencies(line, self.speed_range)
-        natural = [value for value in (mode.undamped_frequency, mode.natural_frequency) if not math.isnan(value)]
-        margin = min(_distance(value, low, high) for value in natural)
-        required = self.rule.required(line.order) if self.rule else None
-        return CriticalSpeed(mode, line.excitation, line.order, line.ratio, line.fixed, margin, required)
+    def _near(self, mode: VibrationMode, line: OrderLine) -> Iterator[CriticalSpeed]:
+        """Yield the crossings of a line with a mode near the operating range, else their nearest place if that counts.
 
-    def _settled(self, one: CriticalSpeed, line: OrderLine) -> CriticalSpeed:
-        """Crossing of an order line with a mode, by the mode at the critical speed itself if that depends on speed.
-
-        It does where parameters follow the operating point.
+        It counts where the margin is less than required, or than the reach from a frequency without a speed.
         """
-        if not self.over_speed.is_speed_dependent or not one.order:
-            return one
-        return self._crossing(self.over_speed.at_critical_speed(one.mode, self._natural(one)), line)
+        nearest = self.nearest(mode, line)
+        is_close = nearest.margin < (nearest.required or 0.0)
+        beside = LineOverModes(line, self.over_speed.pieces, self.speed_range)
+        every = [beside.meetings(mode.number, curve) for curve in (UNDAMPED, NATURAL, DAMPED)]
+        reach, count = (self.widest if is_close else self.reach), 0
+        low, high = self.speed_range[0] * (1 - reach), self.speed_range[1] * (1 + reach)
+        for row in _crossings(every):
+            main = row[NATURAL] or row[UNDAMPED]
+            if main is not None and any(one is not None and low <= one.speed <= high for one in row):
+                undamped, natural, damped = (math.nan if one is None else one.speed for one in row)
+                there = self._mode_at(mode, main.speed)
+                count += 1
+                yield replace(nearest, mode=there, speeds=(undamped, natural, damped), leaps=math.isinf(main.slope))
+        if not count and (is_close or (not line.order and nearest.margin < self.reach)):
+            yield replace(nearest, mode=self._mode_at(mode, nearest.nearest_speed))
 
-    @staticmethod
-    def _natural(one: CriticalSpeed) -> Callable[[VibrationMode], float]:
-        """Function from a mode to its critical speed in rad/s, by ``|lambda|/2pi``, else by undamped frequency."""
-        which = "undamped" if math.isnan(one.mode.natural_frequency) else "natural"
-        return lambda mode: replace(one, mode=mode).speed(which)
-
-    def _is_near(self, one: CriticalSpeed) -> bool:
-        if not one.order:
-            return one.margin < max(self.reach, one.required or 0)
-        low, high = self.limits
-        return any(low <= one.speed(which) <= high for which in FREQUENCY_FIELDS)
+    def _mode_at(self, mode: VibrationMode, speed: float) -> VibrationMode:
+        """The mode of the same number at a speed in rad/s."""
+        if not self.over_speed.is_speed_dependent or math.isnan(speed):
+            return mode
+        return next((one for one in self.over_speed.at(speed) if one.number == mode.number), mode)
 
     def _with_forces(
         self, near: Sequence[CriticalSpeed], excitation: OrderExcitation, known: tuple[float, float]
@@ -280,7 +310,7 @@ class CrossingSearch:
     def _acting_speed(self, one: CriticalSpeed) -> float:
         """Critical speed in rad/s at which torques are taken, by natural frequency where that is in range."""
         low, high = self.limits
-        found = [one.speed(which) for which in ("natural", "undamped", "damped")]
+        found = [*(one.speed(which) for which in ("natural", "undamped", "damped")), one.nearest_speed]
         return next((speed for speed in found if low <= speed <= high), self.speed_range[1])
 
     def _largest(self, shape: Mapping[str, complex], shaft: str) -> float:
@@ -300,8 +330,25 @@ def _has_torques(excitation: OrderExcitation, speed: float) -> bool:
     return True
 
 
-def _distance(natural: float, low: float, high: float) -> float:
-    """Distance of a natural frequency in Hz from the range low to high, over the range's nearer end; 0 inside."""
-    if natural < low:
-        return 1 - natural / low
-    return natural / high - 1 if natural > high else 0.0
+def _crossings(every: Sequence[Sequence[Meeting]]) -> list[list[Meeting | None]]:
+    """Crossings of a line and a mode, as meetings with the undamped, the natural and the damped frequency.
+
+    Meetings with two of them are one crossing if they are nearest to each other and the line goes the same way there.
+    """
+    rows: list[list[Meeting | None]] = []
+    for curve in (NATURAL, UNDAMPED, DAMPED):
+        pairs = sorted(
+            (abs(math.log(one.speed / main.speed)), place, number)
+            for place, row in enumerate(rows)
+            for number, one in enumerate(every[curve])
+            if (main := row[NATURAL] or row[UNDAMPED]) is not None
+            and (one.slope * main.slope >= 0 or math.isinf(one.slope) or math.isinf(main.slope))
+        )
+        left = set(range(len(every[curve])))
+        for _, place, number in pairs:
+            if rows[place][curve] is None and number in left:
+                rows[place][curve] = every[curve][number]
+                left.remove(number)
+        alone = [every[curve][number] for number in sorted(left) if curve != DAMPED]
+        rows += [[meeting if one == curve else None for one in (UNDAMPED, NATURAL, DAMPED)] for meeting in alone]
+    return rows

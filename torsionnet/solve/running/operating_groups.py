@@ -65,7 +65,7 @@ def drivetrains_at_speeds(
         return
     values = values_at_speeds(drivetrain, reference, speeds, settled)
     if drivetrain.definition.tangents is not None and drivetrain.definition.load is not None:
-        yield from _at_own_tangents(drivetrain, values, speeds * _own_ratio(drivetrain, reference), apart=apart)
+        yield from _at_own_tangents(drivetrain, values, speeds * own_ratio(drivetrain, reference), apart=apart)
         return
     for _, places in groupby(range(len(speeds)), key=lambda place: values[place]):
         some = np.array(list(places))
@@ -88,7 +88,7 @@ def _at_own_tangents(
         yield rigs[some[0]], some
 
 
-def _own_ratio(drivetrain: AssembledModel, reference: str) -> float:
+def own_ratio(drivetrain: AssembledModel, reference: str) -> float:
     """Speed of the node whose speed the load follows over that of the node to which speeds belong."""
     own = reference_node(drivetrain.definition) or reference
     return 1.0 if own == reference else abs(float(cached_total_ratio(drivetrain, own, reference)))
@@ -99,7 +99,7 @@ def values_at_speeds(
 ) -> list[dict[str, float]]:
     """Values in SI units by parameter, one mapping per speed, of the parameters that follow the operating point."""
     points = OperatingPoints(drivetrain.external_torques)
-    values = [points.at(speed) for speed in (speeds * _own_ratio(drivetrain, reference)).tolist()]
+    values = [points.at(speed) for speed in (speeds * own_ratio(drivetrain, reference)).tolist()]
     for name, found in settled.items():
         for place, value in enumerate(found.tolist()):
             values[place][name] = value

@@ -8,12 +8,11 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.core.errors import SolveError
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.order_line import OrderLine
-from torsionnet.response.vibrations.vibration_mode import VibrationMode
 from torsionnet.solve.modes.modes import modes
-from torsionnet.solve.running.modes_over_speed import ModesOverSpeed
+from torsionnet.solve.running.line_meetings import LineOverModes
+from torsionnet.solve.running.modes_over_speed import DAMPED, ModesOverSpeed
 
 HALF_WIDTHS_AROUND = (-3.0, -1.0, 0.0, 1.0, 3.0)
 """Distances from a critical speed at which speeds are added, in half widths of the resonance.
@@ -27,14 +26,10 @@ A larger value adds speeds around resonances that the steps show already.
 """
 SMALLEST_DAMPING_RATIO = 1e-7
 """Damping ratio that a mode is taken to have at least, since the half width of an undamped resonance would be 0."""
-MODE_SPEEDS = 9
-"""Number of speeds over the range at which modes that follow the speed are calculated, between two of which they are
-interpolated."""
-LARGEST_FREQUENCY_CHANGE = 0.005
-"""Relative change of a natural frequency between two neighbouring speeds up to which modes are interpolated.
-
-A larger value misplaces resonances, a smaller one needs more sets of modes.
-"""
+NEAR_RESONANCE = 0.1
+"""Relative distance of a line from a mode up to which their nearest place counts as a resonance, without a crossing."""
+FOLLOWED_ABOVE = 1.1
+"""Ratio of a mode's frequency to the highest of any line above which the mode has no resonance here."""
 Resonance = tuple[float, float]
 """Critical speed and half width of a resonance, both in rad/s of the reference shaft."""
 
@@ -44,7 +39,8 @@ def around_resonances(
 ) -> FloatArray:
     """Speeds (n,) in rad/s to add around every resonance that is narrower than a step of the rising ``speeds``."""
     limits = float(speeds[0]), float(speeds[-1])
-    over_speed = ModesOverSpeed(drivetrain, reference, limits)
+    highest = FOLLOWED_ABOVE * max((float(np.abs(line.frequency(np.array(limits))).max()) for line in lines), default=0)
+    over_speed = ModesOverSpeed(drivetrain, reference, limits, highest=highest)
     if over_speed.is_speed_dependent:
         return _around(_following(over_speed, _distinct(lines), limits), speeds)
     return around_poles(modes(drivetrain).eigenvalues, lines, speeds)
@@ -90,48 +86,12 @@ def _following(
 ) -> Iterator[Resonance]:
     """Yield resonances of order lines with modes that follow the speed, as speed and half width in rad/s.
 
-    Modes are interpolated where they change little, else iterated.
+    A line that comes near a mode and turns away has a resonance where it is nearest.
     """
-    at = np.linspace(*limits, MODE_SPEEDS)
-    for modes_there in zip(*map(over_speed.at, at.tolist()), strict=False):
-        damped, natural, width = (
-            np.array([value(mode) for mode in modes_there])
-            for value in (_damped, _natural, lambda mode: mode.damping_ratio * mode.natural_frequency)
-        )
-        for line in (one for one in lines if one.relative):
-            beyond = damped - np.abs(line.frequency(at))
-            for place in np.flatnonzero(beyond[:-1] * beyond[1:] <= 0).tolist():
-                ends = slice(place, place + 2)
-                if np.ptp(damped[ends]) > LARGEST_FREQUENCY_CHANGE * damped[ends].max():
-                    yield from _settled(over_speed, modes_there[place], line, limits)
-                    continue
-                share = beyond[place] / (beyond[place] - beyond[place + 1]) if np.ptp(beyond[ends]) else 0.0
-                met = [
-                    float(curve[place] + share * (curve[place + 1] - curve[place]))
-                    for curve in (damped, width, natural)
-                ]
-                yield from _met(line, *met)
-
-
-def _damped(mode: VibrationMode) -> float:
-    return mode.damped_frequency
-
-
-def _natural(mode: VibrationMode) -> float:
-    return mode.natural_frequency
-
-
-def _settled(
-    over_speed: ModesOverSpeed, mode: VibrationMode, line: OrderLine, limits: tuple[float, float]
-) -> Iterator[Resonance]:
-    def speed_of(one: VibrationMode) -> float:
-        found = [speed for speed, _ in _met(line, one.damped_frequency, 0.0, one.damped_frequency)]
-        return min(found, key=lambda speed: abs(speed - sum(limits) / 2))
-
-    try:
-        found = over_speed.at_critical_speed(mode, speed_of)
-    except SolveError:
-        return
-    yield from _met(
-        line, found.damped_frequency, found.damping_ratio * found.natural_frequency, found.natural_frequency
-    )
+    numbers = sorted({number for piece in over_speed.pieces for number in piece.numbers})
+    for line in lines:
+        beside = LineOverModes(line, over_speed.pieces, limits)
+        for number in numbers:
+            for one in beside.approaches(number, DAMPED):
+                if one.meets or abs(one.offset) < NEAR_RESONANCE:
+                    yield one.speed, max(one.width, SMALLEST_DAMPING_RATIO * one.speed if one.width else 0.0)

@@ -64,7 +64,9 @@ def shaft_margins(
         raise UsageError("separation margins need the speeds of the train: speeds: {of: motor, range: 600..1500 rpm}")
     speed_range = min(given.values), max(given.values)
     lines = [*_shaft_lines(drivetrain, given.of), *_electrical_lines(drivetrain, given.of)]
-    search = CrossingSearch(drivetrain, drivetrain.title, given.of, speed_range, margin_rule(margin), 0.0, lowest)
+    search = CrossingSearch(
+        drivetrain, drivetrain.title, given.of, speed_range, lines, margin_rule(margin), 0.0, lowest
+    )
     highest = max(np.abs(line.frequency(np.array(speed_range))).max() for line in lines)
     modes = tuple(
         mode for mode in search.modes if not mode.undamped_frequency > FREQUENCY_REACH * highest or mode.number == 1
@@ -73,7 +75,7 @@ def shaft_margins(
         reference=given.of,
         speed_range=speed_range,
         modes=modes,
-        crossings=tuple(search.met(mode, line) for mode in modes for line in lines),
+        crossings=tuple(search.nearest(mode, line) for mode in modes for line in lines),
         lines=tuple(lines),
         nodes=drivetrain.assembly.nodes,
         rule=search.rule,
