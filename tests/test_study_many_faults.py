@@ -78,6 +78,16 @@ def test_what_is_wrong_elsewhere_is_told_too(tmp_path, other, change, line, mark
     assert sorted(faults(tmp_path, other, change)) == sorted([*alone, *faults(tmp_path, other)])
 
 
+def test_what_an_answer_lacks_is_told_of_a_study_that_is_right_otherwise(tmp_path):
+    """A yield needs limits; those of this file may be what cannot be read. An entry that names a curve is told always."""
+    lacking = ("  best:", "  y: {type: yield}\n  best:")
+    no_limits = ("limits:\n  f: {above: 5 Hz}\n", "")
+    curve = ("quantity: f}", "quantity: r}")
+    assert faults(tmp_path, lacking, no_limits) == [(16, "y")]
+    assert faults(tmp_path, lacking, no_limits, NOT_A_COUNT) == [(9, "x")]
+    assert faults(tmp_path, curve, NOT_A_COUNT) == [(9, "x"), (16, "r")]
+
+
 def test_names_beside_a_wrong_entry_of_the_same_answer(tmp_path):
     change = ("y: k_2, quantity: f}", "y: k_9, quantity: g, points: many}")
     assert faults(tmp_path, change) == [(16, "k_9"), (16, "g"), (16, "many")]

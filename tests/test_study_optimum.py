@@ -10,6 +10,7 @@ import torsionnet as tn
 from torsionnet.response.damper_optimum import DesignParameter
 from torsionnet.study.design.design_goals import DesignGoals, DesignObjective, DesignTarget
 from torsionnet.study.design.design_problem import DesignProblem
+from torsionnet.study.design.global_search import evolve, initial_places
 from torsionnet.study.design.optimise import optimise
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
 
@@ -277,6 +278,14 @@ class TestObjectives:
         one, two = (optimise(DesignProblem(SIDES, smallest("bump"), area), seed=3) for _ in range(2))
         assert one.values == two.values
         np.testing.assert_array_equal(one.history, two.history)
+
+    @pytest.mark.parametrize("above", [1.0, 200.0])
+    def test_evolution_goes_to_designs_that_keep_limits_or_come_nearest(self, above):
+        """The smallest sum keeps no limit; of x y above 200, which is at most 100, the largest product lacks least."""
+        problem = DesignProblem(SIDES, smallest("sum", product=QuantityLimit(above=above)), area)
+        place = evolve(problem, initial_places(problem), 0, lambda _: None, 30)
+        ((violation, _),) = problem.ranks(problem.at(place))
+        assert violation == pytest.approx(max(0.0, 1 - 100 / above), abs=0.01)
 
 
 class TestSlopes:

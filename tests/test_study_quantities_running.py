@@ -160,6 +160,14 @@ def test_utilisation_is_that_of_the_limits_of_every_variant() -> None:
         assert found["one"][number] == pytest.approx(np.nanmax(single.utilisation), rel=1e-9)
 
 
+def test_utilisation_has_no_value_where_one_of_the_limits_cannot_be_judged() -> None:
+    curve = {"rule": "curve", "output": "stress(shaft)", "source": "maker"}
+    near, far = ({**curve, "over_speed": {f"{rpm} rpm": "40 MPa", "2000 rpm": "40 MPa"}} for rpm in (500, 1200))
+    block = VariantBlock(fan(limits={"near": near, "far": far}), {"d": np.array([0.02, 0.03])}, {}, None)
+    assert np.isfinite(made("utilisation", limit="near").evaluate(block)).all()
+    assert np.isnan(made("utilisation").evaluate(block)).all()
+
+
 def moved(shape: str, w: float, rise: float) -> np.ndarray:
     """Angle over the static one of a mass on a spring, from tables of Laplace transforms."""
     t, p = np.linspace(0, 0.2, 400_001), math.pi / rise

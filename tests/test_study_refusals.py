@@ -2,6 +2,7 @@
 
 import errno
 import sys
+from types import SimpleNamespace
 
 import pytest
 from click.testing import CliRunner
@@ -9,10 +10,16 @@ from support.study_runs import contents, small_study
 
 import torsionnet as tn
 from torsionnet.cli.app import app
-from torsionnet.core.errors import MissingExtraError, SolveError
+from torsionnet.core.errors import MissingExtraError, SolveError, UsageError
+from torsionnet.study.answers.answer import ANSWERS
+from torsionnet.study.quantities.quantity import QUANTITIES
 from torsionnet.study.quantities.user_function import function
 from torsionnet.study.run import study_folder
+from torsionnet.study.run.answering import answer_study
 from torsionnet.study.run.run_chunks import run_study
+from torsionnet.study.run.workers import Workers
+from torsionnet.study.space.samples import Samples
+from torsionnet.study.space.variations.variation import VARIATIONS
 
 PLAN = """\
 torsionnet: 1
@@ -177,3 +184,47 @@ def test_a_numba_that_refuses_this_numpy_is_done_without(monkeypatch):
     assert study.method == "graph"
     with pytest.raises(MissingExtraError, match=r"works with this numpy: Numba needs NumPy 2\.3 or less"):
         import torsionnet.solve.dynamic_stiffness.compiled  # noqa: F401
+
+
+@pytest.mark.parametrize("processes", [61, 62])
+def test_windows_waits_for_61_processes_at_most(monkeypatch, processes):
+    assert Workers(62).processes == 62
+    monkeypatch.setattr("torsionnet.study.run.workers.os", SimpleNamespace(name="nt"))
+    if processes == 61:
+        assert Workers(processes).processes == 61
+    else:
+        with pytest.raises(UsageError, match="wait for 61 processes at most"):
+            Workers(processes)
+
+
+def test_answers_of_variants_need_some_and_others_choose_their_own():
+    answers = {"share": {"type": "yield"}, "moves": {"type": "tornado"}}
+    study = small_study(sampling={"count": 8}, limits={"f_1": {"above": 1.0}}, answers=answers)
+    counted = []
+    found = answer_study(study, answering=lambda name, *_: counted.append(name))
+    assert ({*counted}, {*found.conclusions}) == ({"moves"}, {"share", "moves"})
+    undrawn = small_study(sampling=None, limits={"f_1": {"above": 1.0}}, answers=answers)
+    with pytest.raises(UsageError, match="^share: the study has no variants of its own"):
+        answer_study(undrawn)
+
+
+SEED = 2**32 - 1
+COUNTS = [
+    (Samples, "count", 1, 10**15), (Samples, "seed", 0, SEED), (VARIATIONS["range"], "count", 2, 10**9),
+    (QUANTITIES["band_mean"], "points", 2, 100_000), (QUANTITIES["response"], "points", 2, 100_000),
+    (QUANTITIES["order_torque"], "every", 1, 10_000), (QUANTITIES["natural_frequency"], "mode", 1, 1000),
+    (ANSWERS["map"], "points", 2, 1000), (ANSWERS["map"], "draws", 1, 100_000), (ANSWERS["map"], "seed", 0, SEED),
+    (ANSWERS["worst_case"], "tried", 1, 10**9), (ANSWERS["worst_case"], "seed", 0, SEED),
+    (ANSWERS["sobol_indices"], "seed", 0, SEED), (ANSWERS["failure_probability"], "seed", 0, SEED),
+    (ANSWERS["parallel_coordinates"], "lines", 1, 10_000), (ANSWERS["optimum"], "seed", 0, 2**31 - 1),
+    (ANSWERS["robust_optimum"], "samples", 2, 10**6), (ANSWERS["robust_optimum"], "compared", 2, 10**7),
+    (ANSWERS["pareto"], "population", 4, 100_000), (ANSWERS["pareto"], "generations", 1, 100_000),
+]  # fmt: skip
+"""Whole numbers of a study file with the least that makes sense, such as both ends of an axis, and the most."""
+
+
+@pytest.mark.parametrize(("cls", "entry", "least", "most"), COUNTS)
+def test_whole_numbers_have_a_least_and_a_most(cls, entry, least, most):
+    for number, wrong in ((least - 1, True), (least, False), (most, False), (most + 1, True)):
+        told = [fault for fault in cls.read_entries({entry: number})[1] if fault.path == (entry,)]
+        assert bool(told) is wrong, number
