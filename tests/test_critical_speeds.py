@@ -53,6 +53,15 @@ class TestPhaseVectorSums:
         assert np.abs(star.vectors) == pytest.approx(np.abs(list(BENT.values())))
         assert [row[0] for row in star.table().rows] == ["1", "2", "3", "4", "5", "6", "sum"]
 
+    def test_lengths_and_phases_of_the_table(self):
+        """Of 1, 2j and 0 the sum is 1 + 2j; a vector of no length has no phase, nor has a sum of none."""
+        star = StarDiagram("engine", 1.0, ("1", "2", "3"), ("a", "b", "c"), np.array([1, 2j, 0]))
+        lengths, phases = zip(*(row[2:] for row in star.table().rows), strict=True)
+        assert lengths == pytest.approx([1, 2, 0, np.sqrt(5)])
+        assert phases == (0, pytest.approx(90), None, pytest.approx(np.degrees(np.arctan(2))))
+        against = StarDiagram("engine", 1.0, ("1", "2"), ("a", "b"), np.array([1j, -1j]))
+        assert [row[2:] for row in against.table().rows] == [(1, 90), (1, -90), (0, None)]
+
 
 class TestMarginRules:
     @pytest.mark.parametrize("name", ["api610", "api617", "api684"])

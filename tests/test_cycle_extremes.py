@@ -57,6 +57,15 @@ def test_equal_waves_many_times_in_a_cycle_are_searched_once(monkeypatch):
     assert sizes == [2 * module.POINTS_PER_PERIOD]
 
 
+def test_maxima_that_cannot_be_the_highest_are_not_refined(monkeypatch):
+    """cos(2 phi) + 0.15 cos(phi) has tops of 1.15 and 0.85; between points pi/8 apart it rises by at most 0.08."""
+    sizes, tops = [], module._tops
+    monkeypatch.setattr(module, "_tops", lambda part, *given: sizes.append(len(part)) or tops(part, *given))
+    highest, _ = cycle_extremes(np.array([[[0.15], [1.0]]], dtype=complex), [1, 2]).ravel()
+    assert highest == pytest.approx(1.15, rel=1e-12)
+    assert sizes[0] == 1
+
+
 def test_beats_with_thousands_of_maxima(monkeypatch):
     monkeypatch.setattr(module, "MOST_MAXIMA", 100)
     found = cycle_extremes(np.array([[[1.0], [1j]]]), [1500, 1501])

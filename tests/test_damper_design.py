@@ -8,6 +8,8 @@ from support.command_line import run
 
 import torsionnet as tn
 from torsionnet import plot
+from torsionnet.response.damper_optimum import DamperOptimum, DesignParameter, FixedPoint, LevelPeak
+from torsionnet.response.frequency_response import Channel
 from torsionnet.solve.design.levels import OrderLevels, ReceptanceLevels, VariedModel
 from torsionnet.solve.sensitivity.parametric import parametric_response
 
@@ -147,6 +149,40 @@ def test_a_value_without_effect_is_said():
     """Far from the resonance, at which even so little damping decides."""
     found = running(0.5).damper_design("a", {"c": (1e-6, 2e-6)}, speeds=np.linspace(1000, 1100, 11) * np.pi / 30)
     assert any(text.startswith("the maximum hardly depends on c") for text in found.words())
+
+
+class TestWords:
+    """Sentences on an optimum of which the curves are given."""
+
+    @staticmethod
+    def optimum(levels, fixed=(), unit="N*m*s/rad", value=3.0):
+        return DamperOptimum(
+            Channel("a", "rad"), ("frequency", "Hz"), (DesignParameter("c", unit, 1.0, 0.0, 6.0, value),),
+            LevelPeak(20.0, 9.0), LevelPeak(21.0, 1.0), (LevelPeak(21.0, 1.0),),
+            {"c": np.column_stack([np.arange(float(len(levels))), levels])}, (), fixed,
+        )  # fmt: skip
+
+    @pytest.mark.parametrize(
+        ("levels", "count"), [([5, 2, 4, 1, 3], 2), ([5, 2, 4, 1, 1, 3], 2), ([5, 2, 1, 3], 1), ([1, 4, 2, 5, 3], 1)]
+    )
+    def test_minima_inside_the_bounds_are_counted(self, levels, count):
+        more = f"; its curve has {count} minima, this is the lowest" if count > 1 else ""
+        assert self.optimum(levels).words()[0] == f"c is an optimum inside its bounds{more}"
+
+    @pytest.mark.parametrize(
+        ("unit", "level", "none"),
+        [("N*m*s/rad", 1.0, True), ("N*m*s/rad", 0.9995, True), ("N*m*s/rad", 0.9, False), ("N*m/rad", 1.0, False)],
+    )
+    def test_dampings_alone_reach_no_less_than_the_first_fixed_point(self, unit, level, none):
+        text = self.optimum([5, 1, 3], (FixedPoint(18.0, level, 0.0), FixedPoint(25.0, 0.5, 0.0)), unit).words()[-1]
+        same = "whatever the damping, the level at 18 and 25 Hz is the same"
+        assert text == (f"{same}: none has a smaller maximum" if none else same)
+
+    @pytest.mark.parametrize(
+        ("value", "bound"), [(0.0, "lower"), (1e-3, ""), (6.0, "upper"), (6 - 5e-4, "upper"), (5.99, "")]
+    )
+    def test_values_at_a_bound(self, value, bound):
+        assert self.optimum([5, 1, 3], value=value).parameters[0].bound == bound
 
 
 @pytest.mark.slow

@@ -133,7 +133,8 @@ class TestHtml:
     def test_every_formula_became_mathml(self, amt):
         assert "\\frac" not in amt
         assert "\\mathrm" not in amt
-        assert amt.count("<math") > 50
+        assert amt.count("<math>") > 50  # inside lines
+        assert amt.count('<math display="block">') > 1
 
     def test_columns_are_aligned_at_the_decimal_point(self):
         columns = (Heading("x", numeric=True),)

@@ -166,6 +166,13 @@ class TestClosedForms:
         assert least.angles[0].degrees.item() == pytest.approx(180 / order, abs=0.05)
         assert abs(least.values.sum()) < 0.01
 
+    @pytest.mark.parametrize("size", [0.3, 0.8, 3.0])
+    def test_waves_of_two_orders_rise_together(self, size):
+        """cos(phi) is steepest at -pi/2 and cos(2 phi) at -pi/4, whatever its size: it comes 3 pi/4 later, modulo pi."""
+        lines = [OrderLine(str(order), order, Fraction(1), engine=str(order)) for order in (1, 2)]
+        found = at_worst_angles(np.array([[[1.0], [size]]], dtype=complex), lines)
+        assert np.radians(found.angles[0].degrees.item()) % np.pi == pytest.approx(3 * np.pi / 4, rel=1e-9)
+
     @pytest.mark.slow
     def test_three_engines_make_the_sum_of_their_sizes(self):
         """Whatever their phases; and with two smaller ones against the third what is left of it."""

@@ -168,6 +168,17 @@ def test_default_places_are_the_free_end_and_the_shaft_used_most():
     assert any("Barred" in str(row[1]) for row in rows(tables(report)[0]))
 
 
+@pytest.mark.parametrize(("limit", "place"), [("", "shaft"), ("quill", "quill")])
+def test_the_shaft_that_a_limit_judges_comes_before_one_with_a_sensor(limit, place):
+    quill = "quill: {type: shaft, nodes: [f, e], outer_diameter: 50 mm, length: 0.3 m, inertia: none}"
+    text = PLANT.replace("speeds:", f"  {quill}\n  wheel: {{type: inertia, node: e, inertia: 1 kg*m^2}}\nspeeds:")
+    if limit:
+        entry = "{rule: fatigue, element: quill, fatigue_strength: 150 MPa, mean_stress: none}"
+        text += f"limits: {{{limit}: {entry}}}\n"
+    report = make_report(tn.loads(text.replace("measure: [phi, T], ", "")), sections=["measurement_plan"], date=None)
+    assert str(tables(report, "strain gauges")[0].caption[0]).startswith(f"Torque by strain gauges, {place};")
+
+
 @pytest.mark.slow
 def test_a_speed_reduced_by_a_misfire_is_no_barred_range():
     report = make_report("two_stroke_ship", sections=["measurement_plan"], date=None)

@@ -252,7 +252,7 @@ class TestForeignFiles:
         wave = {"wf_increment": 0.01, "wf_start_offset": 2.0, "unit_string": "kNm"}
         with nptdms.TdmsWriter(str(tmp_path / "r.tdms")) as writer:
             filled, empty = np.array([1, 2], dtype="i2"), np.zeros(0)
-            writer.write_segment([nptdms.ChannelObject("g", "M", filled, wave), nptdms.ChannelObject("g", "n", empty)])
+            writer.write_segment([nptdms.ChannelObject("g", *one, wave) for one in (("M", filled), ("n", empty))])
         found = read_recording(tmp_path / "r.tdms")
         assert found.names == ("M",)
         assert found["M"].values.tolist() == [1000.0, 2000.0]

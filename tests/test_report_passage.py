@@ -43,7 +43,11 @@ def test_a_ship_with_a_barred_range(ship):
     assert [row[1] for row in rows] == ["up", "up", "down", "down"]
     assert {row[0] for row in rows} == {"propeller shaft", "intermediate"}
     assert len([one for one in found.blocks if isinstance(one, Picture)]) == 1
-    assert any("limits in passing are kept" in str(one) for one in found.blocks if isinstance(one, Paragraph))
+    texts = [str(one) for one in found.blocks if isinstance(one, Paragraph)]
+    assert any("limits in passing are kept" in text for text in texts)
+    # Notes of the response are said, but for the error of the calculation.
+    assert any("Parameters that follow the speed" in text for text in texts)
+    assert not any("estimated error" in text for text in texts)
 
 
 def test_without_a_barred_range_there_is_none():

@@ -1,5 +1,6 @@
 """The schematic as SVG: well-formed, one group for each part of a drivetrain, in the layout of the reports."""
 
+import math
 import random
 import re
 import subprocess
@@ -19,7 +20,7 @@ import torsionnet as tn
 from torsionnet import plot
 from torsionnet.core.errors import UsageError
 from torsionnet.plot.drawing.pieces import ROLES, is_math, text_width
-from torsionnet.plot.drawing.symbol_runs import X_HEIGHT, symbol_runs
+from torsionnet.plot.drawing.symbol_runs import X_HEIGHT, symbol_runs, symbols_width
 from torsionnet.plot.drawing.text_widths import font_widths
 from torsionnet.plot.schematic import wiring
 from torsionnet.plot.schematic.svg_drawing import schematic_svg
@@ -210,6 +211,7 @@ class TestWidths:
                 units
             }
         assert pytest.approx(TextPath((0, 0), "x", size=100).get_extents().y1) == X_HEIGHT
+        assert symbols_width("$x$") == math.ceil(font_widths("italic").symbol_width("x"))
         assert font_widths("").width("AV") < font_widths("").width("A") + font_widths("").width("V")
 
     def test_matplotlib_is_not_loaded(self):

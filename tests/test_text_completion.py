@@ -182,6 +182,14 @@ def test_parts_of_the_model_its_files_and_the_library(tmp_path: Path) -> None:
     assert "more.yaml" in labels("include: [|", tmp_path)
 
 
+def test_an_item_of_a_list_begins_with_any_of_its_entries() -> None:
+    start = "report:\n  title_block:\n    revisions:\n      - "
+    assert labels(start + "|")[:3] == ["revision", "date", "description"]
+    assert labels(start + "x|") == []
+    assert "type" in labels("bench:\n  channels:\n    - |")
+    assert labels("elements:\n  m: {type: spring, damping: |") == []  # no item of a list
+
+
 def test_bands_have_units() -> None:
     assert labels("report: {band: 0.3..40 |")[0] == "Hz"
     assert labels("report: {band: [0.3 |")[0] == "Hz"

@@ -100,8 +100,8 @@ def _fitting(text: str, offset: int, context: CursorContext, folder: FolderPath 
     is_list_below = context.is_key and not context.is_flow and bool(path) and not holds_entries(writing.place.spec)
     if not context.is_key or is_list_below:
         options = [*options, *value_options(writing, writing.place.spec)]
-        if context.is_list_item and not word and not context.is_key:
-            options += key_options(writing) if not context.is_flow else ()
+        if context.is_list_item and not word and not context.is_flow:
+            options += key_options(writing)
     yield from _sorted(options, word, context, end)
 
 
