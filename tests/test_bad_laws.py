@@ -113,6 +113,21 @@ FAULTS = [  # a mark stands where the fault is told, and the messages in their o
     ("e: {type: clearance, nodes: [a, b], ^backlash: 1 deg, stiffness: 5}", ['did you mean "gap"?']),
     ("e: {type: ^dead_zone, nodes: [a, b], gap: 1 deg, stiffness: 5}", ['did you mean "clearance"?']),
     ("e: {type: ^coulomb, nodes: [a, b], torque: 5}", ['did you mean "friction"?']),
+    (
+        "e: {type: inertia, node: a, inertia: ^-1, ^frob: 2}",
+        ["-1: mass moment of inertia must not be less than 0", 'unknown key "frob"'],
+    ),
+    (
+        "e: {type: spring, nodes: [a, b], ^stifness: 3, damping: ^-1}",
+        [
+            'did you mean "stiffness"?',
+            "-1: viscous damping, or a damping measure at a frequency must not be less than 0",
+        ],
+    ),
+    (
+        "e: {type: shaft, nodes: [a, b], outer_diameter: ^-1e308 mm, length: 1 m}",
+        ["-1e308 mm is far outside the sizes"],
+    ),
     ("^e: {type: friction, nodes: [a, b]}", ["give torque or torque_over_slip, one of the two"]),
     (
         "e: {type: friction, nodes: [a, b], torque: 20 N*m, stick: ^19 N*m}",

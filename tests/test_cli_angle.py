@@ -122,3 +122,22 @@ class TestWheelFiles:
             read_wheels(file)
         places = {(fault.position.line, fault.position.column) for fault in error.value.faults}
         assert places == {(1, 17), (4, 9), (5, 26)}
+
+
+def test_a_part_of_the_record_counts(folder, tmp_path):
+    """The second half lacks half of its pulses, and is cut away; the first is read as if nothing stood behind it."""
+    times = pulse_times(ANGLE, np.arange(60, 2400) * PITCH, 5.0)
+    half = times[1200]
+    broken = PulseChannel("n1", np.concatenate([times[times <= half], times[times > half][::7]]))
+    write_recording(Recording((), 1000.0, pulses=(broken,)), tmp_path / "broken.npz")
+    options = ("--pulses", "n1=60", "--order", "6")
+    assert "cut the record" in run("angle", str(tmp_path / "broken.npz"), *options, code=1).stderr
+    (one,) = wheels_of(tmp_path, "broken.npz", *options, "--stop", f"{half:.9f}").values()
+    assert one["pulses"] == 1201
+    (early,) = wheels_of(tmp_path, "broken.npz", *options, "--start", "1.5", "--stop", f"{half:.9f}").values()
+    assert early["pulses"] == np.count_nonzero((times >= 1.5) & (times <= half))
+    assert early["lowest_speed_rad_s"] > one["lowest_speed_rad_s"]
+    assert (
+        "nothing of the record lies there"
+        in run("angle", str(folder / "run.npz"), *options, "--start", "99", code=2).stderr
+    )

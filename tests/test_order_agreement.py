@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -245,3 +246,25 @@ class TestBounds:
         assert pair.calculated == pytest.approx(largest, rel=1e-9)
         assert not pair.pair.has_phase
         assert "over the worst of 3 cases" in " ".join(order_comparison(found, None, [pair.measured]).notes)
+
+
+@pytest.mark.parametrize("phased", [True, False])
+def test_an_order_whose_cylinders_cancel_is_zero(phased):
+    """Order 0.5 of three cylinders that fire evenly: what rounding leaves is no share of anything."""
+    found = plant(star=", phase: 0 deg", port=", misfire: [1]").order_response("torque(sh)")
+    at = [number for number, line in enumerate(found.lines) if float(line.relative) == 0.5]
+    assert at
+    values = found.values.copy()
+    values[:, at] *= 1e-15  # as a sum over cylinders that cancel
+    cancelled = replace(found, values=values)
+    size = np.ones(len(found.speeds))
+    (one,) = compared_orders(
+        cancelled, None, [MeasuredOrder(0.5, found.speeds, size, size.astype(complex) if phased else None, 0.1 * size)]
+    )
+    assert not one.calculated.any()
+    assert math.isnan(one.agreement.peak)
+    assert math.isnan(one.agreement.rms)
+    assert one.agreement.sentence == "the calculated order is zero"
+    shown = str(order_comparison(cancelled, None, [one.measured]))
+    assert "e+1" not in shown
+    assert "e+0" not in shown

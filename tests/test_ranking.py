@@ -324,3 +324,29 @@ def test_a_value_that_runs_away_explains_nothing():
     problem = SimpleNamespace(names=("k",), start=np.array([2.0]))
     assert cause_fits.CauseFit(Cause("value", "k"), problem, np.array([1.9e9]), 0.0).ended
     assert not cause_fits.CauseFit(Cause("gain", "k"), problem, np.array([-2.0]), 0.0).ended
+
+
+BEARING = """torsionnet: 1
+name: two masses, one on a bearing
+parameters: {c: 2 N*m*s/rad}
+elements:
+  first: {type: inertia, node: a, inertia: 0.5}
+  second: {type: inertia, node: b, inertia: 0.8}
+  shaft: {type: spring, nodes: [a, b], stiffness: 6000, damping: 1.5}
+  bearing: {type: damper, nodes: [b, ground], damping: c}
+"""
+
+
+def test_what_is_rounding_is_said_to_be_zero():
+    """A test without friction, and one that the model fits but for rounding."""
+    rig = tn.loads(BEARING)
+    free = rig.configured(c=0).frequency_response("b", "a", np.linspace(2, 40, 60))
+    ranking = rank_causes(rig, tn.Measurement(free, "b", "a"))
+    first = ranking.causes[0]
+    assert (first.unknown, first.value, first.explains) == ("c", 0.0, True)
+    assert ranking.verdict == "only c = 0 instead of 2 explains the misfit"
+    own = rank_causes(rig, tn.Measurement(rig.frequency_response("b", "a", np.linspace(2, 40, 60)), "b", "a"))
+    assert own.misfit == 0
+    assert not any(one.explains for one in own.causes)
+    assert own.verdict == "the model fits but for rounding: there is no misfit to explain"
+    assert {one.misfit for one in own.causes if one.value in (0, one.before)} == {0}

@@ -230,3 +230,14 @@ def test_a_misspelt_reference_names_the_likely_wheel(record, tmp_path):
     )
     assert result.exit_code == 2
     assert 'named flyy; did you mean "fly"?; wheels: fly, gen; channels: T, n' in " ".join(result.output.split())
+
+
+def test_a_part_of_the_record_counts(record, tmp_path):
+    """Speeds between 2 and 4 s of a run-up of 100 r/min a second from 600, for wheels, signals and the reference."""
+    for reference in ("fly=60-2", "n"):
+        file = tmp_path / f"{reference[:1]}.csv"
+        run(record, "--reference", reference, "--channel", "T", "--orders", "3", "-o", file, "--start", 2, "--stop", 4)
+        (found,) = read_tracked_orders(file)
+        assert found.times.min() >= 2
+        assert found.times.max() <= 4
+        assert np.abs(found.along(3)) == pytest.approx(100, rel=5e-3)

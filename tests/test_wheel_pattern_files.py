@@ -87,6 +87,14 @@ def test_the_command_writes_a_pattern_by_two_pickups(records):
     assert any("two pickups" in note for note in found.notes)
 
 
+@pytest.mark.usefixtures("records")
+def test_a_part_of_the_records_is_enough():
+    words = ("calibrate-wheel", "600.npz", *CALL, "--second-pickup", "B", "--angle", "99deg", "--json")
+    whole, part = (json.loads(run(*words, *more).stdout) for more in ((), ("--start", "0.1", "--stop", "1.9")))
+    assert part["positions_rad"] == pytest.approx(whole["positions_rad"], abs=1e-4 * DEGREE)
+    assert part != whole
+
+
 def test_signals_of_teeth_and_a_file_of_wheels(records):
     """Two pickups, sampled, read at one level: the pattern is that of their pulses; the file says what the options say."""
     test = record(records, 900 * RPM, angle=100 * DEGREE, values=VALUES)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from torsionnet.campaign.calibrated_signals import between_times, with_gain, without_delay
+from torsionnet.campaign.calibrated_signals import with_gain, without_delay
 from torsionnet.campaign.campaign import Campaign
 from torsionnet.campaign.kept_files import file_name, kept_path, record_key, write_kept
 from torsionnet.core.entries.spec import not_none
@@ -95,7 +95,7 @@ def response_record(campaign: Campaign, name: str) -> Recording:
             else signal
             for signal in record
         ]
-        return between_times(replace(record, signals=tuple(signals)), one)
+        return replace(record, signals=tuple(signals)).between(one.start, one.stop)
     except UsageError as error:
         raise _of_record(campaign, name, error) from None
     except ModelError as error:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from torsionnet.campaign.calibrated_signals import between_times, with_gain
+from torsionnet.campaign.calibrated_signals import with_gain
 from torsionnet.campaign.campaign import Campaign
 from torsionnet.core.entries.spec import not_none
 from torsionnet.core.errors import Fault, ModelError, UsageError
@@ -91,7 +91,7 @@ def _pulses(campaign: Campaign, one: CampaignRecord) -> tuple[dict[str, WheelRot
     plan, phase = campaign.plan, campaign.plan.phase
     names = {"index": phase.index, "cam": phase.cam} if phase is not None else {}
     marks = {name: _reading(campaign, name) for name in names.values() if name}
-    record = between_times(read_turning_record(campaign.file_of(one), plan.wheels, marks), one)
+    record = read_turning_record(campaign.file_of(one), plan.wheels, marks).between(one.start, one.stop)
     rotations = rotations_of_wheels(record, plan.wheels, campaign.patterns, marks=marks)
     if phase is None:
         return rotations, PhaseMark()
@@ -119,7 +119,7 @@ def _signals(path: Path, channels: Mapping[str, CampaignChannel], delay: float, 
         units={name: channel.unit for name, channel in channels.items() if channel.unit},
     )
     if isinstance(record, Recording):
-        return between_times(_calibrated(record, channels, delay), one)
+        return _calibrated(record, channels, delay).between(one.start, one.stop)
     return _blocks_between(record, channels, delay, one)
 
 
@@ -127,7 +127,7 @@ def _blocks_between(
     blocks: Iterable[Recording], channels: Mapping[str, CampaignChannel], delay: float, one: CampaignRecord
 ) -> Iterator[Recording]:
     for block in blocks:
-        kept = between_times(_calibrated(block, channels, delay), one)
+        kept = _calibrated(block, channels, delay).between(one.start, one.stop)
         if len(kept):
             yield kept
 

@@ -10,8 +10,10 @@ import click
 from torsionnet.cli.command import Command
 from torsionnet.cli.declarations import Arguments, argument, option
 from torsionnet.cli.options import LOWEST_FREQUENCY, PRESETS, FiniteFloat, PairOption, StepsOption
+from torsionnet.core.errors import UsageError
 
 if TYPE_CHECKING:
+    from torsionnet.response.recording import Recording
     from torsionnet.signals.welch import Welch
 
 ESTIMATORS = ("H1", "H2", "Hv", "Hs", "Hr")
@@ -56,6 +58,20 @@ class RecordReading(Arguments):
             **({"pulses": dict(self.pulses)} if self.pulses else {}),
             **{key: value for key, value in dialect.items() if value is not None},
         }
+
+
+class RecordSpan(Arguments):
+    """Options on the part of a record that counts, as ``start`` and ``stop`` of a campaign."""
+
+    start: float | None = option("--start", type=FiniteFloat(), help="Time in s from which the record counts.")
+    stop: float | None = option("--stop", type=FiniteFloat(), help="Time in s up to which the record counts.")
+
+    def cut(self, record: Recording) -> Recording:
+        """Recording between the times given; UsageError where nothing of it lies there."""
+        found = record.between(self.start, self.stop)
+        if not (len(found) or any(map(len, found.pulses))):
+            raise UsageError(f"nothing of the record lies there: {found.notes[-1]}")
+        return found
 
 
 class Averaging(Arguments):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
-from torsionnet.cli.record_options import RecordReading
+from torsionnet.cli.record_options import RecordReading, RecordSpan
 from torsionnet.cli.terminal import message, print_faults
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.io import large_records
@@ -17,7 +17,12 @@ from torsionnet.signals.resampling import resampled
 
 
 def load_record(
-    path: str, reading: RecordReading, names: Sequence[str] | None, window: float, advance: Callable[[float], None]
+    path: str,
+    reading: RecordReading,
+    names: Sequence[str] | None,
+    window: float,
+    advance: Callable[[float], None],
+    span: RecordSpan | None = None,
 ) -> Recordings:
     """Recording of the channels named, checked, or an iterator of its blocks if the file is large.
 
@@ -30,8 +35,9 @@ def load_record(
     """
     wanted = None if names is None else list(dict.fromkeys(names))
     if large_records.is_large_record(path) and "pulses" not in reading.arguments:
-        return _checked_blocks(path, reading, wanted, window, advance)
+        return _checked_blocks(path, reading, wanted, window, advance, span)
     record = read_recording(path, names=wanted, resample=reading.resample, **reading.arguments)
+    record = record if span is None else span.cut(record)  # what is cut away may be faulty
     record = checked_record(record, reading, path, window)
     advance(record.duration)
     return record
@@ -48,12 +54,21 @@ def checked_record(record: Recording, reading: RecordReading, path: str, window:
 
 
 def _checked_blocks(
-    path: str, reading: RecordReading, names: Sequence[str] | None, window: float, advance: Callable[[float], None]
+    path: str,
+    reading: RecordReading,
+    names: Sequence[str] | None,
+    window: float,
+    advance: Callable[[float], None],
+    span: RecordSpan | None,
 ) -> Iterator[Recording]:
     """Checked blocks of a large file of signals, one after the other; a short last block is not reported as a fault."""
     message("note", f"{path} is large: read in blocks of {large_records.BLOCK_SECONDS:g} s")
     for block in large_records.blocks_of_record(path, names=names, **reading.arguments):
-        even = _even(block, reading, path)
+        kept = block if span is None else block.between(span.start, span.stop)
+        if not len(kept):
+            advance(block.duration)
+            continue
+        even = _even(kept, reading, path)
         _refuse([fault for fault in check_recording(even, window) if fault.path != ("channels",)], path)
         yield even
         advance(even.duration)

@@ -9,7 +9,7 @@ import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import UsageError
+from torsionnet.core.errors import TorsionnetError, UsageError
 from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.threads import one_thread
 from torsionnet.identification.cause_fits import CauseFit, explaining_fits, fit_causes, overall_misfit, sum_of_squares
@@ -21,6 +21,11 @@ from torsionnet.identification.lack_of_fit_words import cause_in_words
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.unknown_parameter import Unknown, read_unknowns
 from torsionnet.response import Column, Table
+
+SMALL_SHARE = 1e-3
+"""Share of the value in the model below which a fitted value may stand for zero."""
+SAME_MISFIT, ROUNDED_MISFIT = 1e-6, 1e-12
+"""Share by which a misfit may be larger and count as the same, and the misfit that counts as none."""
 
 
 @dataclass(frozen=True)
@@ -84,6 +89,8 @@ class Ranking(NotebookResult):
     @property
     def verdict(self) -> str:
         """Sentence that names the causes that explain the misfit, or says that no single one does."""
+        if not self.misfit:
+            return "the model fits but for rounding: there is no misfit to explain"
         good = [str(one) for one in self.causes if one.explains]
         if not good:
             return "no single value explains the misfit"
@@ -151,9 +158,10 @@ def rank_causes(
     problem, values = _prepared(model, measurements, parameters, residual)
     whole = sum_of_squares(problem, values)
     tried = fit_causes(problem, possible_causes(problem), [values], _solve, whole)
-    good = {one.cause for one in explaining_fits(tried, whole)}
+    misfit = _without_rounding(overall_misfit(problem, values))
+    good = {one.cause for one in explaining_fits(tried, whole)} if misfit else set()
     ranked = [_ranked(one, whole, explains=one.cause in good) for one in tried]
-    return Ranking(tuple(ranked), overall_misfit(problem, values))
+    return Ranking(tuple(ranked), misfit)
 
 
 def _prepared(
@@ -181,9 +189,27 @@ def _solve(problem: FitProblem, start: FloatArray, tolerance: float = CONVERGENC
     )
 
 
+def _without_rounding(misfit: float) -> float:
+    """Misfit unchanged, or 0 where rounding is all of it."""
+    return misfit if misfit > ROUNDED_MISFIT else 0.0
+
+
+def _fits_at_zero(one: CauseFit, places: list[int]) -> bool:
+    """Whether a value that is small beside the one in the model, or that it lacks, explains as much as exactly zero."""
+    start, values = one.problem.start[places], one.values.copy()
+    if np.any(np.abs(values[places]) > SMALL_SHARE * np.abs(start)) and np.any(start):
+        return False
+    values[places] = 0.0
+    try:
+        misfit = overall_misfit(one.problem, values)
+    except (TorsionnetError, ArithmeticError):  # as without a stiffness
+        return False
+    return bool(misfit <= max(one.misfit * (1 + SAME_MISFIT), ROUNDED_MISFIT))
+
+
 def _ranked(one: CauseFit, whole: float, *, explains: bool) -> RankedCause:
     mine = [place for place, name in enumerate(one.problem.names) if name.partition("[")[0] == one.cause.unknown]
-    cause, value = one.cause, float(np.mean(one.values[mine]))
+    cause, value = one.cause, 0.0 if _fits_at_zero(one, mine) else float(np.mean(one.values[mine]))
     begin = float(np.mean(one.problem.start[mine]))
     outputs = " and ".join(dict.fromkeys(block.measurement.output for block in one.problem.blocks))
     return RankedCause(
@@ -192,7 +218,7 @@ def _ranked(one: CauseFit, whole: float, *, explains: bool) -> RankedCause:
         unknown=cause.unknown,
         before=begin if cause.is_value else None,
         value=value,
-        misfit=one.misfit,
+        misfit=_without_rounding(one.misfit),
         left=one.sum_of_squares / whole if whole else 0.0,
         explains=explains,
     )

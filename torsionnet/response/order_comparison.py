@@ -22,6 +22,8 @@ from torsionnet.response.table import Column, Table
 SAME_ORDER_DIFFERENCE = 1e-3
 """Relative difference up to which a measured and a calculated order count as the same: a tracked order has few
 digits."""
+ROUNDED_SHARE = 1e-12
+"""Share of the largest order of an output that rounding may leave of one whose contributions cancel."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,9 +115,13 @@ def compared_orders(
             at = between_speeds(speeds, values[rising], kept.speeds)
         else:
             values, at = bound.astype(complex), np.interp(kept.speeds, speeds, bound[rising]).astype(complex)
+        # An order whose cylinders cancel is zero, and what rounding leaves of it has no share of anything.
+        cancelled = float(np.abs(values).max()) <= ROUNDED_SHARE * float(np.abs(response.values[:, :, place]).max())
+        if cancelled:
+            values, at = np.zeros_like(values), np.zeros_like(at)
         phased = kept.values if bound is None else None
         run = next((one for one in swept if math.isclose(one.order, kept.order, rel_tol=SAME_ORDER_DIFFERENCE)), None)
-        if run is not None and run.values is not None and bound is None:
+        if run is not None and run.values is not None and bound is None and not cancelled:
             at = np.interp(kept.speeds, run.speeds, run.values)
             curve_speeds, curve = run.speeds, run.values
         else:

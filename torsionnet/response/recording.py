@@ -163,6 +163,33 @@ class Recording(NotebookResult):
         signals = tuple(self[name] for name in wanted if name not in trains or name in self.names)
         return replace(self, signals=signals, pulses=tuple(trains[name] for name in wanted if name in trains))
 
+    def between(self, start: float | None = None, stop: float | None = None) -> Recording:
+        """Recording from one time to another in s, ends included, with its pulses; without an end up to its own.
+
+        Examples
+        --------
+        >>> record = Recording((Signal("T", "torque", np.arange(10.0)),), sampling_rate=10.0)
+        >>> record.between(0.25, 0.5)["T"].values.tolist()
+        [3.0, 4.0, 5.0]
+        """
+        if start is None and stop is None:
+            return self
+        first, last = -np.inf if start is None else start, np.inf if stop is None else stop
+
+        def kept(times: FloatArray) -> FloatArray:
+            return np.asarray((times >= first) & (times <= last))
+
+        inside = kept(self.time)
+        times = self.time[inside]
+        pulses = tuple(replace(channel, times=channel.times[kept(channel.times)]) for channel in self.pulses)
+        return replace(
+            self,
+            signals=tuple(replace(signal, values=signal.values[inside]) for signal in self.signals),
+            start=float(times[0]) if len(times) else self.start,
+            times=None if self.times is None else times,
+            pulses=pulses,
+        ).with_notes(f"cut to {first:g} to {last:g} s")
+
     def with_pulses(self, *channels: PulseChannel) -> Recording:
         """Copy of the recording with channels of pulses added, or exchanged where one of the same name exists."""
         new = {channel.name: channel for channel in channels}

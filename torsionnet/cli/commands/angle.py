@@ -10,6 +10,7 @@ from torsionnet.cli.command import TABLE, Answer, Command, click_command
 from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.options import file_option
 from torsionnet.cli.pulse_options import PulseOptions
+from torsionnet.cli.record_options import RecordSpan
 from torsionnet.cli.terminal import print_warnings
 from torsionnet.core.result_rows import Out
 from torsionnet.core.units import RPM
@@ -82,6 +83,7 @@ class AngleCommand(Command):
 
     record: str = argument("RECORD")
     reading: PulseOptions
+    span: RecordSpan
     channels: tuple[str, ...] = option(
         "--channel", metavar="CHANNEL", help="Keep this channel, too; the angles then are at its times. Repeatable."
     )
@@ -130,6 +132,7 @@ class AngleCommand(Command):
         channels = channels_of(wheels)
         marks = self.reading.marks({one.index for one in channels.values()}, wheels)
         record = read_turning_record(self.record, channels, marks, self.channels, **self.reading.arguments)
+        record = self.span.cut(record)
         return record, list(rotations_of_wheels(record, channels, patterns_of(wheels), marks=marks).values())
 
 

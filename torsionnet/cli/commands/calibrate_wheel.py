@@ -10,6 +10,7 @@ from torsionnet.cli.command import TABLE, Answer, Command, click_command
 from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.options import SETTINGS, EntryOption, file_option
 from torsionnet.cli.pulse_options import PulseOptions
+from torsionnet.cli.record_options import RecordSpan
 from torsionnet.core.errors import UsageError
 
 if TYPE_CHECKING:
@@ -41,6 +42,7 @@ class CalibrateWheelCommand(Command):
 
     records: tuple[str, ...] = argument("RECORD...")
     reading: PulseOptions
+    span: RecordSpan
     second_pickup: str | None = option(
         "--second-pickup", metavar="CHANNEL", help="Pulses of a second pickup on the same wheel."
     )
@@ -143,7 +145,7 @@ class CalibrateWheelCommand(Command):
         from torsionnet.signals.rotation.wheel_calibration import WheelTest
         from torsionnet.signals.rotation.wheel_channel import wheel_pulses
 
-        record = read_turning_record(path, {name: wheel}, marks, **self.reading.arguments)
+        record = self.span.cut(read_turning_record(path, {name: wheel}, marks, **self.reading.arguments))
         found = {mark: wheel_pulses(record, mark, one) for mark, one in marks.items()}
         return WheelTest(wheel_pulses(record, name, wheel), found.get(self.second_pickup or ""), found.get(wheel.index))
 

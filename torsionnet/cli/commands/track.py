@@ -13,6 +13,7 @@ from torsionnet.cli.command import TABLE, Answer, Command, click_command
 from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.options import ANGLE, EntryOption, PairOption, file_option
 from torsionnet.cli.pulse_options import NamedWheel, PulseOptions, TeethOption
+from torsionnet.cli.record_options import RecordSpan
 from torsionnet.core.errors import UsageError, did_you_mean
 
 if TYPE_CHECKING:
@@ -65,6 +66,7 @@ class TrackCommand(Command):
         "--orders", type=EntryOption("ORDERS", f"{_ENTRIES}:ORDERS"), required=True, help="As 0.5:12:0.5, or 3,4.5,6."
     )
     reading: PulseOptions
+    span: RecordSpan
     method: str = option("--method", type=click.Choice(METHODS), default=METHODS[0], show_default=True)
     cycles: int | None = option("--cycles", type=click.IntRange(2), help="Cycles of an average.  [default: 8]")
     step: float | None = option(
@@ -140,7 +142,7 @@ class TrackCommand(Command):
         signals = self._signals(wheels)
         twists = [self._twist(text, list(rotations)) for text in self.twists]
         with progress("tracking", None) as advance:
-            record = load_record(self.record, self.reading, signals, 0.0, advance) if signals else None
+            record = load_record(self.record, self.reading, signals, 0.0, advance, self.span) if signals else None
             found = orders_of_test(
                 record,
                 rotations,
@@ -200,7 +202,7 @@ class TrackCommand(Command):
         place = "" if self.offset is None else f"top dead centre of cylinder {self.cylinder}"
         if not toothed and not marks:
             return {}, PhaseMark(offset=self.offset or 0.0, place=place), {}
-        record = read_turning_record(self.record, toothed, marks, **self.reading.arguments)
+        record = self.span.cut(read_turning_record(self.record, toothed, marks, **self.reading.arguments))
         rotations = rotations_of_wheels(record, toothed, patterns_of(wheels), marks=marks, index=index or "")
         pulses = {name: wheel_pulses(record, name, one) for name, one in marks.items()}
         # A wheel without a gap has no mark of its own, though an index or a pattern may number its teeth.
@@ -227,7 +229,7 @@ class TrackCommand(Command):
             wheels, channels = ", ".join(rotations), ", ".join(there)
             raise UsageError(f"no wheel or channel is named {name}{hint}; wheels: {wheels}; channels: {channels}")
         return mean_rotation(
-            load_record(self.record, self.reading, [name], 0.0, advance), name, cycle=self.cycle
+            load_record(self.record, self.reading, [name], 0.0, advance, self.span), name, cycle=self.cycle
         )  # fmt: skip
 
     def _signals(self, wheels: dict[str, WheelOfTest]) -> list[str]:

@@ -30,7 +30,7 @@ def read_scalar(raw: object, dimension: str) -> Expression:
         value = scalar(raw)
     except (ExpressionError, UnitError, TypeError, ValueError) as error:
         raise EntryError(_unit_hint(str(error), dimension)) from None
-    return check_unit(value, dimension)
+    return check_unit(_within_range(value), dimension)
 
 
 def read_value(raw: object) -> Expression:
@@ -40,9 +40,16 @@ def read_value(raw: object) -> Expression:
             f"expected a number, a quantity with unit or an expression, got {'nothing' if raw is None else repr(raw)}"
         )
     try:
-        return scalar(raw)
+        return _within_range(scalar(raw))
     except (ExpressionError, UnitError, TypeError, ValueError) as error:
         raise EntryError(str(error)) from None
+
+
+def _within_range(value: Expression) -> Expression:
+    """Expression unchanged, or an EntryError that refuses a number of which not even squares can be calculated."""
+    if isinstance(value, Number) and is_beyond_range(value.value):
+        raise EntryError(f"{value} is far outside the sizes of drivetrains; check its unit")
+    return value
 
 
 def check_unit(value: Expression, dimension: str) -> Expression:

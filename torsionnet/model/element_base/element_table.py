@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
 from torsionnet.core.entries.composite import Named
+from torsionnet.core.entries.scalars import QuantityKind
 from torsionnet.core.entries.words import name_fault
 from torsionnet.core.errors import Fault, ModelError, did_you_mean
+from torsionnet.core.expressions import Number
 from torsionnet.core.familiar_words import ELEMENT_TYPES as FAMILIAR_TYPES
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE
 from torsionnet.model.element_base.element import ELEMENT_TYPES, Element
@@ -24,7 +26,7 @@ class ElementTable(Named[Element]):
         return FORM
 
     def read(self, raw: object) -> tuple[dict[str, Element], list[Fault]]:
-        """Elements by name that can be made, and the faults of the other elements."""
+        """Elements by name that can be made, and all faults."""
         if not isinstance(raw, Mapping) or not raw:
             return {}, [Fault(f"a model needs elements: {FORM}", kind="missing key", about="elements")]
         elements: dict[str, Element] = {}
@@ -70,8 +72,21 @@ def _made(cls: type[Element], name: str, entries: Mapping[str, Any]) -> tuple[El
         element = cls(name, **{**known, **dict.fromkeys(lacking)})
     except ModelError as error:
         found = [replace(fault, path=fault.path[2:]) for fault in error.faults]
-        return None, [*faults, *(fault for fault in found if not (fault.path and fault.path[0] in lacking))]
-    return (None if faults else element), faults
+        faults += [fault for fault in found if not (fault.path and fault.path[0] in lacking)]
+        return None, [*faults, *_beyond_bounds(cls, known, {fault.path[0] for fault in faults if fault.path})]
+    # With unknown keys alone it goes on to the checks, which tell what else is wrong.
+    return (element if all(fault.kind == "unknown key" for fault in faults) else None), faults
+
+
+def _beyond_bounds(cls: type[Element], known: Mapping[str, Any], told: Container[Any]) -> Iterator[Fault]:
+    """Yield faults of the numbers of an element that cannot be made, as the checks of a whole model tell them."""
+    for key, spec in cls.specs():
+        if key not in known or key in told or not isinstance(spec, QuantityKind):
+            continue
+        value, _ = spec.read(known[key])
+        reason = spec.bound_fault(value.value) if isinstance(value, Number) else None
+        if reason:
+            yield Fault(f"{value}: {spec.description} {reason}", (key,))
 
 
 def _kind_fault(kind: Any) -> Fault:

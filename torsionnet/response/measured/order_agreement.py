@@ -34,6 +34,8 @@ UNSTATED_BUT = "the test states no interval, so nothing says which difference is
 """Sentence on an order without interval, and its beginning where another one follows."""
 UNEXPLAINED = "the amplitude agrees; no single offset or delay explains the phase"
 """Sentence on an order whose phase nothing explains."""
+CALCULATED_ZERO = "the calculated order is zero"
+"""Sentence on an order of which the calculation has nothing but rounding, so that it has no share of it."""
 LARGEST_EXCESS = 1.0
 """Number of half widths by which a measured amplitude may exceed an upper bound: its own interval."""
 
@@ -99,7 +101,7 @@ def order_agreement(pair: OrderPair) -> OrderAgreement:
     apart = float(np.mean(np.abs(pair.measured - pair.calculated) ** 2))
     return OrderAgreement(
         found.verdict,
-        found.sentence,
+        found.sentence if model.any() else CALCULATED_ZERO,
         100 * (float(test.max()) / float(model.max()) - 1) if model.any() else math.nan,
         100 * math.sqrt(apart / float(np.mean(model**2))) if model.any() else math.nan,
         at_peak,
