@@ -467,6 +467,10 @@ def test_frf_infinite_at_zero_is_a_warning_on_stderr(axes):
     assert "inf" in result.stdout
     data = json.loads(run("frf", axes, "--output", "b", "--input", "T", "--json").stdout)
     assert data[0]["responses"][0]["static"][0] is None
+    result = run("frf", axes, "--output", "b", "--input", "T", "--frequencies", "0,1", "--json")
+    warned = [line for line in result.stderr.splitlines() if line.startswith("warning")]
+    assert warned == ["warning: the response is infinite at 0 Hz: the drivetrain turns freely"]
+    assert json.loads(result.stdout)[0]["responses"][0]["real"][0] is None
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import ast
 import contextlib
 import math
+import re
 import time
 from fractions import Fraction
 
@@ -10,6 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from torsionnet.core.entries.scalars import read_scalar
+from torsionnet.core.entries.spec import EntryError
 from torsionnet.core.units import (
     ANGLES,
     DIMENSIONS,
@@ -148,7 +151,12 @@ def test_a_bare_number_has_no_dimension(text, value):
         ("1 knm", "is not a known unit; did you mean"),
         ("1 lbin", r'did you mean "lbf\*in"'),
         ("1 kg*m2", r'did you mean "m\^2"'),
-        ("1 N-m", r'write "\*" between units'),
+        ("1 N-m", r'write "\*" between units, as in N\*m$'),
+        ("1 lb-in-s^2", r'write "\*" between units, as in lbf\*in\*s\^2$'),
+        ("1 lb-ft²", r"as in lb\*ft²$"),
+        ("1 U/min", 'did you mean "rpm" or "rev"'),
+        ("1 V/rad", '"V" is not a known unit$'),
+        ("1 Gx", '"Gx" is not a known unit$'),
         ("1 kHz/krad", '"krad" is not a known unit'),
         ("1 N*", "empty part"),
         ("1 N//m", "empty part"),
@@ -179,6 +187,42 @@ def test_a_bare_number_has_no_dimension(text, value):
 def test_refused_with_a_message(text, message):
     with pytest.raises(UnitError, match=message):
         parse_quantity(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "value", "dimension"),
+    [
+        # Definitions in NIST SP 811, appendix B: the pound of 0.45359237 kg, 9.80665 m/s^2, 16 ounces, a kip of 1000 lbf.
+        ("16 oz", "0.45359237", "mass"), ("16 ozf", "4.4482216152605", "force"), ("1 kip", "4448.2216152605", "force"),
+        ("1 kp*m", "9.80665", "torque"), ("3 daNm", "30", "torque"), ("3 daN*m", "30", "torque"), ("2 kJ", "2000", "torque"),
+    ],
+)  # fmt: skip
+def test_other_units_of_mass_force_and_energy(text, value, dimension):
+    read = parse_quantity(text)
+    assert (read.value, read.dimension) == (Fraction(value), DIMENSIONS[dimension])
+
+
+def test_other_units_of_angle_and_speed():
+    assert parse_quantity("100 gon").value == pytest.approx(math.pi / 2, rel=1e-15)
+    assert parse_quantity("5 kp*m/gon").value == pytest.approx(5 * 9.80665 * 200 / math.pi, rel=1e-15)
+    assert parse_quantity("300 r/min").value == parse_quantity("5 rps").value == pytest.approx(10 * math.pi, rel=1e-15)
+    assert {parse_unit(text).dimension for text in ("r/min", "rps", "rpm")} == {DIMENSIONS["speed"]}
+
+
+@pytest.mark.parametrize(
+    ("dimension", "text", "hint"),
+    [
+        ("stiffness", "3 lb*in/rad", "write 3 lbf*in/rad"), ("inertia", "2 lb*in*s^2", "write 2 lbf*in*s^2"),
+        ("torque", "16 oz*in", "write 16 ozf*in"), ("inertia", "2 kg*cm*s^2", "write 2 kgf*cm*s^2"),
+        ("stiffness", "3 lb*in", "write 3 lbf*in"),
+    ],
+)  # fmt: skip
+def test_a_mass_where_a_force_is_meant_is_told_the_force(dimension, text, hint):
+    with pytest.raises(EntryError, match=re.escape(hint)):
+        read_scalar(text, dimension)
+    with pytest.raises(EntryError) as caught:
+        read_scalar("2 lb", dimension)
+    assert "lbf" not in str(caught.value)
 
 
 @pytest.mark.parametrize("text", ["", "   "])
@@ -300,7 +344,7 @@ def test_reading_is_fast():
 
 def test_every_unit_of_angle_is_one_everywhere():
     """Also in the headings of records, and over a time."""
-    assert ANGLES == {"rad", "mrad", "urad", "deg", "rev", "arcmin"}
+    assert ANGLES == {"rad", "mrad", "urad", "deg", "rev", "arcmin", "gon"}
     for name in ANGLES:
         assert quantity_of(name) == "angle", name
         assert parse_quantity(f"2 {name}/s").dimension == DIMENSIONS["speed"], name

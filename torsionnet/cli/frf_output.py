@@ -174,9 +174,12 @@ def estimated_responses_record(response: FrequencyResponse, conventions: Convent
 
 
 def _curve(response: FrequencyResponse, conventions: Conventions, o: int, i: int) -> CurveRow:
-    values = response.values[:, o, i] * response.scale(conventions, o, i)
+    # Part by part: infinite values at a free turn times a complex scale are no numbers.
+    values, scale = response.values[:, o, i], response.scale(conventions, o, i)
     names = response.outputs[o].name, response.inputs[i].name
-    return CurveRow(*names, response.kind(o, i), response.unit(o, i, conventions), values.real, values.imag)
+    return CurveRow(
+        *names, response.kind(o, i), response.unit(o, i, conventions), values.real * scale, values.imag * scale
+    )
 
 
 @dataclass(frozen=True)

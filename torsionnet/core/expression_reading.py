@@ -215,9 +215,28 @@ def _from_object(value: Any) -> Expression:
     if isinstance(value, numbers.Real) and not isinstance(value, bool):
         return Number(value)
     if hasattr(value, "magnitude") and hasattr(value, "units"):
-        return _from_quantity(units.read_pint(value))
+        return _from_quantity(_of_pint(value))
     got = str(value).lower() if isinstance(value, bool) else _short(repr(value))
     raise ExpressionError(f"expected a number, got {got}")
+
+
+def _of_pint(quantity: Any) -> units.Quantity:
+    """Value in SI units of a quantity of pint, or of an object with ``magnitude``, ``units`` and ``to_base_units``."""
+    # The unit as given goes first: in base units pint makes 1/s of Hz and so loses the cycle.
+    try:
+        return _read_given(quantity)
+    except UnitError:
+        pass
+    try:
+        return _read_given(quantity.to_base_units())
+    except UnitError as error:
+        raise UnitError(f"{quantity}: {error}") from None
+
+
+def _read_given(quantity: Any) -> units.Quantity:
+    if not isinstance(quantity.magnitude, numbers.Real):
+        raise UnitError(f"expected one real number, got {quantity.magnitude}")
+    return units.parse_quantity(f"{float(units.exact(quantity.magnitude))!r} {quantity.units:~}")
 
 
 def _from_text(text: str) -> Expression:

@@ -20,7 +20,6 @@ from fractions import Fraction
 from functools import lru_cache
 from numbers import Integral
 from numbers import Real as RealNumber
-from typing import Any
 
 from torsionnet.core.errors import TorsionnetError, did_you_mean
 
@@ -116,17 +115,20 @@ _PREFIXES = {"G": Fraction(10**9), "M": Fraction(10**6), "k": Fraction(1000), ""
 # name: (factor, dimension, prefixes an engineer writes)
 _BASE: dict[str, tuple[Real, Dimension, str]] = {
     "g": (Fraction(1, 1000), _MASS, "km"), "t": (Fraction(1000), _MASS, ""), "lb": (_LB, _MASS, ""),
-    "lbm": (_LB, _MASS, ""), "slug": (_LB * _G0 / (12 * _INCH), _MASS, ""),
+    "lbm": (_LB, _MASS, ""), "oz": (_LB / 16, _MASS, ""), "slug": (_LB * _G0 / (12 * _INCH), _MASS, ""),
     "m": (Fraction(1), _LENGTH, "kcmu"), "in": (_INCH, _LENGTH, ""), "ft": (12 * _INCH, _LENGTH, ""),
     "s": (Fraction(1), _TIME, "mun"), "min": (Fraction(60), _TIME, ""), "h": (Fraction(3600), _TIME, ""),
-    "N": (Fraction(1), _FORCE, "GMkm"), "kgf": (_G0, _FORCE, ""), "lbf": (_LB * _G0, _FORCE, ""),
+    "N": (Fraction(1), _FORCE, "GMkm"), "daN": (Fraction(10), _FORCE, ""), "kgf": (_G0, _FORCE, ""),
+    "kp": (_G0, _FORCE, ""), "lbf": (_LB * _G0, _FORCE, ""), "ozf": (_LB * _G0 / 16, _FORCE, ""),
+    "kip": (1000 * _LB * _G0, _FORCE, ""), "J": (Fraction(1), _dimension(1, 2, -2), "Mk"),
     "Pa": (Fraction(1), _PRESSURE, "GMk"), "psi": (_LB * _G0 / _INCH**2, _PRESSURE, ""),
     "ksi": (1000 * _LB * _G0 / _INCH**2, _PRESSURE, ""), "bar": (Fraction(10**5), _PRESSURE, ""),
     "W": (Fraction(1), _POWER, "GMk"),
     "rad": (Fraction(1), _NUMBER, "mu"), "deg": (math.pi / 180, _NUMBER, ""), "rev": (2 * math.pi, _NUMBER, ""),
-    "arcmin": (math.pi / 10800, _NUMBER, ""), "%": (Fraction(1, 100), _NUMBER, ""),
+    "gon": (math.pi / 200, _NUMBER, ""), "arcmin": (math.pi / 10800, _NUMBER, ""), "%": (Fraction(1, 100), _NUMBER, ""),
     "ppm": (Fraction(1, 10**6), _NUMBER, ""),
-    "rpm": (math.pi / 30, _dimension(s=-1), ""), "Hz": (Fraction(1), _dimension(s=-1, cycle=1), "Mkm"),
+    "rpm": (math.pi / 30, _dimension(s=-1), ""), "r/min": (math.pi / 30, _dimension(s=-1), ""),
+    "rps": (2 * math.pi, _dimension(s=-1), ""), "Hz": (Fraction(1), _dimension(s=-1, cycle=1), "Mkm"),
     "cpm": (Fraction(1, 60), _dimension(s=-1, cycle=1), ""), "cycle": (Fraction(1), _dimension(cycle=1), ""),
     "K": (Fraction(1), _dimension(K=1), ""),
 }  # fmt: skip
@@ -136,13 +138,13 @@ _ATOMS: dict[str, _Atom] = {
     for prefix in ("", *prefixes)
 }
 # Units written without an operator: each entry spells out its factors, nothing is guessed.
-_JOINED = {"Nm": "N m", "kNm": "kN m", "MNm": "MN m", "GNm": "GN m", "mNm": "mN m", "Nmm": "N mm", "Ncm": "N cm",
-           "Nms": "N m s", "kNms": "kN m s", "MNms": "MN m s", "mNms": "mN m s", "kgfm": "kgf m", "kgm^2": "kg m m",
-           "kgcm^2": "kg cm cm", "kgmm^2": "kg mm mm", "gcm^2": "g cm cm", "gmm^2": "g mm mm", "tm^2": "t m m",
-           "kgm2": "kg m m"}  # fmt: skip
+_JOINED = {"Nm": "N m", "daNm": "daN m", "kNm": "kN m", "MNm": "MN m", "GNm": "GN m", "mNm": "mN m", "Nmm": "N mm",
+           "Ncm": "N cm", "Nms": "N m s", "kNms": "kN m s", "MNms": "MN m s", "mNms": "mN m s", "kgfm": "kgf m",
+           "kgm^2": "kg m m", "kgcm^2": "kg cm cm", "kgmm^2": "kg mm mm", "gcm^2": "g cm cm", "gmm^2": "g mm mm",
+           "tm^2": "t m m", "kgm2": "kg m m"}  # fmt: skip
 ANGLES = frozenset(name for name, (_, dimension) in _ATOMS.items() if dimension == _NUMBER and name not in ("%", "ppm"))
 """Names of the units that stand for an angle."""
-_ANGULAR = {*ANGLES, "rpm", *(name for name, (_, dimension) in _ATOMS.items() if dimension.cycle)}
+_ANGULAR = {*ANGLES, "rpm", "r/min", "rps", *(name for name, (_, dimension) in _ATOMS.items() if dimension.cycle)}
 
 
 def _product(names: str) -> _Atom:
@@ -156,15 +158,16 @@ def _product(names: str) -> _Atom:
 _ATOMS |= {name: _product(names) for name, names in _JOINED.items()}
 KNOWN_UNITS = tuple(_ATOMS)
 """Names of all units that stand alone, with their prefixes, in the order of the table."""
-_SUGGESTED = tuple(name for name in _ATOMS if name != "K")
-"""Units suggested for a misread one, without K: a lone letter is rather a cut unit than a temperature."""
+_LEAST_SUGGESTED = 3
+"""Fewest letters of a misread unit for which any similar one is suggested: shorter ones resemble many."""
 _SQUARED = "|".join(sorted((name[:-2] for name in _JOINED if name.endswith("^2")), key=len, reverse=True))
 _TOKEN = re.compile(
     rf"\s*(?:(?P<power>(?:\^|\*\*)\s*(?P<exponent>[+-]?\d+|\([+-]?\d+(?:/\d+)?\)))|(?P<atom>(?:{_SQUARED})(?:\^|\*\*)2"
-    r"(?!\d)|%|[A-Za-z_]+\d*)|(?P<one>1(?![\d.]))|(?P<sign>[*/()]))",
+    r"(?!\d)|%|r/min(?![A-Za-z])|[A-Za-z_]+\d*)|(?P<one>1(?![\d.]))|(?P<sign>[*/()]))",
 )
 _MEAN = {"lbin": "lbf*in", "inlb": "lbf*in", "lbft": "lbf*ft", "ftlb": "lbf*ft", "sec": "s", "Kg": "kg", "KNm": "kNm",
-         "NM": "Nm", "kgm": 'kg*m" or "kgm^2', "degree": "deg", "rads": "rad/s", "inch": "in", "°": "deg"}  # fmt: skip
+         "NM": "Nm", "kgm": 'kg*m" or "kgm^2', "degree": "deg", "rads": "rad/s", "inch": "in", "°": "deg",
+         "U": 'rpm" or "rev', "r": "rev", "KN": "kN"}  # fmt: skip
 CELSIUS = "degC"
 """Name of the unit of a temperature in °C, not of a difference: it stands alone after a number, and has an offset
 instead of a factor."""
@@ -189,7 +192,7 @@ class _Parser:
         while position < len(text):
             token = _TOKEN.match(text, position)
             if token is None:
-                raise self.error(f'cannot be read from "{text[position:].strip()}" on{_hint(text[position:])}')
+                raise self.error(f'cannot be read from "{text[position:].strip()}" on{_hint(text[position:], written)}')
             self.tokens.append(token)
             position = token.end()
 
@@ -253,7 +256,7 @@ class _Parser:
         return _ATOMS[name]
 
 
-def _hint(name: str) -> str:
+def _hint(name: str, written: str = "") -> str:
     bare = name.rstrip("0123456789")
     if name == CELSIUS:
         return "; degC stands alone after a temperature, as in 60 degC; differences are in K"
@@ -263,7 +266,25 @@ def _hint(name: str) -> str:
         return f'; did you mean "{bare}^{name[len(bare) :]}"?'
     if bare in ("GD", "WR", "WK"):
         return f"; {name} stands once, at the end, after a unit of inertia"
-    return '; write "*" between units' if name.startswith(("-", ".")) else did_you_mean(name, _SUGGESTED)
+    if name.startswith(("-", ".")):
+        products = re.sub(r"(?<=[A-Za-z0-9²³])[.\-](?=[A-Za-z])", "*", written)
+        forms = [] if re.search(r"[.\-]", products) else [products, with_forces(products)]
+        known = [f", as in {text}" for text in forms if _is_known(text)]
+        return '; write "*" between units' + "".join(known[:1])
+    near = [known for known in _ATOMS if len(name) >= _LEAST_SUGGESTED or (len(name) > 1 and set(name) <= set(known))]
+    return did_you_mean(name, near)
+
+
+def with_forces(text: str) -> str:
+    """Text of a unit or quantity with units of force for pounds, ounces and kilograms."""
+    return re.sub(r"\b(lb|oz|kg)\b", r"\1f", text)
+
+
+def _is_known(text: str) -> bool:
+    try:
+        return parse_unit(text).dimension in DIMENSIONS.values()
+    except UnitError:
+        return False
 
 
 @lru_cache(maxsize=1024)
@@ -430,25 +451,6 @@ def numeral_of(value: Fraction) -> str:
     except OverflowError:
         return str(value)
     return short if Fraction(short) == value else str(value)
-
-
-def read_pint(quantity: Any) -> Quantity:
-    """Value in SI units of a quantity of pint, or of an object with ``magnitude``, ``units`` and ``to_base_units``."""
-    # The unit as given goes first: in base units pint makes 1/s of Hz and so loses the cycle.
-    try:
-        return _read_given(quantity)
-    except UnitError:
-        pass
-    try:
-        return _read_given(quantity.to_base_units())
-    except UnitError as error:
-        raise UnitError(f"{quantity}: {error}") from None
-
-
-def _read_given(quantity: Any) -> Quantity:
-    if not isinstance(quantity.magnitude, RealNumber):
-        raise UnitError(f"expected one real number, got {quantity.magnitude}")
-    return parse_quantity(f"{float(exact(quantity.magnitude))!r} {quantity.units:~}")
 
 
 # The names of dimensions with the SI unit that messages show; the later of two equal dimensions wins in ``str``.

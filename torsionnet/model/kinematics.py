@@ -258,6 +258,41 @@ def contradicting_loop(parts: Sequence[OwnedPart], nodes: Sequence[str]) -> list
     return list(dict.fromkeys(loose[index][0] for index in loop))
 
 
+@dataclass(frozen=True)
+class LoopMismatch:
+    """Two ratios of the speeds of two nodes of a rigid loop, by one element and by the others of the loop."""
+
+    element: str
+    nodes: tuple[str, str]
+    own: Fraction
+    others: Fraction
+
+    @property
+    def deviation(self) -> float:
+        """Ratio by the one element over that by the others, less 1."""
+        return float(self.own / self.others) - 1
+
+
+def loop_mismatch(parts: Sequence[OwnedPart], nodes: Sequence[str], loop: Sequence[str]) -> LoopMismatch | None:
+    """Ratios by the last element of a contradicting loop with two nodes, and by the others between the same nodes.
+
+    None where no element of the loop has a ratio of just two nodes, or the others leave one open.
+    """
+    rows = [(name, exact_row(row)) for name, row in constraints_of(parts) if name in loop and len(row) > 1]
+    order = {node: index for index, node in enumerate(nodes)}
+    for element in reversed(loop):
+        own = [row for name, row in rows if name == element]
+        if len(own) != 1 or len(own[0]) != 2:
+            continue
+        (first, share), (second, other) = own[0].items()
+        reduction = reduce_rows([row for name, row in rows if name != element], order)
+        ends = [reduction.reduced({node: Fraction(1)}) for node in (first, second)]
+        if all(len(end) == 1 for end in ends) and ends[0].keys() == ends[1].keys():
+            ((above,), (below,)) = (end.values() for end in ends)
+            return LoopMismatch(element, (first, second), Fraction(-other, share), Fraction(above) / Fraction(below))
+    return None
+
+
 def virtual_motion(kinematics: Kinematics, index: int, number: Callable[[Any], Any] = exact) -> dict[str, Any]:
     """Virtual motion of every node, by node, that violates constraint ``index`` by one and no other constraint.
 

@@ -19,7 +19,6 @@ _OTHER_WORDS = {
     "min-1": "rpm",
     "min^-1": "rpm",
     "U/min": "rpm",
-    "r/min": "rpm",
     "grad": "",
 }
 _FOLDED = {"rpm": "rpm", "sec": "s", "seconds": "s", "msec": "ms"}

@@ -158,7 +158,7 @@ class _Parts:
     def bracket(self, match: re.Match[str]) -> str:
         """Text that stays of a bracket: none of one with a unit, a factor, or a sign for no unit."""
         inside = match["inside"].strip()
-        measured = _measured(inside)
+        measured = None if match["open"] == "(" and _is_symbol(inside) else _measured(inside)
         if measured:
             self.take(inside, *measured)
         elif inside not in NO_UNIT and (alone := _ALONE.fullmatch(inside)):
@@ -185,7 +185,7 @@ class _Parts:
         for start in _TAIL.finditer(words):
             tail = words[start.start() :]
             measured = _measured(tail)
-            if measured is None or tail in _NO_TAILS or (len(tail) == 1 and tail not in "m%"):
+            if measured is None or tail in _NO_TAILS or _is_symbol(tail):
                 continue
             dimension = measured[0][1].dimension
             after_slash = words[: start.start()].endswith("/")
@@ -194,6 +194,11 @@ class _Parts:
                 self.take(tail, *measured)
                 return words[: start.start()].strip()
         return words
+
+
+def _is_symbol(text: str) -> bool:
+    """Whether a text is a letter, the symbol of a quantity (J, K) rather than a unit; m is a unit."""
+    return len(text) == 1 and text not in "m%"
 
 
 def _measured(text: str) -> tuple[tuple[str, SheetUnit], HeadingFactor | None] | None:

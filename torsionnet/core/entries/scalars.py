@@ -12,7 +12,7 @@ from torsionnet.core.errors import Path
 from torsionnet.core.expression_reading import scalar
 from torsionnet.core.expressions import Expression, ExpressionError, Number
 from torsionnet.core.number_range import is_beyond_range
-from torsionnet.core.units import DIMENSIONS, UnitError, expected_unit
+from torsionnet.core.units import DIMENSIONS, UnitError, expected_unit, parse_quantity, with_forces
 
 SCALAR_SCHEMA: Schema = {"type": ["number", "string"]}
 
@@ -68,6 +68,9 @@ def check_unit(value: Expression, dimension: str) -> Expression:
     msg = f'"{value.text}" is not a value of {label}; expected a unit such as {expected_unit(dimension)}'
     if dimension in ("speed", "angular frequency") and value.unit_dimension == DIMENSIONS["frequency"]:
         msg += " (Hz counts cycles, not radians)"
+    forces = with_forces(value.text or "")
+    if forces != value.text and parse_quantity(forces).dimension == wanted:
+        msg += f"; lb, oz and kg are masses, lbf, ozf and kgf forces: write {forces}"
     raise EntryError(msg)
 
 

@@ -17,6 +17,7 @@ from torsionnet.model.elements import GROUND, Values
 from torsionnet.model.kinematics import (
     Kinematics,
     contradicting_loop,
+    loop_mismatch,
     solve_kinematics,
     torques_are_determinate,
     virtual_motion,
@@ -62,8 +63,14 @@ def contradicting_gears(definition: Definition, kinematics: Kinematics) -> list[
     loop = contradicting_loop(kinematics.parts, kinematics.nodes) if reduction.held() or reduction.blocked else []
     if not loop:
         return []
+    mismatch = loop_mismatch(kinematics.parts, kinematics.nodes, loop)
+    both = ""
+    if mismatch:
+        turns = f"{mismatch.nodes[0]} turns {float(mismatch.own):.9g} times as fast as {mismatch.nodes[1]}"
+        by_others = f"by the others {float(mismatch.others):.9g} times, {100 * abs(mismatch.deviation):.3g} % apart"
+        both = f"by {mismatch.element} {turns}, {by_others}; "
     text = (
-        f"the rigid ratios of {', '.join(loop)} contradict each other: the loop could not turn; "
+        f"the rigid ratios of {', '.join(loop)} contradict each other: the loop could not turn; {both}"
         "correct a ratio or give one of them a stiffness"
     )
     return [Fault(text, ("elements", loop[-1]), on_key=True)] if loop[-1] in definition.elements else [Fault(text)]

@@ -12,7 +12,7 @@ _MULTIPLES = {
     "kg*m^2": ("kg*mm^2", "t*m^2", "lbf*in*s^2", "lb*ft^2"), "N*m": ("lbf*in", "lbf*ft"),
 }  # fmt: skip
 """Units that engineers write in place of the beginning of a product of SI units."""
-_SHARES = ("%", "ppm")
+_SHARES = ("%", "ppm", "J", "kJ", "MJ")
 
 
 @lru_cache(maxsize=64)
