@@ -185,7 +185,7 @@ class TestTwoMasses:
         assert [one.speed() / RPM for one in both.crossings] == pytest.approx(meant)
         assert both.of(1, -4, near=1800 * RPM).speed() / RPM == pytest.approx(meant[1])
         with pytest.raises(
-            tn.UsageError, match=r"mode 1 meets order -4 at 1207.6 and 1792.4 rpm; say which with near="
+            tn.UsageError, match=r"mode 1 meets order -4 at 1207\.6 and 1792\.4 rpm; say which with near="
         ):
             both.of(1, -4)
         assert [one.margin for one in both.crossings] == [pytest.approx(natural / (100 - 4 * 1300 / 60) - 1)] * 2

@@ -263,3 +263,20 @@ class TestCommand:
         words = ["damper", tmp_path / "plant.yaml", "--output", "a"]
         assert "a band needs both ends" in run(*words, "--vary", "c", "--input", "a", "--from", 5, code=2).stderr
         assert "expected NAME[=LOW..HIGH]" in run(*words, "--vary", "c=5", code=2).stderr
+
+
+@pytest.mark.parametrize("step", [3, 70])
+def test_levels_over_speed_do_not_depend_on_the_step(step):
+    """A film that hardly damps: one mass of J on K, whose narrow peak lies between the speeds of either grid."""
+    plant = running(0.5)
+    speeds = np.arange(1000.0, 2200.0, step) * np.pi / 30
+    response = parametric_response(plant, "a", "a", [1.0], ["c", "k_film"])
+    run_up = plant.order_response("a", speeds=speeds)
+    levels = OrderLevels(VariedModel(response.unknowns), "a", None, run_up, refine=True)
+    c, ring = 2.0, 0.5 * J
+    near = np.linspace(0.9, 1.1, 200_001) * OMEGA
+    film = 1j * near * c * (-ring * near**2) / (1j * near * c - ring * near**2)
+    meant = 5 / np.abs(K - J * near**2 + film)
+    points = levels.maxima(np.array([c, 0.0]))
+    assert points[0] == pytest.approx(near[meant.argmax()], rel=1e-5)
+    assert levels.at(np.array([c, 0.0]), points[:1]).item() == pytest.approx(meant.max(), rel=1e-3)

@@ -55,7 +55,7 @@ class TestProgressiveCoupling:
         assert [one.speed("undamped") / RPM for one in found.crossings] == pytest.approx(TWICE, rel=1e-9)
         assert [(one.margin, one.passes) for one in found.crossings] == [(0, False)] * 2
         assert [one.mode.natural_frequency for one in found.crossings] == pytest.approx(np.array(TWICE) / 120)
-        with pytest.raises(tn.UsageError, match=r"at 662.28 and 1305.8 rpm; say which with near="):
+        with pytest.raises(tn.UsageError, match=r"at 662\.28 and 1305\.8 rpm; say which with near="):
             found.of(1, 0.5)
         assert found.of(1, 0.5, near=140.0).speed("natural") == pytest.approx(TWICE[1] * RPM)
 
@@ -73,22 +73,22 @@ class TestProgressiveCoupling:
         assert one.speed("natural") / RPM == pytest.approx(halved(lambda n: coupling_frequency(n) > 10, 600, 1500))
         assert (one.margin, one.passes, one.line) == (0, False, "10 Hz")
 
-    @pytest.mark.parametrize("step", [0.7, 10, 300])
-    def test_every_peak_of_an_order_is_resolved(self, step):
-        """Half-widths are 0.3 and 0.4 r/min: the peak of two masses on k + j w c, of which 100 N m twist 78/138."""
+    @pytest.mark.parametrize(("zeta", "step"), [(0.0005, 0.7), (0.0005, 10), (0.0005, 300), (0.01, 8), (0.01, 300)])
+    def test_every_peak_of_an_order_is_resolved(self, zeta, step):
+        """The peak of two masses on k + j w c, of which 100 N m twist 78/138; half widths are 0.3 to 8 r/min."""
         ends = {"of": "fly", "range": "600..1500 rpm", "step": f"{step} rpm", "rated": "1500 rpm"}
-        rig = propeller_coupling(HALF_ORDER, damping=0.0005)
+        rig = propeller_coupling(HALF_ORDER, damping=zeta)
         rig = tn.Drivetrain("fine", rig.elements.values(), parameters=rig.definition.parameters, speeds=ends,
                             load=rig.definition.load, excitations=rig.definition.excitations)  # fmt: skip
         run_up = rig.order_response("torque(coupling)", refine=True)
         for critical in TWICE:
-            near = np.linspace(critical - 2, critical + 2, 40001)
+            near = np.linspace(critical - 20, critical + 20, 40001)
             w, reduced = 2 * np.pi * near / 120, 60 * 78 / 138
             k = (2 * np.pi * coupling_frequency(near)) ** 2 * reduced
-            k = k * (1 + 2j * 0.0005 * w / (2 * np.pi * 8))
+            k = k * (1 + 2j * zeta * w / (2 * np.pi * 8))
             peak = np.abs(100 * 78 / 138 * k / (k - reduced * w**2)).max()
-            around = np.abs(run_up.rpm - critical) < 5
-            assert run_up.sizes[around].max() == pytest.approx(peak, rel=2e-3)
+            around = np.abs(run_up.rpm - critical) < 20
+            assert run_up.sizes[around].max() == pytest.approx(peak, rel=3e-3)
 
     def test_the_command(self, tmp_path):
         (tmp_path / "plant.yaml").write_text(propeller_coupling(HALF_ORDER).to_yaml(), encoding="utf-8")

@@ -94,10 +94,9 @@ def critical_speeds(
     )
     if isinstance(outputs, (list, tuple)) and not outputs:
         return found
-    ends = [search.limits, *search.known.values()]
+    ends = [search.limits, search.over_speed.known, *search.known.values()]
     common = max(low for low, _ in ends), min(high for _, high in ends)
-    limits = search.speed_range if search.over_speed.is_speed_dependent else common
-    peaks, channels = with_speed_peaks(changed, found.crossings, outputs, reference, limits)
+    peaks, channels = with_speed_peaks(changed, found.crossings, outputs, reference, common)
     return replace(found, crossings=peaks, outputs=channels)
 
 
@@ -169,6 +168,7 @@ class CrossingSearch:
         self.rule, self.reach, self.reference = rule, reach, reference
         self.limits = (speed_range[0] * (1 - reach), speed_range[1] * (1 + reach))
         self.known: dict[str, tuple[float, float]] = {}
+        self._lines: dict[OrderLine, LineOverModes] = {}
         found = vibration_modes(drivetrain, modes(drivetrain))
         self.modes = tuple(sorted(found, key=lambda mode: mode.number))[:lowest]
         required = [one for line in lines if rule and (one := rule.required(line.order))]
@@ -195,7 +195,7 @@ class CrossingSearch:
 
     def nearest(self, mode: VibrationMode, line: OrderLine) -> CriticalSpeed:
         """Place in the operating range where a line is nearest to a mode, with the margin between the two."""
-        beside = LineOverModes(line, self.over_speed.pieces, self.speed_range)
+        beside = self._beside(line)
         points = [beside.nearest(mode.number, curve) for curve in (NATURAL, UNDAMPED)]
         there = [(0.0 if one.meets else abs(one.offset), one.speed) for one in points if one is not None]
         margin, speed = min(there, key=lambda one: one[0], default=(math.nan, math.nan))
@@ -234,7 +234,7 @@ class CrossingSearch:
         """
         nearest = self.nearest(mode, line)
         is_close = nearest.margin < (nearest.required or 0.0)
-        beside = LineOverModes(line, self.over_speed.pieces, self.speed_range)
+        beside = self._beside(line)
         every = [beside.meetings(mode.number, curve) for curve in (UNDAMPED, NATURAL, DAMPED)]
         reach, count = (self.widest if is_close else self.reach), 0
         low, high = self.speed_range[0] * (1 - reach), self.speed_range[1] * (1 + reach)
@@ -247,6 +247,12 @@ class CrossingSearch:
                 yield replace(nearest, mode=there, speeds=(undamped, natural, damped), leaps=math.isinf(main.slope))
         if not count and (is_close or (not line.order and nearest.margin < self.reach)):
             yield replace(nearest, mode=self._mode_at(mode, nearest.nearest_speed))
+
+    def _beside(self, line: OrderLine) -> LineOverModes:
+        """Line beside the modes over speed, worked out once."""
+        if line not in self._lines:
+            self._lines[line] = LineOverModes(line, self.over_speed.pieces, self.speed_range)
+        return self._lines[line]
 
     def _mode_at(self, mode: VibrationMode, speed: float) -> VibrationMode:
         """The mode of the same number at a speed in rad/s."""

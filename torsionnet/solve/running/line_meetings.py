@@ -28,6 +28,8 @@ SAME_POINT = 1e-9
 """Relative distance of speeds up to which pieces of a curve have an end in common."""
 LEAP = 0.01
 """Change of the ratio of mode to line on the shortest piece of a curve from which on the curve may have leapt there."""
+NEARLY_REAL = 1e-6
+"""Imaginary part of a root, of a piece from -1 to 1, up to which it counts as real; one too many does no harm."""
 HALVINGS = 60
 """Number of times that a range of speeds with one meeting is halved, after which doubles leave nothing to halve."""
 
@@ -62,6 +64,7 @@ class LineOverModes:
     def __init__(self, line: OrderLine, pieces: Sequence[CurvePiece], speed_range: tuple[float, float]) -> None:
         self.pieces, self.speed_range = pieces, speed_range
         self.rate, self.fixed = float(line.relative) / (2 * math.pi), line.fixed
+        self._courses: dict[tuple[int, int], list[Meeting]] = {}
 
     def meetings(self, number: int, curve: int) -> tuple[Meeting, ...]:
         """Speeds at which the line meets a curve of the mode of this number, rising; of a constant mode all above 0."""
@@ -71,7 +74,7 @@ class LineOverModes:
             speeds = [(sign * frequency - self.fixed) / self.rate for sign in (1, -1)] if self.rate else []
             return tuple(replace(own[0].at(speed), meets=True) for speed in sorted(set(speeds)) if speed > 0)
         found: list[Meeting] = []
-        for point in self._course(own):
+        for point in self._course(number, curve):
             if point.meets and found and point.speed - found[-1].speed <= TOUCHING * point.speed:
                 found[-1] = min(found[-1], point, key=lambda one: abs(one.offset))
             elif point.meets:
@@ -80,10 +83,11 @@ class LineOverModes:
 
     def approaches(self, number: int, curve: int) -> tuple[Meeting, ...]:
         """Meetings, and the points at which the line is nearest to a mode for a while without meeting it."""
-        course = self._course(self._own(number, curve))
+        course = self._course(number, curve)
         sizes = [math.inf, *(0.0 if point.meets else abs(point.offset) for point in course), math.inf]
+        own = self._own(number, curve)
         return tuple(
-            point
+            point if point.meets else next(one for one in own if point.speed <= one.ends[1]).at(point.speed)
             for place, point in enumerate(course, 1)
             if point.meets or sizes[place] < min(sizes[place - 1], sizes[place + 1])
         )
@@ -93,7 +97,7 @@ class LineOverModes:
         low, high = self.speed_range
         inside = [
             point
-            for point in self._course(self._own(number, curve))
+            for point in self._course(number, curve)
             if low * (1 - SAME_POINT) <= point.speed <= high * (1 + SAME_POINT)
         ]
         return min(reversed(inside), key=lambda point: 0.0 if point.meets else abs(point.offset), default=None)
@@ -105,44 +109,40 @@ class LineOverModes:
             if number in piece.numbers and (stretch := _Stretch(self, place, piece.numbers.index(number), curve)).exists
         ]
 
-    def _course(self, stretches: Sequence[_Stretch]) -> list[Meeting]:
+    def _course(self, number: int, curve: int) -> list[Meeting]:
         """Points between which the ratio of mode to line only rises or only falls, and meetings, by rising speed."""
-        points: list[Meeting] = []
-        links: list[Meeting | None] = [None]  # the meeting before each point
-        joined = [False]  # whether the curve goes on between the point before and this one
-        for place, stretch in enumerate(stretches):
-            own = stretch.points()
-            before = stretches[place - 1] if place else None
-            if before is not None and stretch.place == before.place + 1:
-                last, first = points[-1], own[0]
-                if before.leaps_to(stretch):
-                    is_smooth = abs(last.offset - first.offset) <= TOUCHING * (1 + abs(last.offset))
-                    links.append(replace(first, offset=0.0, meets=True) if is_smooth else _leap(last.speed))
-                    joined.append(True)
-                    points.append(first)
-                elif abs(last.offset - first.offset) > TOUCHING:
-                    links.append(None)
-                    joined.append(True)
-                    points.append(first)
-            elif points:
-                links.append(None)
-                joined.append(False)
-                points.append(own[0])
-            else:
-                points.append(own[0])
-            for here, there in pairwise(own):
+        if (number, curve) not in self._courses:
+            self._courses[number, curve] = self._calculated_course(self._own(number, curve))
+        return self._courses[number, curve]
+
+    def _calculated_course(self, stretches: Sequence[_Stretch]) -> list[Meeting]:
+        points: list[tuple[_Stretch, Meeting]] = []
+        links: list[Meeting | None] = []  # the meeting before each point
+        joined: list[bool] = []  # whether the curve goes on between the point before and this one
+        before: _Stretch | None = None
+        for stretch in stretches:
+            first, *rest = stretch.points()
+            goes_on = before is not None and stretch.place == before.place + 1
+            leap = before.leap_to(stretch, points[-1][1]) if before is not None and goes_on else None
+            # Where the curve simply goes on, the end of one piece and the beginning of the next are one point.
+            if not goes_on or leap is not None or abs(points[-1][1].offset - first.offset) > TOUCHING:
+                points.append((stretch, first))
+                links.append(leap)
+                joined.append(goes_on)
+            for here, there in pairwise((first, *rest)):
+                points.append((stretch, there))
                 links.append(stretch.meeting(here, there))
                 joined.append(True)
-                points.append(there)
+            before = stretch
         return list(_with_meetings(points, links, joined))
 
 
 def _with_meetings(
-    points: Sequence[Meeting], links: Sequence[Meeting | None], joined: Sequence[bool]
+    points: Sequence[tuple[_Stretch, Meeting]], links: Sequence[Meeting | None], joined: Sequence[bool]
 ) -> Iterator[Meeting]:
     """Yield points and the meetings between them, points marked as meetings at which a line touches a mode."""
-    sizes = [abs(point.offset) for point in points]
-    for place, point in enumerate(points):
+    sizes = [abs(point.offset) for _, point in points]
+    for place, (stretch, point) in enumerate(points):
         link = links[place]
         if link is not None:
             yield link
@@ -151,11 +151,15 @@ def _with_meetings(
         falls = not place or not joined[place] or sizes[place] < sizes[place - 1]
         rises = is_last or not joined[place + 1] or sizes[place] <= sizes[place + 1]
         touches = sizes[place] <= TOUCHING and falls and rises and not between
-        yield replace(point, meets=True) if touches else point
+        yield replace(stretch.at(point.speed), offset=point.offset, slope=0.0, meets=True) if touches else point
 
 
-def _leap(speed: float) -> Meeting:
-    return Meeting(speed, 0.0, math.inf, 0.0, meets=True)
+def _sum(coefficients: Sequence[float], place: float) -> float:
+    """Sum of Chebyshev polynomials with these coefficients at a place from -1 to 1, by Clenshaw's recurrence."""
+    before = here = 0.0
+    for one in reversed(coefficients[1:]):
+        before, here = here, one + 2 * place * here - before
+    return coefficients[0] + place * here - before
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,9 +176,10 @@ class _Stretch:
         return self.line.pieces[self.place]
 
     @cached_property
-    def coefficients(self) -> FloatArray:
+    def coefficients(self) -> list[float]:
         """Coefficients of the frequency in Hz in Chebyshev polynomials over the piece."""
-        return np.asarray(self._piece.coefficients[self.row, self.curve])
+        found: list[float] = self._piece.coefficients[self.row, self.curve].tolist()
+        return found
 
     @property
     def exists(self) -> bool:
@@ -187,65 +192,64 @@ class _Stretch:
         return len(self.coefficients) == 1
 
     @cached_property
-    def _middle(self) -> float:
-        return float(self._piece.speeds[0] + self._piece.speeds[-1]) / 2
+    def ends(self) -> tuple[float, float]:
+        """Lowest and highest speed of the piece in rad/s."""
+        return float(self._piece.speeds[0]), float(self._piece.speeds[-1])
 
-    @cached_property
-    def _half(self) -> float:
-        return float(self._piece.speeds[-1] - self._piece.speeds[0]) / 2
+    def _place(self, speed: float) -> float:
+        """Place from -1 to 1 on the piece of a speed in rad/s."""
+        low, high = self.ends
+        return (2 * speed - low - high) / (high - low) if high > low else 0.0
 
     def frequency(self, speed: float) -> float:
         """Frequency of the mode in Hz at a speed in rad/s."""
-        return (
-            float(chebyshev.chebval((speed - self._middle) / self._half, self.coefficients))
-            if self._half
-            else (float(self.coefficients[0]))
-        )
+        return _sum(self.coefficients, self._place(speed))
 
-    def at(self, speed: float, known: float | None = None) -> Meeting:
-        """Point at a speed in rad/s, where the frequency in Hz may be known."""
-        line = self.line.rate * speed + self.line.fixed
-        frequency = self.frequency(speed) if known is None else known
-        rise = self._derivative(self.coefficients, speed, 1)
+    def _point(self, speed: float, frequency: float | None = None) -> Meeting:
+        """Point at a speed in rad/s, where the frequency in Hz may be known, without slope and width."""
+        line = abs(self.line.rate * speed + self.line.fixed)
+        own = self.frequency(speed) if frequency is None else frequency
+        return Meeting(speed, own / line - 1 if line else math.inf, math.nan, math.nan)
+
+    def at(self, speed: float) -> Meeting:
+        """Point at a speed in rad/s with slope and width."""
+        line, frequency = self.line.rate * speed + self.line.fixed, self.frequency(speed)
+        low, high = self.ends
+        rises = self._piece.slopes[0][self.row, self.curve]
+        rise, bend = 0.0, 0.0
+        if not self.is_constant:
+            rise = _sum(rises.tolist(), self._place(speed)) * 2 / (high - low)
+            bend = abs(_sum(chebyshev.chebder(rises).tolist(), self._place(speed))) * 4 / (high - low) ** 2
         slope = math.copysign(self.line.rate, line * self.line.rate) - rise
-        if self.is_constant:
-            decay = float(self._piece.values[self.row, DECAY, 0])
-        else:
-            decay = float(np.interp(speed, self._piece.speeds, self._piece.values[self.row, DECAY]))
-        bend = abs(self._derivative(self.coefficients, speed, 2))
-        apart = abs(frequency - abs(line))
+        decays = self._piece.values[self.row, DECAY]
+        decay = float(decays[0] if self.is_constant else np.interp(speed, self._piece.speeds, decays))
         # The distance of line and mode is slope * s + bend * s^2/2: as far as either makes it the half width.
         widths = [abs(decay / slope)] if slope else []
-        widths += [math.sqrt(2 * max(abs(decay), apart) / bend)] if bend else []
-        return Meeting(speed, frequency / abs(line) - 1 if line else math.inf, slope, min(widths, default=math.inf))
-
-    def _derivative(self, coefficients: FloatArray, speed: float, times: int) -> float:
-        if len(coefficients) <= times:
-            return 0.0
-        x = (speed - self._middle) / self._half
-        return float(chebyshev.chebval(x, chebyshev.chebder(coefficients, times))) / self._half**times
+        widths += [math.sqrt(2 * max(abs(decay), abs(frequency - abs(line))) / bend)] if bend else []
+        return replace(self._point(speed, frequency), slope=slope, width=min(widths, default=math.inf))
 
     def points(self) -> list[Meeting]:
         """Points of the piece between which the ratio of mode to line only rises or only falls, by rising speed."""
-        low, high = float(self._piece.speeds[0]), float(self._piece.speeds[-1])
-        line = np.array([self.line.rate * self._middle + self.line.fixed, self.line.rate * self._half])
-        places = list(self.line.speed_range)
-        if self.line.rate:
-            places.append(-self.line.fixed / self.line.rate)
+        low, high = self.ends
+        places = [*self.line.speed_range, *([-self.line.fixed / self.line.rate] if self.line.rate else [])]
         if not self.is_constant:
-            rise = chebyshev.chebder(self.coefficients)
-            turning = chebyshev.chebsub(chebyshev.chebmul(rise, line), line[1] * self.coefficients)
-            scale = np.abs(turning).max()
-            turning = chebyshev.chebtrim(turning, 1e-13 * scale) if scale else turning[:1]
-            roots = chebyshev.chebroots(turning) if len(turning) > 1 else np.zeros(0)
-            places += (self._middle + self._half * roots.real[np.abs(roots.imag) < 1e-6]).tolist()
-        inner = [speed for speed in sorted(places) if low < speed < high]
+            line = self.line.rate * (low + high) / 2 + self.line.fixed, self.line.rate * (high - low) / 2
+            rise, times = (one[self.row, self.curve] for one in self._piece.slopes)
+            turning = line[0] * rise + line[1] * (times - self._piece.coefficients[self.row, self.curve])
+            sizes = np.abs(turning)
+            # Chebyshev polynomials are at most 1: where the first coefficient outweighs the others there is no root.
+            if sizes[0] <= sizes[1:].sum() and sizes[0] < math.inf:
+                roots = chebyshev.chebroots(chebyshev.chebtrim(turning, 1e-13 * sizes.max()))
+                real = roots.real[np.abs(roots.imag) < NEARLY_REAL]
+                places += ((low + high) / 2 + (high - low) / 2 * real).tolist()
         own = self._piece.values[self.row, self.curve]
         # At an end both pieces have the same frequency to the last bit, so that no meeting is lost between them.
-        found = [self.at(low, float(own[0])), *map(self.at, inner), self.at(high, float(own[-1]))]
-        lines = np.abs(self.line.rate * self._piece.speeds + self.line.fixed)
-        if not self.is_constant and (np.abs(own - lines) <= TOUCHING * lines).all():
-            return [replace(found[0], offset=0.0), replace(found[-1], offset=0.0)]  # they run together
+        inner = [self._point(speed) for speed in sorted(places) if low < speed < high]
+        found = [self._point(low, float(own[0])), *inner, self._point(high, float(own[-1]))]
+        if not self.is_constant and all(abs(point.offset) <= TOUCHING for point in found):
+            lines = np.abs(self.line.rate * self._piece.speeds + self.line.fixed)
+            if (np.abs(own - lines) <= TOUCHING * lines).all():
+                return [replace(found[0], offset=0.0), replace(found[-1], offset=0.0)]  # they run together
         return found
 
     def meeting(self, before: Meeting, after: Meeting) -> Meeting | None:
@@ -263,14 +267,20 @@ class _Stretch:
             low, high = (middle, high) if (self.frequency(middle) < line) == (before.offset < 0) else (low, middle)
         return replace(self.at((low + high) / 2), offset=0.0, meets=True)
 
-    def leaps_to(self, other: _Stretch) -> bool:
-        """Whether the mode lies on the other side of the line at the beginning of the next piece."""
+    def leap_to(self, other: _Stretch, last: Meeting) -> Meeting | None:
+        """Meeting between the last point here and the next piece, where the mode is on the other side of the line."""
+        if self.ends[1] == other.ends[0]:
+            return None  # the same modes
         here = dict(zip(self._piece.numbers, self._piece.values[:, self.curve, -1].tolist(), strict=True))
         there = dict(zip(other._piece.numbers, other._piece.values[:, self.curve, 0].tolist(), strict=True))
         both = [number for number in here if number in there]
-        ends = float(self._piece.speeds[-1]), float(other._piece.speeds[0])
         before, after = (np.array([side[number] for number in both]) for side in (here, there))
-        return self._changes_side(both, before, after, *ends)
+        if not self._changes_side(both, before, after, self.ends[1], other.ends[0]):
+            return None
+        number = self._piece.numbers[self.row]
+        if abs(there[number] - here[number]) <= TOUCHING * here[number]:
+            return replace(self.at(last.speed), offset=0.0, meets=True)
+        return Meeting(last.speed, 0.0, math.inf, 0.0, meets=True)
 
     def _changes_side(
         self, numbers: Sequence[int], here: FloatArray, there: FloatArray, low: float, high: float

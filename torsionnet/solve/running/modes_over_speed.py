@@ -15,6 +15,7 @@ from functools import cached_property, lru_cache
 from itertools import pairwise
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from torsionnet.assembly.assembled import AssembledModel
@@ -74,6 +75,21 @@ class CurvePiece:
     def coefficients(self) -> FloatArray:
         """Coefficients of the curves in Chebyshev polynomials over the piece, in Hz, in the shape of the values."""
         return np.asarray(self.values @ _transform(self.values.shape[-1]).T)
+
+    @cached_property
+    def slopes(self) -> tuple[FloatArray, FloatArray]:
+        """Coefficients of the curves' derivatives f' to x, which goes from -1 to 1 over the piece, and of x f'."""
+        own = self.coefficients
+        if own.shape[-1] == 1:
+            return np.zeros_like(own), np.zeros_like(own)
+        rise = np.zeros_like(own)
+        rise[..., :-1] = chebyshev.chebder(own, axis=-1)
+        # x T_k = (T_(k+1) + T_|k-1|)/2, and f' ends one degree before f.
+        times = np.zeros_like(own)
+        times[..., 1:] += rise[..., :-1] / 2
+        times[..., :-1] += rise[..., 1:] / 2
+        times[..., 1] += rise[..., 0] / 2
+        return rise, times
 
 
 class ModesOverSpeed:
@@ -296,7 +312,7 @@ class ModesOverSpeed:
         counts = np.stack([np.ones_like(lightly), np.ones_like(lightly), lightly], axis=1)
         half = len(piece.speeds) // 2 + 1
         places = -np.cos(np.pi * np.arange(1, len(piece.speeds), 2) / (len(piece.speeds) - 1))
-        predicted = own[near][..., ::2] @ (_transform(half).T @ np.polynomial.chebyshev.chebvander(places, half - 1).T)
+        predicted = own[near][..., ::2] @ (_transform(half).T @ chebyshev.chebvander(places, half - 1).T)
         actual = own[near][..., 1::2]
         with np.errstate(invalid="ignore", divide="ignore"):
             apart = np.abs(predicted - actual) / np.abs(actual)
@@ -422,4 +438,4 @@ def _chebyshev_points(low: float, high: float, count: int) -> FloatArray:
 def _transform(count: int) -> FloatArray:
     """Matrix (count, count) from values at Chebyshev points to coefficients of Chebyshev polynomials."""
     points = _chebyshev_points(-1.0, 1.0, count) if count > 1 else np.zeros(1)
-    return np.asarray(np.linalg.inv(np.polynomial.chebyshev.chebvander(points, count - 1)))
+    return np.asarray(np.linalg.inv(chebyshev.chebvander(points, count - 1)))

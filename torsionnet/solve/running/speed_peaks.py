@@ -19,6 +19,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.model.parameters import VIBRATORY_TORQUE
 from torsionnet.response.critical_speeds import CriticalSpeed, SpeedPeak
 from torsionnet.response.frequency_response import Channel, FloatArray
+from torsionnet.response.speed_refinement import SAME_SPEED_DISTANCE
 from torsionnet.solve.responses.peaks import inner_maxima
 from torsionnet.solve.running.order_response import order_response
 
@@ -106,8 +107,9 @@ class _Search:
 
     def _around(self, one: CriticalSpeed) -> FloatArray:
         width = min(max(WIDTHS * one.mode.damping_ratio, LEAST_WIDTH), MOST_WIDTH)
-        low, high = np.clip(one.speed("natural") * np.array([1 - width, 1 + width]), *self.limits)
-        return np.linspace(low, high, POINTS) if high > low else np.zeros(0)
+        critical = one.speed("natural")
+        low, high = np.clip(critical * np.array([1 - width, 1 + width]), *self.limits)
+        return _around(low, critical, high, POINTS) if high > low else np.zeros(0)
 
     def _sizes(self, crossings: Sequence[CriticalSpeed], grids: Sequence[FloatArray]) -> list[FloatArray]:
         """Amplitudes (n, n_out), in the unit of each output, of each crossing's order at its own speeds."""
@@ -131,7 +133,7 @@ class _Search:
         if not inner:
             return None
         best = min(inner, key=lambda place: abs(math.log(grid[place] / one.speed("natural"))))
-        return np.linspace(grid[best - 1], grid[best + 1], FINER_POINTS)
+        return _around(grid[best - 1], grid[best], grid[best + 1], FINER_POINTS)
 
     def _refined(self, grids: dict[int, FloatArray], output: int) -> dict[int, tuple[float, float]]:
         """Speed in rad/s and amplitude at each maximum, by number of its critical speed, found on ever finer grids."""
@@ -141,8 +143,8 @@ class _Search:
             for (number, grid), size in zip(list(grids.items()), sizes, strict=True):
                 best = int(np.argmax(size[:, output]))
                 found[number] = (float(grid[best]), float(size[best, output]))
-                ends = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
-                grids[number] = np.linspace(*ends, FINER_POINTS)
+                low, high = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
+                grids[number] = _around(low, grid[best], high, FINER_POINTS)
         return found
 
     def _claimed(self, peaks: Mapping[int, tuple[float, float]]) -> dict[int, tuple[float, float]]:
@@ -162,3 +164,10 @@ class _Search:
             if nearest is one:
                 kept[number] = (speed, size)
         return kept
+
+
+def _around(low: float, place: float, high: float, count: int) -> FloatArray:
+    """Rising speeds from ``low`` to ``high`` in rad/s, in ``count`` - 1 equal steps, and the speed of a narrow peak."""
+    grid = np.linspace(low, high, count)
+    is_new = np.abs(grid - place).min() > SAME_SPEED_DISTANCE * place
+    return np.union1d(grid, [place]) if low < place < high and is_new else grid

@@ -80,7 +80,7 @@ class CriticalSpeedMargin(StudyQuantity):
 
     def _of(self, model: Drivetrain) -> float:
         found = [one.margin for one in order_margins(model, **self._question) if self._counts(one.order)]
-        return min(found, default=float("nan"))
+        return min((one for one in found if one >= 0), default=float("nan"))
 
     @property
     def _question(self) -> dict[str, Any]:
