@@ -369,11 +369,16 @@ def test_constant_table_is_a_spring_with_a_damper():
     assert frf(tabulated, "a", "a") == pytest.approx(1 / (J1 * S**2 + C * S + K), rel=1e-13)
 
 
-def test_damping_of_a_constant_table_is_frozen_at_the_damped_frequency():
-    """kappa = k + j omega_d c: J lambda^2 + k + j c Im(lambda) = 0."""
-    modes = train(tn.Inertia("disc", "a", J1), tn.TabulatedSpring("bush", ("a", "ground"), [[1, K, C]])).modes()
-    lam = modes.eigenvalues[0]
-    assert abs(J1 * lam**2 + K + 1j * C * lam.imag) <= 1e-9 * K
+@pytest.mark.parametrize("c", [C, 80.0])
+def test_poles_of_a_constant_table_are_those_of_spring_and_damper(c):
+    """J s^2 + c s + k = 0, also overdamped; the shares of energies are those of the spring, too."""
+    table = train(tn.Inertia("disc", "a", J1), tn.TabulatedSpring("bush", ("a", "ground"), [[1, K, c], [9, K, c]]))
+    spring = train(tn.Inertia("disc", "a", J1), tn.Spring("bush", ("a", "ground"), K, damping=c))
+    modes, expected = table.modes(), spring.modes()
+    roots = np.roots([J1, c, K])
+    assert np.sort_complex(modes.eigenvalues) == pytest.approx(np.sort_complex(roots[roots.imag >= 0]), rel=1e-13)
+    assert modes.kinds == expected.kinds
+    np.testing.assert_allclose(modes.dissipated, expected.dissipated, rtol=1e-13)
     assert modes.converged.all()
 
 

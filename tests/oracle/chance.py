@@ -76,9 +76,17 @@ class Numbers:
         return Measure(self.chance.choice(("zeta", "psi", "log_decrement")), value) if self.sometimes(0.2) else value
 
     def table(self) -> tuple[tuple[Fraction, ...], ...]:
-        """One to four rows around one stiffness."""
+        """One to four rows around one stiffness, some all alike, some that overdamp, some of films soft at rest."""
         frequencies, k = sorted({self.between(-2, 3) for _ in range(self.chance.randint(1, 4))}), self.k
-        return tuple((f, k * self.share(50, 200, 100), self.c) for f in frequencies)
+        rows = tuple((f, k * self.share(50, 200, 100), self.c) for f in frequencies)
+        kind = random.Random(repr(rows))  # what is drawn after a table does not depend on its kind
+        if kind.random() < 0.2:
+            rows = tuple((f, *rows[0][1:]) for f in frequencies)
+        if kind.random() < 0.3:
+            rows = tuple((f, k, 100 * c) for f, k, c in rows)
+        if kind.random() < 0.2:
+            rows = tuple((f, k * (place > 0), c) for place, (f, k, c) in enumerate(rows))
+        return rows
 
     def shaft(self) -> dict[str, Any]:
         outer = self.share(10, 300)

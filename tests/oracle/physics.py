@@ -33,8 +33,9 @@ class Law:
         return bool(self.table) or self.eta != 0
 
     def acts(self, laws: str) -> bool:
-        """Whether one of the named laws is there; a table holds at rest as its first row does."""
-        return any(getattr(self, law) != 0 for law in laws) or bool(self.table and "k" in laws)
+        """Whether one of the named laws is there; a table acts at rest as its first row does."""
+        at_rest = dict(zip("kc", self.table[0][1:], strict=True)) if self.table else {}
+        return any(getattr(self, law) != 0 or at_rest.get(law, 0) != 0 for law in laws)
 
     def kappa(self, s: acb, omega: arb | None = None) -> acb:
         """Dynamic stiffness at s; what depends on frequency is taken at ``omega`` in rad/s (default Im s)."""
@@ -46,7 +47,7 @@ class Law:
             value += imaginary(ball(self.k) * ball(self.eta))
         if self.table:
             k, c = interpolated(self.table, omega / (2 * arb.pi()))
-            value += acb(k, omega * c)
+            value += k + s * c
         return value
 
 

@@ -11,7 +11,7 @@ Solvers that care about accuracy use the rows; the assembled matrices are for th
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, TypeAlias
 
@@ -152,6 +152,29 @@ class RowSystem:
     def K(self) -> FloatArray:
         """Stiffness matrix of the drivetrain, (n_q, n_q), N m/rad, without frequency-dependent parts."""
         return self._gram(self.stiffness)
+
+    def frozen(self, omega: float | FloatArray) -> tuple[FloatArray | ComplexArray, FloatArray]:
+        """Stiffness in N m/rad and damping in N m s/rad, (n_laws, ...), that poles with ``|Im s|`` = omega meet.
+
+        The stiffness is real where nothing is hysteretic, and at rest; omega, in rad/s, is a number or an array.
+        """
+        at = np.atleast_1d(omega)
+        stiffness, damping = (np.repeat(part[:, None], len(at), axis=1) for part in (self.stiffness, self.damping))
+        loss = np.zeros((0, len(at)))
+        for index, law in self.dynamic:
+            k, c = law.frozen(at)
+            stiffness[index] += k.real
+            damping[index] += c
+            if k.imag.any() and at.any():
+                loss = loss if len(loss) else np.zeros_like(stiffness)
+                loss[index] += np.where(at > 0, k.imag, 0.0)
+        every = stiffness + 1j * loss if len(loss) else stiffness
+        return (every, damping) if np.ndim(omega) else (every[:, 0], damping[:, 0])
+
+    def at_frequency(self, omega: float) -> RowSystem:
+        """Copy of the system with the real part of its stiffness and its damping frozen at omega in rad/s."""
+        stiffness, damping = self.frozen(omega)
+        return replace(self, stiffness=stiffness.real, damping=damping, dynamic=())
 
     def kappa(self, omega: float) -> ComplexArray:
         """Frequency-dependent complex stiffness of each law in N m/rad at one omega in rad/s, shape (n_laws,)."""

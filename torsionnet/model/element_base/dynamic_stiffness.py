@@ -1,8 +1,9 @@
 """Dynamic stiffness that depends on frequency: the part of a law beside J s^2 + c s + k.
 
 A measured dynamic stiffness is known along the imaginary axis alone, as kappa(omega); a formula is known at every s.
-Methods take s and the frequency omega of the vibration: a pole lies beside the axis, and a table is then read at its
-``|Im s|``.
+Methods take s and the frequency omega of the vibration: a pole lies beside the axis. What a law states over frequency
+is then read at ``|Im s|`` and kept, so that k(omega) + s c(omega) acts where it states k and c, and k (1 + j eta) where
+it states a loss factor.
 """
 
 from __future__ import annotations
@@ -46,6 +47,24 @@ class DynamicStiffness(ABC):
     def kappa_rate(self, omega: float) -> complex:
         """Derivative of kappa to omega in N m s/rad, at omega in rad/s."""
 
+    def frozen(self, omega: Floats) -> tuple[Complexes, Floats]:
+        """Stiffness in N m/rad and damping in N m s/rad that a pole with ``|Im s|`` = omega in rad/s meets.
+
+        By default a stiffness kappa(omega) with its losses, as of a hysteretic spring, and no damping.
+        """
+        import numpy as np
+
+        return self.kappa(omega), np.zeros(np.shape(omega))
+
+    def frozen_rate(self, omega: float) -> tuple[complex, float]:
+        """Derivatives of ``frozen`` to omega, in N m s/rad and N m s^2/rad, at omega in rad/s."""
+        return self.kappa_rate(omega), 0.0
+
+    @property
+    def rows(self) -> tuple[float, ...]:
+        """Frequencies in Hz of the rows between which the dynamic stiffness is interpolated; none of a formula."""
+        return ()
+
     @property
     @abstractmethod
     def is_passive(self) -> bool:
@@ -62,19 +81,19 @@ class DynamicStiffness(ABC):
         return True
 
     def at(self, s: Complexes, omega: Floats) -> Complexes:
-        """Complex stiffness in N m/rad at s in rad/s of the upper half plane, in the shape of ``s``.
+        """Complex stiffness k + s c in N m/rad at s in rad/s of the upper half plane, in the shape of ``s``.
 
-        By default kappa(omega).
+        By default k and c are those frozen at omega.
         """
-        del s
-        return self.kappa(omega)
+        stiffness, damping = self.frozen(omega)
+        return stiffness + s * damping
 
     def rates(self, s: Complexes, omega: Floats) -> tuple[Complexes, Complexes]:
         """Derivatives of the complex stiffness ``at(s, omega)`` to s and to omega, in N m s/rad."""
         import numpy as np
 
-        followed = np.array([self.kappa_rate(one) for one in omega.tolist()], dtype=complex)
-        return np.zeros_like(s), followed
+        followed = np.array([self.frozen_rate(one) for one in omega.tolist()], dtype=complex).reshape(-1, 2)
+        return self.frozen(omega)[1].astype(complex), followed[:, 0] + s * followed[:, 1]
 
     def slopes(self, s: Complexes, omega: Floats) -> Complexes:
         """Derivatives of the complex stiffness to its coefficients, shape (n_coefficients, n_points)."""
@@ -120,8 +139,8 @@ class DynamicStiffness(ABC):
         """
         import numpy as np
 
-        kappa = complex(self.kappa(np.array([abs(s.imag)]))[0])
-        return 0.0, kappa.real, kappa.imag
+        stiffness, damping = self.frozen(np.array([abs(s.imag)]))
+        return 0.0, float(stiffness[0].real), float(stiffness[0].imag + abs(s) * damping[0])
 
     @property
     def label(self) -> str:
@@ -172,6 +191,18 @@ class WithLoss(DynamicStiffness):
         rate = self.of.kappa_rate(omega)
         return complex(rate.real, self.share * rate.imag)
 
+    def frozen(self, omega: Floats) -> tuple[Complexes, Floats]:
+        stiffness, damping = self.of.frozen(omega)
+        return stiffness.real + 1j * self.share * stiffness.imag, self.share * damping
+
+    def frozen_rate(self, omega: float) -> tuple[complex, float]:
+        stiffness, damping = self.of.frozen_rate(omega)
+        return complex(stiffness.real, self.share * stiffness.imag), self.share * damping
+
+    @property
+    def rows(self) -> tuple[float, ...]:
+        return self.of.rows
+
     @property
     def is_passive(self) -> bool:
         return self.of.is_passive
@@ -215,6 +246,18 @@ class ScaledStiffness(DynamicStiffness):
 
     def kappa_rate(self, omega: float) -> complex:
         return float(self.factor) * self.base.kappa_rate(omega)
+
+    def frozen(self, omega: Floats) -> tuple[Complexes, Floats]:
+        stiffness, damping = self.base.frozen(omega)
+        return float(self.factor) * stiffness, float(self.factor) * damping
+
+    def frozen_rate(self, omega: float) -> tuple[complex, float]:
+        stiffness, damping = self.base.frozen_rate(omega)
+        return float(self.factor) * stiffness, float(self.factor) * damping
+
+    @property
+    def rows(self) -> tuple[float, ...]:
+        return self.base.rows
 
     @property
     def is_passive(self) -> bool:

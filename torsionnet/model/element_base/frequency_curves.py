@@ -8,10 +8,13 @@ from torsionnet.core.piecewise_linear import Rows
 from torsionnet.model.element_base.sampled_stiffness import SampledStiffness
 
 
-def stiffness_from_curves(stiffness: float, factor: Rows, loss: Rows, loss_factor: float = 0.0) -> SampledStiffness:
+def stiffness_from_curves(
+    stiffness: float, factor: Rows, loss: Rows, loss_factor: float = 0.0, *, viscous: bool = False
+) -> SampledStiffness:
     """Dynamic stiffness k factor(f) (1 + j eta(f)) in N m/rad, sampled at the frequencies of the curves.
 
     Without rows in ``loss`` eta is ``loss_factor`` everywhere, without rows in ``factor`` the factor is 1.
+    Eta is c omega/k of a ``viscous`` damping, else a loss factor.
 
     Examples
     --------
@@ -24,7 +27,8 @@ def stiffness_from_curves(stiffness: float, factor: Rows, loss: Rows, loss_facto
     factors = [_read(factor, f, 1.0) for f in frequencies]
     losses = [_read(loss, f, loss_factor) for f in frequencies]
     storage = [stiffness * one for one in factors]
-    return SampledStiffness.of(frequencies, storage, [k * eta for k, eta in zip(storage, losses, strict=True)])
+    second = [k * eta for k, eta in zip(storage, losses, strict=True)]
+    return SampledStiffness.of(frequencies, storage, second, viscous=viscous)
 
 
 def _read(rows: Rows, frequency: float, otherwise: float) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from torsionnet.model.element_base.stiffness_table import StiffnessTable
 
@@ -20,11 +20,16 @@ class SampledStiffness(StiffnessTable):
 
     Between the rows k' and k'' are powers of f: straight lines on double logarithmic paper, as such data are drawn.
     Below the first row k' keeps its value and k'' falls with f, so that kappa is real at rest; above the last both
-    keep their values.
+    keep their values. A pole meets k' + j k'' as of rubber, or where the loss is that of a fluid (``viscous``)
+    k' + s c with c = k''/omega.
     """
 
+    viscous: bool = False
+
     @classmethod
-    def of(cls, frequencies: Sequence[float], storage: Sequence[float], loss: Sequence[float]) -> SampledStiffness:
+    def of(
+        cls, frequencies: Sequence[float], storage: Sequence[float], loss: Sequence[float], *, viscous: bool = False
+    ) -> SampledStiffness:
         """Sampled stiffness from k' and k'' in N m/rad at frequencies in Hz.
 
         >>> import numpy as np
@@ -32,10 +37,10 @@ class SampledStiffness(StiffnessTable):
         array([ 10.+0.j, 100.+5.j])
         """
         damping = tuple(one / (math.tau * f) for f, one in zip(frequencies, loss, strict=True))
-        return cls(tuple(map(float, frequencies)), tuple(map(float, storage)), damping)
+        return cls(tuple(map(float, frequencies)), tuple(map(float, storage)), damping, viscous)
 
     def kappa(self, omega: NDArray[np.float64]) -> NDArray[np.complex128]:
-        """Complex stiffness in N m/rad at omega >= 0 in rad/s, in the shape of ``omega``."""
+        """Complex stiffness k' + j k'' in N m/rad at omega >= 0 in rad/s, in the shape of ``omega``."""
         import numpy as np
 
         omega = np.asarray(omega, dtype=float)
@@ -45,6 +50,34 @@ class SampledStiffness(StiffnessTable):
         loss = np.exp(np.interp(at, np.log(f), np.log(math.tau * f * c)))
         loss = loss * np.minimum(omega / (math.tau * f[0]), 1.0)
         return np.asarray(storage + 1j * loss)
+
+    def frozen(self, omega: NDArray[np.float64]) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+        """Stiffness in N m/rad and, where the loss is viscous, damping in N m s/rad, at omega >= 0 in rad/s."""
+        import numpy as np
+
+        kappa = self.kappa(omega)
+        if not self.viscous:
+            return kappa, np.zeros(np.shape(omega))
+        moving = np.asarray(omega) > 0
+        damping = np.where(moving, kappa.imag / np.where(moving, omega, 1.0), self.damping[0])
+        return kappa.real.astype(complex), damping
+
+    def frozen_rate(self, omega: float) -> tuple[complex, float]:
+        """Derivatives of ``frozen`` to omega in rad/s; at a row, those of the piece above it."""
+        import numpy as np
+
+        rate = self.kappa_rate(omega)
+        if not self.viscous:
+            return rate, 0.0
+        damping = float(self.frozen(np.array(omega))[1])
+        return complex(rate.real), (rate.imag - damping) / omega if omega else 0.0
+
+    def in_many_digits(self, s: Any) -> Any:
+        """Complex stiffness in N m/rad at an mpmath number s: what is frozen at ``|Im s|``, and s c at rest."""
+        import mpmath
+
+        rest = 0 if self.viscous else mpmath.re(s) * mpmath.mpf(self.damping[0])
+        return super().in_many_digits(s) + rest
 
     def kappa_rate(self, omega: float) -> complex:
         """Derivative of kappa to omega in N m s/rad, at omega in rad/s.

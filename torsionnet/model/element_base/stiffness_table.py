@@ -32,14 +32,29 @@ class StiffnessTable(DynamicStiffness):
     stiffness: tuple[float, ...]
     damping: tuple[float, ...]
 
-    def kappa(self, omega: NDArray[np.float64]) -> NDArray[np.complex128]:
-        """Complex stiffness in N m/rad at omega >= 0 in rad/s, in the shape of ``omega``."""
+    def frozen(self, omega: NDArray[np.float64]) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+        """Stiffness k in N m/rad and damping c in N m s/rad of the table at omega >= 0 in rad/s."""
         import numpy as np
 
         frequency = np.asarray(omega, dtype=float) / (2 * np.pi)
         k = np.interp(frequency, self.frequencies, self.stiffness)
-        c = np.interp(frequency, self.frequencies, self.damping)
-        return np.asarray(k + 1j * np.asarray(omega) * c)
+        return np.asarray(k, dtype=complex), np.asarray(np.interp(frequency, self.frequencies, self.damping))
+
+    def kappa(self, omega: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """Complex stiffness k + j omega c in N m/rad at omega >= 0 in rad/s, in the shape of ``omega``."""
+        k, c = self.frozen(omega)
+        return k + 1j * omega * c
+
+    def frozen_rate(self, omega: float) -> tuple[complex, float]:
+        """Derivatives of k and c of the table to omega in rad/s; at a row, those of the piece above it."""
+        import numpy as np
+
+        place = int(np.searchsorted(self.frequencies, omega / (2 * np.pi), side="right"))
+        if place in (0, len(self.frequencies)):
+            return 0j, 0.0
+        width = 2 * np.pi * (self.frequencies[place] - self.frequencies[place - 1])
+        k, c = ((column[place] - column[place - 1]) / width for column in (self.stiffness, self.damping))
+        return complex(k), float(c)
 
     def kappa_rate(self, omega: float) -> complex:
         """Derivative of kappa to omega in N m s/rad, at omega in rad/s; at a row, the derivative of the piece above it.
@@ -49,13 +64,12 @@ class StiffnessTable(DynamicStiffness):
         """
         import numpy as np
 
-        f, place = omega / (2 * np.pi), np.searchsorted(self.frequencies, omega / (2 * np.pi), side="right")
-        damping = float(np.interp(f, self.frequencies, self.damping))
-        if place in (0, len(self.frequencies)):
-            return 1j * damping
-        width = self.frequencies[place] - self.frequencies[place - 1]
-        k, c = ((column[place] - column[place - 1]) / width for column in (self.stiffness, self.damping))
-        return complex(k / (2 * np.pi) + 1j * (damping + f * c))
+        k, c = self.frozen_rate(omega)
+        return k + 1j * (float(self.frozen(np.array(omega))[1]) + omega * c)
+
+    @property
+    def rows(self) -> tuple[float, ...]:
+        return self.frequencies
 
     @property
     def is_passive(self) -> bool:
@@ -68,7 +82,9 @@ class StiffnessTable(DynamicStiffness):
         return self.stiffness[0] > 0
 
     def in_many_digits(self, s: Any) -> Any:
-        """Complex stiffness in N m/rad at an mpmath number s: kappa at ``|Im s|`` plus Re s times c at rest."""
+        """Complex stiffness k + s c in N m/rad at an mpmath number s, with k and c at ``|Im s|``."""
         import mpmath
+        import numpy as np
 
-        return super().in_many_digits(s) + mpmath.re(s) * mpmath.mpf(self.damping[0])
+        k, c = self.frozen(np.array(abs(float(mpmath.im(s)))))
+        return mpmath.mpmathify(complex(k)) + s * mpmath.mpf(float(c))

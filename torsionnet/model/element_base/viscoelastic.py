@@ -119,14 +119,15 @@ class Viscoelastic(Declared):
         keys, logs = zip(*((float(key.value), math.log(one.value)) for key, one in self.shift), strict=True)
         return math.exp(float(np.interp(temperature, keys, logs)))
 
-    def stiffness(self, shape: float, temperature: float | None) -> SampledStiffness:
+    def stiffness(self, shape: float, temperature: float | None, *, viscous: bool = False) -> SampledStiffness:
         """Dynamic stiffness in N m/rad of a shape with k = ``shape`` G, ``shape`` in m^3, at a temperature in kelvin.
 
-        None is the reference.
+        None is the reference. The loss is that of a solid, or of a ``viscous`` fluid.
         """
         shift = 1.0 if temperature is None else self.shift_factor(temperature)
         return SampledStiffness.of(
-            *zip(*((f / shift, shape * storage, shape * loss) for f, storage, loss in self.moduli), strict=True)
+            *zip(*((f / shift, shape * storage, shape * loss) for f, storage, loss in self.moduli), strict=True),
+            viscous=viscous,
         )
 
 

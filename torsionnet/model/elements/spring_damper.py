@@ -79,7 +79,7 @@ class SpringDamper(Element):
     def _springs(self, ring: str, value: Values) -> Law:
         row = difference(self.node, ring)
         if self.loss_over_frequency:
-            table = stiffness_from_curves(1.0, self.stiffness_over_frequency, self.loss_over_frequency)
+            table = stiffness_from_curves(1.0, self.stiffness_over_frequency, self.loss_over_frequency, viscous=True)
             return Law(row, table=ScaledStiffness(table, value(self.stiffness)))
         stiffness = value(self.stiffness)
         return Law(row, damping=viscous(self.damping, stiffness, value), stiffness=stiffness)

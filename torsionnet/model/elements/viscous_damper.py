@@ -137,7 +137,7 @@ class ViscousDamper(Element):
             return Law(row, table=self._scaled(self.table, value))
         if self.silicone is not None:
             temperature = None if self.temperature is None else float(self.temperature.evaluate({}))
-            film = self.silicone.stiffness(not_none(self.gap).factor, temperature)
+            film = self.silicone.stiffness(not_none(self.gap).factor, temperature, viscous=True)
             return Law(row, table=self._scaled(film, value))
         stiffness = value(self.stiffness)
         return Law(row, damping=viscous(self.damping, stiffness, value), stiffness=stiffness)

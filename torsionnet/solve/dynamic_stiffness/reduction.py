@@ -160,9 +160,12 @@ def stiff_laws(system: RowSystem) -> NDArray[np.bool_]:
     return np.asarray(stiff)
 
 
-def resisted_coordinates(system: RowSystem) -> list[int]:
-    """Numbers of the coordinates to keep, all but one of each motion that neither inertias nor springs resist."""
-    floating = unresisted_motions(system, stiff_laws(system) | (system.inertia > 0))
+def resisted_coordinates(system: RowSystem, laws: NDArray[np.bool_] | None = None) -> list[int]:
+    """Numbers of the coordinates to keep, all but one of each motion that none of the laws, mask (n_laws,), resists.
+
+    By default these are inertias and springs.
+    """
+    floating = unresisted_motions(system, stiff_laws(system) | (system.inertia > 0) if laws is None else laws)
     loose = {next(iter(motion)) for motion in floating.columns}
     return [column for column in range(system.n_coordinates) if column not in loose]
 

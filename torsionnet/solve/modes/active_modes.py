@@ -104,7 +104,7 @@ def _with_hysteresis(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...]
         names = ", ".join(dict.fromkeys(varying))
         text = f"modes with controllers are not calculated where a stiffness varies with frequency: {names}"
         raise UsageError(f"{text}; a continuous shaft may be given as type: shaft with segments")
-    springs = system.stiffness + system.kappa(1.0).real
+    springs = system.frozen(1.0)[0].real
     elastic = replace(assembly, system=replace(system, dynamic=(), stiffness=springs))
     solution, warned, notes = active_modes(elastic)
     poles, lost = [], 0
@@ -113,7 +113,7 @@ def _with_hysteresis(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...]
         value, shape = complex(solution.eigenvalues[number]), solution.vectors[:, number]
         pole = Pole(value, pencil.with_torques(value, shape), float(solution.errors[number]))
         if kind == OSCILLATORY:
-            met = _led(elastic, system.kappa(1.0).imag, pole)
+            met = _led(elastic, system.frozen(1.0)[0].imag, pole)
             lost += met is None
             pole = met or pole
         if kind != RIGID:

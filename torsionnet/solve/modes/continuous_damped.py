@@ -13,7 +13,7 @@ import numpy as np
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.solve.dynamic_stiffness.nullspace import unresisted_motions
-from torsionnet.solve.dynamic_stiffness.reduction import AnyArray, require_resistance, stiff_laws
+from torsionnet.solve.dynamic_stiffness.reduction import require_resistance, stiff_laws
 from torsionnet.solve.modes.continuous import (
     SAME_FREQUENCY,
     elastic,
@@ -115,11 +115,13 @@ def damped_modes(system: RowSystem, count: int) -> tuple[FloatArray, Eigenpairs,
     if not _is_damped(system, rates):
         places = [place for group in vibrating for place in group]
         modes = [Mode(1j * rates[place], shapes[:, place].astype(complex)) for place in places]
-        return rigid, _collected(modes, [], system.n_coordinates), 0
+        return rigid, Eigenpairs.of_modes(modes, system.n_coordinates), 0
     modes, lost = _followed(system, rates, shapes, vibrating)
     real = _real_poles(system, float(rates.max(initial=0)) or first_rate(system))
+    if any(table.rows for _, table in system.dynamic):  # others are of modes that vibrate where tables are their own
+        real = sorted(real, key=lambda mode: abs(mode.value))[: turning + 2 * lost]
     overdamped = (len(real) - turning) // 2
-    return rigid, _collected(modes, real, system.n_coordinates), max(0, lost - overdamped)
+    return rigid, Eigenpairs.of_modes([*modes, *real], system.n_coordinates), max(0, lost - overdamped)
 
 
 def _is_damped(system: RowSystem, rates: FloatArray) -> bool:
@@ -211,18 +213,17 @@ def _is_crossed(system: RowSystem, size: float, shape: ComplexArray) -> bool:
 
     No pole is there where a damper absorbs all waves that arrive.
     """
-    kappa, _, across = DampedSystem(system).stiffness(complex(-size), 0.0)
-    rate = -1j * across
+    kappa, rate, _ = DampedSystem(system).stiffness(complex(-size), 1.0)
     twist = np.abs(system.rows @ shape) ** 2
     drag = system.damping * size
-    changed = abs((rate + system.damping) @ (system.rows @ shape) ** 2) * size
+    changed = abs(rate @ (system.rows @ shape) ** 2) * size
     return bool(changed > LEAST_CHANGE * (np.abs(kappa) + np.abs(drag)) @ twist)
 
 
 def _on_axis(system: RowSystem, sizes: FloatArray) -> FloatArray:
     kappa = system.stiffness[:, None] - system.damping[:, None] * sizes + system.inertia[:, None] * sizes**2
     for law, table in system.dynamic:
-        kappa[law] += table.with_loss(0).at(-sizes.astype(complex), np.zeros(len(sizes))).real
+        kappa[law] += table.at(-sizes.astype(complex), np.zeros(len(sizes))).real
     return np.asarray(kappa)
 
 
@@ -248,16 +249,3 @@ def _real_vector(system: RowSystem, size: float) -> FloatArray:
     values, vectors = np.linalg.eigh(scale[:, None] * D * scale)
     found = scale * vectors[:, np.argmin(np.abs(values))]
     return np.asarray(found / np.abs(found).max())
-
-
-def _collected(vibrations: list[Mode], real: list[Mode], n_q: int) -> Eigenpairs:
-    every = [*vibrations, *real]
-    shapes: AnyArray = np.array([mode.shape for mode in every], dtype=complex).reshape(len(every), n_q).T
-    return Eigenpairs(
-        np.array([mode.value for mode in every], dtype=complex),
-        np.asarray(shapes, dtype=complex),
-        np.arange(len(every)) >= len(vibrations),
-        np.array([mode.error for mode in every], dtype=float),
-        np.array([mode.converged for mode in every], dtype=bool),
-        np.array([mode.iterations for mode in every], dtype=int),
-    )

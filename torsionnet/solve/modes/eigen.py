@@ -67,6 +67,8 @@ class EigenSolution:
         0 for rigid-body modes, which are exact.
     missing : int
         Number of modes that exist but could not be calculated.
+    also : tuple of float
+        Further frequencies in rad/s at which tables over frequency are such that a mode would vibrate there.
     """
 
     eigenvalues: ComplexArray
@@ -76,27 +78,24 @@ class EigenSolution:
     iterations: NDArray[np.int_]
     errors: FloatArray
     missing: int = 0
+    also: tuple[float, ...] = ()
 
     def first(self, count: int | None) -> EigenSolution:
         """Copy of the modes with only the first ``count`` of them, or with all of them for None."""
-        whole = ("kinds", "missing")
+        whole = ("kinds", "missing", "also")
         parts = {part.name: getattr(self, part.name)[..., :count] for part in fields(self) if part.name not in whole}
         return replace(self, kinds=self.kinds[:count], **parts)
 
 
-def complex_modes(
-    system: RowSystem, lowest: int | None = None, undamped: tuple[FloatArray, FloatArray] | None = None
-) -> EigenSolution:
+def complex_modes(system: RowSystem, lowest: int | None = None) -> EigenSolution:
     """Eigenvalues in rad/s and shapes of a system with damping, all or the ``lowest`` so many modes.
 
     An undamped system gets purely imaginary eigenvalues.
 
-    With frequency-dependent laws the search starts from the modes without damping, ``undamped`` or calculated here.
-
     Passive laws have a positive semidefinite damping matrix: a positive real part is rounding and set to 0. A negative
     damping, also in a table, can make a mode grow.
-    With frequency-dependent laws each mode uses their stiffness at its own frequency |Im lambda|; real poles
-    use the real part at rest.
+    With frequency-dependent laws each mode uses their stiffness and damping at its own frequency |Im lambda|; real
+    poles use those at rest.
 
     Raises
     ------
@@ -108,22 +107,17 @@ def complex_modes(
     if continuous.is_continuous(system):
         return _of_continuous(system, lowest or continuous.DEFAULT_COUNT)
     stiff = stiff_laws(system)
-    if lowest is not None and (few := _few_modes(system, stiff, lowest)) is not None:
+    if lowest is not None and (few := _few_modes(system, lowest)) is not None:
         return few.first(lowest)
-    spaces = subspaces(system, stiff, system.damping != 0)
     if system.dynamic:
-        omega, shapes = undamped_modes(system) if undamped is None else undamped
-        starts = [(float(omega[i]), shapes[:, i].astype(complex)) for i in np.flatnonzero(omega)]
-        found = frozen_stiffness.modes(system, spaces, starts)
-        passive = is_passive(system, found.values)
-    else:
-        spectrum = refined_spectrum(
-            solve_spectrum(system, spaces, system.stiffness, undamped=not np.any(system.damping))
-        )
-        kept, real = one_per_pair(spectrum)
-        found = frozen_stiffness.Eigenpairs.all_converged(spectrum, kept, real)
-        passive = dissipates(system)
-    return _sorted_solution(spaces.rigid, found, passive=passive).first(lowest)
+        rigid, found, also = frozen_stiffness.modes(system)
+        solution = _sorted_solution(rigid, found, passive=is_passive(system, found.values)).first(lowest)
+        return replace(solution, also=also)
+    spaces = subspaces(system, stiff, system.damping != 0)
+    spectrum = refined_spectrum(solve_spectrum(system, spaces, system.stiffness, undamped=not np.any(system.damping)))
+    kept, real = one_per_pair(spectrum)
+    found = frozen_stiffness.Eigenpairs.all_converged(spectrum, kept, real)
+    return _sorted_solution(spaces.rigid, found, passive=dissipates(system)).first(lowest)
 
 
 def _of_continuous(system: RowSystem, count: int) -> EigenSolution:
@@ -132,14 +126,16 @@ def _of_continuous(system: RowSystem, count: int) -> EigenSolution:
     return replace(solution, missing=missing)
 
 
-def _few_modes(system: RowSystem, stiff: NDArray[np.bool_], lowest: int) -> EigenSolution | None:
+def _few_modes(system: RowSystem, lowest: int) -> EigenSolution | None:
     """Eigenvalues and shapes of the lowest modes of a large system by sparse methods, or None if these fail."""
-    if system.n_coordinates <= LARGE_SYSTEM or system.dynamic:
+    if system.n_coordinates <= LARGE_SYSTEM:
         return None
-    damped = system.damping != 0
-    motions = RigidMotions.of(system, stiff, damped, lowest)
-    found = lowest_vibrations(system, motions, lowest - motions.rigid.shape[1], undamped=not np.any(damped))
-    return None if found is None else _sorted_solution(motions.rigid, found, passive=dissipates(system))
+    stiffness, damping = system.frozen(0.0)
+    damped = damping != 0
+    motions = RigidMotions.of(system, stiffness > 0, damped, lowest)
+    lossless = not (np.any(damped) or system.dynamic)
+    found = lowest_vibrations(system, motions, lowest - motions.rigid.shape[1], undamped=lossless)
+    return None if found is None else _sorted_solution(motions.rigid, found, passive=is_passive(system, found.values))
 
 
 def dissipates(system: RowSystem) -> bool:
@@ -150,7 +146,8 @@ def dissipates(system: RowSystem) -> bool:
 def is_passive(system: RowSystem, eigenvalues: ComplexArray) -> bool:
     """Whether no law feeds energy into vibrations at the frequencies of the eigenvalues (rad/s)."""
     omega = np.abs(eigenvalues.imag)
-    return dissipates(system) and all(bool(np.all(law.kappa(omega).imag >= 0)) for _, law in system.dynamic)
+    frozen = [law.frozen(omega) for _, law in system.dynamic]
+    return dissipates(system) and all(bool(np.all(k.imag >= 0) and np.all(c >= 0)) for k, c in frozen)
 
 
 def _sorted_solution(rigid: FloatArray, found: frozen_stiffness.Eigenpairs, *, passive: bool) -> EigenSolution:
@@ -230,17 +227,16 @@ def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatA
 def _undamped_modes(system: RowSystem, lowest: int | None) -> tuple[FloatArray, FloatArray]:
     stiff = stiff_laws(system)
     undamped = np.zeros_like(stiff)
-    if lowest is not None and system.n_coordinates > LARGE_SYSTEM and not system.dynamic:
-        motions = RigidMotions.of(system, stiff, undamped, lowest)
+    if lowest is not None and system.n_coordinates > LARGE_SYSTEM:
+        motions = RigidMotions.of(system, system.frozen(frozen_stiffness.next_to_rest(system))[0] > 0, undamped, lowest)
         few = lowest_vibrations(system, motions, lowest - motions.rigid.shape[1], undamped=True)
         if few is not None:
             return _sorted_undamped(motions.rigid, few, lowest)
-    spaces = subspaces(system, stiff, undamped)
     if system.dynamic:
-        found = frozen_stiffness.modes(system, spaces, undamped=True)
-    else:
-        spectrum = refined_spectrum(solve_spectrum(system, spaces, system.stiffness, undamped=True))
-        found = frozen_stiffness.Eigenpairs.all_converged(spectrum, *one_per_pair(spectrum))
+        return _sorted_undamped(*frozen_stiffness.modes(system, undamped=True)[:2], lowest)
+    spaces = subspaces(system, stiff, undamped)
+    spectrum = refined_spectrum(solve_spectrum(system, spaces, system.stiffness, undamped=True))
+    found = frozen_stiffness.Eigenpairs.all_converged(spectrum, *one_per_pair(spectrum))
     return _sorted_undamped(spaces.rigid, found, lowest)
 
 

@@ -1,41 +1,56 @@
-"""Modes with frequency-dependent stiffness, which is frozen at the frequency of the mode, solved, and repeated.
+"""Modes with stiffness and damping over frequency, each of which is frozen at the frequency of the mode.
 
-Frozen at the frequency of the mode, solved, and repeated.
+A vibration is a fixed point omega = |Im lambda(omega)| of the eigenvalue problem whose tables are read at omega; real
+poles are those of the problem at rest. With N(omega) vibrations of the frozen problem above omega, N falls by one at a
+fixed point, or rises by one where an eigenvalue follows the tables more quickly than omega: counts at both ends of a
+range tell how many fixed points it holds. They are polished by inverse iteration on the matrix that reads its tables at
+the eigenvalue itself, from vibrations of the problems at both ends; where fewer are met, the range is halved.
 
-Each mode is a fixed point omega = |Im lambda(omega)| of the eigenvalue problem with kappa frozen at omega.
-The mode is followed from one problem to the next by the modal assurance criterion of the inertia-weighted shapes,
-and the fixed point is approached by secant steps.
+Every eigenvalue at rest is one mode: where tables are so steep that there are more fixed points, these are followed
+back to rest. Two real poles at rest that a vibration becomes are left out, and of several vibrations that become one
+the lowest is given.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
-from typing import TypeAlias
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
+from torsionnet.assembly.rows import ComplexArray, FloatArray, Rows, RowSystem
 from torsionnet.core.errors import SolveError
-from torsionnet.solve.dynamic_stiffness.reduction import AnyArray, Subspaces
-from torsionnet.solve.modes.spectrum import Spectrum, one_per_pair, refined_spectrum, solve_spectrum
+from torsionnet.solve.dynamic_stiffness.nullspace import unresisted_motions
+from torsionnet.solve.dynamic_stiffness.reduction import (
+    LARGE_SYSTEM,
+    AnyArray,
+    Subspaces,
+    first_order,
+    resisted_coordinates,
+    restrict_to,
+    subspaces,
+)
+from torsionnet.solve.modes.pencil import NotFoundError, Pencil, distinct, polished, refined
+from torsionnet.solve.modes.spectrum import Spectrum, on_real_axis, one_per_pair, refined_spectrum, solve_spectrum
 
-FREQUENCY_TOLERANCE = 1e-12
-"""Relative change of the frequency of a mode at which the iteration over its frozen stiffness has converged."""
-REFINED_BELOW = 1e-6
-"""Relative change of a mode's frequency, or error of its eigenvalue if larger, below which the eigenvalue is refined in
-many digits."""
-MAX_ITERATIONS = 60
-"""Most eigenvalue problems for a mode, as secant steps converge in a few unless the frequency jumps."""
-SAME_EIGENVALUE = 1e-8
-"""Relative difference below which eigenvalues are one multiple eigenvalue, or one mode found twice."""
-LEAST_SLOPE = 0.05
-"""Least slope, downwards, of (frequency found - frequency assumed) for a secant step, since flatter ones lead too
-far."""
-
-Start: TypeAlias = tuple[float, ComplexArray]
-"""Frequency in rad/s and shape (n_q,) from which a mode is tracked."""
+AT_REST = 1e-6
+"""Frequency over that of the lowest row of a table up to which it is read at rest."""
+NEAR_FIXED_POINT = 1e-7
+"""Relative distance from an eigenvalue's frequency at which another one parts no ranges."""
+SETTLED = 1e-9
+"""Relative error up to which a polished eigenvalue is taken for a fixed point."""
+NARROW, NARROW_RISING = 1e-11, 1e-3
+"""Relative width of a range in which an eigenvalue that inverse iteration does not meet is taken as it is, and of one
+in which only fixed points where N rises are left, which are no modes."""
+FOLLOWING_STEPS = 16
+"""Steps between two points in which the eigenvalues of the frozen problem are followed."""
+MOST_RANGES, MOST_RANGES_LARGE = 24, 2
+"""Most ranges that rows of tables part, fewer in a large system, as each range takes an eigenvalue problem."""
+MOST_PROBLEMS, MOST_PROBLEMS_LARGE = 400, 40
+"""Most eigenvalue problems in which missing fixed points are sought, fewer in a large system."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +77,19 @@ class Eigenpairs:
             np.ones(count, dtype=int),
         )
 
+    @classmethod
+    def of_modes(cls, modes: Sequence[Mode], n_q: int) -> Eigenpairs:
+        """Eigenvalues (rad/s) and shapes over n_q coordinates of single modes."""
+        values = np.array([mode.value for mode in modes], dtype=complex)
+        return cls(
+            values,
+            np.array([mode.shape for mode in modes], dtype=complex).reshape(len(modes), n_q).T,
+            values.imag == 0,
+            np.array([mode.error for mode in modes], dtype=float),
+            np.array([mode.converged for mode in modes], dtype=bool),
+            np.array([mode.iterations for mode in modes], dtype=int),
+        )
+
 
 @dataclass(frozen=True)
 class Mode:
@@ -74,161 +102,369 @@ class Mode:
     iterations: int = 1
 
 
+def next_to_rest(system: RowSystem) -> float:
+    """Frequency in rad/s up to which all that depends on frequency is read at rest."""
+    return AT_REST * min((2 * np.pi * f for _, law in system.dynamic for f in law.rows if f > 0), default=1.0)
+
+
+def modes(system: RowSystem, *, undamped: bool = False) -> tuple[FloatArray, Eigenpairs, tuple[float, ...]]:
+    """Rigid motions (n_q, n) and all other modes of a system with stiffness over frequency, eigenvalues in rad/s.
+
+    Rigid motions and real poles are those at rest, without damping those next to rest; other modes vibrate, each at its
+    own frequency. The third part are further frequencies in rad/s at which a mode would meet its own frequency.
+    """
+    problem = FrozenProblem(system, undamped)
+    search = FixedPoints(problem)
+    rest = problem.at(search.points[0] if undamped else 0.0)
+    kept, real = one_per_pair(rest.spectrum)
+    still = [] if undamped else [rest.mode(int(j)) for j in kept[real]]
+    still = [replace(mode, value=complex(mode.value.real)) for mode in still]
+    found = search.all()
+    also: list[float] = []
+    if len(found) > len(problem.frequencies(search.points[0])):
+        found, still, also = _one_per_root(search, found, still)
+    return rest.rigid, Eigenpairs.of_modes([*found, *still], system.n_coordinates), tuple(also)
+
+
+def _one_per_root(
+    search: FixedPoints, found: Sequence[Mode], still: Sequence[Mode]
+) -> tuple[list[Mode], list[Mode], list[float]]:
+    """Vibrations and real poles of which each is another eigenvalue at rest, and frequencies of the others in rad/s."""
+    (roots, owners), (tops, ends) = search.followed(found, rising=False), search.followed(found, rising=True)
+    kept: list[Mode] = []
+    also: list[float] = []
+    taken: set[int] = set()
+    for mode, own, end in sorted(zip(found, owners, ends, strict=True), key=lambda one: one[0].value.imag):
+        if not (roots[list(own)].imag.any() or tops[list(end)].imag.any()):
+            continue  # real on both sides, complex only where tables pass critical damping
+        (also.append(mode.value.imag) if own & taken else kept.append(mode))
+        taken |= own
+    gone = [roots[place] for place in taken]
+    for value in sorted((z.real for z in gone if z.imag == 0), key=abs, reverse=True):
+        near = min(still, key=lambda mode: abs(mode.value - value), default=None)
+        if near is not None and abs(near.value - value) <= abs(value) / 2:
+            still = [mode for mode in still if mode is not near]
+    return kept, list(still), also
+
+
+@dataclass(frozen=True)
+class FrozenSpectrum:
+    """Eigenvalues and shapes of a system with constant coefficients, over the coordinates ``kept`` that it holds.
+
+    ``candidates`` are the indices of its vibrations.
+    """
+
+    spectrum: Spectrum
+    kept: tuple[int, ...]
+    n_coordinates: int
+    candidates: NDArray[np.intp]
+
+    def over_all(self, shapes: AnyArray) -> AnyArray:
+        """Shapes (n_q, n) over all coordinates, of which those that nothing holds stand still."""
+        found = np.zeros((self.n_coordinates, shapes.shape[1]), dtype=shapes.dtype)
+        found[list(self.kept)] = shapes
+        return found
+
+    @property
+    def rigid(self) -> FloatArray:
+        """Shapes (n_q, n) of motions that no spring resists."""
+        return self.over_all(self.spectrum.spaces.rigid)
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """Frequencies in rad/s of the vibrations."""
+        return self.spectrum.values[self.candidates].imag
+
+    def mode(self, index: int, error: float = 0.0, *, converged: bool = True) -> Mode:
+        """Mode at an index of the spectrum, with an error if that is larger than its own."""
+        shape = self.over_all(self.spectrum.shapes[:, [index]])[:, 0]
+        worst = max(float(self.spectrum.errors[index]), error)
+        return Mode(complex(self.spectrum.values[index]), shape, worst, converged)
+
+
 @dataclass(frozen=True)
 class FrozenProblem:
-    """Eigenvalue problem of a system with frequency-dependent stiffness frozen at a frequency. Solutions are kept."""
+    """Eigenvalue problem of a system with stiffness and damping frozen at a frequency in rad/s. Solutions are kept.
+
+    ``undamped`` leaves out all damping and losses.
+    """
 
     system: RowSystem
-    spaces: Subspaces
     undamped: bool
-    known: dict[bytes, Spectrum] = field(default_factory=dict)
+    known: dict[bytes, FrozenSpectrum] = field(default_factory=dict)
+    counted: dict[bytes, FloatArray] = field(default_factory=dict)
+    spaces: dict[tuple[bytes, bytes], tuple[Subspaces, tuple[int, ...], list[int], Rows]] = field(default_factory=dict)
 
-    def stiffness(self, omega: float) -> AnyArray:
-        """Stiffness (n_laws,) of all laws in N m/rad at omega in rad/s, real where there are no losses."""
-        total = self.system.stiffness + self.system.kappa(omega)
-        if not np.all(np.isfinite(total)):
+    def coefficients(self, omega: float) -> tuple[AnyArray, FloatArray]:
+        """Stiffness and damping (n_laws,) in N m/rad and N m s/rad of all laws at omega in rad/s."""
+        stiffness, damping = self.system.frozen(omega)
+        if not (np.all(np.isfinite(stiffness)) and np.all(np.isfinite(damping))):
             raise SolveError(
                 f"a frequency-dependent stiffness is not finite at {omega:.6g} rad/s; correct its values there"
             )
-        if self.undamped and np.any(total.real[self.spaces.springs] <= 0):
-            text = f"a frequency-dependent stiffness has no positive real part at {omega:.6g} rad/s"
+        if np.any(stiffness.real < 0):
+            text = f"a frequency-dependent stiffness has a negative real part at {omega:.6g} rad/s"
             raise SolveError(f"{text}; correct its values there")
-        lossless = self.undamped or not np.any(total.imag)
-        return np.asarray(total.real) if lossless else np.asarray(total)
+        return (stiffness.real, np.zeros_like(damping)) if self.undamped else (stiffness, damping)
 
-    def at(self, omega: float) -> Spectrum:
-        """Eigenvalues in rad/s and shapes with stiffness frozen at omega in rad/s.
+    def key(self, omega: float) -> bytes:
+        """Bytes of the coefficients at omega in rad/s, equal where the problem is the same."""
+        stiffness, damping = self.coefficients(omega)
+        return stiffness.tobytes() + damping.tobytes()
 
-        Equal stiffnesses are solved only once.
-        """
-        stiffness = self.stiffness(omega)
-        key = stiffness.tobytes()
+    def at(self, omega: float) -> FrozenSpectrum:
+        """Eigenvalues and shapes of the problem frozen at omega in rad/s; at rest they are refined in many digits."""
+        key = self.key(omega)
         if key not in self.known:
-            no_loss = self.undamped or not (np.iscomplexobj(stiffness) or np.any(self.system.damping))
-            self.known[key] = solve_spectrum(self.system, self.spaces, stiffness, undamped=no_loss)
+            stiffness, damping = self.coefficients(omega)
+            system, stiffness, spaces, kept = self._reduced(stiffness, damping)
+            spectrum = solve_spectrum(system, spaces, stiffness, undamped=self._is_lossless(stiffness, damping))
+            spectrum = spectrum if omega else refined_spectrum(spectrum)
+            candidates = _vibrations(spectrum.values)
+            if np.iscomplexobj(stiffness):  # a real pole leaves the axis under losses; the count keeps it out
+                elastic = stiffness.real.tobytes() + damping.tobytes()
+                met = self.known.get(elastic)
+                count = len(self._frequencies(stiffness.real, damping) if met is None else met.candidates)
+                upper = np.flatnonzero(spectrum.values.imag > 0)
+                decay = -spectrum.values[upper].real / np.abs(spectrum.values[upper])
+                candidates = upper[np.argsort(decay, kind="stable")[:count]]
+            self.known[key] = FrozenSpectrum(spectrum, kept, self.system.n_coordinates, candidates)
         return self.known[key]
 
-    def resemblance(self, shapes: ComplexArray, shape: ComplexArray) -> FloatArray:
-        """Modal assurance criterion (n,), weighted with inertia, of each of n shapes with one shape.
+    def frequencies(self, omega: float) -> FloatArray:
+        """Frequencies in rad/s of the vibrations of the problem frozen at omega in rad/s, without their shapes."""
+        stiffness, damping = self.coefficients(omega)
+        if self.key(omega) in self.known or np.iscomplexobj(stiffness):
+            return self.at(omega).frequencies
+        return self._frequencies(stiffness, damping)
 
-        It is |a^H M b|^2 / (a^H M a  b^H M b).
+    @cached_property
+    def _is_heavy(self) -> bool:
+        return not unresisted_motions(self.system, self.system.inertia > 0).dimension
+
+    def number_above(self, omega: float) -> int:
+        """Number of vibrations of the problem frozen at omega in rad/s whose frequency is above omega."""
+        stiffness, damping = self.coefficients(omega)
+        # Where nothing feeds energy and all has inertia, |lambda|^2 = k/m of a complex shape is at most that undamped.
+        bounded = np.isrealobj(stiffness) and np.all(damping >= 0) and self._is_heavy
+        if bounded and self.key(omega) not in self.known:
+            fastest = self._frequencies(stiffness, np.zeros_like(damping)).max(initial=0.0)
+            if fastest <= omega:
+                return 0
+        return int(np.sum(self.frequencies(omega) > omega))
+
+    def _frequencies(self, stiffness: FloatArray, damping: FloatArray) -> FloatArray:
+        key = stiffness.tobytes() + damping.tobytes()
+        if key not in self.counted:
+            system, reduced, spaces, _ = self._reduced(stiffness, damping)
+            form = first_order(system, spaces, reduced)
+            if self._is_lossless(stiffness, damping):
+                self.counted[key] = np.linalg.svd(form.coupling, compute_uv=False)
+            else:
+                values = np.linalg.eigvals(form.matrix).astype(complex)
+                self.counted[key] = values[_vibrations(values)].imag
+        return self.counted[key]
+
+    def _is_lossless(self, stiffness: AnyArray, damping: FloatArray) -> bool:
+        return self.undamped or not (np.iscomplexobj(stiffness) or np.any(damping))
+
+    def _reduced(
+        self, stiffness: AnyArray, damping: FloatArray
+    ) -> tuple[RowSystem, AnyArray, Subspaces, tuple[int, ...]]:
+        """System with constant coefficients, its stiffness and subspaces, without coordinates that nothing holds."""
+        whole = replace(self.system, stiffness=stiffness.real.copy(), damping=damping, dynamic=())
+        stiff, damped = stiffness != 0, damping != 0
+        masks = (stiff.tobytes(), damped.tobytes())
+        if masks not in self.spaces:
+            kept = resisted_coordinates(whole, (whole.inertia > 0) | stiff | damped)
+            part = restrict_to(whole, kept)
+            laws = [law for law, row in enumerate(part.sparse_rows) if row]
+            rows = Rows(tuple(part.sparse_rows[law] for law in laws), len(kept))
+            part = RowSystem(rows, part.inertia[laws], part.damping[laws], part.stiffness[laws])
+            self.spaces[masks] = subspaces(part, stiff[laws], damped[laws]), tuple(kept), laws, rows
+        spaces, numbers, laws, rows = self.spaces[masks]
+        some = RowSystem(rows, whole.inertia[laws], damping[laws], whole.stiffness[laws])
+        return some, stiffness[laws], spaces, numbers
+
+
+def _vibrations(values: ComplexArray) -> NDArray[np.intp]:
+    return np.flatnonzero((values.imag > 0) & ~on_real_axis(values))
+
+
+@dataclass(frozen=True)
+class FixedPoints:
+    """Search for the vibrations of a problem, each with the stiffness and damping at its own frequency."""
+
+    problem: FrozenProblem
+    solved: list[float] = field(default_factory=list)
+
+    def all(self) -> list[Mode]:
+        """Vibrations of the problem, range by range between rows of its tables."""
+        return [mode for low, high in pairwise(self.points) for mode in self._between(low, high)]
+
+    def followed(self, modes: Sequence[Mode], *, rising: bool) -> tuple[ComplexArray, list[set[int]]]:
+        """Eigenvalues in rad/s of the problem next to rest or at the top, and places of those that become each mode."""
+        stops = sorted({*self.points, *(mode.value.imag for mode in modes)}, reverse=not rising)
+        steps = [omega for high, low in pairwise(stops) for omega in np.geomspace(high, low, FOLLOWING_STEPS)]
+        places: list[set[int]] = [set() for _ in modes]
+        before = np.zeros(0, dtype=complex)
+        for omega in steps:
+            values = self._with_pairs(omega)
+            moved = _nearest(before, values)
+            places = [{moved[place] for place in own if place in moved} for own in places]
+            for own, mode in zip(places, modes, strict=True):
+                if mode.value.imag == omega:
+                    own |= {int(np.argmin(np.abs(values - z))) for z in (mode.value, mode.value.conjugate())}
+            before = values
+        return before, places
+
+    def _with_pairs(self, omega: float) -> ComplexArray:
+        """Eigenvalues in rad/s of the problem frozen at omega, those above the real axis with their conjugates."""
+        frozen = self.problem.at(omega)
+        upper = frozen.spectrum.values[frozen.candidates]
+        real = frozen.spectrum.values[on_real_axis(frozen.spectrum.values)].real
+        return np.concatenate([upper, upper.conj(), real])
+
+    @cached_property
+    def pencil(self) -> Pencil:
+        rates = self.problem.at(0.0).frequencies
+        typical = float(np.median(rates)) if len(rates) else 1.0
+        return Pencil.of(self.problem.system, undamped=self.problem.undamped, at=typical)
+
+    @property
+    def _is_large(self) -> bool:
+        return self.problem.system.n_coordinates > LARGE_SYSTEM
+
+    @cached_property
+    def points(self) -> list[float]:
+        """Frequencies in rad/s that part the ranges of the search, from next to rest to above all vibrations."""
+        rows = {2 * np.pi * f for _, law in self.problem.system.dynamic for f in law.rows if f > 0}
+        lowest = next_to_rest(self.problem.system)
+        top = max([*rows, lowest])
+        while self.problem.number_above(top) and (fastest := float(self.problem.frequencies(top).max())) >= top:
+            top = 2 * fastest
+        inside = sorted(row for row in rows if lowest < row < top)
+        changing = [
+            row
+            for before, row, after in zip([lowest, *inside], inside, [*inside[1:], top], strict=False)
+            if len({self.problem.key(at) for at in (before, row, after)}) > 1
+        ]
+        most = MOST_RANGES_LARGE if self._is_large else MOST_RANGES
+        some = np.unique(np.linspace(0, len(changing) - 1, min(most, len(changing))).round().astype(int))
+        return [self._parting(point) for point in (lowest, *(changing[place] for place in some), top)]
+
+    def _parting(self, omega: float) -> float:
+        """Frequency in rad/s next to omega at which no vibration of the problem frozen there has its own."""
+        near = self.problem.frequencies(omega)
+        while np.any(np.abs(near - omega) <= NEAR_FIXED_POINT * omega):
+            omega *= 1 + 3 * NEAR_FIXED_POINT
+            near = self.problem.frequencies(omega)
+        return omega
+
+    def _is_constant(self, low: float, high: float) -> bool:
+        """Whether the problem is the same at all frequencies of a range in rad/s."""
+        rows = [2 * np.pi * f for _, law in self.problem.system.dynamic for f in law.rows]
+        some = [low, *(row for row in rows if low < row < high), high]
+        return len({self.problem.key(omega) for omega in some}) == 1
+
+    def _between(self, low: float, high: float) -> Iterator[Mode]:
+        """Yield the fixed points in a range of frequencies in rad/s."""
+        problem = self.problem
+        if self._is_constant(low, high):
+            yield from self._as_frozen(low, high)
+            return
+        counted = problem.number_above(low) - problem.number_above(high)
+        found: list[Mode] = []
+        missing = 0
+        for end, beside in ((low, 0), (high, 0), (low, 1), (high, 1)):
+            found += self._polished(end, low, high, max(missing, 0) * beside)
+            values, shapes = np.array([mode.value for mode in found]), np.array([mode.shape for mode in found]).T
+            found = [found[number] for number in distinct(values, shapes)]
+            falling = self._falling(found)
+            missing = counted + len(found) - 2 * len(falling)
+            if not missing:
+                yield from falling
+                return
+        middle = self._parting((low + high) / 2)
+        spent = len(self.solved) > (MOST_PROBLEMS_LARGE if self._is_large else MOST_PROBLEMS)
+        narrow = high - low <= (NARROW if missing > 0 else NARROW_RISING) * high
+        if narrow or spent or not low < middle < high:
+            yield from falling
+            yield from self._unsettled(low, high, missing)
+            return
+        self.solved.append(middle)
+        yield from self._between(low, middle)
+        yield from self._between(middle, high)
+
+    def _as_frozen(self, low: float, high: float) -> Iterator[Mode]:
+        """Yield the vibrations in a range of frequencies in rad/s in which no coefficient changes."""
+        frozen = self.problem.at(low)
+        inside = frozen.candidates[(frozen.frequencies > low) & (frozen.frequencies <= high)]
+        if len(inside):
+            wanted = np.isin(np.arange(len(frozen.spectrum.values)), inside)
+            frozen = replace(frozen, spectrum=refined_spectrum(frozen.spectrum, wanted))
+            yield from (frozen.mode(int(j)) for j in inside)
+
+    def _polished(self, omega: float, low: float, high: float, beside: int) -> list[Mode]:
+        """Fixed points in a range of frequencies in rad/s, from the vibrations that the problem has there at omega.
+
+        Or from as many that are beside the range, where a number of them is given.
         """
-        heavy = self.system.inertia > 0
-        weighted = np.sqrt(self.system.inertia[heavy])[:, None] * self.system.rows[heavy]
-        a, b = weighted @ shapes, weighted @ shape
-        size = np.sum(np.abs(a) ** 2, axis=0) * np.sum(np.abs(b) ** 2)
-        return np.asarray(np.abs(a.conj().T @ b) ** 2 / np.where(size > 0, size, 1.0))
-
-
-def modes(
-    system: RowSystem, spaces: Subspaces, starts: Iterable[Start] | None = None, *, undamped: bool = False
-) -> Eigenpairs:
-    """Eigenvalues in rad/s and shapes of all nonzero modes of a system with frequency-dependent stiffness.
-
-    Real poles are those of the stiffness at rest, Re kappa(0+); other modes are oscillatory. Each is tracked from a
-    start (frequency, shape), by default the undamped modes at rest, and where two starts lead to one mode, from the
-    other eigenvalues of the problems solved.
-    """
-    problem = FrozenProblem(system, spaces, undamped)
-    rest = _at_rest(system, spaces, undamped=undamped)
-    real = [] if undamped else _real_poles(rest)
-    count = len(rest.values) if rest.undamped else (len(rest.values) - len(real)) // 2
-    found: list[Mode] = []
-    for omega, shape in _all_starts(problem, _own_starts(rest) if starts is None else starts, count):
-        if len(found) >= count:
-            break
-        group = _track(problem, omega, shape, count)
-        if group and not any(
-            abs(group[0].value - other.value) <= SAME_EIGENVALUE * abs(other.value) for other in found
-        ):
-            found.extend(group)
-    return _collect(found[:count], real, system.n_coordinates)
-
-
-def _at_rest(system: RowSystem, spaces: Subspaces, *, undamped: bool) -> Spectrum:
-    stiffness = FrozenProblem(system, spaces, undamped=True).stiffness(0.0)
-    return refined_spectrum(solve_spectrum(system, spaces, stiffness, undamped=undamped or not np.any(system.damping)))
-
-
-def _real_poles(rest: Spectrum) -> list[Mode]:
-    kept, real = one_per_pair(rest)
-    return [Mode(complex(rest.values[j]), rest.shapes[:, j], float(rest.errors[j])) for j in kept[real]]
-
-
-def _own_starts(rest: Spectrum) -> list[Start]:
-    order = np.argsort(rest.values.imag)
-    return [(float(rest.values[j].imag), rest.shapes[:, j]) for j in order]
-
-
-def _all_starts(problem: FrozenProblem, starts: Iterable[Start], count: int) -> Iterator[Start]:
-    yield from starts
-    for spectrum in list(problem.known.values()):
-        yield from ((float(spectrum.values[j].imag), spectrum.shapes[:, j]) for j in _candidates(spectrum, count))
-
-
-def _candidates(spectrum: Spectrum, count: int) -> NDArray[np.intp]:
-    """Indices of the ``count`` least damped eigenvalues with Im > 0, by rising damping.
-
-    A real pole leaves the real axis under a complex stiffness; the count keeps it out.
-    """
-    values = spectrum.values
-    upper = np.flatnonzero(values.imag > 0)
-    least_damped = np.argsort(-values[upper].imag / np.abs(values[upper]), kind="stable")
-    return np.asarray(upper[least_damped[:count]])
-
-
-def _track(problem: FrozenProblem, omega: float, shape: ComplexArray, count: int) -> list[Mode]:
-    """Mode whose stiffness is frozen at its own frequency, found from a start, or several of equal frequency.
-
-    Its frequency is the fixed point of omega = |Im lambda(omega)|.
-    """
-    last: tuple[float, float] | None = None
-    group: list[Mode] = []
-    for iteration in range(1, MAX_ITERATIONS + 1):
-        spectrum = problem.at(omega)
-        candidates = _candidates(spectrum, count)
-        if not len(candidates):
+        rates = self.problem.frequencies(omega)
+        if not (beside and len(rates)) and not np.any((rates > low) & (rates <= high)):
             return []
-        nearest = candidates[np.argmax(problem.resemblance(spectrum.shapes[:, candidates], shape))]
-        rough = float(spectrum.values[nearest].imag)
-        if abs(rough - omega) <= max(REFINED_BELOW, float(spectrum.errors[nearest])) * rough:
-            spectrum = refined_spectrum(spectrum, np.arange(len(spectrum.values)) == nearest)
-        shape, found = spectrum.shapes[:, nearest], float(spectrum.values[nearest].imag)
-        converged = abs(found - omega) <= FREQUENCY_TOLERANCE * found
-        group = _group(spectrum, candidates, nearest, converged=converged, iterations=iteration)
-        if converged:
-            break
-        last, omega = (omega, found - omega), _next_frequency(omega, found, last)
-    return group
+        frozen, undamped, pencil = self.problem.at(omega), self.problem.undamped, self.pencil
+        rates = frozen.frequencies
+        apart = np.maximum(np.maximum(low - rates, rates - high), 0.0)
+        inside = (rates > low) & (rates <= high)
+        if beside:
+            inside = ~inside & (apart <= np.sort(apart[~inside], kind="stable")[:beside].max(initial=0.0))
+        some = frozen.candidates[inside]
+        starts, shapes = frozen.spectrum.values[some], frozen.over_all(frozen.spectrum.shapes[:, some])
+        try:
+            with np.errstate(all="ignore"):
+                begin = starts.imag**2 if undamped else starts
+                z, shapes, errors = polished(pencil, begin, shapes / pencil.scale[:, None])
+        except NotFoundError:
+            return []
+        z, shapes, errors = refined(pencil, z, pencil.scale[:, None] * shapes, errors)
+        values = 1j * np.sqrt(np.maximum(z.real, 0.0)) if undamped else z
+        met = (errors <= SETTLED) & (values.imag > low) & (values.imag <= high)
+        return [Mode(complex(values[j]), shapes[:, j], float(errors[j])) for j in np.flatnonzero(met)]
+
+    def _falling(self, modes: Sequence[Mode]) -> list[Mode]:
+        """Fixed points at which the number of vibrations above falls, as it always does with constant stiffness."""
+        if not modes:
+            return []
+        values = np.array([mode.value for mode in modes])
+        shapes = np.array([mode.shape for mode in modes]).T / self.pencil.scale[:, None]
+        if self.problem.undamped:
+            values, shapes = values.imag**2, shapes.real
+        return [mode for mode, pull in zip(modes, self.pencil.pulls(shapes, values), strict=True) if pull < 1]
+
+    def _unsettled(self, low: float, high: float, count: int) -> Iterator[Mode]:
+        """Yield the vibrations next to a narrow range in rad/s, as many as are known to be there and were not met."""
+        if count <= 0:
+            return
+        ends = [(omega, self.problem.at(omega)) for omega in (low, high)]
+        near = sorted(
+            (abs(float(frozen.spectrum.values[j].imag) - omega), place, int(j))
+            for place, (omega, frozen) in enumerate(ends)
+            for j in frozen.candidates
+        )
+        place = near[0][1]
+        for off, _, j in [one for one in near if one[1] == place][:count]:
+            yield ends[place][1].mode(j, off / high, converged=off <= SETTLED * high)
 
 
-def _next_frequency(omega: float, found: float, last: tuple[float, float] | None) -> float:
-    """Frequency in rad/s to freeze the stiffness at next, by a secant step where safe, else ``found`` itself."""
-    if last is None or last[0] == omega:
-        return found
-    slope = (found - omega - last[1]) / (omega - last[0])
-    trial = omega - (found - omega) / slope if slope < -LEAST_SLOPE else found
-    return trial if omega / 2 < trial < 2 * omega else found
-
-
-def _group(
-    spectrum: Spectrum, candidates: NDArray[np.intp], nearest: np.intp, *, converged: bool, iterations: int
-) -> list[Mode]:
-    value = spectrum.values[nearest]
-    close = [j for j in candidates if j != nearest and abs(spectrum.values[j] - value) <= SAME_EIGENVALUE * abs(value)]
-    return [
-        Mode(complex(spectrum.values[j]), spectrum.shapes[:, j], float(spectrum.errors[j]), converged, iterations)
-        for j in (nearest, *close)
-    ]
-
-
-def _collect(oscillatory: list[Mode], real: list[Mode], n_q: int) -> Eigenpairs:
-    every = [*oscillatory, *real]
-    return Eigenpairs(
-        np.array([mode.value for mode in every], dtype=complex),
-        np.array([mode.shape for mode in every], dtype=complex).reshape(len(every), n_q).T,
-        np.arange(len(every)) >= len(oscillatory),
-        np.array([mode.error for mode in every], dtype=float),
-        np.array([mode.converged for mode in every], dtype=bool),
-        np.array([mode.iterations for mode in every], dtype=int),
-    )
+def _nearest(before: ComplexArray, values: ComplexArray) -> dict[int, int]:
+    """Place of the value next to each value before, those nearest to each other first."""
+    found: dict[int, int] = {}
+    taken: set[int] = set()
+    apart = np.abs(before[:, None] - values)
+    for flat in np.argsort(apart, axis=None, kind="stable").tolist():
+        row, column = divmod(flat, len(values))
+        if row not in found and column not in taken:
+            found[row] = column
+            taken.add(column)
+    return found

@@ -86,11 +86,10 @@ def natural_modes(
     if up_to is not None and continuous.is_continuous(passive):
         count = continuous.number_below(passive, 2 * np.pi * up_to) + EXTRA_MODES
         lowest = count if lowest is None else min(lowest, count)
-    undamped = undamped_modes(passive) if system.dynamic or is_active(system) else None
     if system.actions:
         solution, warned, more = active_modes(assembly)
     else:
-        solution, warned, more = complex_modes(system, lowest, undamped), (), ()
+        solution, warned, more = complex_modes(system, lowest), (), ()
         if is_active(system):
             solution = replace(solution, eigenvalues=with_zero_damping(solution.eigenvalues, solution.errors))
     elements = tuple(drivetrain.elements)
@@ -102,7 +101,7 @@ def natural_modes(
         kinds=solution.kinds,
         nodes=assembly.nodes,
         shapes=shapes,
-        undamped_natural_frequencies=_undamped_rates(system, solution, undamped, lowest) / (2 * np.pi),
+        undamped_natural_frequencies=_undamped_rates(passive, solution, lowest) / (2 * np.pi),
         elements=elements,
         kinetic=kinetic,
         strain=strain,
@@ -123,13 +122,11 @@ def _motion(rows: Rows, vectors: ComplexArray) -> ComplexArray:
     return np.asarray((rows.csr if rows.n_columns > LARGE_SYSTEM else rows.dense) @ vectors)
 
 
-def _undamped_rates(
-    system: RowSystem, solution: EigenSolution, undamped: tuple[FloatArray, FloatArray] | None, lowest: int | None
-) -> FloatArray:
+def _undamped_rates(system: RowSystem, solution: EigenSolution, lowest: int | None) -> FloatArray:
     """Natural frequencies (n,) in rad/s without damping, those of the solution itself where there is none."""
-    if undamped is not None:
-        return undamped[0][:lowest]
-    return undamped_modes(system, lowest)[0] if system.damping.any() else np.abs(solution.eigenvalues)
+    if system.damping.any() or system.dynamic or is_active(system):
+        return undamped_modes(system, lowest)[0]
+    return np.abs(solution.eigenvalues)
 
 
 def energies(
