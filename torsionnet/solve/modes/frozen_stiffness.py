@@ -17,6 +17,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -159,7 +160,7 @@ class FrozenSpectrum:
     n_coordinates: int
     candidates: NDArray[np.intp]
 
-    def over_all(self, shapes: AnyArray) -> AnyArray:
+    def over_all(self, shapes: Any) -> Any:
         """Shapes (n_q, n) over all coordinates, of which those that nothing holds stand still."""
         found = np.zeros((self.n_coordinates, shapes.shape[1]), dtype=shapes.dtype)
         found[list(self.kept)] = shapes
@@ -168,7 +169,7 @@ class FrozenSpectrum:
     @property
     def rigid(self) -> FloatArray:
         """Shapes (n_q, n) of motions that no spring resists."""
-        return self.over_all(self.spectrum.spaces.rigid)
+        return np.asarray(self.over_all(self.spectrum.spaces.rigid))
 
     @property
     def frequencies(self) -> FloatArray:
@@ -253,13 +254,13 @@ class FrozenProblem:
                 return 0
         return int(np.sum(self.frequencies(omega) > omega))
 
-    def _frequencies(self, stiffness: FloatArray, damping: FloatArray) -> FloatArray:
+    def _frequencies(self, stiffness: AnyArray, damping: FloatArray) -> FloatArray:
         key = stiffness.tobytes() + damping.tobytes()
         if key not in self.counted:
             system, reduced, spaces, _ = self._reduced(stiffness, damping)
             form = first_order(system, spaces, reduced)
             if self._is_lossless(stiffness, damping):
-                self.counted[key] = np.linalg.svd(form.coupling, compute_uv=False)
+                self.counted[key] = np.asarray(np.linalg.svd(form.coupling, compute_uv=False), dtype=float)
             else:
                 values = np.linalg.eigvals(form.matrix).astype(complex)
                 self.counted[key] = values[_vibrations(values)].imag

@@ -20,6 +20,9 @@ LARGEST_ERROR = 1e-6
 """Relative error of an eigenvalue above which a warning about its accuracy is given."""
 UNSTABLE = "unstable, it grows"
 """Words with which the description of a mode begins if its real part is positive."""
+SAME_POLE = 1e-6
+"""Relative distance of two real poles and of their shapes below which they are one that critical damping makes, as
+rounding parts a double pole by the root of its size."""
 ROUNDED_ANGLE = 1e-10
 """Angle of a node, over the largest, below which it is rounding and has no sign."""
 
@@ -42,7 +45,9 @@ def describe(
         if kind == "rigid body":
             sentences.append(_rigid(assembly, shapes[:, index]))
         elif kind == "real pole":
-            sentences.append(_overdamped(solution.eigenvalues[index], elements, strain[:, index], dissipated[:, index]))
+            text = _decaying(solution.eigenvalues[index], elements, strain[:, index], dissipated[:, index])
+            critical = _is_critical(solution, index)
+            sentences.append(text.replace("overdamped", "critically damped", 1) if critical else text)
         else:
             crossings = links.vibration_nodes(solution.vectors[:, index])
             grows = f"{UNSTABLE}; " if solution.eigenvalues[index].real > 0 else ""
@@ -88,7 +93,7 @@ def _leading(elements: tuple[str, ...], shares: FloatArray) -> str:
     return ", ".join(f"{elements[index]} {100 * shares[index]:.0f} %" for index in order if shares[index] > 0)
 
 
-def _overdamped(value: complex, elements: tuple[str, ...], strain: FloatArray, dissipated: FloatArray) -> str:
+def _decaying(value: complex, elements: tuple[str, ...], strain: FloatArray, dissipated: FloatArray) -> str:
     time = 1 / abs(value.real) if value.real else math.inf
     damping = _leading(elements, dissipated)
     text = f"{UNSTABLE}; " if value.real > 0 else ""
@@ -96,6 +101,14 @@ def _overdamped(value: complex, elements: tuple[str, ...], strain: FloatArray, d
     damping = damping if value.real <= 0 else ""
     text += f"; damped by {damping}" if damping else ""
     return text if strain.any() else f"{text}; no spring involved"
+
+
+def _is_critical(solution: EigenSolution, index: int) -> bool:
+    """Whether a real pole meets another one with the same shape, as both do that a vibration becomes."""
+    value, shape = solution.eigenvalues[index], solution.vectors[:, index]
+    near = np.abs(solution.eigenvalues - value) <= SAME_POLE * abs(value)
+    apart = np.abs(solution.vectors - shape[:, None]).max(axis=0, initial=0.0)
+    return int(np.sum(near & (apart <= SAME_POLE))) > 1
 
 
 def _vibration(elements: tuple[str, ...], strain: FloatArray, crossings: list[str] | None) -> str:

@@ -141,7 +141,7 @@ class Pencil:
 
     def frequencies(self, z: Any) -> FloatArray:
         """Frequencies in rad/s, in the shape of ``z``, at which what depends on frequency is read."""
-        return np.sqrt(np.maximum(z.real, 0.0)) if self.undamped else np.abs(z.imag)
+        return np.asarray(np.sqrt(np.maximum(z.real, 0.0)) if self.undamped else np.abs(z.imag))
 
     def frozen(self, z: AnyArray) -> tuple[AnyArray, FloatArray]:
         """Stiffness in N m/rad and damping in N m s/rad of the laws, (n_laws, n), read at the frequencies of z (n,)."""
@@ -150,14 +150,14 @@ class Pencil:
         stiffness, damping = self.system.frozen(self.frequencies(z))
         return (stiffness.real, np.zeros_like(damping)) if self.undamped else (stiffness, damping)
 
-    def laws(self, z: AnyArray) -> AnyArray:
+    def laws(self, z: Any) -> AnyArray:
         """Dynamic stiffness (n_laws, n) of the laws in N m/rad at z (n,)."""
         stiffness, damping = self.frozen(z)
         if self.undamped:
             return np.asarray(stiffness - z * self.inertia[:, None])
         return np.asarray(stiffness + z * damping + z**2 * self.inertia[:, None])
 
-    def slopes(self, z: AnyArray) -> AnyArray:
+    def slopes(self, z: Any) -> AnyArray:
         """Derivatives (n_laws, n) of the laws to z (n,), at the frequencies at which they are read."""
         if self.undamped:
             return np.repeat(-self.inertia[:, None], len(z), axis=1)
@@ -272,7 +272,7 @@ def polished(pencil: Pencil, values: Any, shapes: Any) -> tuple[Any, Any, FloatA
         left = [j for j in left if j not in group]
         if not pencil.system.dynamic:
             others = np.setdiff1d(np.arange(len(values)), group)
-            room[group] = distance[np.ix_(group, others)].min(initial=np.inf) / 4
+            room[group] = distance[np.ix_(np.array(group), others)].min(initial=np.inf) / 4
         if len(group) == 1:
             alone += group
             continue

@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from torsionnet.assembly.rows import ComplexArray
+from torsionnet.response.mode_numbers import mode_numbers
 from torsionnet.solve.modes.eigen import RIGID, EigenSolution
 
 EQUAL_EIGENVALUES = 1e-9
@@ -42,12 +43,20 @@ def with_chosen_shapes(
             continue
         vectors[:, group] = vectors[:, group] @ np.linalg.inv(motion[np.ix_(chosen, group)])
         names = " and ".join([", ".join(nodes[i] for i in chosen[:-1]), nodes[chosen[-1]]])
-        modes = " and ".join([", ".join(str(i + 1) for i in group[:-1]), str(group[-1] + 1)])
         notes.append(
-            f"modes {modes} share one eigenvalue, so every combination of their shapes is a mode too; shown are those "
-            f"in which of {names} only one moves, in this order"
+            f"{_named(solution, group)} share one eigenvalue, so every combination of their shapes is a mode too; shown "
+            f"are those in which of {names} only one moves, in this order"
         )
     return replace(solution, vectors=vectors), tuple(notes)
+
+
+def _named(solution: EigenSolution, group: Sequence[int]) -> str:
+    """Modes of a group by their numbers, or real poles, which have none, by their time constant."""
+    numbers = mode_numbers(solution.kinds)
+    known = [str(numbers[i]) for i in group if numbers[i] is not None]
+    if known:
+        return f"modes {', '.join(known[:-1])} and {known[-1]}"
+    return f"{len(group)} real poles at {solution.eigenvalues[group[0]].real:.6g} rad/s"
 
 
 def _groups(solution: EigenSolution) -> Iterator[list[int]]:
@@ -56,7 +65,7 @@ def _groups(solution: EigenSolution) -> Iterator[list[int]]:
         if first in taken or solution.kinds[first] == RIGID:
             continue
         close = np.abs(values[first:] - values[first]) <= EQUAL_EIGENVALUES * abs(values[first])
-        group = [first + int(i) for i in np.flatnonzero(close) if solution.kinds[first + i] != RIGID]
+        group = [first + int(i) for i in np.flatnonzero(close) if solution.kinds[first + i] == solution.kinds[first]]
         taken.update(group)
         if len(group) > 1:
             yield group
