@@ -47,10 +47,30 @@ def test_the_note_names_modes_and_nodes():
     modes = tn.load("planetary_set").modes()
     (note,) = modes.notes
     assert note == (
-        "modes 2 and 3 share one eigenvalue, so every combination of their shapes is a mode too; shown are those in "
+        "modes 1 and 2 share one eigenvalue, so every combination of their shapes is a mode too; shown are those in "
         "which of planet_1 and planet_2 only one moves, in this order"
     )
     assert modes.notes[0] in modes.table().notes
+
+
+def test_real_poles_that_share_an_eigenvalue_have_no_number():
+    """Three equal dampers on a heavy hub: the outer masses decay against their likes at c/J = 2 1/s, twice."""
+    elements = [tn.Inertia("hub", node="h", inertia=10), tn.Spring("k", nodes=("h", "ground"), stiffness=1e6)]
+    for name in "xyz":
+        elements += [
+            tn.Inertia(name, node=name, inertia=2),
+            tn.Damper(f"c_{name}", nodes=("h", name), damping=4),
+        ]
+    (note,) = tn.Drivetrain("couplings", elements).modes().notes
+    assert note.startswith("2 real poles at -2 rad/s share one eigenvalue")
+
+
+@pytest.mark.parametrize(("damping", "word"), [(20.0, "critically damped"), (20.001, "overdamped")])
+def test_critical_damping_has_its_word(damping, word):
+    """s^2 + 20 s + 100 has a double root."""
+    spring = tn.Spring("k", nodes=("a", "ground"), stiffness=100, damping=damping)
+    modes = tn.Drivetrain("one", [tn.Inertia("j", node="a", inertia=1), spring]).modes()
+    assert [text.partition(",")[0] for text in modes.descriptions] == [word, word]
 
 
 def test_a_double_pole_with_one_shape_stays_as_it_is():

@@ -44,14 +44,14 @@ def with_chosen_shapes(
         vectors[:, group] = vectors[:, group] @ np.linalg.inv(motion[np.ix_(chosen, group)])
         names = " and ".join([", ".join(nodes[i] for i in chosen[:-1]), nodes[chosen[-1]]])
         notes.append(
-            f"{_named(solution, group)} share one eigenvalue, so every combination of their shapes is a mode too; shown "
-            f"are those in which of {names} only one moves, in this order"
+            f"{_named(solution, group)} share one eigenvalue, so every combination of their shapes is a mode too; "
+            f"shown are those in which of {names} only one moves, in this order"
         )
     return replace(solution, vectors=vectors), tuple(notes)
 
 
 def _named(solution: EigenSolution, group: Sequence[int]) -> str:
-    """Modes of a group by their numbers, or real poles, which have none, by their time constant."""
+    """Modes of a group by their numbers, or real poles, which have none, by their eigenvalue."""
     numbers = mode_numbers(solution.kinds)
     known = [str(numbers[i]) for i in group if numbers[i] is not None]
     if known:
