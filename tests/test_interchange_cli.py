@@ -45,6 +45,77 @@ def test_every_configuration_in_a_file_of_its_own(tmp_path):
     }  # fmt: skip
 
 
+CUBIC = """
+torsionnet: 1
+name: cubic
+parameters: {k: 1 kN*m/rad}
+elements:
+  motor: {type: inertia, node: a, inertia: 2}
+  pump: {type: inertia, node: b, inertia: 3}
+  shaft: {type: spring, nodes: [a, b], stiffness: k, cubic: 10 kN*m/rad^3}
+  spare: {type: damper, nodes: [a, b], damping: 1, enabled: false}
+inputs: {drive: {torque: a}}
+sensors: {twist_of_shaft: {twist: shaft}}
+speeds: {of: a, range: 100..300 rpm, step: 10 rpm}
+operating_point: {torque: {a: 500, b: -500}}
+"""
+HELD = {"tors": (), "csv": (), "m": ("drive", "twist_of_shaft"), "mat": ("drive", "twist_of_shaft"),
+        "mo": ("drive", "twist_of_shaft", "k")}  # fmt: skip
+
+
+def notes_in(path):
+    """Texts of a file that are notes to its readers."""
+    if path.suffix == ".mat":
+        import scipy.io
+
+        return [str(note) for note in scipy.io.loadmat(path, simplify_cells=True)["notes"]]
+    text = path.read_text(encoding="utf-8")
+    if path.suffix == ".tors":
+        return json.loads(text)["notes"]
+    marks = {".csv": "# ", ".m": "notes = {", ".mo": "// "}
+    return [line.strip() for line in text.splitlines() if line.strip().startswith(marks[path.suffix])]
+
+
+@pytest.mark.parametrize("ending", HELD)
+def test_what_a_file_leaves_out_is_on_the_console_and_in_the_file(tmp_path, ending):
+    (tmp_path / "cubic.yaml").write_text(CUBIC, encoding="utf-8")
+    target = tmp_path / f"model.{ending}"
+    said = run("export", tmp_path / "cubic.yaml", "-o", target).stderr
+    notes = " ".join(notes_in(target))
+    lines = [line.removeprefix("note: ") for line in said.splitlines() if line.startswith("note: ")]
+    missing = next(line for line in lines if line.startswith("not in this file"))
+    for name in ("drive", "twist_of_shaft"):
+        assert (name in missing) == (name not in HELD[ending])
+    assert "operating point; speeds" in missing
+    assert "elements switched off spare" in missing
+    assert ("parameters are numbers here: k" in said) == ("k" not in HELD[ending])
+    assert "linear about the operating point, by tangents: shaft" in said
+    for line in (*lines[lines.index(missing) :],):
+        assert line in notes
+
+
+def test_a_sheet_with_such_notes_is_read_back(tmp_path):
+    (tmp_path / "cubic.yaml").write_text(CUBIC, encoding="utf-8")
+    model = tn.load(tmp_path / "cubic.yaml")
+    tn.io.write_mass_elastic(model, tmp_path / "x.csv")
+    back = tn.io.read_mass_elastic(tmp_path / "x.csv")
+    # The tangent of 1000 x + 10 000 x^3 where it gives 500 N m: x = 0.282376 by Newton's method, 3392.09 N m/rad.
+    x = 0.25
+    for _ in range(20):
+        x -= (1e3 * x + 1e4 * x**3 - 500) / (1e3 + 3e4 * x**2)
+    assert float(back.elements["a_to_b"].stiffness.value) == pytest.approx(1e3 + 3e4 * x**2, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_description_of_an_fmu_lists_what_it_leaves_out(tmp_path):
+    (tmp_path / "cubic.yaml").write_text(CUBIC, encoding="utf-8")
+    run("export", tmp_path / "cubic.yaml", "-o", tmp_path / "x.fmu")
+    with zipfile.ZipFile(tmp_path / "x.fmu") as archive:
+        about = archive.read("modelDescription.xml").decode()
+    assert "not in this file: operating point; speeds; elements switched off spare" in about
+    assert "linear about the operating point, by tangents: shaft" in about
+
+
 def test_another_ending_with_a_format(tmp_path):
     run("export", "dmf_rig", "--format", "modelica", "-o", tmp_path / "x.txt")
     assert Model((tmp_path / "x.txt").read_text(encoding="utf-8")).name == "DMF_test_rig"

@@ -13,6 +13,7 @@ from torsionnet.core.atomic import write_text
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.units import numeral_of
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.io.export_losses import export_losses
 from torsionnet.io.mass_elastic_graph import Connection, MassElasticGraph, mass_elastic_graph
 
 LARGEST_RATIO_TERM = 10**6
@@ -61,6 +62,7 @@ def to_mass_elastic(drivetrain: Drivetrain, *, referred_to: str | None = None) -
         writer.writerow(_mass_row(graph, node, held.get(node), referred))
     for one in others:
         writer.writerow([one.name, "", "", "", one.first, one.second, *_shaft_cells(graph, one, referred)])
+    text.writelines(f"# {' '.join(note.split())}\n" for note in export_losses(drivetrain, "sheet").sentences())
     return text.getvalue()
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from torsionnet.core.atomic import write_bytes, write_text
 from torsionnet.core.errors import TorsionnetWarning, UsageError
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.io.export_losses import export_losses
 from torsionnet.io.formats.mat import cell_array, mat_bytes
 from torsionnet.io.matrices import Matrices, matrices
 from torsionnet.io.unlinear_laws import refuse_laws_of_motion
@@ -82,6 +83,8 @@ def to_matlab(drivetrain: Drivetrain) -> str:
     found = matrices(drivetrain)
     states, reason = _states(drivetrain)
     lines = [*_head(drivetrain), f"title = {_quoted(drivetrain.title)};"]
+    notes = ", ".join(map(_quoted, export_losses(drivetrain, "matlab").sentences()))
+    lines.append(f"notes = {{{notes}}};  % what the model has and this file has not")
     for name, meaning in NAME_MEANINGS.items():
         listed = ", ".join(_quoted(text) for text in getattr(found, name))
         lines.append(f"{name} = {{{listed}}};{f'  % {meaning}' if meaning else ''}")
@@ -115,6 +118,7 @@ def write_matlab(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None:
             )
         if target.stem in RESERVED_WORDS | MATRIX_MEANINGS.keys() | NAME_MEANINGS.keys() | {
             "title",
+            "notes",
             "state_space",
             "sys",
         }:
@@ -133,6 +137,7 @@ def _variables(drivetrain: Drivetrain) -> dict[str, Any]:
     states, _ = _states(drivetrain)
     content: dict[str, Any] = {"title": drivetrain.title}
     content |= {name: cell_array(getattr(found, name)) for name in NAME_MEANINGS}
+    content["notes"] = cell_array(export_losses(drivetrain, "matlab").sentences())
     content |= {name: np.asarray(getattr(found, name), dtype=float) for name in MATRIX_MEANINGS}
     if states is not None:
         content["state_space"] = {name: getattr(states, name) for name in "ABCD"}

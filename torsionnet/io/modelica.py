@@ -9,6 +9,7 @@ from torsionnet.core.atomic import write_text
 from torsionnet.core.errors import UsageError
 from torsionnet.core.plain_names import Names
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.io.export_losses import export_losses
 from torsionnet.io.modelica_elements import write_element
 from torsionnet.io.modelica_net import Net
 from torsionnet.io.modelica_parts import COMPONENTS, FIXED, has_counterpart, port
@@ -65,7 +66,8 @@ def to_modelica(drivetrain: Drivetrain) -> str:
     head = [f"model {title} {quoted(drivetrain.description or drivetrain.title)}"]
     if drivetrain.source:
         head.append(f"  // {' '.join(f'source: {drivetrain.source}'.split())}")
-    tail = ['  annotation(uses(Modelica(version="4.0.0")));', f"end {title};", ""]
+    losses = (f"  // {' '.join(sentence.split())}" for sentence in export_losses(drivetrain, "modelica").sentences())
+    tail = [*losses, '  annotation(uses(Modelica(version="4.0.0")));', f"end {title};", ""]
     return "\n".join([*head, *(f"  {line}" for line in body), "equation", *(f"  {line}" for line in wires), *tail])
 
 

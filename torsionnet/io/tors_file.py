@@ -56,6 +56,7 @@ class TorsFile(TorsPart):
 
     name: object = entry(AsWritten("title"), None)
     date: object = entry(AsWritten("date, without which the editor of openTorsion opens no file"), None)
+    notes: object = entry(AsWritten("what a model has that the file does not hold"), None)
     components: tuple[TorsComponent, ...] = entry(
         Listed("components", Nested("component", lambda: TorsComponent, "component"))
     )

@@ -12,6 +12,7 @@ from typing import Any, TypeAlias, TypeVar
 from torsionnet.core.atomic import write_text
 from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.io.export_losses import export_losses
 from torsionnet.io.tors_elements import Disk, GearElement, TorsElement
 from torsionnet.io.tors_file import TorsComponent, TorsFile
 from torsionnet.io.tors_graph import Edge, Graph, tors_graph
@@ -34,7 +35,8 @@ def to_tors(drivetrain: Drivetrain) -> dict[str, Any]:
     between the same nodes one shaft; a gear of positive ratio a train with an idler; a shaft of another modulus than
     80 GPa one of equal stiffness and inertia with another length and density. Other element types are written by their
     laws and constraints, as far as these are disks, shafts and gears. Every element carries its ``node``, so that
-    :func:`read_tors` finds it again; openTorsion passes over that. Inputs and sensors are left out.
+    :func:`read_tors` finds it again; openTorsion passes over that. ``notes`` lists what is left out, as inputs and
+    sensors.
 
     Raises
     ------
@@ -55,7 +57,10 @@ def to_tors(drivetrain: Drivetrain) -> dict[str, Any]:
     )
     today = datetime.now(tz=UTC).date().isoformat()
     structure = tuple(layout.structure)
-    return TorsFile(name=drivetrain.title, date=today, components=components, structure=structure).written_entries()
+    notes = list(export_losses(drivetrain, "tors").sentences()) or None
+    return TorsFile(
+        name=drivetrain.title, date=today, notes=notes, components=components, structure=structure
+    ).written_entries()
 
 
 def write_tors(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None:

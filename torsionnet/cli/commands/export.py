@@ -30,6 +30,8 @@ ONE_PLATFORM_HINT = '; pip install "torsionnet[fmu]" brings a compiler for the o
 class ExportCommand(ModelCommand):
     """Write a model for another program.
 
+    What the file leaves out or holds as a straight line is listed in it and on stderr.
+
     \b
     .tors, .json  TORS of openTorsion: disks, shafts and gears in a tree
     .m, .mat      matrices, state space and names for Matlab and Octave
@@ -77,6 +79,7 @@ class ExportCommand(ModelCommand):
                 raise click.UsageError(f"{word} applies only to {what}: leave it out, or choose that format")
         cases = self.cases()
         import torsionnet.io as io
+        from torsionnet.io.export_losses import export_losses
 
         writers: dict[str, Callable[..., tuple[str, ...] | None]] = {
             "tors": io.write_tors,
@@ -91,6 +94,8 @@ class ExportCommand(ModelCommand):
             platforms = self._write(writers[chosen], case.drivetrain, target, more)
             if platforms:
                 message("note", f"binaries for {', '.join(platforms)}{'' if len(platforms) > 1 else ONE_PLATFORM_HINT}")
+            for sentence in export_losses(case.drivetrain, chosen).sentences():
+                message("note", sentence)
             print_file_written(target)
         return Answer()
 

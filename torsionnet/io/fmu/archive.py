@@ -19,6 +19,7 @@ from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.plain_names import Names
 from torsionnet.core.version import __version__
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.io.export_losses import export_losses
 from torsionnet.io.fmu.c_source import header_source, model_source
 from torsionnet.io.fmu.common_description import FmuDescription
 from torsionnet.io.fmu.compiling import compile_libraries
@@ -142,8 +143,9 @@ def _sources(version: str) -> dict[str, str]:
 def _subject(
     drivetrain: Drivetrain, system: System, variables: Variables, identifier: str, step: float, token: str
 ) -> FmuDescription:
+    about = " ".join(filter(None, (drivetrain.description, *export_losses(drivetrain, "fmu").sentences())))
     return FmuDescription(
-        drivetrain.title, identifier, drivetrain.description, __version__, token, step, variables, dependencies(system)
+        drivetrain.title, identifier, about, __version__, token, step, variables, dependencies(system)
     )
 
 
