@@ -66,8 +66,8 @@ def to_modelica(drivetrain: Drivetrain) -> str:
     head = [f"model {title} {quoted(drivetrain.description or drivetrain.title)}"]
     if drivetrain.source:
         head.append(f"  // {' '.join(f'source: {drivetrain.source}'.split())}")
-    losses = (f"  // {' '.join(sentence.split())}" for sentence in export_losses(drivetrain, "modelica").sentences())
-    tail = [*losses, '  annotation(uses(Modelica(version="4.0.0")));', f"end {title};", ""]
+    body += [f"// {' '.join(sentence.split())}" for sentence in export_losses(drivetrain, "modelica").sentences()]
+    tail = ['  annotation(uses(Modelica(version="4.0.0")));', f"end {title};", ""]
     return "\n".join([*head, *(f"  {line}" for line in body), "equation", *(f"  {line}" for line in wires), *tail])
 
 
