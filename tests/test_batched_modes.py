@@ -232,6 +232,27 @@ def test_massless_nodes_by_their_closed_form():
         assert own[np.abs(own) > 0] == pytest.approx(known, rel=1e-9)
 
 
+def test_a_massless_node_between_two_dampers_by_its_closed_form():
+    """Dampers one behind the other: J s^2 + c s + k = 0 with 1/c = 1/c_1 + 1/c_2."""
+    model = tn.Drivetrain(
+        "in series",
+        [
+            tn.Inertia("disc", node="a", inertia=0.5),
+            tn.Spring("spring", nodes=("a", "ground"), stiffness=200),
+            tn.Damper("first", nodes=("a", "n"), damping="c_1"),
+            tn.Damper("second", nodes=("n", "ground"), damping="c_2"),
+        ],
+        {"c_1": 1.0, "c_2": 1.0},
+    )
+    c_1, c_2 = np.array([1.0, 4.0, 30.0, 80.0]), np.array([3.0, 4.0, 2.0, 120.0])
+    found = batched_modes(batch_plan(model, ["c_1", "c_2"]).batch({"c_1": c_1, "c_2": c_2}))
+    for place, c in enumerate(c_1 * c_2 / (c_1 + c_2)):
+        roots = np.roots([0.5, c, 200.0])
+        own = found.eigenvalues[place][np.abs(found.eigenvalues[place]) > 1e-9]
+        assert own == pytest.approx(sorted(roots[roots.imag >= 0], key=abs), rel=1e-12)
+    assert not found.uncertain.any()  # or they would be solved one by one
+
+
 def star(branches):
     parts = [tn.Inertia("hub", node="h", inertia=0.3)]
     for i in range(branches):

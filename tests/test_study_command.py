@@ -127,6 +127,9 @@ def test_labelled_arrays():
     assert found["H"].sel(configuration="II", percentile=50).shape == (5,)
     assert found.attrs["seed"] == 1
     assert found.attrs["version"] == tn.__version__
+    assert found["frequency_of_H"].values == pytest.approx(np.geomspace(1, 20, 5))
+    (only,) = run_study(small_study(10, configurations=["V"])).to_xarray()["f_1"].values
+    assert only.tolist() == result.values("f_1", "V").tolist()
 
 
 def test_parquet_has_model_and_seed(tmp_path):

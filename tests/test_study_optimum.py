@@ -315,6 +315,16 @@ class TestSlopes:
         optimise(numerical)
         assert problem.evaluations < numerical.evaluations / 2
 
+    def test_those_that_are_not_all_known_are_numerical(self):
+        def slopes(values):
+            return {"sum": np.array([[1.0, np.nan]]), "product": np.array([[values["y"], values["x"]]])}
+
+        problem = DesignProblem(SIDES, smallest("sum", product=QuantityLimit(below=1.0)), area, slopes)
+        place = np.array([0.3, 0.6])
+        moved, values = problem.jacobian(place), np.array(list(problem.values(place).values()))
+        np.testing.assert_allclose(moved["sum"], [values * np.log(100)], rtol=1e-9)
+        np.testing.assert_allclose(moved["product"], [values[::-1] * values * np.log(100)], rtol=1e-12)
+
 
 class TestRefusals:
     @pytest.mark.parametrize(

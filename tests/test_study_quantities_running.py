@@ -208,6 +208,20 @@ def test_a_margin_is_taken_over_the_nearer_end_of_what_excites() -> None:
     found = Evaluator(fan, ("k",), asked)({"k": natural**2 / 1.5})
     assert found["two"] == pytest.approx([0.4, 0.01, 0, 130 / 120 - 1, 200 / 120 - 1, 340 / 120 - 1], abs=1e-9)
     assert found["all"] == pytest.approx([0.4, 0.01, 0, 130 / 120 - 1, 1 - 200 / 350, 1 - 340 / 350], abs=1e-9)
+    assert asked["two"].words.endswith("of orders 2")
+    assert asked["all"].words.endswith("of all orders")
+
+
+@pytest.mark.parametrize(
+    ("band", "spacing", "middle"),
+    [("1..100 Hz", None, 10), ("1..100 Hz", "linear", 50.5), ("1..9 Hz", None, 5), ("1..9 Hz", "log", 3),
+     ("0..100 Hz", None, 50)],
+)  # fmt: skip
+def test_points_of_a_band_are_at_equal_factors_where_it_is_wide(band: str, spacing: str, middle: float) -> None:
+    given = {"output": "T_T", "input": "T_M", "band": band, "points": 3, "spacing": spacing}
+    asked, faults = QUANTITIES["response"].read({key: one for key, one in given.items() if one is not None})
+    assert not faults
+    assert asked.frequencies[1] == pytest.approx(middle)
 
 
 def test_a_half_sine_is_over_after_its_rise() -> None:

@@ -35,7 +35,14 @@ def bent(curvature):
 
 @pytest.mark.parametrize("d", [1, 2, 10, 30])
 def test_one_in_a_million_within_five_percent(d):
-    found = importance_sampling(linear(d), d, count=100_000, seed=d)
+    asked, margin = [], linear(d)
+
+    def counted(points):
+        asked.append(len(points))
+        return margin(points)
+
+    found = importance_sampling(counted, d, count=100_000, seed=d)
+    assert found.evaluations == sum(asked)
     assert found.probability == pytest.approx(1e-6, rel=0.05)
     assert found.index == pytest.approx(BETA, abs=0.01)
     assert found.evaluations <= 100_000

@@ -12,6 +12,7 @@ import torsionnet as tn
 from torsionnet.cli.app import app
 from torsionnet.core.errors import MissingExtraError, SolveError, UsageError
 from torsionnet.study.answers.answer import ANSWERS
+from torsionnet.study.answers.answer_inputs import LIMIT, PARAMETER, QUANTITY, unknown_names
 from torsionnet.study.quantities.quantity import QUANTITIES
 from torsionnet.study.quantities.user_function import function
 from torsionnet.study.run import study_folder
@@ -20,6 +21,7 @@ from torsionnet.study.run.run_chunks import run_study
 from torsionnet.study.run.workers import Workers
 from torsionnet.study.space.samples import Samples
 from torsionnet.study.space.variations.variation import VARIATIONS
+from torsionnet.study.study_fit import quantity_model_faults
 
 PLAN = """\
 torsionnet: 1
@@ -204,7 +206,7 @@ def test_answers_of_variants_need_some_and_others_choose_their_own():
     found = answer_study(study, answering=lambda name, *_: counted.append(name))
     assert ({*counted}, {*found.conclusions}) == ({"moves"}, {"share", "moves"})
     undrawn = small_study(sampling=None, limits={"f_1": {"above": 1.0}}, answers=answers)
-    with pytest.raises(UsageError, match="^share: the study has no variants of its own"):
+    with pytest.raises(UsageError, match=r"^share: the study has no variants of its own"):
         answer_study(undrawn)
 
 
@@ -228,3 +230,30 @@ def test_whole_numbers_have_a_least_and_a_most(cls, entry, least, most):
     for number, wrong in ((least - 1, True), (least, False), (most, False), (most + 1, True)):
         told = [fault for fault in cls.read_entries({entry: number})[1] if fault.path == (entry,)]
         assert bool(told) is wrong, number
+
+
+def test_names_are_listed_unless_they_are_the_parameters_of_a_model():
+    wrong = {QUANTITY: "f1", PARAMETER: "k", LIMIT: "peak"}
+    known = {QUANTITY: ["f_1", "z"], PARAMETER: ["k_1", "k_2"], LIMIT: []}
+    faults = unknown_names({what: what for what in wrong}, wrong, known)
+    assert [fault.message.partition(";")[0] for fault in faults] == [
+        f'no {what} is named "{name}"' for what, name in wrong.items()
+    ]
+    assert ["there are" in fault.message for fault in faults] == [True, False, False]
+    assert faults[0].message.endswith("there are f_1, z")
+
+
+def test_configurations_are_named_where_others_are_right():
+    shaft = tn.Spring("shaft", nodes=("a", "b"), stiffness=100)
+    rig = tn.Drivetrain(
+        "rig",
+        [tn.Inertia("one", node="a", inertia=1), tn.Spring("seat", nodes=("a", "ground"), stiffness=9), shaft,
+         tn.Inertia("two", node="b", inertia=1)],
+        configurations={"whole": {}, "bare": {"off": ["shaft", "two"]}, "alone": {"off": ["shaft", "two"]}},
+        inputs={"T_M": {"torque": "a"}},
+    )  # fmt: skip
+    quantities = {"T": QUANTITIES["response"](output="torque(shaft)", input="T_M", at=(1.0,))}
+    assert not quantity_model_faults(rig, ["whole"], quantities)
+    for configurations, named in ((["whole", "bare", "alone"], "bare, alone"), (["bare", "alone"], "")):
+        (fault,) = quantity_model_faults(rig, configurations, quantities)
+        assert (fault.path[:2], fault.configuration) == (("quantities", "T"), named)

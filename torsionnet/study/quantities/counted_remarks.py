@@ -8,7 +8,7 @@ MOST_REMARKS, OTHERS = 50, "other remarks, which differ in numbers or names"
 """Most different texts of warnings counted, as texts with numbers could be millions, and the text for the rest."""
 
 
-def remark(known: Counter[str], text: str, count: int = 1) -> None:
+def remark(known: Counter[str], text: str, count: int) -> None:
     """Count a warning by its text, or beyond :data:`MOST_REMARKS` texts under :data:`OTHERS`.
 
     >>> texts = Counter({f"text {number}": 1 for number in range(MOST_REMARKS)})
