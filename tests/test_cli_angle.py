@@ -12,7 +12,7 @@ from torsionnet.core.errors import ModelError
 from torsionnet.io.wheel_files import read_wheels
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.measured.wheel_pattern import WheelPattern
-from torsionnet.response.recording import Recording
+from torsionnet.response.recording import Recording, Signal
 from torsionnet.signals import read_recording, write_recording
 
 PITCH = 2 * np.pi / 60
@@ -141,3 +141,40 @@ def test_a_part_of_the_record_counts(folder, tmp_path):
         "nothing of the record lies there"
         in run("angle", str(folder / "run.npz"), *options, "--start", "99", code=2).stderr
     )
+
+
+@pytest.mark.parametrize("by", ["signal", "wheel"])
+def test_the_record_of_a_second_system_comes_to_the_clock_of_the_first(tmp_path, by):
+    """Its clock gains 80 ppm and was started 0.5 s later; the delay of a channel is taken out like that of a clock."""
+    time = np.arange(40_000) / 2e3
+
+    def torque(of):
+        return np.random.default_rng(3).normal(size=60) @ np.sin(np.outer(np.arange(3, 63), of) * 1.7)
+
+    drift, offset = 80e-6, 0.5
+    numbers = np.arange(60, 15_000)
+    pulses = pulse_times(ANGLE, numbers * PITCH, 20.0)
+    for name, moved in (("first", lambda t: t), ("second", lambda t: offset + (1 + drift) * t)):
+        own = moved(pulses)
+        there = (time - moved(0.0)) / (moved(1.0) - moved(0.0))  # time of the first system at the samples of this one
+        signals = (Signal("T", "torque", torque(there)),)
+        write_recording(Recording(signals, 2e3, pulses=(PulseChannel("n1", own),)), tmp_path / f"{name}.npz")
+    what = ("--channel", "T") if by == "signal" else ("--pulses", "n1=60")
+    files = [str(tmp_path / f"{name}.npz") for name in ("first", "second")]
+    found = json.loads(run("clocks", *files, *what, "--json", "-o", str(tmp_path / "moved.npz")).stdout)
+    assert found["drift"] == pytest.approx(drift, abs=2e-6)
+    assert found["offset_s"] == pytest.approx(offset, abs=2e-4)
+    moved = read_recording(tmp_path / "moved.npz")
+    assert moved.pulses_of("n1").times == pytest.approx(pulses, abs=5e-4)
+    assert moved.sampling_rate == pytest.approx(2e3 * (1 + drift), rel=1e-5)
+    assert "name what both recorded" in run("clocks", *files, code=2).stderr
+
+
+def test_a_channel_that_comes_late(folder):
+    """Pulses 10 ms late: the angles are those of 10 ms before."""
+    early = wheels_of(folder, "run.npz", "--pulses", "n1=60", "--delay", "n1=10ms", "--stop", "2")["n1"]
+    there = wheels_of(folder, "run.npz", "--pulses", "n1=60", "--stop", "2.01")["n1"]
+    assert early["pulses"] == there["pulses"]
+    assert early["highest_speed_rad_s"] == pytest.approx(there["highest_speed_rad_s"], rel=1e-9)
+    refused = run("angle", str(folder / "run.npz"), "--pulses", "n1=60", "--delay", "n7=10ms", code=2).stderr
+    assert "no such channel" in refused

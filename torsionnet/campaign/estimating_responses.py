@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from torsionnet.campaign.calibrated_signals import with_gain, without_delay
 from torsionnet.campaign.campaign import Campaign
 from torsionnet.campaign.kept_files import file_name, kept_path, record_key, write_kept
 from torsionnet.core.entries.spec import not_none
@@ -17,6 +16,7 @@ from torsionnet.io.recording_files import read_recording
 from torsionnet.io.response_files import read_frequency_response, write_frequency_response
 from torsionnet.response.frequency_response import FrequencyResponse
 from torsionnet.response.recording import Recording
+from torsionnet.signals.channel_corrections import with_gain, without_delay
 from torsionnet.signals.estimators import estimate
 from torsionnet.signals.welch import Welch
 
@@ -90,7 +90,7 @@ def response_record(campaign: Campaign, name: str) -> Recording:
             units={key: channel.unit for key in names if (channel := channels.get(key)) and channel.unit},
         )
         signals = [
-            without_delay(with_gain(signal, channel), channel, record.time)
+            without_delay(with_gain(signal, channel.gain), channel.delay, record.time)
             if (channel := channels.get(signal.name))
             else signal
             for signal in record

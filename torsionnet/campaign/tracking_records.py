@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from torsionnet.campaign.calibrated_signals import with_gain
 from torsionnet.campaign.campaign import Campaign
 from torsionnet.core.entries.spec import not_none
 from torsionnet.core.errors import Fault, ModelError, UsageError
@@ -21,6 +20,7 @@ from torsionnet.model.campaign.campaign_file import (
 )
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.recording import Recording
+from torsionnet.signals.channel_corrections import with_gain
 from torsionnet.signals.orders.cycle_average import CycleAverage
 from torsionnet.signals.orders.mean_rotation import mean_rotation
 from torsionnet.signals.orders.orders_of_test import PhaseMark, orders_of_test
@@ -136,7 +136,7 @@ def _calibrated(record: Recording, channels: Mapping[str, CampaignChannel], dela
     """Recording with gains applied, and shifted to earlier times by a delay in s."""
     signals = []
     for name, channel in channels.items():
-        signal = with_gain(record[name], channel)
+        signal = with_gain(record[name], channel.gain)
         note = f"shifted {1e3 * delay:g} ms to earlier times"
         signals.append(replace(signal, notes=(*signal.notes, *([note] if delay else []))))
     times = None if record.times is None else record.times - delay

@@ -35,6 +35,7 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "study": "Tolerances, conditions and choices: what varies, what is asked, what follows.",
     "bench": "Run a test on a model instead of a rig, and write the record.",
     "angle": "Angle and speed from pulses of toothed wheels, with their uncertainty.",
+    "clocks": "Drift and offset between the clocks of two systems that recorded one test.",
     "estimate": "Frequency responses and coherence from a record of signals.",
     "track": "Complex orders of a turning machine from teeth, torque and gauges.",
     "campaign": "A whole rotating test from one file: orders beside the model, repeats, fit, report.",

@@ -34,6 +34,23 @@ class PairOption(PairType):
         return left, right
 
 
+class DelayOption(PairOption):
+    """Type of an option value ``CHANNEL=TIME``, read as a channel and a time in s by which it comes late."""
+
+    def __init__(self) -> None:
+        super().__init__("CHANNEL", "TIME", "T=1.2ms")
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        from torsionnet.core.entries.scalars import Value
+        from torsionnet.core.entries.spec import EntryError
+
+        name, text = super().convert(value, param, ctx)
+        try:
+            return name, float(Value("delay", "time", lower=None).coerce(text))
+        except EntryError as error:
+            self.fail(f"{name}: {error}", param, ctx)
+
+
 class SettingOption(PairOption):
     """Type of the option value ``--set NAME=VALUE``, read as a parameter and the text of its value.
 

@@ -17,6 +17,7 @@ OUTPUTS: dict[str, str] = {
     "campaign": "torsionnet.campaign.campaign_json:CampaignJson",
     "check": "list[torsionnet.core.fault_rows:CheckRecord]",
     "compare": "torsionnet.cli.frf_output:ComparisonRecord",
+    "clocks": "torsionnet.cli.commands.clocks:ClocksRecord",
     "critical-speeds": "list[torsionnet.response.critical_speeds:CriticalSpeedsRecord]",
     "damper": "list[torsionnet.response.damper_optimum:DamperRecord]",
     "damping": "torsionnet.modal.operational.operational_modes:OperationalModesRecord",

@@ -9,8 +9,8 @@ import click
 
 from torsionnet.cli.command import Command
 from torsionnet.cli.declarations import Arguments, argument, option
-from torsionnet.cli.options import LOWEST_FREQUENCY, PRESETS, FiniteFloat, PairOption, StepsOption
-from torsionnet.core.errors import UsageError
+from torsionnet.cli.options import LOWEST_FREQUENCY, PRESETS, DelayOption, FiniteFloat, PairOption, StepsOption
+from torsionnet.core.errors import UsageError, did_you_mean
 
 if TYPE_CHECKING:
     from torsionnet.response.recording import Recording
@@ -61,13 +61,31 @@ class RecordReading(Arguments):
 
 
 class RecordSpan(Arguments):
-    """Options on the part of a record that counts, as ``start`` and ``stop`` of a campaign."""
+    """Options on the part of a record that counts, and on channels that come late, as entries of a campaign say it."""
 
     start: float | None = option("--start", type=FiniteFloat(), help="Time in s from which the record counts.")
     stop: float | None = option("--stop", type=FiniteFloat(), help="Time in s up to which the record counts.")
 
+    delays: tuple[tuple[str, float], ...] = option(
+        "--delay", type=DelayOption(), help="A channel comes late by this time, as T=1.2ms. Repeatable."
+    )
+
+    def check(self, path: str) -> None:
+        """Refuse delays of channels that a record does not have."""
+        from torsionnet.io.recording_files import channel_names, pulse_names
+
+        known = [*channel_names(path), *pulse_names(path)] if self.delays else []
+        for name, _ in self.delays:
+            if name not in known:
+                hint = did_you_mean(name, known)
+                raise UsageError(f"--delay {name}: no such channel{hint}; {path} has {', '.join(known)}")
+
     def cut(self, record: Recording) -> Recording:
-        """Recording between the times given; UsageError where nothing of it lies there."""
+        """Recording without the delays, between the times given; UsageError where nothing of it lies there."""
+        if self.delays:
+            from torsionnet.signals.channel_corrections import without_delays
+
+            record = without_delays(record, dict(self.delays))
         found = record.between(self.start, self.stop)
         if not (len(found) or any(map(len, found.pulses))):
             raise UsageError(f"nothing of the record lies there: {found.notes[-1]}")

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from torsionnet.cli.record_options import RecordReading, RecordSpan
 from torsionnet.cli.terminal import message, print_faults
-from torsionnet.core.errors import Fault, ModelError
+from torsionnet.core.errors import Fault, ModelError, UsageError
 from torsionnet.io import large_records
 from torsionnet.io.recording_files import read_recording
 from torsionnet.response.recording import Recording
@@ -64,6 +64,8 @@ def _checked_blocks(
     """Checked blocks of a large file of signals, one after the other; a short last block is not reported as a fault."""
     message("note", f"{path} is large: read in blocks of {large_records.BLOCK_SECONDS:g} s")
     for block in large_records.blocks_of_record(path, names=names, **reading.arguments):
+        if span is not None and span.delays:
+            raise UsageError(f"{path} is read in blocks, across which no delay can be taken out; cut the record first")
         kept = block if span is None else block.between(span.start, span.stop)
         if not len(kept):
             advance(block.duration)

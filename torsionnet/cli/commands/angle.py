@@ -129,6 +129,7 @@ class AngleCommand(Command):
         wheels = self.reading.wheels()
         if not wheels:
             raise UsageError("name the channel of pulses: --pulses n1=60, or a file of wheels: --wheels wheels.yaml")
+        self.span.check(self.record)
         channels = channels_of(wheels)
         marks = self.reading.marks({one.index for one in channels.values()}, wheels)
         record = read_turning_record(self.record, channels, marks, self.channels, **self.reading.arguments)

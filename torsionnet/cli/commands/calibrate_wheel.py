@@ -145,6 +145,7 @@ class CalibrateWheelCommand(Command):
         from torsionnet.signals.rotation.wheel_calibration import WheelTest
         from torsionnet.signals.rotation.wheel_channel import wheel_pulses
 
+        self.span.check(path)
         record = self.span.cut(read_turning_record(path, {name: wheel}, marks, **self.reading.arguments))
         found = {mark: wheel_pulses(record, mark, one) for mark, one in marks.items()}
         return WheelTest(wheel_pulses(record, name, wheel), found.get(self.second_pickup or ""), found.get(wheel.index))

@@ -133,6 +133,7 @@ class TrackCommand(Command):
         from torsionnet.signals.orders.derived_orders import order_slices
         from torsionnet.signals.orders.orders_of_test import orders_of_test
 
+        self.span.check(self.record)
         shafts = [one for one in (self.reference, self.further) if one]
         wheels = self.reading.wheels(shafts, (name for name in (self.phase, self.cam) if name))
         method = self._method()
