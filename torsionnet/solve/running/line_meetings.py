@@ -25,7 +25,7 @@ TOUCHING = 1e-6
 """Relative distance of a mode from a line up to which the two meet, and of speeds up to which two meetings are one, as
 frequencies and speeds are shown in six figures."""
 SAME_POINT = 1e-9
-"""Relative distance of speeds up to which pieces of a curve have an end in common."""
+"""Relative distance of speeds, and of a line from a mode, that is no more than rounding."""
 LEAP = 0.01
 """Change of the ratio of mode to line on the shortest piece of a curve from which on the curve may have leapt there."""
 NEARLY_REAL = 1e-6
@@ -141,13 +141,16 @@ def _with_meetings(
     points: Sequence[tuple[_Stretch, Meeting]], links: Sequence[Meeting | None], joined: Sequence[bool]
 ) -> Iterator[Meeting]:
     """Yield points and the meetings between them, points marked as meetings at which a line touches a mode."""
-    sizes = [abs(point.offset) for _, point in points]
+    sizes, links = [abs(point.offset) for _, point in points], [*links, None]
+    for place, size in enumerate(sizes):
+        if size <= SAME_POINT and links[place] and links[place + 1]:  # rounding makes two of a point of contact
+            links[place : place + 2] = [None, None]
     for place, (stretch, point) in enumerate(points):
         link = links[place]
         if link is not None:
             yield link
         is_last = place + 1 == len(points)
-        between = link is not None or (not is_last and links[place + 1] is not None)
+        between = link is not None or links[place + 1] is not None
         falls = not place or not joined[place] or sizes[place] < sizes[place - 1]
         rises = is_last or not joined[place + 1] or sizes[place] <= sizes[place + 1]
         touches = sizes[place] <= TOUCHING and falls and rises and not between

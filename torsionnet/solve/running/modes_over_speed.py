@@ -46,7 +46,7 @@ LIGHT_DAMPING = 0.3
 """Damping ratio up to which the damped frequency has to be known, which bends too sharply near critical damping."""
 FIRST_SPEEDS = 33
 """Number of speeds at which the rows of tables and parts of laws in force are compared before changes are sought."""
-SAME_BREAK = 1e-10
+SAME_BREAK = 1e-13
 """Relative distance of two speeds between which a change of rows lies exactly enough."""
 CURVES = ("undamped_frequency", "natural_frequency", "damped_frequency", "decay")
 """Names of the curves of a mode over speed in Hz; decay is the half width of its resonance, ``-Re lambda/2pi``."""
