@@ -462,7 +462,10 @@ class TestChecks:
             tn.Drivetrain("x", elements)
 
     def test_sizes_beyond_all_drivetrains(self):
-        assert "far outside the sizes" in faults_of(tn.Inertia("j", node="a", inertia="1e-200"), HELD)[0]
+        with pytest.raises(tn.ModelError, match=r"elements.j.inertia: error: 1e-200 is far outside the sizes"):
+            tn.Inertia("j", node="a", inertia="1e-200")
+        beyond = faults_of(tn.Inertia("j", node="a", inertia="J**2"), HELD, parameters={"J": 1e-30})
+        assert "far outside the sizes" in beyond[0]
 
     def test_duplicate_names(self):
         (fault,) = faults_of(WHEEL, HELD, tn.Inertia("wheel", node="a", inertia=2))

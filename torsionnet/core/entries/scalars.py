@@ -48,7 +48,7 @@ def read_value(raw: object) -> Expression:
 def _within_range(value: Expression) -> Expression:
     """Expression unchanged, or an EntryError that refuses a number of which not even squares can be calculated."""
     if isinstance(value, Number) and is_beyond_range(value.value):
-        raise EntryError(f"{value} is far outside the sizes of drivetrains; check its unit")
+        raise EntryError(f"{value} is far outside the sizes of drivetrains and their tests; check its unit")
     return value
 
 
@@ -259,6 +259,4 @@ def _finite(value: Fraction) -> float:
     number = float(value)
     if not float("-inf") < number < float("inf"):
         raise EntryError(f"expected a finite number, got {value!r}")
-    if is_beyond_range(number):
-        raise EntryError(f"{number:g} is far outside the sizes of drivetrains and their tests; check its unit")
     return number
