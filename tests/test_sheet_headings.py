@@ -258,6 +258,18 @@ def test_tables_aligned_by_blanks(sides, gap, decimal):
     assert read.referred
 
 
+def test_long_headings_are_refused():
+    """Expressions for headings see at most 150 characters; of thousands some would take minutes."""
+    for text in ("K" + " x" * 70, "K " + "(" * 140, "x 10^" * 29, "stiffness " + "of the mass " * 11 + "zz", "1" * 150):
+        assert places(of_two(text, "9.8"))
+    assert places(of_two("K " + "x " * 3000, "9.8"))[0] == (
+        1,
+        19,
+        "the heading is longer than 150 characters; shorten it",
+    )
+    sheet("Values referred " + "to the crank " * 3000 + ";;;\n" + of_two("K [10^6 lb-in/rad]", "9.8"))
+
+
 def test_a_number_below_no_heading_is_a_fault():
     assert places(of_two("K [10^6 lb-in/rad]", "9.8;7"))[0][:2] == (2, 16)
 

@@ -42,6 +42,8 @@ _RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺−", "0123456789-+-")
 _NO_TAILS = frozenset({"psi"})
 """Units that rather are words at the end of a heading, as all of one letter but m."""
 _OF_SHEETS = {DIMENSIONS[name] for name in ("inertia", "stiffness", "compliance", "damping")}
+MOST_CHARACTERS = 150
+"""Longest text that is read as a heading; longer ones are none."""
 NO_UNIT = frozenset({"", "-", "–", "—", "1"})
 """Texts that stand in the place of a unit where there is none."""
 
@@ -111,6 +113,8 @@ def read_heading(text: str) -> SheetHeading:
     >>> heading.words, heading.unit_text, heading.factor.value, heading.factor.before_unit
     ('Stiffness', 'lb-in/rad', Fraction(1000000, 1), True)
     """
+    if len(text) > MOST_CHARACTERS:
+        return SheetHeading("")
     parts = _Parts()
     words = _DISC.sub(parts.disc_words, _BRACKET.sub(parts.bracket, text.strip()))
     words = _OPERATED.sub(parts.times, words).strip()

@@ -31,6 +31,8 @@ _SENTENCE = re.compile(
     rf"|(?:to|auf)\ (?P<before>.+)\ {_REFERRED})"
 )
 _TARGET = re.compile(rf"(?:(?:the|die|den|der|a)\ )?{_TURNS}(?:\ (?:{_TURNS}|of|the))*")
+MOST_CHARACTERS = 150
+"""Longest clause that is read as a sentence on values."""
 _KEYWORD = re.compile(rf"\b{_REFERRED}\b")
 _CLAUSES = re.compile(r"[;,()]|[.:](?=\s|$)")
 
@@ -69,7 +71,7 @@ def remark_side(text: str, names: Container[str] = ()) -> tuple[bool | None, boo
     sides, unclear = [], False
     for clause in filter(None, map(str.strip, _CLAUSES.split(text.casefold()))):
         plain = " ".join(clause.split())
-        sentence = _SENTENCE.fullmatch(plain)
+        sentence = _SENTENCE.fullmatch(plain) if len(plain) <= MOST_CHARACTERS else None
         target = sentence and (sentence["target"] or sentence["before"])
         on_values = sentence and any(sentence[name] for name in ("of", "ones", "these", "target", "before"))
         if sentence and on_values and (not target or _TARGET.fullmatch(target) or target in names):
@@ -86,6 +88,6 @@ def referral_target(text: str) -> str:
     >>> referral_target("J referred to the propeller shaft [kgm²]")
     'propeller shaft'
     """
-    plain = _folded(text)
+    plain = _folded(text[:MOST_CHARACTERS])
     matched = re.search(rf"(?:{_REFERRED}|\b(?:ref|red))\ ({_TO})|({_TO})\ {_REFERRED}", plain)
     return re.sub(r"^(?:to|auf)\ (?:(?:the|die|den|der|a)\ )?", "", matched[1] or matched[2]) if matched else ""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 
 from torsionnet.core.delimited.cell_grid import Cell, CellGrid
-from torsionnet.core.delimited.sheet_headings import NO_UNIT, HeadingFactor, SheetHeading, read_heading
+from torsionnet.core.delimited.sheet_headings import MOST_CHARACTERS, NO_UNIT, HeadingFactor, SheetHeading, read_heading
 from torsionnet.core.delimited.sheet_numbers import is_like_number
 from torsionnet.core.delimited.sheet_units import SheetUnit, sheet_unit
 from torsionnet.core.errors import Fault, ModelError
@@ -214,7 +214,10 @@ def _joined(texts: Sequence[Cell]) -> str:
 def _column(
     place: int, texts: Sequence[Cell], below: Sequence[Cell], faults: list[Fault], grid: CellGrid
 ) -> SheetColumn:
-    cell, heading = texts[0], read_heading(_joined(texts))
+    cell, joined = texts[0], _joined(texts)
+    if len(joined) > MOST_CHARACTERS and any(is_like_number(one.text) for one in below):
+        faults.append(grid.fault(f"the heading is longer than {MOST_CHARACTERS} characters; shorten it", cell))
+    heading = read_heading(joined)
     words, referred = heading_side(_words(heading))
     unit, unit_text = _unit_of(heading, words)
     if unit is None and unit_text and heading_side(unit_text)[0] == "":
