@@ -135,3 +135,128 @@ def test_without_damping_the_natural_frequencies_are_the_undamped_ones():
     expected = undamped_modes(tn.Drivetrain("free", elements).assembly.system)[0] / (2 * np.pi)
     assert modes.undamped_natural_frequencies == pytest.approx(expected, rel=1e-14, abs=0)
     assert len(expected) == 2
+
+
+# --- tables over frequency ------------------------------------------------------------------------------------------
+
+
+def fixed_points(M, C, K, tables, top):
+    """Real poles at rest and fixed points of Im lambda of dense matrices with tables (row, rows), by bisection."""
+
+    def poles(omega):
+        k, c = K.copy(), C.copy()
+        for a, rows in tables:
+            f, *columns = np.array(rows, dtype=float).T
+            k, c = (
+                total + np.interp(omega / (2 * np.pi), f, column) * np.outer(a, a)
+                for total, column in zip((k, c), columns, strict=True)
+            )
+        n = len(M)
+        A = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(M, k), -np.linalg.solve(M, c)]])
+        return np.linalg.eigvals(A)
+
+    def above(omega):
+        return np.sum(poles(omega).imag > omega)
+
+    def between(low, high):
+        if above(low) == above(high):
+            return []
+        if high - low < 1e-13 * high:
+            every = poles(high)
+            return [every[np.argmin(np.abs(every.imag - high))]] * int(above(low) - above(high))
+        middle = (low + high) / 2
+        return [*between(low, middle), *between(middle, high)]
+
+    rest = poles(0.0)
+    still = rest[np.abs(rest.imag) < 1e-9 * np.abs(rest)].real
+    return [*still, *between(1e-6, top)]
+
+
+def film(rows, ground=None):
+    """A mass on a spring to ground, or to another mass, with a ring in a film of this table."""
+    second = [] if ground else [tn.Inertia("B", node="b", inertia=3)]
+    damper = tn.ViscousDamper("d", node="a", ring_inertia=1, table=rows)
+    spring = tn.Spring("k", nodes=("a", ground or "b"), stiffness=400)
+    return tn.Drivetrain("film", [tn.Inertia("J", node="a", inertia=1), spring, *second, damper])
+
+
+class TestTables:
+    def test_a_film_without_stiffness_has_the_poles_of_a_damper(self):
+        """Roots of s ((s^2 + 400) (s + 20) + 20 s^2) = 0, a pole at 0 apart."""
+        modes = film([[0.01, 0, 20], [1000, 0, 20]], ground="ground").modes()
+        roots = np.roots([1, 40, 400, 8000])
+        expected = [0, *roots[roots.imag >= 0]]
+        np.testing.assert_allclose(np.sort_complex(modes.eigenvalues), np.sort_complex(expected), rtol=1e-12)
+        assert modes.undamped_natural_frequencies == pytest.approx([0, 10 / np.pi], rel=1e-13)
+
+    def test_a_film_whose_stiffness_falls_to_zero_at_rest(self):
+        """k and c are read at |Im s|; the real pole is that of c = 20 without k."""
+        modes = film([[0, 0, 20], [5, 2, 19], [50, 30, 15]]).modes()
+        found = [value for value in modes.eigenvalues if value]
+        assert found == pytest.approx([-2.28175 + 19.29522j, -35.54815], rel=1e-6)
+        assert modes.kinds.count("rigid body") == 2
+
+    @pytest.mark.parametrize("seed", range(12))
+    def test_random_chains_have_the_fixed_points_of_dense_matrices(self, seed):
+        """Tables of equal rows, that overdamp, and gentle ones; each eigenvalue at rest is one mode."""
+        chance = np.random.default_rng(seed)
+        n, tables, elements = 4, [], []
+        M, C, K = np.diag(10 ** chance.uniform(-1, 1, 4)), np.zeros((4, 4)), np.zeros((4, 4))
+        for i in range(n):
+            row = np.eye(n)[i] - (np.eye(n)[i + 1] if i + 1 < n else 0)
+            nodes = (f"n{i}", f"n{i + 1}" if i + 1 < n else "ground")
+            k = 10 ** chance.uniform(2, 4)
+            c = k**0.5 * chance.choice([0.02, 0.1, 30.0])  # far from critical damping
+            elements.append(tn.Inertia(f"J{i}", node=f"n{i}", inertia=M[i, i]))
+            if i % 2:
+                C, K = C + c * np.outer(row, row), K + k * np.outer(row, row)
+                elements.append(tn.Spring(f"k{i}", nodes=nodes, stiffness=k, damping=c))
+                continue
+            change = 0.0 if seed % 3 == 0 else 0.3
+            rows = [(f, k * (1 + change * part), c * (1 - change * part)) for part, f in enumerate((0.5, 3.0, 12.0))]
+            tables.append((row, rows))
+            elements.append(tn.TabulatedSpring(f"t{i}", nodes=nodes, table=rows))
+        modes = tn.Drivetrain("chain", elements).modes()
+        expected = fixed_points(M, C, K, tables, 1e4)
+        assert sum(2 - (z.imag == 0) for z in modes.eigenvalues) == 2 * n
+        np.testing.assert_allclose(np.sort_complex(modes.eigenvalues), np.sort_complex(expected), rtol=1e-7)
+
+    def test_a_mode_that_vibrates_at_its_own_frequency_is_no_real_pole_at_rest(self):
+        """0.001 s^2 + c s + k: real roots with the first row, -500 +- 742j with the last, which the mode reads."""
+        bush = tn.TabulatedSpring("bush", nodes=("a", "ground"), table=[[1, 400, 2], [20, 800, 1]])
+        rig = tn.Drivetrain("bush", [tn.Inertia("J", node="a", inertia=0.001), bush], inputs={"T": {"torque": "a"}})
+        modes = rig.modes()
+        np.testing.assert_allclose(modes.eigenvalues, np.roots([0.001, 1, 800])[:1], rtol=1e-12)
+        text = "bush: the rows of its table go from 1 to 20 Hz, and it is read at up to"
+        assert modes.notes == (f"{text} 118.032 Hz, where the last row is kept",)
+        assert rig.frequency_response("a", "T", [5, 163]).notes == (f"{text} 163 Hz, where the last row is kept",)
+        assert rig.frequency_response("a", "T", [1, 20]).notes == ()
+
+    def test_of_two_frequencies_that_a_steep_table_allows_the_lower_is_given(self):
+        """sqrt(30) rad/s below 1 Hz and sqrt(60) rad/s above."""
+        bush = tn.TabulatedSpring(
+            "k", nodes=("a", "ground"), table=[[0.1, 30, 0], [1.0, 30, 0], [1.01, 60, 0], [9, 60, 0]]
+        )
+        modes = tn.Drivetrain("steep", [tn.Inertia("j", node="a", inertia=1), bush]).modes()
+        assert modes.eigenvalues == pytest.approx([1j * 30**0.5])
+        assert f"would vibrate at {60**0.5 / (2 * np.pi):.6g} Hz" in modes.notes[0]
+
+    @pytest.mark.parametrize("kind", ["table", "hysteretic"])
+    def test_the_lowest_of_many_modes_are_those_of_all(self, kind):
+        law = {
+            "table": tn.TabulatedSpring("t", nodes=("n70", "ground"), table=[[1, 100, 0.2], [60, 4e5, 9]]),
+            "hysteretic": tn.HystereticSpring("t", nodes=("n70", "ground"), stiffness=1e4, loss_factor=0.1),
+        }[kind]
+        elements = [tn.Inertia("J0", node="n0", inertia=1), law]
+        for i in range(70):
+            elements += [
+                tn.Spring(f"k{i}", nodes=(f"n{i}", f"n{i + 1}"), stiffness=1e6, damping=5),
+                tn.Inertia(f"J{i + 1}", node=f"n{i + 1}", inertia=1),
+            ]
+        chain = tn.Drivetrain("chain", elements)
+        few, every = chain.modes(lowest=5), chain.modes()
+        assert len(every) == 71
+        np.testing.assert_allclose(few.eigenvalues, every.eigenvalues[:5], rtol=1e-9)
+        np.testing.assert_allclose(
+            few.undamped_natural_frequencies, every.undamped_natural_frequencies[:5], rtol=1e-9, atol=1e-12
+        )

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
+from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.model.motion_balance.operating_notes import law_notes
@@ -58,7 +59,7 @@ def frequency_responses(
         tuple(reading.channel for reading in request.measured),
         drivetrain.title,
         conditioning if request.is_measured else None,
-        (*request.notes, *law_notes(drivetrain.definition)),
+        (*request.notes, *law_notes(drivetrain.definition), *range_notes(drivetrain.assembly, f)),
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
+from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.model.elements import Values
 from torsionnet.model.elements.shaft import Shaft
@@ -62,9 +63,9 @@ def holzer_table(
     own = ratios.get(shaft) or 1.0
     walk = _HolzerWalk(drivetrain, balance, tree, {node: speed / own for node, speed in ratios.items() if speed})
     branches = tuple(walk.branches(order))
-    return HolzerTable(
-        omega / (2 * math.pi), mode, shaft, branches, drivetrain.title, (*notes, *law_notes(drivetrain.definition))
-    )
+    hertz = omega / (2 * math.pi)
+    notes = (*notes, *law_notes(drivetrain.definition), *range_notes(drivetrain.assembly, [hertz]))
+    return HolzerTable(hertz, mode, shaft, branches, drivetrain.title, notes)
 
 
 def _trial_rate(at: float | None) -> float:

@@ -15,6 +15,7 @@ from torsionnet.assembly.action_law import ActionLaw
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray, Rows, RowSystem
 from torsionnet.assembly.system import Assembly
+from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.errors import TorsionnetWarning, UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.response import Modes
@@ -24,7 +25,14 @@ from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest,
 from torsionnet.solve.modes import continuous
 from torsionnet.solve.modes.active_modes import active_modes, is_active
 from torsionnet.solve.modes.cut_drivetrain import poles_against_measured
-from torsionnet.solve.modes.eigen import EigenSolution, complex_modes, undamped_modes, unit_shapes, with_zero_damping
+from torsionnet.solve.modes.eigen import (
+    RIGID,
+    EigenSolution,
+    complex_modes,
+    undamped_modes,
+    unit_shapes,
+    with_zero_damping,
+)
 from torsionnet.solve.modes.mode_descriptions import accuracy_warnings, convergence_warnings, describe
 from torsionnet.solve.modes.repeated_eigenvalues import with_chosen_shapes
 
@@ -109,9 +117,17 @@ def natural_modes(
         converged=solution.converged,
         descriptions=describe(assembly, solution, shapes, elements, strain, dissipated),
         title=drivetrain.title,
-        notes=(*notes, *more),
+        notes=(*notes, *more, *_table_notes(assembly, solution)),
     )
     return found, (*warned, *convergence_warnings(solution), *accuracy_warnings(solution.errors))
+
+
+def _table_notes(assembly: Assembly, solution: EigenSolution) -> tuple[str, ...]:
+    """Notes on tables read beyond their rows, real poles at rest, and on steep ones that more vibrations would fit."""
+    read = np.abs(solution.eigenvalues.imag[[kind != RIGID for kind in solution.kinds]]) / (2 * np.pi)
+    further = ", ".join(f"{omega / (2 * np.pi):.6g} Hz" for omega in solution.also)
+    steep = f"where tables over frequency are steep, a mode given here would vibrate at {further}, too"
+    return (*range_notes(assembly, read), *([steep] if further else []))
 
 
 def _motion(rows: Rows, vectors: ComplexArray) -> ComplexArray:

@@ -17,6 +17,7 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.law_stiffness import LawStiffness, law_stiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
+from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.errors import TorsionnetWarning, UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.model.checks.structure import rigid_motions
@@ -58,7 +59,7 @@ def frequency_response(
         inputs=tuple(reading.channel for reading in request.measured),
         title=drivetrain.title,
         conditioning=conditioning[0] if request.is_measured else None,
-        notes=(*request.notes, *law_notes(drivetrain.definition)),
+        notes=(*request.notes, *law_notes(drivetrain.definition), *range_notes(drivetrain.assembly, f)),
     )
 
 

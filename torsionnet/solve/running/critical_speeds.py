@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.errors import UsageError
 from torsionnet.core.listing import comma_list
 from torsionnet.core.number_text import screen_text
@@ -218,6 +219,7 @@ class CrossingSearch:
     def notes(self) -> Iterator[str]:
         for where in operating_speed_notes(self.drivetrain.external_torques):
             yield f"{where}; critical speeds are found with the values at their own speed"
+        yield from range_notes(self.drivetrain.assembly, [mode.damped_frequency for mode in self.modes])
         low, high = self.over_speed.known
         if low > self.limits[0] or high < self.limits[1]:
             ends = f"{screen_text(low * RPM, 6)} to {screen_text(high * RPM, 6)} rpm"

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.errors import UsageError, suggestion_or
 from torsionnet.model.channels import Sensor
 from torsionnet.model.checks.limit_checks import limit_subject
@@ -73,7 +74,7 @@ def check_limits(
     notes = [NO_CYCLE] * (run.revolutions is None) + [MISFIRING] * subject.misfiring + [*run.engine_notes]
     notes += lost_power_notes(drivetrain, float(run.speeds[-1])) if evidence.means else ()
     notes += [running] if (running := running_engines_text(drivetrain.definition.excitations)) else []
-    notes += running_notes(drivetrain.definition)
+    notes += (*running_notes(drivetrain.definition), *range_notes(drivetrain.assembly, np.abs(run.frequencies)))
     return LimitCheck(
         run.speeds, run.reference, verdicts, tuple(map(str, run.lines)), drivetrain.title, drivetrain.configuration,
         subject.misfiring, tuple(notes), drivetrain.configurations, drivetrain.other_configurations,

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray
+from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.errors import UsageError, suggestion_or
 from torsionnet.model.channels import Input, Sensor, named_nodes
 from torsionnet.model.excitations import OrderExcitation, OrderTorques
@@ -61,7 +62,8 @@ def order_response(
     """
     request = OrderRequest.of(drivetrain, speeds, speed_of, excitations)
     found = _responses(request, outputs, settled_values(request))
-    notes = running_notes(drivetrain.definition)
+    read = range_notes(drivetrain.assembly, np.abs(found.frequencies))
+    notes = (*running_notes(drivetrain.definition), *read)
     return replace(found, notes=notes) if notes else found
 
 

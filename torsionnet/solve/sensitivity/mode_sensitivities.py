@@ -257,7 +257,7 @@ def mode_sensitivities(
     shapes = modes.shapes[places][:, kept]
     for group in _groups(poles):
         slopes[group] = system.slopes(poles[group], shapes[:, group], clearance(poles, group))
-    notes = operating_speed_notes(drivetrain.external_torques)
+    notes = (*modes.notes, *operating_speed_notes(drivetrain.external_torques))
     return ModeSensitivities(tuple(names), np.array(chosen.start), poles, slopes, modes.title, numbers, notes)
 
 
