@@ -262,7 +262,7 @@ class OperatingBalance:
         falling = [state for state in found if not law.curve.holds(state) and law.curve.slopes(state)[0] < 0]
         rising = sorted((state for state in found if state not in falling), key=lambda state: abs(state.twist))
         states = [*rising, *falling] if falling else rising[:1]
-        if states:
+        if rising:  # else nothing holds it: where the torque falls alone, it runs away
             return [(state, float(torque)) for state in states]
         raise ModelError([Fault(_not_reached(law, float(torque)), ("elements", one.owner))], self.definition.name)
 
