@@ -90,6 +90,17 @@ class TestProgressiveCoupling:
             around = np.abs(run_up.rpm - critical) < 20
             assert run_up.sizes[around].max() == pytest.approx(peak, rel=3e-3)
 
+    def test_a_mode_that_is_higher_at_the_operating_point_is_in_the_picture(self):
+        from torsionnet.plot import interference_diagram
+
+        (axes,) = interference_diagram(propeller_coupling(HALF_ORDER).critical_speeds(margin="api684")).axes
+        assert axes.get_ylim()[1] > coupling_frequency(1500)
+        marks = np.concatenate(
+            [np.asarray(one.get_offsets()) for one in axes.collections if len(one.get_offsets()) > 1]
+        )
+        assert marks[:, 0] == pytest.approx(TWICE)
+        assert marks[:, 1] == pytest.approx(np.array(TWICE) / 120)
+
     def test_the_command(self, tmp_path):
         (tmp_path / "plant.yaml").write_text(propeller_coupling(HALF_ORDER).to_yaml(), encoding="utf-8")
         table = tmp_path / "critical.csv"

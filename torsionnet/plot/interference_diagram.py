@@ -14,6 +14,7 @@ import torsionnet.plot.drawing.style as style
 from torsionnet.core.units import RPM
 from torsionnet.plot.drawing.torque_units import speed_label
 from torsionnet.response.critical_speeds import CriticalSpeed, CriticalSpeeds
+from torsionnet.response.vibrations.vibration_mode import VibrationMode
 
 SMALLEST_DOT, LARGEST_DOT = 14.0, 150.0
 """Areas in square points (1/72 inch) of the marks of crossings with the smallest and the largest generalised force."""
@@ -55,12 +56,16 @@ def interference_diagram(result: CriticalSpeeds, *, highest: float | None = None
     style.style_axes(axes)
     low, high = (speed * RPM for speed in result.speed_range)
     end = 1.06 * max([high, *(_speed(one) for one in result.crossings if math.isfinite(_speed(one)))])
-    top = highest or HEADROOM * max([_natural(one) for one in result.crossings] or [result.modes[0].undamped_frequency])
+    met = {one.mode.number for one in result.crossings}
+    # Modes that follow the speed have other frequencies at their crossings than at the operating point.
+    tops = [_natural(one.mode) for one in result.crossings]
+    tops += [_natural(mode) for mode in result.modes if mode.number in met or (mode is result.modes[0] and not met)]
+    top = highest or HEADROOM * max(tops)
     axes.set(xlim=(0, end), ylim=(0, top))
     _shade(axes, result, low, high)
     _modes(axes, result, top, end)
     _orders(axes, result, top, end)
-    _marks(axes, [one for one in result.crossings if _natural(one) <= top], _names(result))
+    _marks(axes, [one for one in result.crossings if _natural(one.mode) <= top], _names(result))
     axes.set_xlabel(speed_label(result.reference))
     axes.set_ylabel("frequency [Hz]")
     axes.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(0, -0.1), ncols=3)
@@ -73,9 +78,8 @@ def _names(result: CriticalSpeeds) -> list[str]:
     return list(dict.fromkeys(one.excitation for one in result.lines))
 
 
-def _natural(one: CriticalSpeed) -> float:
-    """Natural frequency in Hz of the mode at which an order's crossing is marked: with damping if it is known."""
-    mode = one.mode
+def _natural(mode: VibrationMode) -> float:
+    """Natural frequency in Hz of a mode as it is marked: with damping if it is known."""
     return mode.undamped_frequency if math.isnan(mode.natural_frequency) else mode.natural_frequency
 
 
@@ -118,7 +122,7 @@ def _label_places(values: Sequence[float], gap: float) -> list[tuple[float, bool
     A label stands apart that had to move up, and one whose letters the next level line would cross.
     """
     heights = _apart(values, gap)
-    above = (*values[1:], math.inf)
+    above = (*values, math.inf)[1:]
     return [
         (height, height > value or height < next_line < height + gap)
         for value, height, next_line in zip(values, heights, above, strict=True)
@@ -174,7 +178,7 @@ def _marks(axes: Axes, crossings: list[CriticalSpeed], names: list[str]) -> None
         sizes = [np.nan_to_num(one.generalised_force) / largest for one in here]
         areas = [SMALLEST_DOT + (LARGEST_DOT - SMALLEST_DOT) * size * excited for size in sizes]
         colors = [style.PALETTE[names.index(one.excitation) % len(style.PALETTE)] for one in here]
-        axes.scatter([_speed(one) for one in here], [_natural(one) for one in here], s=areas, marker=marker,
+        axes.scatter([_speed(one) for one in here], [_natural(one.mode) for one in here], s=areas, marker=marker,
                      c=colors, linewidths=0.9, alpha=0.8, zorder=3)  # fmt: skip
         label = "excited; area: generalised force" if excited else "not excited in this condition"
         axes.scatter([], [], s=36, marker=marker, color=style.INK, linewidths=0.9, label=label)
