@@ -47,6 +47,14 @@ def test_a_terminal_shows_what_is_calculated(words, monkeypatch):
     assert words in text
 
 
+def test_many_modes_point_to_the_lowest(monkeypatch):
+    monkeypatch.setattr("torsionnet.cli.commands.modes.MANY_COORDINATES", 2)
+    assert "--lowest N takes seconds" in " ".join(errors_in_a_terminal(COMMANDS["modes"], monkeypatch).split())
+    few = errors_in_a_terminal([*COMMANDS["modes"], "--lowest", "1"], monkeypatch)
+    assert "modes" in few
+    assert "--lowest" not in few
+
+
 def test_no_progress_without_a_terminal(capsys):
     run(COMMANDS["modes"])
     assert "reading the model" not in capsys.readouterr().err

@@ -103,7 +103,7 @@ class TestOptimum:
             ({"type": "optimum", "minimise": "f_1", "design": {"k": [200, 100]}}, "a lower and a higher value"),
             ({"type": "optimum", "minimise": "f_1", "design": {"k": ["1 kg*m^2", 1e4]}}, "is not a value of k"),
             ({"type": "optimum", "minimise": "f_1", "design": {"k": [1]}}, r"expected two values \[a, b\]"),
-            ({"type": "best_damper", "output": "T_s"}, "say which values are chosen"),
+            ({"type": "best_damper", "output": "T_s"}, "excitations act over speeds, and the model has none"),
             ({"type": "best_damper", "output": "T_x", "design": ["c"]}, "T_x"),
             ({"type": "best_damper", "output": "T_s", "design": ["c"], "band": [1, 2]}, "needs an input"),
             ({"type": "pareto", "minimise": "f_1"}, "a front needs two quantities or more"),
@@ -194,6 +194,7 @@ def damped(**more):
     )
 
 
+UNIFORM = {"type": "uniform", "low": "10 N*m*s/rad", "high": "500 N*m*s/rad"}
 PEAK = {"peak": {"type": "peak", "output": "a", "input": "a", "band": ["5 Hz", "80 Hz"]}}
 
 
@@ -323,6 +324,16 @@ class TestDamperOverConditions:
         answer = {"type": "best_damper", "design": {"c": [20, 400]}, "output": "a", "input": "a", "band": "5..80 Hz"}
         found = answered(answer, rig, vary={"c": TOLERANCE}, quantities=PEAK, configurations="all")
         assert found.values == film.values
+
+    @pytest.mark.slow
+    def test_what_varies_is_chosen_where_nothing_else_is_said(self):
+        """J. P. Den Hartog: 1 + 2/mu, as above; a model without configurations has no conditions to name."""
+        answer, vary = {"type": "best_damper", "output": "a", "input": "a", "band": "5..80 Hz"}, {"c": UNIFORM}
+        found = answered(answer, damped().configured(k_film=0.0), vary=vary, quantities=PEAK)
+        closed = 2 * MU * J * np.sqrt(K / J) / np.sqrt(2 * (1 + MU) * (2 + MU))
+        assert found.values == {"c": pytest.approx(closed, rel=1e-5)}
+        assert found.worst.after.level == pytest.approx((1 + 2 / MU) / K, rel=1e-8)
+        assert not any("()" in one for one in found.sentences)
 
     def test_refusals(self):
         with pytest.raises(tn.UsageError, match="has no configurations"):

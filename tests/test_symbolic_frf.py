@@ -391,6 +391,20 @@ class TestLatex:
             text = H.to_latex(form)
             assert text.count("{") == text.count("}")
 
+    @pytest.mark.parametrize("form", ["polynomial", "normalised"])
+    def test_forms_that_would_fill_pages(self, form):
+        """Coefficients of a chain of 12 inertias with damped shafts and gears have more than 20 000 symbols."""
+        elements = [tn.Inertia(f"J{i}", node=f"n{i}", inertia=f"J_{i}") for i in range(12)]
+        for i in range(11):
+            nodes = (f"n{i}", f"n{i + 1}")
+            shaft = tn.Spring(f"e{i}", nodes=nodes, stiffness=f"k_{i}", damping=f"c_{i}")
+            elements.append(tn.Gear(f"e{i}", nodes=nodes, ratio=f"tau_{i}") if i % 3 == 1 else shaft)
+        names = [f"{name}_{i}" for name in ("J", "k", "c", "tau") for i in range(12)]
+        chain = tn.Drivetrain("chain", elements, parameters=dict.fromkeys(names, 2))
+        H = chain.symbolic().transfer_function("n11", "n0")
+        with pytest.raises(tn.UsageError, match="the coefficients would be written with"):
+            getattr(H, form)
+
     def test_unknown_form(self):
         with pytest.raises(tn.UsageError, match='did you mean "mechanical"'):
             tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T").to_latex("mechanicl")

@@ -41,7 +41,9 @@ class RubbingPlant:
             found[j] = -1.0
         return found
 
-    def drivetrain(self):
+    def drivetrain(self, beside=()):
+        """Drivetrain, in which frictions that hold so many times as much stand in series behind each friction."""
+
         def nodes(i, j):
             return (f"n{i}", f"n{j}" if j >= 0 else "ground")
 
@@ -49,7 +51,12 @@ class RubbingPlant:
         for number, (i, j, k, c) in enumerate(self.springs):
             elements.append(tn.Spring(f"k{number}", nodes=nodes(i, j), stiffness=k, damping=c))
         for number, (i, j, T, stick) in enumerate(self.frictions):
-            elements.append(tn.Friction(f"f{number}", nodes=nodes(i, j), torque=T, stick=stick))
+            first, last = nodes(i, j)
+            chain = [first, *(f"m{number}_{place}" for place in range(len(beside))), last]
+            torques = [(T, stick), *((factor * stick, factor * stick) for factor in beside)]
+            for place, (torque, holds) in enumerate(torques):
+                pair = (chain[place], chain[place + 1])
+                elements.append(tn.Friction(f"f{number}_{place}", nodes=pair, torque=torque, stick=holds))
         return tn.Drivetrain("rubbing", elements)
 
 

@@ -54,18 +54,32 @@ class TransferFunction(SymbolicFraction):
 
     @cached_property
     def polynomial(self) -> Rational:
-        """Transfer function as a quotient of polynomials in s, with named coefficients a_i, b_i."""
+        """Transfer function as a quotient of polynomials in s, with named coefficients a_i, b_i.
+
+        Raises
+        ------
+        UsageError
+            It would fill pages.
+        """
         from torsionnet.symbolic.rational import rational
 
         refuse_delays(self.used_tables, "form of two polynomials")
+        require_readable(self)
         return rational(self)
 
     @cached_property
     def normalised(self) -> Normalised:
-        """Transfer function as static gain and factors with omega_n (rad/s) and zeta of first and second order."""
+        """Transfer function as static gain and factors with omega_n (rad/s) and zeta of first and second order.
+
+        Raises
+        ------
+        UsageError
+            It would fill pages.
+        """
         from torsionnet.symbolic.normalised import normalised
 
         refuse_delays(self.used_tables, "normalised form")
+        require_readable(self)
         return normalised(self)
 
     @cached_property
@@ -213,8 +227,6 @@ class TransferFunction(SymbolicFraction):
         if form == "mechanical":
             require_short(self, MOST_LEAVES)
             return str(for_display(self.mechanical))
-        if form in ("polynomial", "normalised"):
-            require_readable(self)
         if form in FORMS:
             return str(self.expanded().expression if form == "expanded" else getattr(self, form))
         if form == "python":
@@ -234,7 +246,6 @@ class TransferFunction(SymbolicFraction):
             require_short(self, MOST_LEAVES)
             return latex(self.mechanical)
         if form in ("polynomial", "normalised"):
-            require_readable(self)
             return (self.polynomial if form == "polynomial" else self.normalised).to_latex()
         if form == "program":
             table, result = self.program.where()

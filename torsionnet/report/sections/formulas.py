@@ -33,6 +33,7 @@ from torsionnet.response import FrequencyResponse
 from torsionnet.symbolic.algebra.delay import delays_of
 from torsionnet.symbolic.equations import sum_terms
 from torsionnet.symbolic.formula_text import latex, polynomial_latex
+from torsionnet.symbolic.rational import rational
 from torsionnet.symbolic.symbol_names import symbol_latex
 
 if TYPE_CHECKING:
@@ -118,16 +119,16 @@ def _introduction(found: TransferFunction, rig: Drivetrain) -> Text:
 def _polynomial(found: TransferFunction, pair: Pair, cases: tuple[Case, ...]) -> list[Block]:
     if delays_of(found.used_tables):  # which are no polynomials in s
         return []
-    rational = found.polynomial
-    order = len(rational.denominator) - 1
-    if order > MOST_ORDER or max(map(_terms, (*rational.numerator, *rational.denominator))) > MOST_TERMS:
+    quotient = rational(found)  # of any length; what is too long is not written
+    order = len(quotient.denominator) - 1
+    if order > MOST_ORDER or max(map(_terms, (*quotient.numerator, *quotient.denominator))) > MOST_TERMS:
         text = f"As a quotient of polynomials in s it has order {order}; the coefficients are too long to be read."
         return [Paragraph((text,))]
     above, below = (
         polynomial_latex(
             [sympy.Symbol(f"{letter}_{k}") if value != 0 else sympy.Integer(0) for k, value in enumerate(part)]
         )
-        for letter, part in (("b", rational.numerator), ("a", rational.denominator))
+        for letter, part in (("b", quotient.numerator), ("a", quotient.denominator))
     )
     where = list(rational.where.items())
     rows = [(Math(symbol_latex(str(name))), BreakableMath(tuple(sum_terms(value)))) for name, value in where]

@@ -17,8 +17,8 @@ from functools import cached_property
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray, Rows, RowSystem
-from torsionnet.core.errors import UsageError
 from torsionnet.solve.dynamic_stiffness.action_states import LawStates
+from torsionnet.solve.dynamic_stiffness.nullspace import unresisted_motions
 from torsionnet.solve.dynamic_stiffness.state_space import (
     StateSpaceForm,
     close_loops_in_states,
@@ -27,6 +27,7 @@ from torsionnet.solve.dynamic_stiffness.state_space import (
     reduced_matrices,
 )
 from torsionnet.solve.motion.held_motions import DEPENDENT, Held, held_motions
+from torsionnet.solve.motion.loose_motions import LooseMotionError
 from torsionnet.solve.motion.motion_plant import MotionPlant
 from torsionnet.solve.motion.phases import LawPhases, Phase
 from torsionnet.solve.motion.state_layout import Drive, Layout
@@ -80,7 +81,9 @@ def contact_form(plant: MotionPlant, laws: Sequence[LawPhases], contact: Sequenc
     Raises
     ------
     UsageError
-        Rows held in a loop, or no unique motion of what has no inertia.
+        Rows held in a loop.
+    LooseMotionError
+        No unique motion of what has no inertia.
     """
     phases = [one.phases[number] for one, number in zip(laws, contact, strict=True)]
     system = plant.linear
@@ -157,19 +160,23 @@ def _form(
     linear = plant.linear
     law_rows = plant.remembered(("rows", tuple(holds)), lambda: _rows_free(linear, held))
     system = RowSystem(law_rows, linear.inertia, coefficients[0].copy(), coefficients[1].copy())
-    key = "kinds", tuple(holds), (coefficients[0] != 0).tobytes()  # whatever the sizes of the dampings
-    kinds, basis = plant.remembered(key, lambda: _kinds(system))
+    key = "kinds", tuple(holds), (coefficients != 0).tobytes()  # whatever their sizes
+    kinds, basis, loose = plant.remembered(key, lambda: _kinds(system))
     actions: list[LawStates] = [replace(one, row=one.row @ held.Z, sensed=one.sensed @ held.Z) for one in plant.actions]
     heavy, damped, static = kinds
     names = tuple("" for _ in range(2 * heavy.shape[1] + damped.shape[1]))
     try:
+        if loose.shape[1] and not plant.actions:  # which rounding might hide
+            raise np.linalg.LinAlgError
         reduced = condensed(reduced_matrices(system, actions, kinds), heavy, damped, static, held.Z.T @ loads, names)
     except np.linalg.LinAlgError:
         nodes = plant.assembly.kinematics.coordinates
-        moving = np.abs(held.Z @ np.hstack([damped, static])).max(axis=1) > DEPENDENT
-        loose = ", ".join(name for name, moves in zip(nodes, moving, strict=True) if moves)
+        motions = held.Z @ loose
+        moving = np.abs(motions if loose.shape[1] else held.Z @ np.hstack([damped, static])).max(axis=1) > DEPENDENT
+        names = tuple(name for name, moves in zip(nodes, moving, strict=True) if moves)
         text = "have neither inertia nor anything that fixes their motion while parts beside them slip or are open"
-        raise UsageError(f"{loose} {text}; give them an inertia, or the parts a damping") from None
+        advice = "give them an inertia, or the parts a damping"
+        raise LooseMotionError(f"{', '.join(names)} {text}; {advice}", motions) from None
     n_act = len(plant.actions)
     U = held.Z @ reduced.U
     n_held = held.Y.shape[1]
@@ -189,10 +196,11 @@ def _rows_free(linear: RowSystem, held: Held) -> Rows:
     return Rows.of(dense)
 
 
-def _kinds(system: RowSystem) -> tuple[tuple[FloatArray, FloatArray, FloatArray], FloatArray]:
-    """Bases of the motions with inertia, damping and neither, and the inverse of all together."""
+def _kinds(system: RowSystem) -> tuple[tuple[FloatArray, FloatArray, FloatArray], FloatArray, FloatArray]:
+    """Bases of the motions with inertia, damping and neither, the inverse of all together, and what nothing resists."""
     kinds = motion_kinds(system)
-    return kinds, np.linalg.inv(np.hstack(kinds))
+    resisted = (system.inertia != 0) | (system.damping != 0) | (system.stiffness != 0)
+    return kinds, np.linalg.inv(np.hstack(kinds)), unresisted_motions(system, resisted).basis()
 
 
 def _over_z(plant: MotionPlant, parts: _Parts) -> ContactForm:

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import SolveError
-from torsionnet.solve.motion.contact_form import ContactForm, contact_form, relative_form
+from torsionnet.solve.motion.contact_form import NEGLIGIBLE_ENTRY, ContactForm, contact_form, relative_form
+from torsionnet.solve.motion.loose_motions import LooseMotionError, Slip, balanced_slips
 from torsionnet.solve.motion.march_tables import (
     GUARDS_PER_LAW,
     HOLD_TOLERANCE,
@@ -29,6 +30,7 @@ from torsionnet.solve.motion.march_tables import (
 )
 from torsionnet.solve.motion.motion_plant import MotionPlant
 from torsionnet.solve.motion.phases import LawPhases, Phase
+from torsionnet.solve.motion.start_state import absolute_rates
 from torsionnet.solve.motion.state_layout import Drive, Layout
 from torsionnet.solve.motion.step_matrices import StepMatrices, step_matrices
 
@@ -152,19 +154,60 @@ class ContactStates:
 
     def at_start(self, twists: FloatArray, rates: FloatArray, scales: FloatArray) -> Contact:
         """Contact state of rows at rest or in motion, (n_laws,) each in SI units; ``scales`` of all laws."""
-        found = []
-        for law, twist, rate, scale in zip(self.laws, twists, rates, scales, strict=True):
-            at, trend = (rate, 0.0) if law.over_rate else (twist, rate)
-            place = 0
-            for phase in law.phases:
-                if phase.kind == "hold" and at == phase.lower:
-                    wide = scale * (phase.high - phase.low) > 0
-                    place = phase.place + (0 if trend == 0 and wide else -1 if trend < 0 else 1)
-                    break
-                if at >= phase.lower and phase.kind == "slope":
-                    place = phase.place
-            found.append(self._phase(law, place, float(twist), float(rate)))
-        return tuple(found)
+        given = zip(self.laws, twists.tolist(), rates.tolist(), scales.tolist(), strict=True)
+        return tuple(self._at(*one) for one in given)
+
+    def _at(self, law: LawPhases, twist: float, rate: float, scale: float) -> int:
+        at, trend = (rate, 0.0) if law.over_rate else (twist, rate)
+        place = 0
+        for phase in law.phases:
+            if phase.kind == "hold" and at == phase.lower:
+                wide = scale * (phase.high - phase.low) > 0
+                place = phase.place + (0 if trend == 0 and wide else -1 if trend < 0 else 1)
+                break
+            if at >= phase.lower and phase.kind == "slope":
+                place = phase.place
+        return self._phase(law, place, twist, rate)
+
+    def fixed(self, contact: Contact, z: FloatArray) -> Contact:
+        """Contact state in which friction fixes what has neither inertia nor anything else that does, at z in steps.
+
+        Raises
+        ------
+        LooseMotionError
+            Its torques are greater than all friction beside it.
+        """
+        try:
+            self.form(contact)
+        except LooseMotionError as loose:
+            return self._balanced(contact, z, loose)
+        return contact
+
+    def _balanced(self, contact: Contact, z: FloatArray, loose: LooseMotionError) -> Contact:
+        plant, at = self.plant, self.at
+        rates = (z * in_steps(at, self.h))[at.v]
+        rates = absolute_rates(plant, rates) if self.relative else rates
+        outside = self.drive.columns.T @ loose.motions
+        u = z[at.u] + self.drive.S @ z[at.w]
+        torques = u[: len(outside)] @ outside
+        slips: dict[int, Slip] = {}
+        for number, (law, own) in enumerate(zip(self.laws, plant.laws, strict=True)):
+            phase, way, scale = law.phases[contact[number]], own.row @ loose.motions, self._scale(number, z)
+            if phase.kind == "hold" or not (np.abs(way) > NEGLIGIBLE_ENTRY * np.abs(own.row).max()).any():
+                continue
+            hold = next((one for one in law.phases if law.over_rate and one.kind == "hold" and one.lower == 0), None)
+            torque = scale * phase.torque
+            if hold is None:
+                torques -= torque * way
+            else:
+                sign = -1 if phase.place < hold.place else 1
+                slips[number] = Slip(way, float(own.row @ rates), sign, abs(torque), scale * hold.high)
+        left = balanced_slips(list(slips.values()), torques)
+        if left is None:
+            raise loose
+        for number, rate in zip(slips, left.tolist(), strict=True):
+            contact = _changed(contact, number, self._at(self.laws[number], 0.0, rate, 1.0))
+        return self.fixed(contact, z)
 
     @staticmethod
     def _phase(law: LawPhases, place: int, twist: float, rate: float) -> int:
@@ -181,8 +224,13 @@ class ContactStates:
         SolveError
             A row leaves the last piece of its curve.
         UsageError
-            Rows stick in a loop.
+            Rows stick in a loop, or nothing fixes what has no inertia.
         """
+        following, always = self._following(contact, guard, z, time)
+        fixed = self.fixed(following, z)
+        return fixed, always and fixed == following
+
+    def _following(self, contact: Contact, guard: int, z: FloatArray, time: float) -> tuple[Contact, bool]:
         number, kind = divmod(guard, GUARDS_PER_LAW)
         law, phase = self.laws[number], self.laws[number].phases[contact[number]]
         if kind == PUSH:
@@ -250,12 +298,11 @@ class ContactStates:
         inputs: Any = self.drive.S[place] @ z[self.at.w]
         return float(z[self.at.u][place] + inputs)
 
-    def change(self, before: Contact, after: Contact) -> tuple[str, str]:
-        """Element and change in words between two contact states; an empty change is none to tell."""
-        for law, one, other in zip(self.laws, before, after, strict=True):
-            if one != other:
-                return law.owner, _in_words(law, law.phases[one], law.phases[other])
-        return "", ""
+    def changes(self, before: Contact, after: Contact) -> tuple[tuple[str, str], ...]:
+        """Elements and changes in words between two contact states, of those to tell."""
+        laws = zip(self.laws, before, after, strict=True)
+        words = [(law.owner, _in_words(law, law.phases[a], law.phases[b])) for law, a, b in laws if a != b]
+        return tuple(one for one in words if one[1])
 
 
 def _twice_as_long(stack: NDArray[Any]) -> NDArray[Any]:

@@ -71,8 +71,10 @@ class PieceMotion:
         offsets = push_offsets(at.n_p, at.n_u)
         flat = self.drive.ravel()
         units = in_steps(at, states.h)
-        contact = contact or self._at_start(z0)
+        first = contact or self._at_start(z0)
         z0 = relative_state(states.plant, at, z0) / units
+        z0[at.u] = flat[: at.n_u]
+        contact = states.fixed(first, z0)
         z0[at.slope] = flat[at.n_u : 2 * at.n_u] - flat[: at.n_u]
         p = self._refreshed(contact, z0)[: at.n_p].copy()
         energy = stored_energy(states, contact, self._z(p, 0, 0.0))
@@ -158,13 +160,11 @@ class PieceMotion:
 
     def _tell(self, numbers: NDArray[np.int64], times: FloatArray) -> None:
         contacts, h = self.states.contacts, self.states.h
-        known: dict[tuple[int, int], tuple[str, str]] = {}
+        known: dict[tuple[int, int], tuple[tuple[str, str], ...]] = {}
         for (before, _, i, after), f in zip(numbers.tolist(), times.tolist(), strict=False):
             if (before, after) not in known:
-                known[before, after] = self.states.change(contacts[before], contacts[after])
-            owner, what = known[before, after]
-            if what:
-                self.events.append(MotionEvent(self.begins + (i + f) * h, owner, what))
+                known[before, after] = self.states.changes(contacts[before], contacts[after])
+            self.events += [MotionEvent(self.begins + (i + f) * h, *change) for change in known[before, after]]
 
     def _refuse_storm(self, numbers: NDArray[np.int64], i: int, f: float) -> None:
         states = self.states

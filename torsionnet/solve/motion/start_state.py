@@ -54,3 +54,11 @@ def relative_state(plant: MotionPlant, at: Layout, z: FloatArray) -> FloatArray:
             others = np.where(np.arange(at.n_q) == pivot, 0.0, column)
             found[place] -= others * z[place][pivot]
     return found
+
+
+def absolute_rates(plant: MotionPlant, rates: FloatArray) -> FloatArray:
+    """Rates (n_q,) of coordinates from those counted from what turns with the whole."""
+    found = rates.copy()
+    for pivot, column in plant.turning:
+        found += np.where(np.arange(len(rates)) == pivot, 0.0, column) * rates[pivot]
+    return found

@@ -15,7 +15,7 @@ from torsionnet.solve.dynamic_stiffness.transfer_request import named_output, re
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
 from torsionnet.study.answers.answer_inputs import PARAMETER
 from torsionnet.study.design.conditions_damper import DamperOverConditions, damper_over_conditions
-from torsionnet.study.design.design_entries import DESIGN, DesignBounds, design_parameters
+from torsionnet.study.design.design_entries import DESIGN, DesignBounds, chosen_parameters
 
 
 @register_answer
@@ -49,13 +49,14 @@ class BestDamper(StudyAnswer):
             yield Fault(
                 "excitations act over speeds, and the model has none; give input: for one response", on_key=True
             )
-        if not self.design:
-            yield Fault("say which values are chosen, as design: {c_dmp: [low, high]}", on_key=True)
-        found, faults = design_parameters(study.model, self.design)
+        found, faults = chosen_parameters(study, self.design)
         yield from (fault.under("design") for fault in faults)
+        if not found and not faults:
+            yield Fault("nothing varies; say which values are chosen, as design: {c_dmp: [low, high]}", on_key=True)
         for one in found:
             if one.lower < 0:
-                yield Fault(f"a damper has no value below 0, got {one.lower:g}", ("design", one.name))
+                path = ("design", one.name) if self.design else ()
+                yield Fault(f"a damper has no value below 0, got {one.lower:g}", path, on_key=not self.design)
         yield from self._channel_faults(study)
 
     def _channel_faults(self, study: AskedStudy) -> Iterator[Fault]:
@@ -70,7 +71,7 @@ class BestDamper(StudyAnswer):
 
     def conclude(self, study: AskedStudy, result: VariantValues) -> DamperOverConditions:
         del result
-        parameters, _ = design_parameters(study.model, self.design)
+        parameters, _ = chosen_parameters(study, self.design)
         evaluator, asked = study.evaluator(), self.to_data()
         return damper_over_conditions(
             study.model,

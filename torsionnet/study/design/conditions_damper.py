@@ -86,11 +86,15 @@ class DamperOverConditions:
     def sentences(self) -> tuple[str, ...]:
         """Result of the damper search in sentences, on levels before and after, bounds reached, cost of one for all."""
         before, after = self.worst_before, self.worst
+        bounds = [f"{one.name} is at its {one.bound} bound" for one in self.parameters if one.bound]
+        if not after.condition:  # a model without configurations
+            levels = f"{before.before.level:.5g} to {after.after.level:.5g} {self.channel.unit}"
+            return f"the largest {self.channel.name} goes from {levels}", *bounds
         said = [
             f"the largest {self.channel.name} of all conditions goes from {before.before.level:.5g} "
             f"({before.condition}) to {after.after.level:.5g} {self.channel.unit} ({' and '.join(self.holding)})"
         ]
-        said += [f"{one.name} is at its {one.bound} bound" for one in self.parameters if one.bound]
+        said += bounds
         dear = max(self.conditions, key=lambda one: one.after.level / one.alone.level)
         more = 100 * (dear.after.level / dear.alone.level - 1)
         said.append(f"one damper for all costs at most {more:.3g} % against one for {dear.condition} alone")

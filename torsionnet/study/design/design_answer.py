@@ -10,12 +10,11 @@ from torsionnet.core.entries.composite import Named, Nested
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault, ModelError, Path
-from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.response.damper_optimum import DesignParameter
 from torsionnet.solve.dynamic_stiffness.starmesh import compiled_works
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer
 from torsionnet.study.answers.answer_inputs import PARAMETER, QUANTITY, measure_of
-from torsionnet.study.design.design_entries import DESIGN, DesignBounds, design_parameters
+from torsionnet.study.design.design_entries import DESIGN, DesignBounds, chosen_parameters, design_parameters
 from torsionnet.study.design.design_goals import DesignGoals
 from torsionnet.study.design.design_problem import DesignProblem
 from torsionnet.study.design.design_quantities import DesignQuantities
@@ -66,16 +65,10 @@ class DesignAnswer(StudyAnswer):
 
     def parameters(self, study: AskedStudy) -> tuple[DesignParameter, ...]:
         """Design parameters of the study with bounds in SI."""
-        if self.design:
-            found, faults = design_parameters(study.model, self.design)
-            if faults:
-                raise ModelError([fault.under("design") for fault in faults], "the design")
-            return tuple(found)
-        units, nominal = parameter_units(study.model.definition), study.space.nominal
-        return tuple(
-            DesignParameter(name, units[name], nominal[name], low, high, nominal[name])
-            for name, (low, high) in study.space.box().items()
-        )
+        found, faults = chosen_parameters(study, self.design)
+        if faults:
+            raise ModelError([fault.under("design") for fault in faults], "the design")
+        return tuple(found)
 
     def problem(self, study: AskedStudy, names: tuple[str, ...] = ()) -> tuple[DesignProblem, DesignQuantities]:
         """Design problem of the study, and the function that calculates its quantities.

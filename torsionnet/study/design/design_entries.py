@@ -17,6 +17,7 @@ from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.model.model import Model
 from torsionnet.model.parameters import Parameter
 from torsionnet.response.damper_optimum import DesignParameter
+from torsionnet.study.answers.answer import AskedStudy
 from torsionnet.study.quantities.quantity_limit import QuantityValue
 from torsionnet.study.space.variations.nominal import NominalReader, nominals
 from torsionnet.study.space.variations.variation import ParameterValue
@@ -76,7 +77,8 @@ class TargetEntry(Declared):
 
 
 DESIGN = DesignedNames(
-    "the parameters that are chosen, with their bounds; default: all that vary, within what the study has them vary",
+    "the parameters that are chosen, with their bounds; default, but for a robust optimum: all that vary, within what "
+    "the study has them vary",
     Nested("bounds of a parameter", lambda: DesignBounds, "design_bounds", shorthand="bounds", optional=True),
     form="parameters and their bounds, k_1: [10 kN*m/rad, 20 kN*m/rad]",
     fewest=1,
@@ -102,6 +104,17 @@ def design_parameters(
         if not reader.faults:
             found.append(DesignParameter(name, _unit(model, name), start, *ends, start))
     return found, faults
+
+
+def chosen_parameters(
+    study: AskedStudy, design: Mapping[str, DesignBounds | None] | None
+) -> tuple[list[DesignParameter], list[Fault]]:
+    """Design parameters of a study with bounds in SI, by default all that vary, and all faults of their entries."""
+    if design:
+        return design_parameters(study.model, design)
+    units, nominal = parameter_units(study.model.definition), study.space.nominal
+    box = study.space.box().items()
+    return [DesignParameter(name, units[name], nominal[name], *ends, nominal[name]) for name, ends in box], []
 
 
 def _ends(bounds: DesignBounds | None, reader: NominalReader, parameter: Parameter) -> tuple[float, float]:

@@ -15,10 +15,12 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.model.channels import Input
 from torsionnet.solve.motion.contact_states import Contact, ContactStates
 from torsionnet.solve.motion.driving import Driving, Stretch
+from torsionnet.solve.motion.march_tables import in_steps
 from torsionnet.solve.motion.motion_plant import PlacedLaw
 from torsionnet.solve.motion.phases import Phase
 from torsionnet.solve.motion.smooth.smooth_contact import SmoothContact, smooth_contact
 from torsionnet.solve.motion.smooth_laws import SmoothLaw, SplitPlant
+from torsionnet.solve.motion.start_state import relative_state
 from torsionnet.solve.motion.state_layout import Drive, Layout
 
 MOST_CONTACTS = 256
@@ -63,7 +65,9 @@ class SmoothPlant:
         """Contact state of a motion that begins at z."""
         rows = np.array([one.row for one in self.split.plant.laws]).reshape(-1, self.at.n_q)
         scales = np.array([1.0 if one < 0 else z[self.at.u][one] for one in self.states.drive.scale_of])
-        return self.states.at_start(rows @ z[self.at.q], rows @ z[self.at.v], scales)
+        first = self.states.at_start(rows @ z[self.at.q], rows @ z[self.at.v], scales)
+        begun = relative_state(self.split.plant, self.at, z) / in_steps(self.at, self.states.h)
+        return self.states.fixed(first, begun)
 
     def states_of(self, now: SmoothContact, z: FloatArray, lags: FloatArray) -> FloatArray:
         """States y from z, and from the torques (n_lags,) in N m of laws that lag."""

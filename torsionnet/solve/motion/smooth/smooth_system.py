@@ -199,9 +199,7 @@ class _SmoothMotion:
             )
         plant.states.h = BOUNCE_STEP / turning
         contact, _ = plant.states.after(now.contact, guard, z / in_steps(plant.at, plant.states.h), time)
-        owner, what = plant.states.change(now.contact, contact)
-        if what:
-            self.events.append(MotionEvent(time, owner, what))
+        self.events += [MotionEvent(time, *change) for change in plant.states.changes(now.contact, contact)]
         following = plant.contact(contact)
         self.method.entered(following)
         after = plant.states_of(following, z, plant.lags_in(y))
