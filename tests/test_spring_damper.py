@@ -84,3 +84,15 @@ def test_the_best_springs_are_found_with_the_law_over_frequency():
 def test_contradictions_are_named(given, words):
     with pytest.raises(tn.ModelError, match=words):
         damped(stiffness=SPRINGS, **given)
+
+
+def test_damping_factors_that_rise_with_frequency_have_the_poles_of_a_constant_damping():
+    """Factors c omega/k of one c: below critical damping and above, the law is k + c s."""
+    for c in (20.0, 3000.0):
+        rows = {f"{f} Hz": c * 2 * np.pi * f / 1e4 for f in (0.01, 1, 1000)}
+        poles = []
+        for damping in ({"damping": c}, {"loss_over_frequency": rows}):
+            damper = tn.SpringDamper("damper", node="a", ring_inertia=2, stiffness=1e4, **damping)
+            hub = tn.Inertia("hub", node="a", inertia=5)
+            poles.append(tn.Drivetrain("rig", [hub, damper]).modes().eigenvalues)
+        np.testing.assert_allclose(poles[1], poles[0], rtol=1e-9)
