@@ -322,6 +322,7 @@ class TestBlocks:
         first, second = (recorded(T=white(1000, seed)) for seed in (1, 2))
         both = cross_spectra([first, second])
         alone = [cross_spectra(record) for record in (first, second)]
+        assert alone[0].averages == (1000 - 400) // 80 + 1  # segments of 2 s at 200 Hz, by steps of a fifth of it
         assert both.averages == alone[0].averages + alone[1].averages
         np.testing.assert_allclose(both.matrix, (alone[0].matrix + alone[1].matrix) / 2, rtol=1e-12)
         assert both.effective_averages == pytest.approx(2 * alone[0].effective_averages)

@@ -181,6 +181,15 @@ class TestCalculus:
 
 
 class TestSpectrogram:
+    @pytest.mark.parametrize("count", [40, 41])
+    def test_the_highest_line_is_the_amplitude_too(self, count):
+        """Of an even window half the sampling rate, which has no other half; of an odd one a line below it."""
+        highest = count // 2 / count
+        values = 3 * np.cos(2 * np.pi * highest * np.arange(20 * count))
+        seen = spectrogram(recorded(values, 100), "x", Welch("boxcar", count / 100, 0.5, detrend="none"))
+        assert seen.frequencies[-1] == pytest.approx(100 * highest)
+        assert seen.amplitude[-1] == pytest.approx(np.full(len(seen.times), 3.0))
+
     RATE = 200
 
     def test_amplitude_of_a_steady_sine(self):

@@ -8,6 +8,7 @@ from support.known_rotation import pulse_times as crossings
 from support.known_rotation import shaft
 
 from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.recording import Recording, Signal
 from torsionnet.signals.pulse_train import pulse_times
 from torsionnet.signals.rotation.pulse_reading import PulseReading
@@ -86,6 +87,10 @@ class TestFlanks:
         with pytest.raises(UsageError, match=r"lies between 0 and 5, and 7 was taken for the level"):
             pulse_times(self.values, self.time, level=7.0)
 
+    @pytest.mark.parametrize(("share", "wrong"), [(0.0, True), (0.49, False), (0.5, True)])
+    def test_a_signal_passes_a_level_by_less_than_half_its_height(self, share, wrong):
+        assert bool(PulseReading.read_entries({"hysteresis": share})[1]) is wrong
+
     def test_a_counter_has_no_level(self):
         with pytest.raises(ModelError, match="a counter has no level"):
             WheelChannel(teeth=60, tick="1 us", level=2)
@@ -152,6 +157,12 @@ class TestQuadrature:
             assert kept.sum() > 5
             assert found.numbers[kept].tolist() == whole.numbers[np.isin(whole.times, found.times[kept])].tolist()
             assert found.notes == ("1 lost edges of two tracks counted",)
+
+    def test_times_of_pulses_have_no_second_track(self):
+        times = Recording((), RATE, pulses=(PulseChannel("a", np.arange(20.0)), PulseChannel("b", np.arange(20.0))))
+        assert len(wheel_pulses(times, "a", PulseReading())) == 20
+        with pytest.raises(UsageError, match="a: the record holds times of its pulses, and b tells the direction only"):
+            wheel_pulses(times, "a", PulseReading(second="b"))
 
     def test_tracks_that_are_not_of_one_wheel(self):
         one = self.tracks(self.angle)["a"]
