@@ -79,6 +79,22 @@ def test_motions_need_no_numba(monkeypatch, broken):
     assert np.array_equal(simulated()[0], plain)
 
 
+def test_one_thread_of_blas(monkeypatch):
+    """Threads that wait for each other in small products cost four times the processor time."""
+    threadpoolctl = pytest.importorskip("threadpoolctl")
+    seen = []
+
+    def counted():
+        return {one["num_threads"] for one in threadpoolctl.threadpool_info() if one["user_api"] == "blas"}
+
+    whole = piece_system.PieceMotion.whole
+    monkeypatch.setattr(piece_system.PieceMotion, "whole", lambda *given: (seen.append(counted()), whole(*given))[1])
+    with threadpoolctl.threadpool_limits(2, user_api="blas"):
+        simulated()
+    assert seen
+    assert set().union(*seen) <= {1}
+
+
 def test_contacts_that_close_and_open_between_two_grid_points_are_all_found():
     """A rotor on a spring touches the stops for a quarter of a radian, at all phases of the steps of a radian."""
     reach, touch, omega = 0.1, 0.0992, 20.0
