@@ -17,6 +17,7 @@ from torsionnet.model.configurations import combinations
 from torsionnet.model.limits.m68_stress import usual_range
 from torsionnet.response.limits.speed_spans import joined_spans
 from torsionnet.response.speed_refinement import speeds_to_refine
+from torsionnet.solve.running.examined_speeds import ExaminedSpeeds
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.order_torque import OrderTorque
 from torsionnet.study.quantities.utilisation import Utilisation
@@ -244,6 +245,22 @@ class TestOrders:
         assert rig.check_limits().rpm.tolist() == pytest.approx([400, 600])
         assert len(rig.check_limits(refine=True).rpm) > 2
         assert len(rig.order_response("torque(k0)", refine=True).speeds) == 2
+
+
+@pytest.mark.parametrize(
+    ("speeds", "refine", "between"),
+    [([50, 60], None, True), ([50], None, False), ([50, 60, 60], None, False), ([60, 50], True, False),
+     ([50, 60], False, False), (None, None, False), (None, True, True)],
+)  # fmt: skip
+def test_speeds_are_added_between_two_or_more_that_rise(speeds, refine, between):
+    """Not between those of a list in the model, unless that is asked for."""
+    rig = tn.Drivetrain(
+        "mass", [tn.Inertia("J", node="a", inertia=2), tn.Spring("s", nodes=("a", "ground"), stiffness=100)],
+        speeds={"of": "a", "list": [40, 70]},
+        excitations={"e": {"type": "harmonic", "node": "a", "orders": {1: {"amplitude": 1}}}},
+    )  # fmt: skip
+    examined = ExaminedSpeeds.of(rig, speeds, refine=refine)
+    assert (examined.refine, examined.ends) == (between, (min(speeds or [40]), max(speeds or [70])))
 
 
 def test_where_to_look_next():
