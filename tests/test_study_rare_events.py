@@ -9,8 +9,8 @@ from support import campaigns
 
 from torsionnet.core.errors import UsageError
 from torsionnet.study.answers.design_points import design_points
-from torsionnet.study.answers.importance_sampling import importance_sampling
-from torsionnet.study.answers.subset_sampling import subset_sampling
+from torsionnet.study.answers.importance_sampling import _centres, importance_sampling
+from torsionnet.study.answers.subset_sampling import subset_levels, subset_sampling
 
 BETA = 4.753424308822899
 """Distance of one in a million, -scipy.stats.norm.ppf(1e-6)."""
@@ -65,6 +65,14 @@ def test_design_points_are_the_nearest_ones():
     assert sorted(found.points[:, 0]) == pytest.approx([-BETA, BETA], abs=1e-4)
     assert np.abs(found.points[:, 1:]).max() < 1e-3
     assert found.distances == pytest.approx([BETA, BETA], abs=1e-4)
+
+
+def test_a_half_space_has_one_design_point_beyond_which_all_failures_lie():
+    scouted = subset_levels(linear(3), 200, 3, np.random.default_rng(1))
+    centres, left, used = _centres(linear(3), scouted, 50_000)
+    assert centres == pytest.approx(np.array([[1, 2, 3]]) * BETA / np.sqrt(14), abs=1e-3)
+    assert len(left) == 0
+    assert used > 0
 
 
 @pytest.mark.parametrize("d", [6, 20])
