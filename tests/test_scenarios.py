@@ -96,11 +96,8 @@ class TestShortCircuit:
         assert history.samples(1e4, 4000) == pytest.approx(np.where(s < -1e-9, 0, wanted), abs=1e-10)
         history = fault(angle="-60 deg", decay=0.4).torque(Values({}), 3.0, 50.0)
         wanted = (
-            -3
-            / 0.135
-            * np.exp(-t / 0.4)
-            * ((1 - np.cos(-pi / 3)) * np.sin(w * t) + np.sin(-pi / 3) * (1 - np.cos(w * t)))
-        )
+            -3 / 0.135 * (np.sin(-pi / 3) - np.exp(-t / 0.4) * (np.sin(w * t - pi / 3) - np.sin(w * t)))
+        )  # the synchronising torque of a rotor that keeps its angle stays
         assert history.samples(1e4, 4000) == pytest.approx(wanted, abs=1e-10)
 
     def test_it_acts_on_top_of_the_torque_before(self):
@@ -124,6 +121,157 @@ class TestShortCircuit:
         )
         record = plant.simulate("rotor", scenario="f", sampling_rate=2.4e4)
         assert np.abs(record.signals[0].values).max() == pytest.approx(5 * 555e6 / (120 * pi), rel=1e-9)
+
+
+OMEGA = 2 * pi * 50 / 2
+"""Synchronous speed in rad/s of two pole pairs on 50 Hz."""
+
+
+class TestFaultySynchronisation:
+    """Against scipy for equations written here, in rotor (J = 40), turbine or stator (J = 90), spring and damper."""
+
+    J, K, C, X = (40.0, 90.0), 2e6, 300.0, 0.3
+    OUTPUTS = ("angle(g)", "velocity(b)", "velocity(g)")
+
+    def onto(self, **entries):
+        given = {"machine": "G", "x": 0.2, "x_external": 0.1, "rated_torque": "5 kN*m", "frequency": "50 Hz"}
+        return ShortCircuitScenario(**given | {"pole_pairs": 2, "duration": 0.4, "rate": 1e3} | entries)
+
+    def set_of_two(self, **entries):
+        elements = [
+            tn.Inertia("G", node="g", inertia=self.J[0]), tn.Inertia("B", node="b", inertia=self.J[1]),
+            tn.Spring("shaft", nodes=("g", "b"), stiffness=self.K, damping=self.C),
+        ]  # fmt: skip
+        return tn.Drivetrain("set", elements, **entries)
+
+    def integrated(self, delta, at=0.0, decay=np.inf, start=(0, 0, 0, 0), grid=0.0, driven=0.0, ground=0.0, sign=0.0):
+        """Angles and speeds of both masses and the air-gap torque; the grid turns at ``grid`` rad/s, mass b takes
+        ``driven`` N m and a spring to ground. With ``sign`` -1 it is a stator, on which the air-gap torque reacts."""
+        w, t = 100 * pi, np.arange(401) / 1e3
+
+        def torque(s, y, first):
+            if first is None:
+                return 0.0 * s
+            angle = delta + 2 * (y[0] + sign * y[1] - first - grid * (s - at))
+            wave = np.sin(w * (s - at) + delta) - np.sin(w * (s - at))
+            return 5e3 / self.X * (np.sin(angle) - np.exp(-(s - at) / decay) * wave)
+
+        def rates(s, y, first):
+            shaft = (self.K * (y[0] - y[1]) if sign == 0 else 0) + self.C * (y[2] - y[3])
+            gap = torque(s, y, first)
+            return [y[2], y[3], (-gap - shaft - driven) / self.J[0],
+                    (shaft + driven - sign * gap - ground * y[1]) / self.J[1]]  # fmt: skip
+
+        def solve(begin, end, state, first, times):
+            return scipy.integrate.solve_ivp(
+                rates, (begin, end), state, "DOP853", times, args=(first,), rtol=1e-11, atol=1e-12, max_step=2e-3
+            ).y
+
+        before, after = t[t < at - 1e-9], t[t >= at - 1e-9]
+        states = [solve(0, at, start, None, [*before, at])] if at else [np.array(start, dtype=float)[:, None]]
+        first = states[0][0, -1] + sign * states[0][1, -1]
+        later = solve(at, 0.4, states[0][:, -1], first, after)
+        return np.hstack([states[0][:, : len(before)], later]), np.r_[0 * before, torque(after, later, first)]
+
+    def matches(self, record, wanted):
+        (angle, _, speed, other), torque = wanted
+        assert record["angle(g)"].values == pytest.approx(angle, abs=1e-6 * np.abs(angle).max())
+        assert record["velocity(b)"].values == pytest.approx(other, abs=1e-6 * np.abs(other).max())
+        assert record["velocity(g)"].values == pytest.approx(speed, abs=1e-6 * np.abs(speed).max())
+        assert record["torque on g"].values == pytest.approx(-torque, abs=1e-6 * np.abs(torque).max())
+        assert abs(record.energy.left_over) < 1e-6 * max(abs(record.energy.supplied), abs(record.energy.stored))
+
+    def test_two_masses_swing_onto_the_grid(self):
+        record = self.set_of_two().simulate(self.OUTPUTS, scenario=self.onto(angle="120 deg", decay=0.2))
+        self.matches(record, self.integrated(2 * pi / 3, decay=0.2))
+        assert "G begins at the speed of the grid" in record.notes
+        assert record["angle(g)"].values.min() < -2 * pi / 3  # as far beyond the grid as it was ahead
+
+    def test_later_and_faster_than_the_grid(self):
+        first = {"g": 1.01 * OMEGA, "b": 1.012 * OMEGA}
+        record = self.set_of_two().simulate(
+            self.OUTPUTS, scenario=self.onto(angle="-60 deg", at=0.1), start=tn.response.MotionStart(speeds=first)
+        )
+        self.matches(record, self.integrated(-pi / 3, at=0.1, start=(0, 0, *first.values()), grid=OMEGA))
+
+    def test_from_the_load_with_pole_pairs_of_speed_and_line(self):
+        """From 1480 rpm, 1.3 % below the synchronous speed, under load."""
+        speed = 1480 * pi / 30
+        point = {"speed": {"g": speed}, "torque": {"g": -900, "b": 900}}
+        record = self.set_of_two(operating_point=point).simulate(
+            self.OUTPUTS, scenario=self.onto(angle="90 deg", at=0.05, pole_pairs=None)
+        )
+        twist = 900 / self.K
+        start = (record["angle(g)"].values[0], record["angle(g)"].values[0] + twist, speed, speed)
+        states, torque = self.integrated(pi / 2, at=0.05, start=start, grid=OMEGA, driven=900.0)
+        self.matches(record, (states, torque + 900))
+        assert "G begins 1.33 % slower than the grid" in record.notes
+
+    @pytest.mark.parametrize("start", ["rest", "given"])
+    def test_backwards_is_the_mirror_image(self, start):
+        turning = {"start": tn.response.MotionStart(speeds={"g": -OMEGA, "b": -OMEGA})} if start == "given" else {}
+        record = self.set_of_two(operating_point={"speed": {"g": -1.002 * OMEGA}}).simulate(
+            self.OUTPUTS, scenario=self.onto(angle="50 deg", decay=0.1, start="rest"), **turning
+        )
+        first, grid = (OMEGA, OMEGA) if turning else (0, -0.002 * OMEGA)
+        states, torque = self.integrated(5 * pi / 18, decay=0.1, start=(0, 0, first, first), grid=grid)
+        self.matches(record, (-states, -torque))
+
+    def test_stator_that_gives_way(self):
+        elements = [
+            tn.Inertia("J_g", node="g", inertia=self.J[0]), tn.Inertia("J_b", node="b", inertia=self.J[1]),
+            tn.Spring("feet", nodes=("b", "ground"), stiffness=5e5), tn.Damper("air", nodes=("g", "b"), damping=self.C),
+        ]  # fmt: skip
+        machine = {
+            "G": {
+                "type": "electric_machine",
+                "node": "g",
+                "stator": "b",
+                "pole_pairs": 2,
+                "orders": {1: {"amplitude": 1}},
+            }
+        }
+        rig = tn.Drivetrain("set on feet", elements, excitations=machine)
+        record = rig.simulate(
+            ["angle(g)", "velocity(b)", "velocity(g)"], scenario=self.onto(angle="100 deg", pole_pairs=None)
+        )
+        (angle, _, _, other), torque = self.integrated(5 * pi / 9, ground=5e5, sign=-1.0)
+        assert record["angle(g)"].values == pytest.approx(angle, abs=1e-6)
+        assert record["velocity(b)"].values == pytest.approx(other, abs=1e-6)
+        assert record.signals[0].values == pytest.approx(-torque, rel=1e-6, abs=0.01)
+
+    def test_heavy_rotor_feels_a_torque_that_stays(self):
+        """The crest of 120 degrees at the first instants, and sin(delta)/x in the end."""
+        rig = tn.Drivetrain("heavy", [tn.Inertia("G", node="g", inertia=1e12)])
+        torque = rig.simulate("g", scenario=self.onto(angle="120 deg", rate=9e3))["torque on g"].values * self.X / 5e3
+        assert np.abs(torque).max() == pytest.approx(3 * sqrt(3) / 2, rel=1e-6)
+        torque = rig.simulate("g", scenario=self.onto(angle="120 deg", decay=0.01))["torque on g"].values * self.X / 5e3
+        assert torque[-1] == pytest.approx(-sqrt(3) / 2, rel=1e-6)
+
+    def test_comes_to_rest_on_the_grid(self):
+        """A damper winding takes the swings: the angle of 60 degrees, electrical, is gone, and so is the torque."""
+        elements = [tn.Inertia("G", node="g", inertia=20), tn.Damper("winding", nodes=("g", "ground"), damping=900)]
+        record = tn.Drivetrain("damped", elements).simulate(
+            "angle(g)", scenario=self.onto(angle="60 deg", decay=0.05, duration=1.2, rate=100)
+        )
+        assert record["angle(g)"].values[-1] == pytest.approx(-pi / 6, abs=1e-6)
+        assert record["torque on g"].values[-1] == pytest.approx(0, abs=0.05)
+
+    def test_what_cannot_be_synchronised_is_refused(self):
+        with pytest.raises(tn.UsageError, match=r"does not say its pole pairs.* give pole_pairs: 1"):
+            self.set_of_two().simulate("g", scenario=self.onto(angle="60 deg", pole_pairs=None))
+        far = self.set_of_two(operating_point={"speed": {"g": "1000 rpm"}})
+        assert far.simulate("g", scenario=self.onto(angle="60 deg", pole_pairs=None, duration=0.01)) is not None
+        off = self.set_of_two(operating_point={"speed": {"g": "1200 rpm"}})
+        with pytest.raises(tn.UsageError, match="nor a speed that fits the line"):
+            off.simulate("g", scenario=self.onto(angle="60 deg", pole_pairs=None))
+        machine = tn.SynchronousMachine("M", node="g", stiffness=1e4)
+        tied = self.set_of_two()
+        tied = tn.Drivetrain("tied", [*tied.elements.values(), machine])
+        with pytest.raises(tn.UsageError, match="M is on the grid already"):
+            tied.simulate("g", scenario=self.onto(angle="60 deg"))
+        with pytest.raises(tn.ModelError, match="leave out pole_pairs"):
+            self.onto(phases=2)
 
 
 class TestTorques:

@@ -763,13 +763,19 @@ class ShortCircuitScenario(_ShortCircuitScenario):
 
         three phases:   T = e^(-t/decay) sin(omega t)/x
         two phases:     T = (e^(-t/decay) sin(omega t) - e^(-t/decay_double) sin(2 omega t)/2)/x
-        synchronising:  T = e^(-t/decay) 2 sin(delta/2) (cos(delta/2) - cos(omega t + delta/2))/x
+        synchronising:  T = (sin(delta + p (theta - Omega t)) - e^(-t/decay) (sin(omega t + delta) - sin(omega t)))/x
 
-    with x = x'' + x_external. Without decay the crests are 1/x, 3 sqrt(3)/4/x, and 3 sqrt(3)/2/x at the worst angle,
-    delta = 120 degrees. T acts on the rotor against its rotation, on top of the torque before, and the other way on a
-    stator that gives way; delta is positive where the rotor is ahead of the grid. (J. S. Joyce, T. Kulig,
-    D. Lambrecht, Torsional fatigue of turbine-generator shafts caused by different electrical system faults and
-    switching operations, IEEE Trans. PAS-97, 1978, on such torques and what they do.)
+    with x = x'' + x_external, p pole pairs, Omega = omega/p, and theta the angle of the rotor since the connection,
+    against a stator that gives way. The synchronising torque follows the rotor, so that the set swings onto the grid;
+    what the dampers of the model take lets the swing die away. A rotor that begins without speed counts its motion from
+    its mean speed, or else from that of the grid.
+
+    Without decay the crests are 1/x, 3 sqrt(3)/4/x, and for a heavy rotor 3 sqrt(3)/2/x at the worst angle, delta = 120
+    degrees: its torque is 2 sin(delta/2) (cos(delta/2) - cos(omega t + delta/2))/x. T acts on the rotor against its
+    rotation, on top of the torque before, and the other way on a stator that gives way; delta is positive where the
+    rotor is ahead of the grid. (J. S. Joyce, T. Kulig, D. Lambrecht, Torsional fatigue of turbine-generator shafts
+    caused by different electrical system faults and switching operations, IEEE Trans. PAS-97, 1978, on such torques and
+    what they do; P. Kundur, Power System Stability and Control, 1994, on the torque over the angle of the rotor.)
 
     Parameters
     ----------
@@ -782,11 +788,11 @@ class ShortCircuitScenario(_ShortCircuitScenario):
     at: time of the fault
     x: subtransient reactance, per unit
     x_external: reactance from the machine to the fault or the grid, per unit
-    decay: time constant in which the torque at the line frequency dies away, and the constant one; none: it stays
-        [s]
+    decay: time constant in which the torque at the line frequency dies away; none: it stays [s]
     decay_double: the same of the torque at twice the line frequency [s]
     rated_torque: torque of 1 per unit; default: that of the machine [N*m]
     frequency: line frequency; default: that of the machine [Hz]
+    pole_pairs: pole pairs of a machine that is synchronised; default: from machine, or its speed
     """
     def __init__(
         self,
@@ -804,6 +810,7 @@ class ShortCircuitScenario(_ShortCircuitScenario):
         decay_double: Scalar | None = None,
         rated_torque: Scalar | None = None,
         frequency: Scalar | None = None,
+        pole_pairs: WholeNumber | None = None,
     ) -> None: ...
 
 class ShuntCalibration(_ShuntCalibration):

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from torsionnet.core.entries.declared import Declared as Excitation
     from torsionnet.model.channels import Input
     from torsionnet.model.elements import Element
+    from torsionnet.model.scenarios.grid_tie import GridTie
     from torsionnet.model.scenarios.time_history import TimeHistory
 
 S = TypeVar("S", bound="type[Scenario]")
@@ -64,6 +65,8 @@ class DrivingCourse:
         Such a place -> torque in N m on top of what acts there.
     scales : mapping
         Element and name of what scales its torque, as ``("clutch", "clamp")`` -> its value in SI.
+    tie : GridTie or None
+        Torque of a grid, which follows a motion.
     events : tuple of MotionEvent
         Beginnings of what the scenario does, as a short circuit.
     """
@@ -71,7 +74,13 @@ class DrivingCourse:
     torques: Mapping[str, TimeHistory] = field(default_factory=dict)
     added: Mapping[str, TimeHistory] = field(default_factory=dict)
     scales: Mapping[tuple[str, str], TimeHistory] = field(default_factory=dict)
+    tie: GridTie | None = None
     events: tuple[MotionEvent, ...] = ()
+
+    @property
+    def in_full(self) -> bool:
+        """Whether the course asks for laws of motion in full: it scales some, or adds that of a grid."""
+        return bool(self.scales) or self.tie is not None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,6 +12,7 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault, unknown_name
 from torsionnet.core.expressions import Expression, Number
+from torsionnet.model.scenarios.grid_tie import GridTie
 from torsionnet.model.scenarios.scenario import (
     OPERATING_POINT,
     DrivingCourse,
@@ -28,11 +29,13 @@ AFTERWARDS = 0.5
 slowest torsional vibrations of turbine sets, about 10 Hz, swing five times."""
 ROTORS = ("inertia", "grid_generator", "synchronous_machine", "induction_machine", "electric_machine")
 """Kinds of elements, and of an excitation, at which an electric fault may come: machines, or the inertia of a rotor."""
+TIED = ("grid_generator", "synchronous_machine")
+"""Kinds of elements that hold the synchronising torque of a machine on the grid."""
+NEAR = 0.1
+"""Distance from a whole number of the pole pairs that speed and frequency give, which a slip makes."""
 ROUNDING = 1 + 1e-12
 """Factor of 180 degrees up to which an angle counts as 180 degrees, as units are converted."""
-_TIME_CONSTANT = (
-    "time constant in which the torque at the line frequency dies away, and the constant one; none: it stays"
-)
+_TIME_CONSTANT = "time constant in which the torque at the line frequency dies away; none: it stays"
 
 
 @register_scenario
@@ -45,13 +48,19 @@ class ShortCircuitScenario(Scenario):
 
         three phases:   T = e^(-t/decay) sin(omega t)/x
         two phases:     T = (e^(-t/decay) sin(omega t) - e^(-t/decay_double) sin(2 omega t)/2)/x
-        synchronising:  T = e^(-t/decay) 2 sin(delta/2) (cos(delta/2) - cos(omega t + delta/2))/x
+        synchronising:  T = (sin(delta + p (theta - Omega t)) - e^(-t/decay) (sin(omega t + delta) - sin(omega t)))/x
 
-    with x = x'' + x_external. Without decay the crests are 1/x, 3 sqrt(3)/4/x, and 3 sqrt(3)/2/x at the worst angle,
-    delta = 120 degrees. T acts on the rotor against its rotation, on top of the torque before, and the other way on a
-    stator that gives way; delta is positive where the rotor is ahead of the grid. (J. S. Joyce, T. Kulig,
-    D. Lambrecht, Torsional fatigue of turbine-generator shafts caused by different electrical system faults and
-    switching operations, IEEE Trans. PAS-97, 1978, on such torques and what they do.)
+    with x = x'' + x_external, p pole pairs, Omega = omega/p, and theta the angle of the rotor since the connection,
+    against a stator that gives way. The synchronising torque follows the rotor, so that the set swings onto the grid;
+    what the dampers of the model take lets the swing die away. A rotor that begins without speed counts its motion from
+    its mean speed, or else from that of the grid.
+
+    Without decay the crests are 1/x, 3 sqrt(3)/4/x, and for a heavy rotor 3 sqrt(3)/2/x at the worst angle, delta = 120
+    degrees: its torque is 2 sin(delta/2) (cos(delta/2) - cos(omega t + delta/2))/x. T acts on the rotor against its
+    rotation, on top of the torque before, and the other way on a stator that gives way; delta is positive where the
+    rotor is ahead of the grid. (J. S. Joyce, T. Kulig, D. Lambrecht, Torsional fatigue of turbine-generator shafts
+    caused by different electrical system faults and switching operations, IEEE Trans. PAS-97, 1978, on such torques and
+    what they do; P. Kundur, Power System Stability and Control, 1994, on the torque over the angle of the rotor.)
 
     Examples
     --------
@@ -89,6 +98,9 @@ class ShortCircuitScenario(Scenario):
     frequency: Expression | None = entry(
         PhysicalQuantity("line frequency; default: that of the machine", "frequency", "f", exclusive=True), None
     )
+    pole_pairs: int | None = entry(
+        Count("pole pairs of a machine that is synchronised; default: from machine, or its speed", 1, 10_000), None
+    )
 
     def contradictions(self) -> list[Fault]:
         faults = []
@@ -98,6 +110,9 @@ class ShortCircuitScenario(Scenario):
         if self.decay_double is not None and self.phases != 2:
             text = "only a short circuit of two phases has a torque at twice the line frequency; leave out decay_double"
             faults.append(Fault(text, ("decay_double",), on_key=True))
+        if self.pole_pairs is not None and self.angle is None:
+            text = "only the torque of a faulty synchronisation follows the pole pairs; leave out pole_pairs"
+            faults.append(Fault(text, ("pole_pairs",), on_key=True))
         if isinstance(self.angle, Number) and not 0 < abs(float(self.angle.value)) <= pi * ROUNDING:
             faults.append(Fault("the angle is from -180 deg to 180 deg, and not 0", ("angle",)))
         if self.duration is not None and self.duration <= self.at:
@@ -140,31 +155,66 @@ class ShortCircuitScenario(Scenario):
         if self.frequency is None and found.frequency is None:
             text = f"{self.machine} does not say the frequency of its line; give frequency: 50 Hz"
             faults.append(Fault(text, on_key=True, kind="missing key"))
-        return faults
+        return faults if self.angle is None else [*faults, *self._grid_faults(model, found)]
+
+    def _grid_faults(self, model: ScenarioSubject, machine: FaultedMachine) -> list[Fault]:
+        """Faults of a machine that cannot be synchronised."""
+        for name, one in model.elements.items():
+            if one.kind in TIED and getattr(one, "node", None) == machine.node and one.enabled:
+                text = f"{name} is on the grid already, with its synchronising torque; put an inertia in its place"
+                return [Fault(f"{text}, and give rated_torque and frequency", ("machine",))]
+        if self._frequency(model, machine) is not None and self._pairs(model, machine) is None:
+            text = f"{self.machine} does not say its pole pairs, nor a speed that fits the line; give pole_pairs: 1"
+            return [Fault(text, on_key=True, kind="missing key")]
+        return []
+
+    def _frequency(self, model: ScenarioSubject, machine: FaultedMachine) -> float | None:
+        return machine.frequency if self.frequency is None else float(model.value(self.frequency))
+
+    def _pairs(self, model: ScenarioSubject, machine: FaultedMachine) -> int | None:
+        """Number of pole pairs, given, of the machine, or from its mean speed and the line frequency; else None."""
+        if self.pole_pairs or machine.pole_pairs:
+            return self.pole_pairs or machine.pole_pairs
+        frequency, speed = self._frequency(model, machine), abs(machine.speed or 0.0)
+        if not (frequency and speed):
+            return None
+        pairs = 2 * pi * frequency / speed
+        return round(pairs) if abs(pairs - round(pairs)) < NEAR and round(pairs) else None
 
     def course(self, model: ScenarioSubject) -> DrivingCourse:
         machine = machine_of(model, self.machine)
         if isinstance(machine, Fault):
             raise KeyError(self.machine)  # the checks have refused it
         rated = machine.torque if self.rated_torque is None else float(model.value(self.rated_torque))
-        frequency = machine.frequency if self.frequency is None else float(model.value(self.frequency))
+        frequency = self._frequency(model, machine)
         if rated is None or frequency is None:
             raise KeyError(self.machine)
-        backwards = model.speeds.get(machine.node, 1.0) < 0
-        history = self.torque(model.value, -rated if backwards else rated, frequency)
-        return DrivingCourse(added={machine.place: history}, events=(MotionEvent(self.at, self.machine, self.what),))
+        sense = -1 if (machine.speed or 0.0) < 0 else 1
+        history = self.torque(model.value, sense * rated, frequency)
+        events, tie = (MotionEvent(self.at, self.machine, self.what),), None
+        pairs = self._pairs(model, machine)
+        if self.angle is not None and pairs is not None:
+            most = rated / float(model.value(self.x) + model.value(self.x_external))
+            tie = GridTie(
+                self.machine, machine.place, self.at, float(model.value(self.angle)), sense * most, sense * pairs,
+                frequency, machine.speed,
+            )  # fmt: skip
+        return DrivingCourse(added={machine.place: history}, tie=tie, events=events)
 
     def torque(self, value: Any, rated: float, frequency: float) -> TimeHistory:
-        """Torque on the rotor over time in N m, from the rated torque in N m and the line frequency in Hz."""
+        """Torque on the rotor over time in N m, from the rated torque in N m and the line frequency in Hz.
+
+        That of a faulty synchronisation is the torque on a rotor that keeps its angle ahead of the grid.
+        """
         omega, one = 2 * pi * frequency, 1.0 / float(value(self.x) + value(self.x_external))
         slow = 0.0 if self.decay is None else 1 / float(value(self.decay))
         quick = 0.0 if self.decay_double is None else 1 / float(value(self.decay_double))
         before = (HistoryPiece(0.0),) if self.at > 0 else ()
         if self.phases is None:
             half = float(value(self.angle)) / 2
-            size = -rated * one * 2 * sin(half)
+            size = -rated * one * 2 * sin(half)  # sin(w t + delta) - sin(w t) = 2 sin(delta/2) cos(w t + delta/2)
             waves: tuple[Wave, ...] = (
-                Wave(complex(size * cos(half)), complex(-slow)),
+                Wave(complex(size * cos(half)), 0j),
                 Wave(rect(-size, half), complex(-slow, omega)),
             )
         else:  # Re(-j e^(j omega t)) = sin(omega t)
@@ -176,12 +226,17 @@ class ShortCircuitScenario(Scenario):
 
 @dataclass(frozen=True)
 class FaultedMachine:
-    """Rotor and stator of a machine, and what it says of its rated torque in N m and its line frequency in Hz."""
+    """Rotor and stator of a machine, and what it says of its rated torque in N m and its line frequency in Hz.
+
+    ``speed`` is the mean speed of the rotor in rad/s.
+    """
 
     node: str
     stator: str | None
     torque: float | None
     frequency: float | None
+    pole_pairs: int | None = None
+    speed: float | None = None
 
     @property
     def place(self) -> str:
@@ -207,7 +262,8 @@ def machine_of(model: ScenarioSubject, name: str) -> FaultedMachine | Fault:
         return Fault(text)
     stator = next((found for key in ("stator", "housing") if (found := getattr(one, key, None))), None)
     torque, frequency = _rating(one, node, model)
-    return FaultedMachine(node, None if stator == "ground" else stator, torque, frequency)
+    pairs, speed = getattr(one, "pole_pairs", None), model.speeds.get(node)
+    return FaultedMachine(node, None if stator == "ground" else stator, torque, frequency, pairs, speed)
 
 
 def _rating(one: Any, node: str, model: ScenarioSubject) -> tuple[float | None, float | None]:

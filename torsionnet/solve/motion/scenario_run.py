@@ -109,7 +109,7 @@ def run_scenario(
         text = f"{one.length:g} s at {rate:g} Hz are more than {MOST_SAMPLES} samples"
         raise UsageError(f"{text}; give a lower rate or a shorter duration")
     given = isinstance(driven.start, MotionStart)
-    if given or driven.course.scales or has_laws_of_motion(drivetrain):
+    if given or driven.course.in_full or has_laws_of_motion(drivetrain):
         record = _from_event_to_event(drivetrain, driven, asked, rate, count, check=check)
     else:
         record = _linear(drivetrain, driven, asked, rate, count)
@@ -129,7 +129,7 @@ def driven_places(
         raise UsageError(f'a scenario starts from {" or ".join(STARTS)}, or from a MotionStart, got "{begins}"')
     means: dict[str, float] = {}
     if begins == OPERATING_POINT:
-        in_full = bool(course.scales) or has_laws_of_motion(drivetrain)
+        in_full = course.in_full or has_laws_of_motion(drivetrain)
         replaced = [nodes_of(drivetrain, place) for place in course.torques]
         means = acting_means(drivetrain, replaced, in_full=in_full)
     histories = {node: constant(torque) for node, torque in means.items()}
@@ -256,5 +256,5 @@ def _from_event_to_event(
     """Recording of a drivetrain with laws of motion, or from a given state."""
     return simulate(
         drivetrain, outputs, driven.histories, rate, driven.start, duration=(count - 1) / rate,
-        scales=driven.course.scales, check=check,
+        scales=driven.course.scales, tie=driven.course.tie, check=check,
     )  # fmt: skip

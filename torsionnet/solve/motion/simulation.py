@@ -8,10 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.functionals import functional
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.core.threads import one_thread
 from torsionnet.model.channels import Sensor
+from torsionnet.model.scenarios.grid_tie import GridTie
 from torsionnet.model.scenarios.time_history import TimeHistory, constant
 from torsionnet.response.motion.motion_start import MotionStart
 from torsionnet.response.recording import Recording
@@ -25,7 +27,7 @@ from torsionnet.solve.motion.finer_run import agreement_note
 from torsionnet.solve.motion.motion_over_time import MotionOverTime
 from torsionnet.solve.motion.motion_plant import has_laws_of_motion, motion_plant
 from torsionnet.solve.motion.smooth.smooth_system import BEYOND, RELATIVE, simulate_smooth
-from torsionnet.solve.motion.smooth_laws import Scale, SplitPlant, split_plant
+from torsionnet.solve.motion.smooth_laws import Scale, SplitPlant, split_plant, tied_plant
 from torsionnet.solve.motion.start_state import start_state
 from torsionnet.solve.motion.state_layout import Layout
 from torsionnet.solve.motion.steady_start import nodes_of, steady_start
@@ -49,18 +51,19 @@ def simulate(
     *,
     duration: float | None = None,
     scales: Mapping[Scale, TimeHistory] | None = None,
+    tie: GridTie | None = None,
     check: bool = False,
 ) -> Recording:
     """Recording of torques and simulated motions of a drivetrain, in SI units over time.
 
     See :meth:`torsionnet.Drivetrain.simulate`. ``scales`` are what scales the torques of elements over time, by element
-    and name, as ``("clutch", "clamp")``.
+    and name, as ``("clutch", "clamp")``, and ``tie`` is the torque of a grid, at a place where a torque acts.
     """
     if not isinstance(start, MotionStart) and start not in (REST, OPERATING_POINT):
         text = f'a simulation starts from "{REST}", from the "{OPERATING_POINT}" or from a MotionStart'
         raise UsageError(f'{text}, got "{start}"')
     require_request(inputs, sampling_rate, duration)
-    sampled = not scales and not any(isinstance(one, TimeHistory) for one in inputs.values())
+    sampled = not scales and tie is None and not any(isinstance(one, TimeHistory) for one in inputs.values())
     if sampled and start == REST and not has_laws_of_motion(drivetrain):
         record = simulate_linear(drivetrain, outputs, inputs, sampling_rate)  # type: ignore[arg-type]
         notes = [f"{text}; its law acts in full beside other laws, or from a given start" for text in
@@ -72,8 +75,20 @@ def simulate(
     request = driven_request(plant.drivetrain, outputs, whole)  # type: ignore[arg-type]
     split = split_plant(drivetrain, plant, tuple(scales or {}))
     begun = _begun(drivetrain, split, dict(zip(whole, driving.first.tolist(), strict=False)), start)
-    motion = _solved(split, request, driving, begun)
+    asked, onto, count = request, None, len(request.outputs)
+    if tie is not None and tie.at < driving.duration:
+        nodes = nodes_of(drivetrain, tie.place)
+        twist = functional(plant.drivetrain, Sensor("angle", nodes[0], against=(*nodes, None)[1]))
+        asked = replace(request, outputs=(*request.outputs, twist))
+        onto = _onto_grid(split, replace(request, outputs=(twist,)), driving, begun, tie)
+        split, driving = onto.split, onto.driving
+    motion = _solved(split, asked, driving, begun)
+    if tie is not None and onto is not None:
+        place = next(number for number, name in enumerate(whole) if nodes_of(drivetrain, name) == nodes)
+        torques[place] += tie.samples(motion.values[-1], onto.twist, tie.slip(onto.first), sampling_rate)
     notes = [f"simulated: {drivetrain.title}, {begun.words}", *held_load(drivetrain, {*whole} - {*inputs})]
+    if tie is not None and onto is not None:
+        notes.append(tie.words(onto.first))
     if start == OPERATING_POINT:
         notes += scale_notes(drivetrain, scales or {})
     if split.smooth:
@@ -85,9 +100,9 @@ def simulate(
             notes.append(f"torque that follows its curve with a time constant, {text}: {late}")
     notes += _linear_notes(drivetrain, laws=False)
     if check:
-        finer = _solved(split, request, driving, begun, refinement=2)
-        notes.append(agreement_note(motion.values, finer.values, sampling_rate))
-    signals = motion_signals(drivetrain, request, whole, torques, motion.values)  # type: ignore[arg-type]
+        finer = _solved(split, asked, driving, begun, refinement=2)
+        notes.append(agreement_note(motion.values[:count], finer.values[:count], sampling_rate))
+    signals = motion_signals(drivetrain, request, whole, torques, motion.values[:count])  # type: ignore[arg-type]
     return Recording(
         signals, sampling_rate, title=drivetrain.title, notes=tuple(notes), events=motion.events, energy=motion.energy
     )
@@ -136,6 +151,29 @@ def _begun(
     given = start if isinstance(start, MotionStart) else MotionStart()
     words = "at rest before the first sample" if start == REST else "from a given state"
     return _Begun(start_state(plant, at, given), None, words, settled=start != REST)
+
+
+@dataclass(frozen=True, eq=False)
+class _OntoGrid:
+    """Plant and driving with the torque of a grid, the rotor's angle in rad there and its first speed in rad/s."""
+
+    split: SplitPlant
+    driving: Driving
+    twist: float
+    first: float
+
+
+def _onto_grid(split: SplitPlant, request: TransferRequest, driving: Driving, begun: _Begun, tie: GridTie) -> _OntoGrid:
+    """Plant with the torque of a grid, from the motion before the connection; ``request`` reads the rotor's angle."""
+    row = request.outputs[0].terms[0].row
+    n_q = len(row)
+    twist, first = float(row @ begun.z[:n_q]), float(row @ begun.z[n_q : 2 * n_q])
+    if tie.at > 0:
+        before = Driving(driving.entries, 1 / tie.at, 2)
+        twist = float(_solved(split, request, before, begun).values[0, -1])
+    curves, histories = zip(*tie.laws(twist, tie.slip(first)), strict=True)
+    whole = replace(driving, entries=(*driving.entries, *histories))
+    return _OntoGrid(tied_plant(split, tie, curves, row), whole, twist, first)
 
 
 def _even_size(split: SplitPlant, torques: Mapping[str, float]) -> float:

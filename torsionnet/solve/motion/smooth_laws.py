@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,9 +12,10 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.core.expressions import FLOAT
-from torsionnet.model.element_base.torque_curve import MotionState
+from torsionnet.model.element_base.torque_curve import MotionState, TorqueCurve
 from torsionnet.model.elements import MotionLaw, Values
 from torsionnet.model.motion_laws.piece_curve import PieceCurve, Slope
+from torsionnet.model.scenarios.grid_tie import GridTie
 from torsionnet.solve.motion.motion_plant import LawRow, MotionPlant, PlacedLaw
 from torsionnet.solve.motion.phases import LawPhases, law_phases
 
@@ -32,7 +33,7 @@ class SmoothLaw:
     law : MotionLaw
         With floats as coefficients.
     number : int
-        Number of the placed law in the assembly.
+        Number of the placed law in the assembly, -1 for one that supplies power from outside, as that of a grid.
     row : (n_q,) array
         Weights of the coordinates in gamma.
     sensed : (n_sensed, n_q) array
@@ -141,6 +142,17 @@ def split_plant(drivetrain: AssembledModel, plant: MotionPlant, scales: tuple[Sc
             scale_of.append(scale)
         smooth.append(SmoothLaw(one.owner, law, one.number, one.row, sensed, scale, held, float(law.lag)))
     return SplitPlant(replace(plant, laws=tuple(pieces)), tuple(phases), tuple(scale_of), tuple(smooth), scales)
+
+
+def tied_plant(split: SplitPlant, tie: GridTie, laws: Sequence[TorqueCurve], row: FloatArray) -> SplitPlant:
+    """Plant with curves of a grid over a row of the coordinates, each scaled by an entry after the other scales."""
+    count = len(split.scales)
+    added = tuple(
+        SmoothLaw(tie.machine, MotionLaw({}, curve), -1, row, np.zeros((0, len(row))), count + number)
+        for number, curve in enumerate(laws)
+    )
+    scales = tuple((tie.machine, f"grid {number}") for number in range(len(laws)))
+    return replace(split, smooth=(*split.smooth, *added), scales=(*split.scales, *scales))
 
 
 def _float_laws(drivetrain: AssembledModel, plant: MotionPlant) -> Mapping[int, MotionLaw]:

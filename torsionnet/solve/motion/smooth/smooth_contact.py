@@ -119,6 +119,8 @@ def _powers(
     for place, smooth in zip(places, laws, strict=True):
         if smooth.over_rate:
             found.append((ones[place], smooth.row @ speed, 1.0, smooth.owner))
+        elif smooth.number < 0:  # the torque on the row is -u
+            found.append((ones[place], smooth.row @ speed, -1.0, ""))
     columns = states.drive.columns[:, :n_in].T
     found += [(row, column @ speed, 1.0, "") for row, column in zip(bare.inputs, columns, strict=False)]
     for action, torque in zip(plant.actions, bare.act, strict=True):
