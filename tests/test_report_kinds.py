@@ -56,6 +56,23 @@ def test_a_section_of_the_other_kind_may_be_asked_for():
     assert names(found) == ["conclusion", "modes"]
 
 
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("rows", ["[0.01, 0, 20], [1000, 0, 20]", "[0, 0, 20], [5, 2, 19], [50, 30, 15]"])
+def test_a_film_without_stiffness_at_rest_is_reported(kind, rows):
+    rig = f"""torsionnet: 1
+name: ring in a film
+elements:
+  J: {{type: inertia, node: a, inertia: 1}}
+  k: {{type: spring, nodes: [a, ground], stiffness: 400}}
+  d: {{type: viscous_damper, node: a, ring_inertia: 1, table: [{rows}]}}
+sensors: {{th: {{angle: a}}}}
+inputs: {{T: {{torque: a}}}}
+"""
+    found = make_report(tn.loads(rig), kind=kind, appendix=True, date=None)
+    formulas = [section.name for section in found.sections if section.name == "formulas"]
+    assert formulas == ["formulas"] * (kind == "rig")
+
+
 def test_no_limits_is_said():
     found = make_report(tn.loads(FAN), kind="approval", sections=["conclusion"], date=None)
     assert "No limits are given" in str(found.sections[0].blocks)

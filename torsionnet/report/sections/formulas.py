@@ -130,7 +130,7 @@ def _polynomial(found: TransferFunction, pair: Pair, cases: tuple[Case, ...]) ->
         )
         for letter, part in (("b", quotient.numerator), ("a", quotient.denominator))
     )
-    where = list(rational.where.items())
+    where = list(quotient.where.items())
     rows = [(Math(symbol_latex(str(name))), BreakableMath(tuple(sum_terms(value)))) for name, value in where]
     columns = (Heading("Coefficient"), Heading("Expression", wide=True))
     return [
