@@ -121,20 +121,3 @@ def test_a_controller_is_no_rigid_connection_to_ground(tmp_path):
     rig = tn.Drivetrain("x", [*masses, tn.Spring("k", nodes=("a", "b"), stiffness=100), governor])
     with pytest.raises(UsageError, match=r"no column for governor \(controller\)"):
         write_mass_elastic(rig, tmp_path / "x.csv")
-
-
-def test_a_ring_on_a_film_joins_the_node_that_drags_it_along():
-    rig = tn.Drivetrain(
-        "rig",
-        [
-            tn.Inertia("one", node="a", inertia=2),
-            tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4),
-            tn.Inertia("two", node="b", inertia=3),
-            tn.Inertia("ring", node="r", inertia=0.5),
-            tn.Damper("film", nodes=("b", "r"), damping=7),
-        ],
-    )
-    _, ring = rig.mass_elastic_table().lines
-    ((node, shaft),) = [(row.node, row.shaft) for row in ring.rows]
-    assert (node, ring.joins) == ("r", "b")
-    assert (shaft.elements, shaft.to, shaft.stiffness, shaft.damping) == (("film",), "b", 0, 7)
