@@ -151,6 +151,27 @@ def test_a_value_without_effect_is_said():
     assert any(text.startswith("the maximum hardly depends on c") for text in found.words())
 
 
+@pytest.mark.parametrize(
+    ("question", "last", "beyond"),
+    [
+        pytest.param({"input": "a", "band": (10, 40)}, 30, "40", marks=pytest.mark.slow),
+        pytest.param({"input": "a", "band": (10, 40)}, 40, None, marks=pytest.mark.slow),
+        ({"speeds": [150, 200], "speed_of": "a"}, 30, "31.831"),
+    ],
+)
+def test_a_table_that_ends_before_the_band_or_the_highest_order_is_noted(question, last, beyond):
+    plant = running(0.5)
+    shaft = tn.TabulatedSpring("shaft", nodes=("a", "ground"), table=[[1, K, 0], [last, K, 0]])
+    plant = tn.Drivetrain(
+        "table", [part if part.name != "shaft" else shaft for part in plant.definition.elements.values()],
+        parameters={"c": "100 N*m*s/rad", "k_film": "0 N*m/rad"}, excitations=plant.definition.excitations,
+    )  # fmt: skip
+    found = plant.damper_design("a", {"c": (100, 200)}, **question)
+    end = f"go from 1 to {last} Hz, and it is read at up to {beyond} Hz, where the last row is kept"
+    assert found.notes == ((f"shaft: the rows of its table {end}",) if beyond else ())
+    assert found.words()[-1:] == found.notes or not beyond
+
+
 class TestWords:
     """Sentences on an optimum of which the curves are given."""
 

@@ -175,6 +175,16 @@ def test_hysteretic_springs_have_their_viscous_equivalent():
     assert found.of() == pytest.approx(same.of(), abs=2e-3 * same.peak().half_range)
 
 
+@pytest.mark.parametrize(("last", "is_noted"), [(20, True), (40, False)])
+def test_a_table_that_ends_below_the_highest_order_is_noted(last, is_noted):
+    """Order 2 at 120 rad/s is 38.1972 Hz."""
+    rubber = tn.TabulatedSpring("shaft", nodes=("a", "b"), table=[[1, K, 6], [last, K, 6]])
+    found = two_masses(spring=rubber).passage_response("torque(shaft)", [0, 0.2], [80, 120])
+    text = "shaft: the rows of its table go from 1 to 20 Hz, and it is read at up to 38.1972 Hz, where the last row is kept"
+    assert (text in found.notes) is is_noted
+    assert any("rows of its table" in note for note in found.notes) is is_noted
+
+
 def test_cycles_and_time_above():
     angle = np.linspace(0, 40 * np.pi, 8001)
     wave = np.cos(angle) * np.interp(angle, [0, 20 * np.pi, 40 * np.pi], [0, 1, 0])

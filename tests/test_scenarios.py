@@ -329,6 +329,16 @@ class TestTorques:
             900 * (found[:, 0] - found[:, 1]) + 0.4 * (found[:, 2] - found[:, 3]), abs=1e-9
         )
 
+    def test_a_table_read_beyond_its_rows_is_noted(self):
+        scenario = {"type": "torques", "duration": "0.1 s", "rate": "2 kHz", "torque": {"a": "10 N*m"}}
+        bush = tn.TabulatedSpring("bush", nodes=("a", "ground"), table=[[0, 8e4, 40], [600, 9e4, 40]])
+        rig = tn.Drivetrain("bush", [tn.Inertia("J", node="a", inertia=2), bush], scenarios={"step": scenario})
+        notes = rig.simulate("a", scenario="step").notes
+        assert (
+            "bush: the rows of its table go from 0 to 600 Hz, and it is read at up to 1000 Hz, where the last row is kept"
+            in notes
+        )
+
     def test_parameters_vary_in_a_study(self):
         scenario = {"type": "torques", "duration": "0.3 s", "rate": "10 kHz", "torque": {"a": "T_1"}}
         rig = tn.Drivetrain(

@@ -64,6 +64,17 @@ def test_library_rigs_as_lsim(name):
         assert values == pytest.approx(column, abs=1e-11 * np.abs(column).max())
 
 
+def test_a_table_that_ends_below_half_the_sampling_rate_is_noted():
+    def bush(*rows):
+        spring = tn.TabulatedSpring("bush", nodes=("a", "ground"), table=[(f, 25, 0.5) for f in rows])
+        rig = tn.Drivetrain("bush", [tn.Inertia("a", node="a", inertia=1), spring])
+        return rig.simulate("a", {"a": np.ones(200)}, RATE).notes[1:]
+
+    text = "bush: the rows of its table go from 1 to 20 Hz, and it is read from 0 Hz, where the first row is kept"
+    assert bush(1, 20) == (f"{text}, and at up to 1000 Hz, where the last row is kept",)
+    assert bush(0, 1000) == ()
+
+
 def test_several_torques_add_up():
     rng = np.random.default_rng(1)
     one, other = rng.standard_normal((2, 500))

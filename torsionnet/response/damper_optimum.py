@@ -132,6 +132,8 @@ class DamperOptimum(NotebookResult):
         Curves with the values as given, with the optimum, and with zero and infinite damping if that is optimised.
     fixed_points : tuple of FixedPoint
         Points common to the curves of all dampings; none if the rest of the drivetrain is damped, or over speed.
+    notes : tuple of str
+        Where tables over frequency are read beyond their rows.
     """
 
     picture: ClassVar[str] = "damper_design"
@@ -146,6 +148,7 @@ class DamperOptimum(NotebookResult):
     curves: tuple[LevelCurve, ...]
     fixed_points: tuple[FixedPoint, ...]
     title: str = ""
+    notes: tuple[str, ...] = ()
 
     @property
     def values(self) -> dict[str, float]:
@@ -175,7 +178,7 @@ class DamperOptimum(NotebookResult):
             only = all(one.is_damping for one in self.parameters)
             reached = self.fixed_points[0].level >= self.after.level * (1 - EQUAL_PEAK_DIFFERENCE)
             found.append(f"{text}: none has a smaller maximum" if only and reached else text)
-        return tuple(found)
+        return (*found, *self.notes)
 
     def _about(self, one: DesignParameter) -> str:
         levels = self.effects[one.name][:, 1]

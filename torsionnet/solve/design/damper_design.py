@@ -10,6 +10,7 @@ import scipy
 from numpy.typing import ArrayLike
 
 from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.entries.scalars import read_value
 from torsionnet.core.entries.spec import EntryError
 from torsionnet.core.errors import UsageError
@@ -99,6 +100,7 @@ def damper_design(
         tuple(_curve(levels, label, values) for label, values in cases.items()),
         _fixed_points(levels, free, locked, films) if damping.any() and input is not None else (),
         drivetrain.title,
+        range_notes(drivetrain.assembly, levels.frequencies),
     )
 
 

@@ -72,6 +72,10 @@ class Levels(Protocol):
         """Frequencies or speeds ``points`` (n,) converted to the unit in which they are displayed, see ``of``."""
 
     @property
+    def frequencies(self) -> FloatArray:
+        """Frequencies in Hz that the levels are made of, at least the lowest and the highest."""
+
+    @property
     def of(self) -> tuple[str, str]:
         """Name of the quantity over which levels are displayed, such as "frequency", and its unit, such as "Hz"."""
 
@@ -87,6 +91,10 @@ class ReceptanceLevels:
     response: ParametricResponse
     band: tuple[float, float]
     precision: ClassVar[float] = 1e-10
+
+    @property
+    def frequencies(self) -> FloatArray:
+        return np.array(self.band)
 
     @property
     def of(self) -> tuple[str, str]:
@@ -150,6 +158,10 @@ class OrderLevels:
     run: OrderResponse
     refine: bool = False
     precision: ClassVar[float] = 1e-5
+
+    @property
+    def frequencies(self) -> FloatArray:
+        return np.abs(self.run.frequencies)
 
     @property
     def of(self) -> tuple[str, str]:

@@ -31,7 +31,7 @@ from torsionnet.solve.motion.simulation import NOTHING_TO_CHECK, simulate
 from torsionnet.solve.motion.steady_start import nodes_of
 from torsionnet.solve.running.exact_courses import exact_response
 from torsionnet.solve.running.mean_response import mean_response, reason_undetermined
-from torsionnet.solve.running.simulate import driven_request, motion_signals, response_over_time
+from torsionnet.solve.running.simulate import driven_request, motion_signals, read_notes, response_over_time
 
 SAMPLES_PER_PERIOD, FEWEST_SAMPLES = 100, 1000
 """Samples in a period of the highest vibration, between which peaks are at most 0.05 % of that vibration higher, and
@@ -189,7 +189,7 @@ def _linear(
             raise UsageError("with delays or laws over frequency the torques at the start must be in balance")
         changes = np.array([one.samples(rate, count) for one in histories])
         motion = response_over_time(drivetrain, request, changes, rate)
-        notes.append("torques run straight between samples")
+        notes += ["torques run straight between samples", *read_notes(drivetrain, rate)]
     else:
         motion = exact_response(drivetrain, request, histories, rate, count, steady=offsets is None)
     if offsets is not None:

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
+from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.motion_balance.operating_notes import running_notes
@@ -90,7 +91,7 @@ def passage_response(
                      f"steady vibration of {first} is largest")  # fmt: skip
     if drivetrain.definition.following:
         notes.append("parameters that follow the speed have their values at the speed of the moment")
-    notes += running_notes(drivetrain.definition)
+    notes += (*running_notes(drivetrain.definition), *range_notes(drivetrain.assembly, np.abs(steady.frequencies)))
     request = OrderRequest.of(model, grid, speed_of, acting)
     kept, left_out = lines_that_matter(steady, NEGLIGIBLE_ORDERS)
     lines = tuple(line for line, acts in zip(steady.lines, kept.tolist(), strict=True) if acts)

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.response.recording import Recording, Signal
@@ -43,7 +44,7 @@ def simulate(
     request = driven_request(drivetrain, outputs, inputs)
     motion = response_over_time(drivetrain, request, torques, sampling_rate)
     signals = motion_signals(drivetrain, request, inputs, torques, motion)
-    notes = (f"simulated: {drivetrain.title}, at rest before the first sample",)
+    notes = (f"simulated: {drivetrain.title}, at rest before the first sample", *read_notes(drivetrain, sampling_rate))
     return Recording(signals, sampling_rate, title=drivetrain.title, notes=notes)
 
 
@@ -115,6 +116,11 @@ def response_over_time(
     for block in blocks(system.A, system.B, C):
         motion += _stepped(block, torques, 1 / sampling_rate)
     return np.asarray(motion)
+
+
+def read_notes(drivetrain: AssembledModel, sampling_rate: float) -> tuple[str, ...]:
+    """Notes on tables over frequency that end before the spectrum of torques at a sampling rate in Hz does."""
+    return range_notes(drivetrain.assembly, [0, sampling_rate / 2])
 
 
 def _stepped(block: DiagonalBlock, torques: FloatArray, h: float) -> FloatArray:
