@@ -580,6 +580,9 @@ class TestPictures:
 
         (axes,) = interference_diagram(rig.critical_speeds()).axes
         assert [text.get_text() for text in axes.texts if "Hz" not in text.get_text()] == ["2", "3"]
+        labels = axes.get_legend_handles_labels()[1]
+        assert len(labels) == len(set(labels))
+        assert any(label.startswith("damped") for label in labels)
 
     def test_stars_of_one_diagram_share_a_panel(self):
         from torsionnet.plot import star_diagrams

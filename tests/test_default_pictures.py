@@ -1,6 +1,7 @@
 """Pictures and tables at their default call: what says nothing sets no limits."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,12 +9,18 @@ import pytest
 import torsionnet as tn
 from torsionnet import plot
 from torsionnet.cli.commands.estimate import peak_table
+from torsionnet.identification.fit_result import Compared
 from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.response.conventions import Conventions
+from torsionnet.response.damper_optimum import DesignParameter
 from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.response.motion.motion_event import MotionEvent
 from torsionnet.response.order_comparison import MeasuredOrder
 from torsionnet.signals import Recording, Signal, spectrogram
 from torsionnet.signals.advice import peak_warnings
+from torsionnet.signals.harmonics import Harmonics
 from torsionnet.solve.responses.peaks import _standing_out
+from torsionnet.study.shown_units import IN_SI
 
 RATE = 4000.0
 
@@ -155,12 +162,31 @@ def test_large_torques_are_drawn_in_kilonewtonmetres():
     assert plot.time_histories(record).axes[0].lines[0].get_ydata().tolist() == [0, -300, 100]
     assert plot.order_overlay(run, test).axes[0].lines[1].get_ydata().tolist() == [20, 30]
     levels, effect = plot.damper_design(design).axes
+    assert levels.get_xlim() == pytest.approx(tuple(design.curves[0].points[[0, -1]]))
     assert levels.lines[0].get_ydata().max() == pytest.approx(design.before.level / 1e3, rel=1e-3)
     assert effect.lines[1].get_ydata()[0] == pytest.approx(design.after.level / 1e3)
     (bar,) = [text.get_text() for text in plot.waterfall(run).axes[0].texts if "N" in text.get_text()]
     assert bar == f"{float(f'{largest:.1g}') / 1e3:g} kN·m"
     small = Recording((Signal("T_s", "torque", np.array([0, -9.9e3])),), RATE)
     assert plot.time_histories(small).axes[0].get_ylabel() == "T_s [N·m]"
+
+
+def test_pictures_have_the_title_that_is_given_and_amplitudes_over_speed_begin_at_zero():
+    run = tn.loads(LARGE).order_response("T_s")
+    test = {"T_s": [MeasuredOrder(6, np.array([40.0, 60.0]), np.array([2e4, 3e4]))]}
+    record = Recording((Signal("T_s", "torque", np.array([0, -3e5, 1e5])),), RATE)
+    over_speed = [
+        plot.order_response(run, title="x"), plot.half_ranges([run], title="x"), plot.order_overlay(run, test, title="x")
+    ]  # fmt: skip
+    for figure in over_speed:
+        assert figure.axes[0].get_ylim()[0] == 0
+    for figure in over_speed[:2]:
+        assert figure.axes[0].get_xlim() == pytest.approx(run.rpm[[0, -1]].tolist())
+    for figure in (*over_speed, plot.waterfall(run, title="x"), plot.time_histories(record, title="x")):
+        assert figure.get_suptitle() == "x"
+    assert [figure.get_suptitle() for figure in (plot.half_ranges([run]), plot.waterfall(run))] == ["T_s", run.title]
+    two = plot.half_ranges([run, run], labels=["wet", "dry"])
+    assert [text.get_text() for text in two.legends[0].get_texts()] == ["wet", "dry"]
 
 
 @pytest.mark.parametrize(("rpm", "low", "high"), [([929.9999, 930.0001], 920.7, 939.3), ([870, 990], 870, 990)])
@@ -183,3 +209,80 @@ def test_the_speed_of_a_shaft_that_turns_on_is_drawn_in_rpm(lowest, unit):
     axes = plot.time_histories(record).axes[0]
     assert axes.get_ylabel() == f"n [{unit}]"
     assert axes.lines[0].get_ydata()[-1] == pytest.approx(100 * 30 / np.pi if unit == "rpm" else 100)
+
+
+@pytest.mark.parametrize(("time", "side"), [(2.0, "left"), (8.0, "right")])
+def test_the_name_of_an_event_has_its_room_inside_the_panel(time, side):
+    from torsionnet.plot.scenario_motion import scenario_motion
+
+    signals = (Signal("T", "torque", np.sin(np.arange(1001.0))),)
+    record = Recording(signals, 100.0, events=(MotionEvent(time, "clutch", "sticks"),))
+    (text,) = scenario_motion(record).axes[0].texts
+    assert (text.get_text(), text.get_ha()) == ("clutch: sticks", side)
+
+
+def test_harmonics_of_a_sweep_have_the_name_of_their_signal_and_their_orders():
+    sizes = np.array([[1.0, 0.1], [2.0, 0.2], [1.0, 0.4]])
+    found = Harmonics(np.arange(3.0), np.array([10.0, 20, 30]), (1.0, 2.0), sizes, -170 * sizes, "T", "N*m")
+    figure = plot.sweep_harmonics(found)
+    size, phase = figure.axes
+    assert figure.get_suptitle() == "T"
+    assert plot.sweep_harmonics(found, title="other").get_suptitle() == "other"
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["1x", "2x"]
+    assert [line.get_ydata().tolist() for line in size.lines] == sizes.T.tolist()
+    assert np.abs(np.diff(phase.lines[0].get_ydata())).max() < 180  # no jumps by a turn
+    assert (size.get_ylabel(), phase.get_xlabel()) == ("amplitude [N·m]", "frequency of the sweep [Hz]")
+
+
+def test_fitted_orders_are_drawn_over_speed_in_rpm():
+    from matplotlib.figure import Figure
+
+    from torsionnet.plot.fit_orders import order_colours, order_column
+
+    speeds = np.array([40.0, 60.0, 80.0])
+    one = Compared(
+        "run up", speeds, np.array([1.0, 3, 2j]), np.array([1.0, 2, 2j]), np.full(3, 0.5), 1.0, "N*m",
+        orders=np.full(3, 6.0), speeds=speeds,
+    )  # fmt: skip
+    panels = list(Figure().subplots(3, 1, sharex=True))
+    order_column(panels, one, Conventions(), order_colours([one]))
+    rpm = speeds * 30 / np.pi
+    low, high = panels[2].get_xlim()
+    assert low <= rpm[0] < rpm[-1] <= high
+    assert high - low < 1.5 * np.ptp(rpm)
+    assert [line.get_xdata().tolist() for line in panels[2].lines] == [pytest.approx(rpm)] * 2
+    assert panels[2].lines[0].get_ydata().tolist() == [0, 2, 0]  # residuals over standard deviations
+
+
+def test_the_worst_condition_of_a_family_has_the_largest_use_of_any_criterion():
+    from torsionnet.plot.limit_families import LimitFamily
+
+    def used(*shares):
+        return None, tuple(SimpleNamespace(worst=0, utilisation=np.array([share])) for share in shares)
+
+    assert LimitFamily((used(0.5, 0.6), used(0.2, 0.9), used(0.7, 0.7))).worst == 1
+    assert LimitFamily((used(0.5), (None, (SimpleNamespace(worst=None, utilisation=None),)))).worst == 0
+
+
+@pytest.mark.parametrize("count", [1, 4])
+def test_parameters_and_their_bounds_are_inside_the_panel(count):
+    """The first on top; little room is left beside the bounds."""
+    from matplotlib.figure import Figure
+
+    from torsionnet.plot.study.designs import _draw_places
+    from torsionnet.plot.study.worst_variants import _places
+
+    names = [f"k_{number}" for number in range(count)]
+    panels = Figure().subplots(1, 2)
+    _draw_places(panels[0], tuple(DesignParameter(name, "N*m/rad", 2.0, 1.0, 3.0, 2.5) for name in names), IN_SI)
+    worst = SimpleNamespace(
+        variant=dict.fromkeys(names, 2.5), tolerance=dict.fromkeys(names, (1.0, 3.0)), direction="largest"
+    )
+    _places(panels[1], [worst], names)
+    for axes, best in zip(panels, (axes.lines[-1] for axes in panels), strict=True):
+        bottom, top = axes.get_ylim()
+        assert top < 0 <= count - 1 < bottom
+        left, right = axes.get_xlim()
+        assert -0.1 < left < 0
+        assert 1 < right < 1.1
+        assert set(best.get_xdata()) == {0.75}  # three quarters of the way from 1 to 3

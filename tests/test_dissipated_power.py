@@ -84,7 +84,12 @@ def test_tables_say_which_torque_is_meant_and_names_are_checked():
     rig = shaken([tn.Inertia("J", node="a", inertia=1), tn.Damper("c", nodes=("a", "ground"), damping=2)],
                  {1: {"amplitude": 1}})  # fmt: skip
     found = rig.dissipated_power("c")
-    assert any("whole torque" in note for note in found.table().notes)
+    table = found.table()
+    assert any("whole torque" in note for note in table.notes)
+    # c times half the square of the rate, which is 1/|j J omega + c|.
+    for speed, (rpm, power) in zip(found.speeds, table.rows, strict=True):
+        assert rpm == pytest.approx(speed * 30 / np.pi)
+        assert power == pytest.approx(2 / 2 / (speed**2 + 4), rel=1e-9)
     with pytest.raises(tn.UsageError, match='no element is named "d"'):
         rig.dissipated_power("d")
     with pytest.raises(tn.UsageError, match="no power of"):

@@ -2,11 +2,13 @@
 
 import cmath
 import math
+import re
 
 import numpy as np
 import pytest
-from support.report_blocks import of, rows
+from support.report_blocks import blocks, of, rows
 from support.running_plants import PRESSURE, engine
+from support.twin_engines import text
 
 import torsionnet as tn
 from torsionnet.model.excitations.cylinder_harmonics import cylinder_harmonics, firing_intervals, indicated_pressures
@@ -156,6 +158,19 @@ def table(section, caption):
 
 
 class TestSection:
+    def test_pressures_of_an_engine_behind_a_gear_are_at_its_own_speed(self):
+        """Mean pressure times swept volume over the angle of a four-stroke cycle; the reference turns a third as fast."""
+        engine = """type: reciprocating_engine, cycle: 4, firing_order: [1, 2, 3], bore: 200 mm, stroke: 250 mm,
+            rod_length: 500 mm, gas: {harmonics: {10 bar: {1: {amplitude: 2 bar, phase: 0 deg}}}},
+            load: {mean_indicated_pressure: 10 bar}, orders: [1, 1.5]"""
+        plant = re.sub(
+            r"speeds: \{.*\}", "speeds: {of: w, list: [130 rpm, 240 rpm], rated: 240 rpm}", text(engine=engine)
+        )
+        report = make_report(tn.loads(plant), sections=["harmonics"], date=None)
+        (row,) = rows(of(TableBlock, blocks(report, "harmonics"))[0])
+        torque = 1e6 * 3 * np.pi / 4 * 0.2**2 * 0.25 / (4 * np.pi)
+        assert row == ("720.0", "10.00", f"{torque / 1e3:.4g}", f"{torque * 720 * np.pi / 30 / 1e3:.0f}")
+
     def test_firing_in_words(self, section):
         text = str(of(Paragraph, section.blocks)[0].text)
         assert "Firing order 1–5–3–4–2–6, every 60° of crank angle" in text

@@ -2,6 +2,7 @@
 
 import json
 import re
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,11 @@ from support.command_line import run
 
 import torsionnet as tn
 from torsionnet.io.order_tables import read_orders
+from torsionnet.response.frequency_response import Channel
+from torsionnet.response.measured.calculated_order import between_speeds
 from torsionnet.response.order_comparison import MeasuredOrder, compared_orders
+from torsionnet.response.order_line import OrderLine
+from torsionnet.response.order_response import OrderResponse
 
 RPM = np.pi / 30
 PLANT = """torsionnet: 1
@@ -115,6 +120,17 @@ class TestCommand:
         assert "cannot read" in run("orders", "plant.yaml", "--output", "f", "--measured", "none.csv", code=2).stderr
 
 
+@pytest.mark.parametrize(("count", "degree"), [(2, 1), (3, 1), (4, 3), (9, 3)])
+def test_between_calculated_speeds(count, degree):
+    """A line is met from two speeds on, a polynomial of the third degree from four."""
+    speeds, at = np.linspace(1.0, 3.0, count), np.linspace(1.0, 3.0, 7)
+
+    def values(at):
+        return (1 + 2j) + (3 - 1j) * at + (degree == 3) * (0.5 + 0.25j) * at**3
+
+    assert between_speeds(speeds, values(speeds), at) == pytest.approx(values(at), rel=1e-12)
+
+
 class TestPicture:
     def test_dots_over_lines(self, folder):
         from torsionnet.plot import order_overlay
@@ -128,6 +144,20 @@ class TestPicture:
             assert line.get_ydata() == pytest.approx(np.array(expected), rel=1e-9)
         assert (len(model.get_xdata()), len(test.get_xdata())) == (121, 39)
         assert (panel.get_xlabel(), panel.get_ylabel()) == ("speed of m [rpm]", "torque(shaft) [N·m]")
+
+    def test_orders_of_the_largest_amplitudes_are_drawn_calculated_or_measured(self):
+        """Of eight the first is large in the calculation alone, the last but one in the test alone, the second in none."""
+        from torsionnet.plot import order_overlay
+
+        speeds, names = np.array([400, 600, 800]) * RPM, range(1, 9)
+        lines = tuple(OrderLine("engine", order, Fraction(1)) for order in names)
+        values = np.array([[9.0, 0.1, 3, 4, 5, 6, 0.2, 0.3]] * 3, dtype=complex)[:, :, None]
+        response = OrderResponse(speeds, "m", lines, values, (Channel("T", "N*m"),))
+        seen = [0.1, 0.1, 3, 4, 5, 6, 8, 0.3]
+        measured = [MeasuredOrder(order, speeds, np.full(3, size)) for order, size in zip(names, seen, strict=True)]
+        (panel,) = order_overlay(response, {"T": measured}).axes
+        drawn = {round(float(np.max(line.get_ydata())), 3) for line in panel.lines}
+        assert drawn == {9.0, 0.1, 3, 4, 5, 6, 8, 0.2}
 
     def test_speeds_that_were_not_calculated_are_left_out(self):
         response = tn.loads(PLANT).order_response("f")

@@ -498,6 +498,13 @@ class TestPictures:
         highest = spectra[0].get_xdata()[np.argmax(spectra[0].get_ydata())]
         assert highest == pytest.approx([6, 5][int(np.argmax(sizes))] * 1000 / 60)
         assert {text.get_text() for text in axes.texts} >= {"motor 6"}
+        # The bar beside them is so high as its value in their scale.
+        value, unit = next(text.get_text() for text in axes.texts if "N·m" in text.get_text()).split()
+        rise = max(np.ptp(line.get_ydata()) for line in spectra)
+        scale = {"N·m": 1.0, "kN·m": 1e-3}[unit] * np.abs(run_.values).max()
+        assert np.ptp(axes.lines[3].get_ydata()) / rise == pytest.approx(float(value) / scale, rel=1e-6)
+        low, high = axes.get_xlim()
+        assert axes.lines[3].get_xdata() == pytest.approx([low + 0.99 * (high - low)] * 2)
 
     def test_waterfall_of_what_does_not_vibrate(self):
         """Two equal discs driven alike do not twist the shaft between them."""

@@ -2,6 +2,7 @@
 
 import math
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -89,6 +90,8 @@ class TestMassElastic:
         assert line.damping == 30
         rubber = by_name["rubber",][1]
         assert (rubber.stiffness, rubber.loss_factor) == (26e3, pytest.approx(0.2))
+        elastic = [replace(rubber, stiffness=stiffness).is_elastic for stiffness in (0.0, 0.5, math.inf)]
+        assert elastic == [False, True, False]
         assert {node, line.to} == {"w", "p"}
 
     def test_referred_to_the_engine_by_the_square_of_the_ratio(self, found):
@@ -196,8 +199,6 @@ class TestPowers:
         assert abs(found.state.of("line").torque) == pytest.approx(300e3 / (600 * math.pi / 30))
 
     def test_a_loss_in_a_gear_is_seen(self):
-        from dataclasses import replace
-
         found = tn.loads(PLANT).configured("pump=off").power_balance(1500 * math.pi / 30)
         loads = [replace(one, torque=0.9 * one.torque) if one.port == "w" else one for one in found.state.loads]
         lossy = replace(found, state=replace(found.state, loads=tuple(loads)))

@@ -55,6 +55,24 @@ def test_without_a_barred_range_there_is_none():
     assert not section(tn.load("wind_turbine_3mw"))
 
 
+def test_without_notes_on_the_response_there_is_no_text_behind_the_picture():
+    fan = tn.loads(
+        """
+torsionnet: 1
+name: fan
+elements:
+  rotor: {type: inertia, node: a, inertia: 2}
+  wheel: {type: inertia, node: b, inertia: 1}
+  shaft: {type: spring, nodes: [a, b], stiffness: 10 kN*m/rad, damping: 2}
+speeds: {of: a, range: 400..700 rpm, step: 5 rpm}
+excitations: {blades: {type: harmonic, node: b, orders: {2: {amplitude: 10}}}}
+limits: {shaft: {rule: curve, output: torque(shaft), value: 100 N*m, source: maker}}
+"""
+    )
+    (found,) = section(fan, passage=(1.0,))
+    assert isinstance(found.blocks[-1], Picture)
+
+
 def test_rows_are_those_of_the_response(ship, check):
     (barred,) = passed_ranges([check])
     found = range_passages(ship, barred, [8.0])

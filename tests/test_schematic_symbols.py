@@ -7,12 +7,25 @@ import pytest
 from support.campaigns import examples
 from support.drawn_models import MODELS, inertia
 from support.made_up_elements import GLYPHS, SHAPES, Absorber, Maxwell, OnePort, Zener, with_glyph
+from support.models import EVERY_ELEMENT
 from support.pictures import EXAMPLES, SOME_EXAMPLES, collisions, crossed, drawable, drawn, is_round, outside, texts
 
 import torsionnet as tn
 from torsionnet import plot
 from torsionnet.plot.drawing.labels import symbol
+from torsionnet.plot.schematic.glyphs import inline_glyph
 from torsionnet.plot.schematic.outlines import BODY
+
+
+@pytest.mark.parametrize("kind", EVERY_ELEMENT)
+def test_symbols_fill_the_room_that_is_kept_for_them(kind):
+    """From end to end of the line, and as far up or down as their half width says; the marks of chains reach less far."""
+    glyph = inline_glyph(EVERY_ELEMENT[kind], {})
+    x, y = np.array([point for stroke in glyph.strokes for point in stroke.points]).T
+    assert (x.min(), x.max()) == (0, pytest.approx(glyph.length))
+    assert {0.0, glyph.length} <= set(x[y == 0])
+    least, most = (-7, 1) if EVERY_ELEMENT[kind].glyph in ("spring", "damper") else (-2, 0)
+    assert least <= np.abs(y).max() - glyph.half_width <= most
 
 
 def between(*elements, **more):

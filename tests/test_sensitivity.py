@@ -263,6 +263,17 @@ def one_mass(**parameters):
     )
 
 
+def test_tornado_leaves_out_bars_below_half_a_percent_of_the_largest():
+    """Springs side by side: f over each is k_i/(2 k), relative to the stiffest k_i/k_1."""
+    from torsionnet import plot
+
+    springs = {"k": 1000.0, "a": 6.0, "b": 4.0}
+    elements = [tn.Spring(f"s_{name}", nodes=("a", "ground"), stiffness=name) for name in springs]
+    rig = tn.Drivetrain("three", [tn.Inertia("rotor", node="a", inertia=1), *elements], parameters=springs)
+    (panel,) = plot.tornado(mode_sensitivities(rig)).axes
+    assert [text.get_text() for text in panel.get_yticklabels()] == ["k", "a"]
+
+
 def test_poles_that_meet_have_no_derivative_and_say_so():
     found = mode_sensitivities(one_mass(J=0.25, k=400, c=20), ["k", "c"])
     assert np.isnan(found.pole_slopes).all()

@@ -34,8 +34,11 @@ TINY = 1e-4
 """Smaller constants are tolerances: those have to be off by more than a factor of two to matter."""
 NUMBERS = ("float", "int", "complex", "FloatArray", "ComplexArray")
 
-NO_MATTER = {"strict", "stacklevel", "repr", "compare", "check_finite", "overwrite_a", "overwrite_b", "copy", "maxsize"}
-"""Keywords that change no result."""
+NO_MATTER = {
+    "strict", "stacklevel", "repr", "compare", "check_finite", "overwrite_a", "overwrite_b", "copy", "maxsize",
+    "linewidth", "linewidths", "elinewidth", "markersize", "markeredgewidth", "capsize", "wide",
+}  # fmt: skip
+"""Keywords that change no result, or only how thick a line is, how large a mark, how wide a column at least."""
 ONLY_SHOWN = {"__repr__", "__str__", "_repr_html_"}
 DISPLAYS = (ast.List, ast.Tuple, ast.ListComp, ast.JoinedStr)
 

@@ -1,10 +1,20 @@
 """Blocks, tables and words of a report, as tests ask for them."""
 
-from torsionnet.report.document_tree import BreakableMath, Code, Details, Math, NumberText, Section, Strong, inlines
+from torsionnet.report.document_tree import (
+    BreakableMath,
+    Code,
+    Details,
+    Math,
+    NumberText,
+    Section,
+    Strong,
+    TableBlock,
+    inlines,
+)
 
 
 def blocks(report, name):
-    """Every block of a section, those of sections in it included."""
+    """Every block of a section, those of sections in it included; numbers in its tables are aligned."""
     stack = [section for section in report.sections if section.name == name]
     found = []
     while stack:
@@ -13,7 +23,19 @@ def blocks(report, name):
             stack = [*block.blocks, *stack]
         else:
             found.append(block)
+    for table in of(TableBlock, found):
+        check_alignment(table)
     return found
+
+
+def check_alignment(table):
+    """Columns of numbers, and no others, are aligned at the point; one of values of all kinds is wide."""
+    for place, column in enumerate(table.columns):
+        cells = [row[place] for group in table.groups for row in group.rows]
+        if column.numeric:
+            assert not any(letter.isalpha() for cell in cells for letter in words(cell)), column
+        else:
+            assert column.wide or not any(isinstance(cell, NumberText) for cell in cells), column
 
 
 def of(kind, found):
