@@ -234,12 +234,14 @@ def test_harmonics_of_a_sweep_have_the_name_of_their_signal_and_their_orders():
     assert (size.get_ylabel(), phase.get_xlabel()) == ("amplitude [N·m]", "frequency of the sweep [Hz]")
 
 
-def test_fitted_orders_are_drawn_over_speed_in_rpm():
+@pytest.mark.parametrize("step", [20.0, 1e-4])
+def test_fitted_orders_are_drawn_over_speed_in_rpm(step):
+    """One steady speed stands in the middle."""
     from matplotlib.figure import Figure
 
     from torsionnet.plot.fit_orders import order_colours, order_column
 
-    speeds = np.array([40.0, 60.0, 80.0])
+    speeds = 60.0 + step * np.arange(-1, 2)
     one = Compared(
         "run up", speeds, np.array([1.0, 3, 2j]), np.array([1.0, 2, 2j]), np.full(3, 0.5), 1.0, "N*m",
         orders=np.full(3, 6.0), speeds=speeds,
@@ -249,7 +251,8 @@ def test_fitted_orders_are_drawn_over_speed_in_rpm():
     rpm = speeds * 30 / np.pi
     low, high = panels[2].get_xlim()
     assert low <= rpm[0] < rpm[-1] <= high
-    assert high - low < 1.5 * np.ptp(rpm)
+    assert high - low < max(1.5 * np.ptp(rpm), 0.03 * rpm[1])
+    assert (low + high) / 2 == pytest.approx(rpm[1])
     assert [line.get_xdata().tolist() for line in panels[2].lines] == [pytest.approx(rpm)] * 2
     assert panels[2].lines[0].get_ydata().tolist() == [0, 2, 0]  # residuals over standard deviations
 
