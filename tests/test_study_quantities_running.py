@@ -416,6 +416,47 @@ def test_every_quantity_goes_to_other_processes_and_into_a_file(kind: str) -> No
     assert quantity.schema(type_key="type")["properties"]["type"]["const"] == kind
 
 
+DAMPED = np.sqrt(400 / 0.001 - (0.1 / 0.002) ** 2) / (2 * np.pi)
+"""Hz, of the lightest variant, with the last row of the table."""
+
+
+@pytest.mark.parametrize(
+    ("kind", "entries", "at_most"),
+    [
+        ("natural_frequency", {"mode": 1}, DAMPED),
+        ("response", {"output": "a", "input": "a", "at": [5.0, 163.0]}, 163),
+        ("peak", {"output": "a", "input": "a", "band": (2.0, 50.0)}, 50),
+        ("order_torque", {"output": "torque(bush)"}, 30),
+        ("order_torque", {"output": "torque(bush)", "curve": True}, 30),
+        ("utilisation", {"limit": "bush"}, 30),
+        ("critical_speed_margin", {}, DAMPED),
+        ("transient_peak", {"output": "a", "input": "a", "torque": 1, "duration": 0.1, "rate": 1000}, 500),
+        ("scenario_peak", {"scenario": "step", "output": "a"}, 600),
+    ],
+)
+def test_a_study_notes_tables_that_are_read_beyond_their_rows(kind, entries, at_most, tmp_path):
+    """Over all variants, in numbers by hand: order 2 at 900 rpm is 30 Hz, motion over time has half the rate."""
+    rig = tn.Drivetrain(
+        "bush",
+        [
+            tn.Inertia("J", node="a", inertia="J"),
+            tn.TabulatedSpring("bush", nodes=("a", "ground"), table=[[0, 400, 0.1], [20, 400, 0.1]]),
+        ],
+        parameters={"J": 0.01},
+        speeds={"of": "a", "range": "600..900 rpm", "step": "300 rpm"},
+        excitations={"blades": {"type": "harmonic", "node": "a", "orders": {2: {"amplitude": "10 N*m"}}}},
+        limits={"bush": {"rule": "curve", "output": "torque(bush)", "value": "40 N*m", "source": "maker"}},
+        scenarios={"step": {"type": "torques", "duration": "0.1 s", "rate": "1.2 kHz", "torque": {"a": "1 N*m"}}},
+    )
+    vary = {"J": {"type": "list", "values": [0.01, 0.001, 0.004]}}
+    study = tn.study.define(rig, vary, {"q": {"type": kind, **entries}})
+    end = f"go from 0 to 20 Hz, and it is read at up to {at_most:.6g} Hz, where the last row is kept"
+    expected = f"bush: the rows of its table {end}"
+    assert expected in tn.study.run_study(study).notes
+    assert expected in tn.study.run_study(study, tmp_path / "kept").notes
+    assert expected in tn.study.run_study(study, tmp_path / "kept").notes  # read from its chunks
+
+
 def test_a_block_keeps_few_remarks() -> None:
     block = singly(dmf_rig(), {"k_2": np.array([1.0])})
     for number in range(3 * MOST_REMARKS):

@@ -6,7 +6,7 @@ import json
 import os
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.assembly.rows import FloatArray
+from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.atomic import atomic_replacement
 from torsionnet.core.entries.spec import Json
 from torsionnet.core.errors import MissingExtraError, UsageError, did_you_mean
@@ -67,6 +68,9 @@ class StudyResult(NotebookResult):
     folder : Path or None
     beyond : LimitTotals or None
         Variants beyond limits, where the values of a part only are kept.
+    read : mapping
+        Configuration -> lowest and highest frequency in Hz at which laws over frequency are read, (2,); infinite ones
+        where none is.
     """
 
     study: Study
@@ -76,6 +80,7 @@ class StudyResult(NotebookResult):
     remarks: Mapping[str, Mapping[str, int]]
     folder: Path | None = None
     beyond: LimitTotals | None = None
+    read: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         names = ", ".join(self.study.quantities)
@@ -193,6 +198,10 @@ class StudyResult(NotebookResult):
             texts.append(f"percentiles are within {ACCURACY:.1%} of themselves")
         if self.kept.every > 1:
             texts.append(f"values of single variants are kept of {self.kept.words(self.study.count)}")
+        reading = {name: at for name, at in self.read.items() if np.isfinite(at).any()}
+        texts += dict.fromkeys(
+            note for name, at in reading.items() for note in range_notes(self.study.model_in(name).assembly, at)
+        )
         total: Counter[str] = Counter()
         for one in self.remarks.values():
             total.update(one)

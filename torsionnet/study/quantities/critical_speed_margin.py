@@ -67,10 +67,12 @@ class CriticalSpeedMargin(StudyQuantity):
         return QuantityForm()
 
     def evaluate(self, block: VariantBlock) -> FloatArray:
-        if not self._shared(block):
+        shared = self._shared(block)
+        if shared or block.is_over_frequency:
+            modes = block.read_modes
+        if not shared:
             return block.one_by_one(self._of)
         ranges = self._ranges(block.model)
-        modes = block.every_mode
         vibrations = np.where(modes.eigenvalues.imag > 0, np.abs(modes.eigenvalues) / (2 * np.pi), np.nan)
         resting = modes.undamped_natural_frequencies
         natural = np.hstack([vibrations, np.where(resting > 0, resting, np.nan)])

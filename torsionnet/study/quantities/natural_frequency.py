@@ -61,7 +61,7 @@ class ModeQuantity(StudyQuantity):
     def eigenvalue(self, block: VariantBlock) -> ComplexArray:
         """Eigenvalues (n_variants,), complex, in rad/s of the mode; NaN where a variant has no such vibration."""
         if self.order == ASCENDING:
-            return nth_vibration(block.every_mode.eigenvalues, self.mode)
+            return nth_vibration(block.read_modes.eigenvalues, self.mode)
         place = vibrating(block.modes.reference)[self.mode - 1]
         mixed = int(np.sum(block.modes.veering[:, place]))
         if mixed:
@@ -137,7 +137,7 @@ class NaturalFrequency(ModeQuantity):
     def undamped(self, block: VariantBlock) -> FloatArray:
         """Undamped natural frequencies (n_variants, 1) in Hz, at the nominal mode's place among those above 0."""
         place, _ = undamped_place(block.model, self.mode)
-        return nth_above_zero(block.every_mode.undamped_natural_frequencies, place + 1)
+        return nth_above_zero(block.read_modes.undamped_natural_frequencies, place + 1)
 
 
 def nth_above_zero(sizes: FloatArray, number: int) -> FloatArray:

@@ -47,6 +47,8 @@ Driving = str | Sensor | tuple[str | Sensor | Input, ...]
 T = TypeVar("T")
 
 _NUMBER = re.compile(r"^variant \d+:? ")
+NOTHING_READ = (np.inf, -np.inf)
+"""Lowest and highest frequency in Hz at which laws over frequency are read, before any is."""
 MOST_VALUES = 2_000_000
 """Most complex values of responses that are held at a time, 32 MB, as each worker needs as much memory."""
 
@@ -79,6 +81,8 @@ class VariantBlock:
         Method of frequency responses, the same whatever the number of variants.
     nominal : callable or None
         Returns the modes of ``model``, which other blocks share.
+    read : (2,) array
+        Lowest and highest frequency in Hz at which laws over frequency were read, as by :data:`NOTHING_READ`.
     """
 
     model: Drivetrain
@@ -89,6 +93,7 @@ class VariantBlock:
     remarks: Counter[str] = field(default_factory=Counter)
     method: str = GRAPH
     nominal: Callable[[], Modes] | None = None
+    read: FloatArray = field(default_factory=lambda: np.array(NOTHING_READ))
 
     def __len__(self) -> int:
         return len(next(iter(self.values.values())))
@@ -135,6 +140,18 @@ class VariantBlock:
         """Count a warning of the block by its text."""
         remark(self.remarks, text, count)
 
+    @property
+    def is_over_frequency(self) -> bool:
+        """Whether laws of the model depend on frequency."""
+        return bool(self.model.assembly.system.dynamic)
+
+    def reads(self, frequencies: ArrayLike) -> None:
+        """Widen ``read`` to these frequencies in Hz, where laws of the model depend on frequency."""
+        at = np.asarray(frequencies, dtype=float)
+        at = at[np.isfinite(at)]
+        if at.size and self.is_over_frequency:
+            self.read[:] = min(self.read[0], at.min()), max(self.read[1], at.max())
+
     def one_by_one(self, ask: Callable[[Drivetrain], ArrayLike], n_points: int = 1) -> FloatArray:
         """Results (n_variants, n_points) of a function that is called with the drivetrain of every variant.
 
@@ -167,15 +184,23 @@ class VariantBlock:
         return found
 
     @cached_property
+    def read_modes(self) -> BatchedModes:
+        """Modes of every variant, of which values of quantities are made, so that their frequencies count as read."""
+        found = self.every_mode
+        self.reads(np.abs(found.eigenvalues.imag[found.eigenvalues != 0]) / (2 * np.pi))
+        return found
+
+    @cached_property
     def modes(self) -> TrackedModes:
         """Modes of every variant in the order of the modes of ``model`` by which they are tracked."""
-        return track_modes(self.every_mode, None if self.nominal is None else self.nominal())
+        return track_modes(self.read_modes, None if self.nominal is None else self.nominal())
 
     def responses(
         self, outputs: Channels, inputs: Driving, frequencies: FloatArray, excitation: str | None = None
     ) -> ComplexArray:
         """Transfer functions (n_variants, n_f, n_out, n_in) in SI at frequencies (n_f,) or (n_variants, n_f) in Hz."""
         request = cached_request(self.model, outputs, inputs, excitation)
+        self.reads(frequencies)
         if self.batch is not None:
             if frequencies.ndim == 2:
                 return responses_at_own_frequencies(self.batch, request, frequencies, self.method)

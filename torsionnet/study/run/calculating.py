@@ -23,7 +23,7 @@ from torsionnet.study.reductions.histogram import GrowingHistogram, Histogram
 from torsionnet.study.reductions.kept_values import extremes, kept_indices
 from torsionnet.study.reductions.limit_counts import LimitBits
 from torsionnet.study.reductions.moments import Moments
-from torsionnet.study.run.chunk_values import ChunkValues
+from torsionnet.study.run.chunk_values import ChunkValues, widest
 from torsionnet.study.run.chunks import Chunk, Chunks, counted_limits
 from torsionnet.study.space.space import Space
 from torsionnet.study.study import Study
@@ -52,6 +52,7 @@ class JoinedBlocks:
     missing: Counter[str] = field(default_factory=Counter)
     impossible: int = 0
     remarks: Counter[str] = field(default_factory=Counter)
+    read: list[FloatArray] = field(default_factory=list)
 
     def add(self, start: int, block: VariantBlock, names: tuple[str, ...]) -> None:
         """Add the next block of variants, the first of which has the index ``start``."""
@@ -74,6 +75,7 @@ class JoinedBlocks:
                 self.parameters.setdefault(name, []).append(column[chosen])
         for text, count in block.remarks.items():
             remark(self.remarks, text, count)
+        self.read.append(block.read)
 
     def whole(self) -> ChunkValues:
         """Values and statistics of all variants added to the chunk."""
@@ -86,6 +88,7 @@ class JoinedBlocks:
             _joined(self.extremes),
             _joined(self.parameters),
             self._bits() if self.limits else None,
+            widest(self.read),
         )
 
     def _bits(self) -> LimitBits:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import hashlib
 import io
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray
+from torsionnet.study.quantities.variant_block import NOTHING_READ
 from torsionnet.study.reductions.histogram import Histogram
 from torsionnet.study.reductions.limit_counts import LimitBits
 from torsionnet.study.reductions.moments import Moments
@@ -46,6 +47,8 @@ class ChunkValues:
         Parameter -> (n,) values, where only a part of the variants is kept; else empty.
     beyond : LimitBits or None
         Variants beyond the limits; None where all values are kept.
+    read : (2,) array
+        Lowest and highest frequency in Hz at which laws over frequency are read.
     """
 
     values: Mapping[str, FloatArray]
@@ -56,10 +59,11 @@ class ChunkValues:
     extremes: Mapping[str, FloatArray] = field(default_factory=dict)
     parameters: Mapping[str, FloatArray] = field(default_factory=dict)
     beyond: LimitBits | None = None
+    read: FloatArray = field(default_factory=lambda: np.array(NOTHING_READ))
 
     def to_bytes(self, number: int) -> bytes:
         """Content of the file of chunk ``number``, an npz archive and its checksum, equal bytes for equal values."""
-        arrays: dict[str, NDArray[np.generic]] = {}
+        arrays: dict[str, NDArray[np.generic]] = {"read": self.read}
         for place, name in enumerate(self.moments):
             if name in self.values:
                 arrays[f"values_{place}"] = self.values[name]
@@ -112,4 +116,15 @@ class ChunkValues:
             {name: found[f"extremes_{place}"] for place, name in places.items() if f"extremes_{place}" in found},
             {name: found[f"parameter_{place}"] for place, name in enumerate(head["parameters"])},
             LimitBits(found["beyond"], found["missing"]) if "beyond" in found else None,
+            found.get("read", np.array(NOTHING_READ)),
         )
+
+
+def widest(read: Sequence[FloatArray]) -> FloatArray:
+    """Lowest and highest of several pairs (2,) of frequencies in Hz, :data:`NOTHING_READ` without any.
+
+    >>> widest([np.array([2.0, 5.0]), np.array(NOTHING_READ), np.array([3.0, 9.0])]).tolist()
+    [2.0, 9.0]
+    """
+    low, high = np.array([NOTHING_READ, *read]).T
+    return np.array([low.min(), high.max()])

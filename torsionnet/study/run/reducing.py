@@ -16,7 +16,7 @@ from torsionnet.study.reductions.kept_values import KeptValues
 from torsionnet.study.reductions.limit_counts import LimitBits, LimitCounts, LimitTotals
 from torsionnet.study.reductions.moments import Moments
 from torsionnet.study.reductions.quantity_summary import Summary
-from torsionnet.study.run.chunk_values import ChunkValues
+from torsionnet.study.run.chunk_values import ChunkValues, widest
 from torsionnet.study.run.chunks import Chunks, counted_limits
 from torsionnet.study.study import Study
 from torsionnet.study.study_result import StudyResult
@@ -58,6 +58,7 @@ def merge_chunks(
         {name: dict(one.remarks) for name, one in cases.items()},
         folder,
         None if every == 1 else _totals(study, cases, in_any),
+        {name: widest(one.read) for name, one in cases.items()},
     )
 
 
@@ -86,6 +87,7 @@ class _Joined:
     beyond: LimitCounts = field(default_factory=LimitCounts)
     impossible: int = 0
     remarks: Counter[str] = field(default_factory=Counter)
+    read: list[FloatArray] = field(default_factory=list)
 
     def add(self, chunk: ChunkValues) -> None:
         for name, moments in chunk.moments.items():
@@ -101,3 +103,4 @@ class _Joined:
         self.impossible += chunk.impossible
         for text, count in sorted(chunk.remarks.items()):
             remark(self.remarks, text, count)
+        self.read.append(chunk.read)
