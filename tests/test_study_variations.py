@@ -252,7 +252,7 @@ def test_the_model_says_value_and_unit():
         (Normal, {"deviaton": 3}, 'unknown key "deviaton"; did you mean "deviation"?'),
         (Normal, {}, "a variation needs deviation: standard deviation"),
         (Normal, {"deviation": "k_1/2"}, '"k_1/2" is an expression of parameters'),
-        (Normal, {"deviation": 1e300}, "1e+300 is beyond the range of values in a drivetrain"),
+        (Normal, {"deviation": 1e300}, "1e+300 is far outside the sizes of drivetrains and their tests"),
         (ListOfValues, {"values": []}, "the list holds no value"),
         (ListOfValues, {"values": 3}, "expected a list of values, got 3"),
         (ValueRange, {"low": 1, "high": 2, "count": 1}, "expected a whole number from 2 to 1000000000, got 1"),

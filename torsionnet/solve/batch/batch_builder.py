@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import ModelError
+from torsionnet.core.number_range import LARGEST_SIZE, SMALLEST_SIZE
 from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness, DynamicStiffness
 from torsionnet.model.element_base.round_section import section_modulus
 from torsionnet.model.elements import Law, Values
@@ -36,7 +37,9 @@ class BatchBuilder:
         )
         self.dynamic: list[BatchedStiffness] = []
         self.moduli: dict[str, FloatArray] = {}
-        self.impossible = ~np.all([np.isfinite(one) for one in values.values()], axis=0)
+        # As `is_beyond_range` refuses the number of a single model.
+        sizes = np.abs(np.array(list(values.values())))
+        self.impossible = ~np.all((sizes == 0) | ((sizes > SMALLEST_SIZE) & (sizes < LARGEST_SIZE)), axis=0)
         self.separate, self.known = (np.zeros(self.count, dtype=bool) for _ in range(2))
 
     def followed(self, places: NDArray[np.intp], decisions: Decisions) -> FollowingPass:

@@ -13,7 +13,6 @@ from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, plain_number, read_value
 from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec
 from torsionnet.core.expressions import Number
-from torsionnet.core.number_range import is_beyond_range
 from torsionnet.core.type_register import TypeRegister
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.space.variations.nominal import NominalReader
@@ -110,8 +109,6 @@ class ParameterValue(Spec[Number]):
         value = raw if isinstance(raw, Number) else read_value(raw)
         if not isinstance(value, Number):
             raise EntryError(f'expected a number with unit or in percent; "{value}" is an expression of parameters')
-        if is_beyond_range(float(value.value)):
-            raise EntryError(f"{float(value.value):g} is beyond the range of values in a drivetrain; check its unit")
         return value
 
     def plain(self, value: Any) -> Json:
