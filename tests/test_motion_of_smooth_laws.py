@@ -323,3 +323,18 @@ def test_a_clutch_whose_clamp_outruns_the_torque_never_slips():
     assert np.abs(record["slip"].values).max() < 1e-12
     record = launched({"0 s": 0, "0.5 s": 150, "0.6 s": 20})  # 248 N m/s
     assert record["slip"].values[400] > 1
+
+
+def test_a_blow_after_rest_on_a_spring_that_hardens():
+    """The first step after a rest is as long as the rest, far beyond what floats hold: a shorter one follows."""
+    plant = tn.Drivetrain(
+        "blow", [tn.Inertia("J", node="a", inertia=1), tn.Spring("s", nodes=("a", "ground"), stiffness=1, cubic=1e4)]
+    )
+    torque = {"0 s": 0, "1 s": 0, "1.000000001 s": 100}
+    angle = plant.simulate(
+        "angle(a)", scenario={"type": "torques", "duration": 3, "torque": {"a": torque}}, sampling_rate=50.0
+    )["angle(a)"].values
+    # Energy: at the turning point 100 a = a^2/2 + 1e4 a^4/4.
+    greatest = max(np.roots([2500, 0, 0.5, -100]).real)
+    assert np.abs(angle[:51]).max() == 0
+    assert 0.99 * greatest < angle.max() <= greatest * (1 + 1e-9)

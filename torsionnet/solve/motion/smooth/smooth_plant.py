@@ -137,16 +137,17 @@ class SmoothPlant:
             own = y[:n]
             for row, torque in zip(late, y[n:].tolist(), strict=True):
                 u[row[0]] = torque
-            for place, one, over_y, over_u, over_s in at_once:
-                u[place] = self._torque(one, over_y @ own + over_u @ u + over_s @ slopes, u)
-            found = A @ own + form.U @ u + form.S @ slopes
-            if not late:
-                return np.asarray(found)
-            changes = [
-                (self._torque(one, over_y @ own + over_u @ u + over_s @ slopes, u) - u[place]) / one.lag
-                for place, one, over_y, over_u, over_s in late
-            ]
-            return np.concatenate([found, changes])
+            try:
+                for place, one, over_y, over_u, over_s in at_once:
+                    u[place] = self._torque(one, over_y @ own + over_u @ u + over_s @ slopes, u)
+                changes = [
+                    (self._torque(one, over_y @ own + over_u @ u + over_s @ slopes, u) - u[place]) / one.lag
+                    for place, one, over_y, over_u, over_s in late
+                ]
+            except OverflowError:
+                # Where a torque begins the first trial step may be far too long: the method shortens what has no error.
+                return np.full(len(y), np.nan)
+            return np.concatenate([A @ own + form.U @ u + form.S @ slopes, changes])
 
         return rates
 
