@@ -1,6 +1,7 @@
 """Modes as a result: words, energies, tables, warnings."""
 
 import json
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -158,8 +159,10 @@ def fixed_points(M, C, K, tables, top):
     def above(omega):
         return np.sum(poles(omega).imag > omega)
 
+    grid = np.geomspace(1e-3, top, 1500)  # finer than what two fixed points could be apart here
+
     def between(low, high):
-        if above(low) == above(high):
+        if above(low) <= above(high):  # a fixed point at which the number rises is no mode
             return []
         if high - low < 1e-13 * high:
             every = poles(high)
@@ -169,7 +172,7 @@ def fixed_points(M, C, K, tables, top):
 
     rest = poles(0.0)
     still = rest[np.abs(rest.imag) < 1e-9 * np.abs(rest)].real
-    return [*still, *between(1e-6, top)]
+    return [*still, *(z for low, high in pairwise(grid) for z in between(low, high))]
 
 
 def film(rows, ground=None):
@@ -198,7 +201,7 @@ class TestTables:
 
     @pytest.mark.parametrize("seed", range(12))
     def test_random_chains_have_the_fixed_points_of_dense_matrices(self, seed):
-        """Tables of equal rows, that overdamp, and gentle ones; each eigenvalue at rest is one mode."""
+        """Tables of equal rows, that overdamp, and gentle ones, with as many poles as states."""
         chance = np.random.default_rng(seed)
         n, tables, elements = 4, [], []
         M, C, K = np.diag(10 ** chance.uniform(-1, 1, 4)), np.zeros((4, 4)), np.zeros((4, 4))
@@ -221,25 +224,57 @@ class TestTables:
         assert sum(2 - (z.imag == 0) for z in modes.eigenvalues) == 2 * n
         np.testing.assert_allclose(np.sort_complex(modes.eigenvalues), np.sort_complex(expected), rtol=1e-7)
 
-    def test_a_mode_that_vibrates_at_its_own_frequency_is_no_real_pole_at_rest(self):
-        """0.001 s^2 + c s + k: real roots with the first row, -500 +- 742j with the last, which the mode reads."""
+    @pytest.mark.parametrize("seed", [0, 2, 7, 12, 13, 20])
+    def test_near_critical_damping_no_fixed_point_is_lost(self, seed):
+        """Films soft at rest and steep tables: all real poles at rest, and all vibrations at their own frequency."""
+        chance = np.random.default_rng(seed)
+        tables, elements = [], []
+        M, nothing = np.diag(10 ** chance.uniform(-1, 1, 4)), np.zeros((4, 4))
+        for i in range(4):
+            row = np.eye(4)[i] - (np.eye(4)[i + 1] if i < 3 else 0)
+            nodes = (f"n{i}", f"n{i + 1}" if i < 3 else "ground")
+            k = 10 ** chance.uniform(2, 4)
+            c = 2 * 10 ** chance.uniform(-1, 0.7) * np.sqrt(k * M[i, i])
+            soft = 0.0 if chance.uniform() < 0.25 else k * 10 ** chance.uniform(-1, 0.3)
+            first = (0.5, soft, c * 10 ** chance.uniform(-0.5, 0.5))
+            last = (12.0, k * 10 ** chance.uniform(-0.2, 0.5), c * 10 ** chance.uniform(-1, 0))
+            rows = [first, (3.0, k, c), last]
+            if chance.uniform() < 0.3:
+                rows = [(f, k, c) for f, _, _ in rows]
+            elements += [
+                tn.Inertia(f"J{i}", node=f"n{i}", inertia=M[i, i]),
+                tn.TabulatedSpring(f"t{i}", nodes=nodes, table=rows),
+            ]
+            tables.append((row, rows))
+        modes = tn.Drivetrain("chain", elements).modes()
+        expected = [z for z in fixed_points(M, nothing, nothing, tables, 1e4) if abs(z) > 1e-9]
+        values = modes.eigenvalues[modes.eigenvalues != 0]
+        np.testing.assert_allclose(np.sort_complex(values), np.sort_complex(expected), rtol=1e-7)
+        more = sum(2 - (z.imag == 0) for z in modes.eigenvalues) - 8  # states: a rigid body counts once, as at rest
+        assert any("so steep" in note for note in modes.notes) == (more > 0)
+
+    def test_a_vibration_at_its_own_frequency_stands_beside_the_real_poles_at_rest(self):
+        """0.001 s^2 + c s + k: two real roots with the first row, -500 +- 742j with the last, which the mode reads."""
         bush = tn.TabulatedSpring("bush", nodes=("a", "ground"), table=[[1, 400, 2], [20, 800, 1]])
         rig = tn.Drivetrain("bush", [tn.Inertia("J", node="a", inertia=0.001), bush], inputs={"T": {"torque": "a"}})
         modes = rig.modes()
-        np.testing.assert_allclose(modes.eigenvalues, np.roots([0.001, 1, 800])[:1], rtol=1e-12)
+        expected = [*np.roots([0.001, 1, 800])[:1], *np.roots([0.001, 2, 400])]
+        np.testing.assert_allclose(np.sort_complex(modes.eigenvalues), np.sort_complex(expected), rtol=1e-12)
         text = "bush: the rows of its table go from 1 to 20 Hz, and it is read at up to"
-        assert modes.notes == (f"{text} 118.032 Hz, where the last row is kept",)
+        steep = "tables over frequency are so steep that there is 1 vibration more than with their values at rest"
+        read = f"{text.replace('at up to', 'from 0 Hz, where the first row is kept, and at up to')} 118.032 Hz"
+        assert modes.notes == (f"{read}, where the last row is kept", steep)
         assert rig.frequency_response("a", "T", [5, 163]).notes == (f"{text} 163 Hz, where the last row is kept",)
         assert rig.frequency_response("a", "T", [1, 20]).notes == ()
 
-    def test_of_two_frequencies_that_a_steep_table_allows_the_lower_is_given(self):
+    def test_both_frequencies_that_a_steep_table_allows_are_modes(self):
         """sqrt(30) rad/s below 1 Hz and sqrt(60) rad/s above."""
         bush = tn.TabulatedSpring(
             "k", nodes=("a", "ground"), table=[[0.1, 30, 0], [1.0, 30, 0], [1.01, 60, 0], [9, 60, 0]]
         )
         modes = tn.Drivetrain("steep", [tn.Inertia("j", node="a", inertia=1), bush]).modes()
-        assert modes.eigenvalues == pytest.approx([1j * 30**0.5])
-        assert f"would vibrate at {60**0.5 / (2 * np.pi):.6g} Hz" in modes.notes[0]
+        assert modes.eigenvalues == pytest.approx([1j * 30**0.5, 1j * 60**0.5])
+        assert "1 vibration more than with their values at rest" in modes.notes[0]
 
     @pytest.mark.parametrize("kind", ["table", "hysteretic"])
     def test_the_lowest_of_many_modes_are_those_of_all(self, kind):

@@ -67,8 +67,8 @@ class EigenSolution:
         0 for rigid-body modes, which are exact.
     missing : int
         Number of modes that exist but could not be calculated.
-    also : tuple of float
-        Further frequencies in rad/s at which tables over frequency are such that a mode would vibrate there.
+    more : int
+        Number of vibrations that meet their own frequency beyond those at rest, where tables over frequency are steep.
     """
 
     eigenvalues: ComplexArray
@@ -78,11 +78,11 @@ class EigenSolution:
     iterations: NDArray[np.int_]
     errors: FloatArray
     missing: int = 0
-    also: tuple[float, ...] = ()
+    more: int = 0
 
     def first(self, count: int | None) -> EigenSolution:
         """Copy of the modes with only the first ``count`` of them, or with all of them for None."""
-        whole = ("kinds", "missing", "also")
+        whole = ("kinds", "missing", "more")
         parts = {part.name: getattr(self, part.name)[..., :count] for part in fields(self) if part.name not in whole}
         return replace(self, kinds=self.kinds[:count], **parts)
 
@@ -110,9 +110,9 @@ def complex_modes(system: RowSystem, lowest: int | None = None) -> EigenSolution
     if lowest is not None and (few := _few_modes(system, lowest)) is not None:
         return few.first(lowest)
     if system.dynamic:
-        rigid, found, also = frozen_stiffness.modes(system)
+        rigid, found, more = frozen_stiffness.modes(system)
         solution = _sorted_solution(rigid, found, passive=is_passive(system, found.values)).first(lowest)
-        return replace(solution, also=also)
+        return replace(solution, more=more)
     spaces = subspaces(system, stiff, system.damping != 0)
     spectrum = refined_spectrum(solve_spectrum(system, spaces, system.stiffness, undamped=not np.any(system.damping)))
     kept, real = one_per_pair(spectrum)

@@ -6,13 +6,14 @@ fixed point, or rises by one where an eigenvalue follows the tables more quickly
 range tell how many fixed points it holds. They are polished by inverse iteration on the matrix that reads its tables at
 the eigenvalue itself, from vibrations of the problems at both ends; where fewer are met, the range is halved.
 
-Every eigenvalue at rest is one mode: where tables are so steep that there are more fixed points, these are followed
-back to rest. Two real poles at rest that a vibration becomes are left out, and of several vibrations that become one
-the lowest is given.
+Modes are all rigid motions and real poles at rest and all fixed points at which N falls. There are at least as many as
+eigenvalues at rest, and one more pair for each fixed point at which N rises, which is no mode. Counts between rows of
+tables show where N rises and falls again.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -46,8 +47,8 @@ SETTLED = 1e-9
 NARROW, NARROW_RISING = 1e-11, 1e-3
 """Relative width of a range in which an eigenvalue that inverse iteration does not meet is taken as it is, and of one
 in which only fixed points where N rises are left, which are no modes."""
-FOLLOWING_STEPS = 16
-"""Steps between two points in which the eigenvalues of the frozen problem are followed."""
+COUNTING_RATIO, COUNTING_WORK = 1.06, 1e7
+"""Ratio of frequencies at which vibrations above are counted, and bound on their number by the cube of coordinates."""
 MOST_RANGES, MOST_RANGES_LARGE = 24, 2
 """Most ranges that rows of tables part, fewer in a large system, as each range takes an eigenvalue problem."""
 MOST_PROBLEMS, MOST_PROBLEMS_LARGE = 400, 40
@@ -108,11 +109,11 @@ def next_to_rest(system: RowSystem) -> float:
     return AT_REST * min((2 * np.pi * f for _, law in system.dynamic for f in law.rows if f > 0), default=1.0)
 
 
-def modes(system: RowSystem, *, undamped: bool = False) -> tuple[FloatArray, Eigenpairs, tuple[float, ...]]:
+def modes(system: RowSystem, *, undamped: bool = False) -> tuple[FloatArray, Eigenpairs, int]:
     """Rigid motions (n_q, n) and all other modes of a system with stiffness over frequency, eigenvalues in rad/s.
 
     Rigid motions and real poles are those at rest, without damping those next to rest; other modes vibrate, each at its
-    own frequency. The third part are further frequencies in rad/s at which a mode would meet its own frequency.
+    own frequency. The third part is how many more vibrations there are than at rest.
     """
     problem = FrozenProblem(system, undamped)
     search = FixedPoints(problem)
@@ -121,31 +122,8 @@ def modes(system: RowSystem, *, undamped: bool = False) -> tuple[FloatArray, Eig
     still = [] if undamped else [rest.mode(int(j)) for j in kept[real]]
     still = [replace(mode, value=complex(mode.value.real)) for mode in still]
     found = search.all()
-    also: list[float] = []
-    if len(found) > len(problem.frequencies(search.points[0])):
-        found, still, also = _one_per_root(search, found, still)
-    return rest.rigid, Eigenpairs.of_modes([*found, *still], system.n_coordinates), tuple(also)
-
-
-def _one_per_root(
-    search: FixedPoints, found: Sequence[Mode], still: Sequence[Mode]
-) -> tuple[list[Mode], list[Mode], list[float]]:
-    """Vibrations and real poles of which each is another eigenvalue at rest, and frequencies of the others in rad/s."""
-    (roots, owners), (tops, ends) = search.followed(found, rising=False), search.followed(found, rising=True)
-    kept: list[Mode] = []
-    also: list[float] = []
-    taken: set[int] = set()
-    for mode, own, end in sorted(zip(found, owners, ends, strict=True), key=lambda one: one[0].value.imag):
-        if not (roots[list(own)].imag.any() or tops[list(end)].imag.any()):
-            continue  # real on both sides, complex only where tables pass critical damping
-        (also.append(mode.value.imag) if own & taken else kept.append(mode))
-        taken |= own
-    gone = [roots[place] for place in taken]
-    for value in sorted((z.real for z in gone if z.imag == 0), key=abs, reverse=True):
-        near = min(still, key=lambda mode: abs(mode.value - value), default=None)
-        if near is not None and abs(near.value - value) <= abs(value) / 2:
-            still = [mode for mode in still if mode is not near]
-    return kept, list(still), also
+    more = len(found) - len(problem.frequencies(search.points[0]))
+    return rest.rigid, Eigenpairs.of_modes([*found, *still], system.n_coordinates), more
 
 
 @dataclass(frozen=True)
@@ -301,30 +279,26 @@ class FixedPoints:
 
     def all(self) -> list[Mode]:
         """Vibrations of the problem, range by range between rows of its tables."""
-        return [mode for low, high in pairwise(self.points) for mode in self._between(low, high)]
+        ranges = [part for low, high in pairwise(self.points) for part in pairwise(self._turns(low, high))]
+        return [mode for low, high in ranges for mode in self._between(low, high)]
 
-    def followed(self, modes: Sequence[Mode], *, rising: bool) -> tuple[ComplexArray, list[set[int]]]:
-        """Eigenvalues in rad/s of the problem next to rest or at the top, and places of those that become each mode."""
-        stops = sorted({*self.points, *(mode.value.imag for mode in modes)}, reverse=not rising)
-        steps = [omega for high, low in pairwise(stops) for omega in np.geomspace(high, low, FOLLOWING_STEPS)]
-        places: list[set[int]] = [set() for _ in modes]
-        before = np.zeros(0, dtype=complex)
-        for omega in steps:
-            values = self._with_pairs(omega)
-            moved = _nearest(before, values)
-            places = [{moved[place] for place in own if place in moved} for own in places]
-            for own, mode in zip(places, modes, strict=True):
-                if mode.value.imag == omega:
-                    own |= {int(np.argmin(np.abs(values - z))) for z in (mode.value, mode.value.conjugate())}
-            before = values
-        return before, places
+    def _turns(self, low: float, high: float) -> list[float]:
+        """Ends of a range in rad/s and points inside that part it, where the number of vibrations above turns.
 
-    def _with_pairs(self, omega: float) -> ComplexArray:
-        """Eigenvalues in rad/s of the problem frozen at omega, those above the real axis with their conjugates."""
-        frozen = self.problem.at(omega)
-        upper = frozen.spectrum.values[frozen.candidates]
-        real = frozen.spectrum.values[on_real_axis(frozen.spectrum.values)].real
-        return np.concatenate([upper, upper.conj(), real])
+        It rises and falls again where fixed points would go unseen, as near critical damping.
+        """
+        most = int(COUNTING_WORK / (len(self.points) * max(self.problem.system.n_coordinates, 1) ** 3))
+        steps = min(most, math.ceil(math.log(high / low) / math.log(COUNTING_RATIO)))
+        if steps < 2 or self._is_constant(low, high):
+            return [low, high]
+        points = [low, *map(self._parting, np.geomspace(low, high, steps + 1)[1:-1].tolist()), high]
+        counts = [self.problem.number_above(point) for point in points]
+        ends, sense = [low], 0
+        for place, (before, after) in enumerate(pairwise(counts)):
+            if (after - before) * sense < 0:
+                ends.append(points[place])
+            sense = int(np.sign(after - before)) or sense
+        return [*ends, high]
 
     @cached_property
     def pencil(self) -> Pencil:
@@ -456,16 +430,3 @@ class FixedPoints:
         place = near[0][1]
         for off, _, j in [one for one in near if one[1] == place][:count]:
             yield ends[place][1].mode(j, off / high, converged=off <= SETTLED * high)
-
-
-def _nearest(before: ComplexArray, values: ComplexArray) -> dict[int, int]:
-    """Place of the value next to each value before, those nearest to each other first."""
-    found: dict[int, int] = {}
-    taken: set[int] = set()
-    apart = np.abs(before[:, None] - values)
-    for flat in np.argsort(apart, axis=None, kind="stable").tolist():
-        row, column = divmod(flat, len(values))
-        if row not in found and column not in taken:
-            found[row] = column
-            taken.add(column)
-    return found

@@ -123,11 +123,11 @@ def natural_modes(
 
 
 def _table_notes(assembly: Assembly, solution: EigenSolution) -> tuple[str, ...]:
-    """Notes on tables read beyond their rows, real poles at rest, and on steep ones that more vibrations would fit."""
+    """Notes on tables that are read beyond their rows, and on steep ones that let more modes vibrate than at rest."""
     read = np.abs(solution.eigenvalues.imag[[kind != RIGID for kind in solution.kinds]]) / (2 * np.pi)
-    further = ", ".join(f"{omega / (2 * np.pi):.6g} Hz" for omega in solution.also)
-    steep = f"where tables over frequency are steep, a mode given here would vibrate at {further}, too"
-    return (*range_notes(assembly, read), *([steep] if further else []))
+    further = f"{solution.more} vibration{'s' * (solution.more > 1)} more than with their values at rest"
+    steep = f"tables over frequency are so steep that there {'are' if solution.more > 1 else 'is'} {further}"
+    return (*range_notes(assembly, read), *([steep] if solution.more > 0 else []))
 
 
 def _motion(rows: Rows, vectors: ComplexArray) -> ComplexArray:
