@@ -8,6 +8,7 @@ import pytest
 from support.models import geared_line
 
 import torsionnet as tn
+from torsionnet.solve.modes import frozen_stiffness
 from torsionnet.solve.modes.eigen import undamped_modes
 
 
@@ -275,6 +276,22 @@ class TestTables:
         modes = tn.Drivetrain("steep", [tn.Inertia("j", node="a", inertia=1), bush]).modes()
         assert modes.eigenvalues == pytest.approx([1j * 30**0.5, 1j * 60**0.5])
         assert "1 vibration more than with their values at rest" in modes.notes[0]
+
+    def test_the_lowest_with_several_rings_free_at_rest_are_found_by_sparse_methods(self, monkeypatch):
+        """Three rigid motions at rest, more than modes sought beside them."""
+        elements = [tn.Inertia("J0", node="n0", inertia=1)]
+        for i in range(70):
+            elements += [
+                tn.Spring(f"k{i}", nodes=(f"n{i}", f"n{i + 1}"), stiffness=1e4, damping=1),
+                tn.Inertia(f"J{i + 1}", node=f"n{i + 1}", inertia=1),
+            ]
+        for node, k in (("n0", 2000), ("n50", 200)):
+            rows = [[0, 0, 20], [5, k, 19], [50, 15 * k, 15]]
+            elements.append(tn.ViscousDamper(f"at_{node}", node=node, ring_inertia=2, table=rows))
+        chain = tn.Drivetrain("chain", elements)
+        every = chain.modes()
+        monkeypatch.setattr(frozen_stiffness, "modes", None)
+        np.testing.assert_allclose(chain.modes(lowest=5).eigenvalues, every.eigenvalues[:5], rtol=1e-9, atol=1e-12)
 
     @pytest.mark.parametrize("kind", ["table", "hysteretic"])
     def test_the_lowest_of_many_modes_are_those_of_all(self, kind):

@@ -47,8 +47,10 @@ SETTLED = 1e-9
 NARROW, NARROW_RISING = 1e-11, 1e-3
 """Relative width of a range in which an eigenvalue that inverse iteration does not meet is taken as it is, and of one
 in which only fixed points where N rises are left, which are no modes."""
-COUNTING_RATIO, COUNTING_WORK = 1.06, 1e7
+COUNTING_RATIO, COUNTING_WORK = 1.06, 1e6
 """Ratio of frequencies at which vibrations above are counted, and bound on their number by the cube of coordinates."""
+COUNTED_RANGE, FEWEST_COUNTS = 1e3, 8
+"""Ratio of the ends of the range in which they are counted, and fewest counts in it; a large system has none."""
 MOST_RANGES, MOST_RANGES_LARGE = 24, 2
 """Most ranges that rows of tables part, fewer in a large system, as each range takes an eigenvalue problem."""
 MOST_PROBLEMS, MOST_PROBLEMS_LARGE = 400, 40
@@ -288,10 +290,11 @@ class FixedPoints:
         It rises and falls again where fixed points would go unseen, as near critical damping.
         """
         most = int(COUNTING_WORK / (len(self.points) * max(self.problem.system.n_coordinates, 1) ** 3))
-        steps = min(most, math.ceil(math.log(high / low) / math.log(COUNTING_RATIO)))
-        if steps < 2 or self._is_constant(low, high):
+        begin = max(low, high / COUNTED_RANGE)
+        steps = min(max(most, FEWEST_COUNTS), math.ceil(math.log(high / begin) / math.log(COUNTING_RATIO)))
+        if steps < 2 or self._is_large or self._is_constant(low, high):
             return [low, high]
-        points = [low, *map(self._parting, np.geomspace(low, high, steps + 1)[1:-1].tolist()), high]
+        points = [low, *map(self._parting, np.geomspace(begin, high, steps + 1)[1:-1].tolist()), high]
         counts = [self.problem.number_above(point) for point in points]
         ends, sense = [low], 0
         for place, (before, after) in enumerate(pairwise(counts)):

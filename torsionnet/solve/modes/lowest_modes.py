@@ -139,7 +139,8 @@ def _starts(
     omega = 0.0
     for _ in range(2):
         frozen = system.at_frequency(omega)
-        own = RigidMotions.of(frozen, frozen.stiffness > 0, frozen.damping != 0, count)
+        most = count + motions.rigid.shape[1]  # all of them, as one left in is found again and again
+        own = RigidMotions.of(frozen, frozen.stiffness > 0, frozen.damping != 0, most)
         pencil, parts = _starts(frozen, own, count + min(len(system.dynamic), count), undamped=undamped)
         values, shapes = parts[0]
         kept = values.imag > 0 if omega and not undamped else values != 0  # real poles are those at rest
