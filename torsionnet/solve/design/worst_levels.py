@@ -37,6 +37,10 @@ class WorstLevels:
         return max(one.precision for one in self.parts)
 
     @property
+    def frequencies(self) -> FloatArray:
+        return np.concatenate([one.frequencies.ravel() for one in self.parts])
+
+    @property
     def of(self) -> tuple[str, str]:
         return self.parts[0].of
 

@@ -39,6 +39,10 @@ class KeptLevels:
         return self.levels.precision
 
     @property
+    def frequencies(self) -> FloatArray:
+        return self.levels.frequencies
+
+    @property
     def of(self) -> tuple[str, str]:
         return self.levels.of
 
