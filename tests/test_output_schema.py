@@ -92,7 +92,7 @@ DRIVEN = "load: {absorbed_at: f, torque: 100 N*m, torque_exponent: 2, rated: 900
 CALLS = {
     "calibrate-wheel": ["calibrate-wheel wheel.npz --pulses A --second-pickup B --angle 99deg --teeth 24"],
     "check": ["check dmf_rig broken.yaml"],
-    "clocks": ["clocks pulses.csv pulses.csv --pulses n1=60 --tick 1us --same-start"],
+    "clocks": ["clocks pulses.csv pulses.csv --pulses n1=20 --tick 1us --same-start"],
     "library": ["library"],
     "modes": ["modes amt_rig -c all", "modes planetary_set"],
     "frf": [

@@ -21,6 +21,8 @@ RESOLVED_DROP = 0.004
 is 1/8 of that."""
 RESOLVED_INTERVAL = 2e-4
 """Relative distance of two speeds within which a straight line gives the crossing of a level."""
+LEAST_DROP = 1e-6
+"""Relative drop from a maximum from which on a point tells where its top is: rounding is far smaller."""
 SAME_SPEED_DISTANCE = 1e-9
 """Relative distance of two speeds below which they are the same."""
 LONG_INTERVAL = 0.01
@@ -107,11 +109,15 @@ def speeds_to_refine(speeds: FloatArray, curves: FloatArray, level: float | None
 
 def vertex_speed(speeds: FloatArray, values: FloatArray, at: int) -> float:
     """Speed, in the unit given, of the maximum at a curve's highest value, by a parabola through three points."""
-    if not 0 < at < len(speeds) - 1:
+    # Around undamped resonances speeds lie so close that a wide maximum beside them does not drop between two.
+    lower = np.flatnonzero(values < values[at] * (1 - LEAST_DROP))
+    before, after = lower[lower < at], lower[lower > at]
+    if not len(before) or not len(after):
         return float(speeds[at])
+    three = [before[-1], at, after[0]]
     with np.errstate(all="ignore"):
-        place, top, _ = _parabola(speeds[at - 1 : at + 2], values[at - 1 : at + 2] ** -2.0)
-    inside = math.isfinite(top) and speeds[at - 1] <= place <= speeds[at + 1]
+        place, top, _ = _parabola(speeds[three], values[three] ** -2.0)
+    inside = math.isfinite(top) and speeds[three[0]] <= place <= speeds[three[2]]
     return place if inside else float(speeds[at])
 
 

@@ -80,7 +80,7 @@ def starts_sentence(rpm: float, shaft: str) -> str:
     >>> starts_sentence(675, "flywheel")
     'starts and stops not examined: speeds below 675 rpm of flywheel'
     """
-    return f"{STARTS}: speeds below {rpm:g} rpm of {shaft}"
+    return f"starts and stops not examined: speeds below {rpm:g} rpm of {shaft}"
 
 
 def listed_names(names: Sequence[str]) -> str:

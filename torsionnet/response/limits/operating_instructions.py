@@ -165,8 +165,10 @@ def instruction_table(checks: Sequence[LimitCheck], conventions: Conventions = S
     failed = dict.fromkeys(one.limit for check in checks for one in check.verdicts if one.verdict == FAIL)
     shown = [_in_units(one, conventions) for one in rows]
     low, high = max(check.rpm[0] for check in checks), min(check.rpm[-1] for check in checks)
-    other = "No other restrictions" if rows else "No restrictions"
-    last = f"{other} from {low:g} to {high:g} rpm of {checks[0].reference}; {STARTS}."
+    shaft = checks[0].reference
+    last = f"No restrictions from {low:g} to {high:g} rpm of {shaft}; {STARTS}."
+    if rows:
+        last = f"No other restrictions from {low:g} to {high:g} rpm of {shaft}; {STARTS}."
     if failed:
         last = f"Not to be run as it is: {listed_names(list(failed))} not kept; {STARTS}."
     return result_table(title or "operating instructions", shown, Instruction, notes=[last])
