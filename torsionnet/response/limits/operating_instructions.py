@@ -225,7 +225,7 @@ def _action(found: PassedRange, passage: int) -> tuple[int, int | None, str, str
         PASS_WITHIN: f"pass without stopping within {found.seconds_to_pass or 0.0:g} s",
         NOT_AT_ALL: "not to be run or passed",
     }[passage]
-    return low, high, action, f"tachometer red, {NOTICE}"
+    return low, high, action, "tachometer red, notice at each control station"
 
 
 def _in_units(one: Instruction, conventions: Conventions) -> Instruction:

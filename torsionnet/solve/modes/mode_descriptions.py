@@ -45,9 +45,9 @@ def describe(
         if kind == "rigid body":
             sentences.append(_rigid(assembly, shapes[:, index]))
         elif kind == "real pole":
-            word = "critically damped" if _is_critical(solution, index) else "overdamped"
+            fall = "critically damped, time constant " if _is_critical(solution, index) else "overdamped, time constant "
             value = solution.eigenvalues[index]
-            sentences.append(_decaying(word, value, elements, strain[:, index], dissipated[:, index]))
+            sentences.append(_decaying(fall, value, elements, strain[:, index], dissipated[:, index]))
         else:
             crossings = links.vibration_nodes(solution.vectors[:, index])
             grows = f"{UNSTABLE}; " if solution.eigenvalues[index].real > 0 else ""
@@ -93,11 +93,11 @@ def _leading(elements: tuple[str, ...], shares: FloatArray) -> str:
     return ", ".join(f"{elements[index]} {100 * shares[index]:.0f} %" for index in order if shares[index] > 0)
 
 
-def _decaying(word: str, value: complex, elements: tuple[str, ...], strain: FloatArray, dissipated: FloatArray) -> str:
+def _decaying(fall: str, value: complex, elements: tuple[str, ...], strain: FloatArray, dissipated: FloatArray) -> str:
     time = 1 / abs(value.real) if value.real else math.inf
     damping = _leading(elements, dissipated)
     text = f"{UNSTABLE}; " if value.real > 0 else ""
-    text += f"{word}, time constant {time:.3g} s" if value.real <= 0 else f"e times as much every {time:.3g} s"
+    text += f"{fall}{time:.3g} s" if value.real <= 0 else f"e times as much every {time:.3g} s"
     damping = damping if value.real <= 0 else ""
     text += f"; damped by {damping}" if damping else ""
     return text if strain.any() else f"{text}; no spring involved"
