@@ -45,7 +45,9 @@ def describe(
         if kind == "rigid body":
             sentences.append(_rigid(assembly, shapes[:, index]))
         elif kind == "real pole":
-            fall = "critically damped, time constant " if _is_critical(solution, index) else "overdamped, time constant "
+            fall = (
+                "critically damped, time constant " if _is_critical(solution, index) else "overdamped, time constant "
+            )
             value = solution.eigenvalues[index]
             sentences.append(_decaying(fall, value, elements, strain[:, index], dissipated[:, index]))
         else:
