@@ -15,13 +15,19 @@ from torsionnet.explore.choices import ResponseChoice
 from torsionnet.io import write_frequency_response
 
 
-@pytest.fixture(scope="module")
-def amt(tmp_path_factory):
+@contextmanager
+def serving_amt(folder):
     """The AMT rig with a test of gear V laid over it."""
     f = np.linspace(0.5, 40, 80)
-    path = tmp_path_factory.mktemp("test") / "gear_V.csv"
+    path = folder / "gear_V.csv"
     write_frequency_response(tn.load("amt_rig").configured("V").frequency_response("theta_1", "T_T", f), path)
     with serving("amt_rig", configuration="V", pairs=[ResponseChoice("theta_1", "T_T")], overlay=path) as server:
+        yield server
+
+
+@pytest.fixture(scope="module")
+def amt(tmp_path_factory):
+    with serving_amt(tmp_path_factory.mktemp("test")) as server:
         yield server
 
 
@@ -263,28 +269,35 @@ def test_poles_of_the_cut_rig(lent):
     lent.page.locator("#which label", has_text="drivetrain").click()
 
 
+@pytest.fixture
+def lone(chromium, tmp_path):
+    """A page with a server of its own, into whose text values are written."""
+    with serving_amt(tmp_path) as server, opening(chromium, server) as found:
+        yield found
+
+
 @pytest.mark.slow
-def test_saved_file_gives_the_same_numbers(opened, tmp_path):
-    with opened.update():
-        opened.page.fill("#parameter-c_O", "360")
-        opened.page.keyboard.press("Enter")
-    with opened.update():
-        opened.page.fill("#parameter-tau", "3.3")
-        opened.page.keyboard.press("Enter")
-    opened.page.get_by_role("button", name="Write values into text").click()
-    opened.until(lambda: "c_O: {value: 360" in opened.page.evaluate("torsionnet.text()"), "the values in the text")
-    with opened.page.expect_download() as download:
-        opened.page.click("#save")
+def test_saved_file_gives_the_same_numbers(lone, tmp_path):
+    with lone.update():
+        lone.page.fill("#parameter-c_O", "360")
+        lone.page.keyboard.press("Enter")
+    with lone.update():
+        lone.page.fill("#parameter-tau", "3.3")
+        lone.page.keyboard.press("Enter")
+    lone.page.get_by_role("button", name="Write values into text").click()
+    lone.until(lambda: "c_O: {value: 360" in lone.page.evaluate("torsionnet.text()"), "the values in the text")
+    with lone.page.expect_download() as download:
+        lone.page.click("#save")
     assert download.value.suggested_filename == "amt_rig.yaml"
     path = tmp_path / "saved.yaml"
     download.value.save_as(path)
     saved = tn.load(path).configured("V")
     assert saved.parameters == tn.load("amt_rig").configured("V", c_O=360, tau=3.3).parameters
-    curve = drawn(opened)[0]
+    curve = drawn(lone)[0]
     found = saved.frequency_response("theta_1", "T_T", curve["frequencies"]).magnitude[:, 0, 0]
     np.testing.assert_allclose(curve["magnitude"], found, rtol=1e-12)
-    opened.until(
-        lambda: opened.text("#said").startswith("Saved as a download, amt_rig.yaml: a library model"),
+    lone.until(
+        lambda: lone.text("#said").startswith("Saved as a download, amt_rig.yaml: a library model"),
         "the word about it",
     )
 
