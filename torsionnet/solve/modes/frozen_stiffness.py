@@ -51,6 +51,8 @@ COUNTING_RATIO, COUNTING_WORK = 1.06, 1e6
 """Ratio of frequencies at which vibrations above are counted, and bound on their number by the cube of coordinates."""
 COUNTED_RANGE, FEWEST_COUNTS = 1e3, 8
 """Ratio of the ends of the range in which they are counted, and fewest counts in it; a large system has none."""
+SLOPE_SHARE = 1e-3
+"""Share of a range between rows of a table over which the slopes at its ends are taken."""
 MOST_RANGES, MOST_RANGES_LARGE = 24, 2
 """Most ranges that rows of tables part, fewer in a large system, as each range takes an eigenvalue problem."""
 MOST_PROBLEMS, MOST_PROBLEMS_LARGE = 400, 40
@@ -292,16 +294,45 @@ class FixedPoints:
         most = int(COUNTING_WORK / (len(self.points) * max(self.problem.system.n_coordinates, 1) ** 3))
         begin = max(low, high / COUNTED_RANGE)
         steps = min(max(most, FEWEST_COUNTS), math.ceil(math.log(high / begin) / math.log(COUNTING_RATIO)))
-        if steps < 2 or self._is_large or self._is_constant(low, high):
+        if steps < 2 or self._is_large or self._is_constant(low, high) or self._is_gentle(low, high):
             return [low, high]
-        points = [low, *map(self._parting, np.geomspace(begin, high, steps + 1)[1:-1].tolist()), high]
-        counts = [self.problem.number_above(point) for point in points]
+        points = [low, *np.geomspace(begin, high, steps + 1)[1:-1].tolist(), high]
+        counts = [int(np.sum(self.problem.frequencies(point) > point)) for point in points]
         ends, sense = [low], 0
         for place, (before, after) in enumerate(pairwise(counts)):
             if (after - before) * sense < 0:
-                ends.append(points[place])
+                ends.append(self._parting(points[place]))
             sense = int(np.sign(after - before)) or sense
         return [*ends, high]
+
+    def _is_gentle(self, low: float, high: float) -> bool:
+        """Whether no vibration follows the tables of a range in rad/s more quickly than their frequency rises.
+
+        Of one inertia ``omega = sqrt(k/J (1 - zeta^2))`` with ``zeta = c/(2 sqrt(k J))``: where frequency rises by a
+        small share, omega changes by up to ``k'/2 + zeta^2/(1 - zeta^2) (c' + k'/2)`` times that share, k' and c' being
+        the logarithmic slopes of k and c. Two real poles may become a vibration.
+        """
+        at = [low, *(row for row in self._rows if low < row < high), high]
+        slopes = np.array([self._slopes(*ends) for pair in pairwise(at) for ends in (pair, pair[::-1])]).max(axis=0)
+        values = [(self.problem.at(omega).spectrum.values, omega) for omega in (low, high)]
+        if self.problem.undamped:
+            return bool(slopes[0] < 2)
+        if any(np.sum(on_real_axis(some) & (some != 0)) > 1 for some, _ in values):
+            return False
+        near = np.concatenate([some[(some.imag > low / 2) & (some.imag < 2 * high)] for some, _ in values])
+        squares = (near.real / np.abs(near)) ** 2
+        with np.errstate(divide="ignore"):
+            growth = (squares / (1 - squares)).max(initial=0.0)
+        return bool(slopes[0] / 2 + growth * (slopes[1] + slopes[0] / 2) < 1)
+
+    def _slopes(self, end: float, other: float) -> tuple[float, float]:
+        """Largest logarithmic slopes of stiffness and damping over frequency, at one end of a range in rad/s."""
+        step = math.log(other / end) * SLOPE_SHARE
+        ends = zip(self.problem.coefficients(end), self.problem.coefficients(end * math.exp(step)), strict=True)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            rises = [np.where(one == next_, 0.0, np.abs(np.log(np.abs(next_ / one)))) for one, next_ in ends]
+        stiffness, damping = (float(rise.max(initial=0.0)) / abs(step) for rise in rises)
+        return stiffness, damping
 
     @cached_property
     def pencil(self) -> Pencil:
@@ -314,14 +345,18 @@ class FixedPoints:
         return self.problem.system.n_coordinates > LARGE_SYSTEM
 
     @cached_property
+    def _rows(self) -> list[float]:
+        """Frequencies in rad/s of the rows of all tables, rising, but for those at rest."""
+        return sorted({2 * np.pi * f for _, law in self.problem.system.dynamic for f in law.rows if f > 0})
+
+    @cached_property
     def points(self) -> list[float]:
         """Frequencies in rad/s that part the ranges of the search, from next to rest to above all vibrations."""
-        rows = {2 * np.pi * f for _, law in self.problem.system.dynamic for f in law.rows if f > 0}
         lowest = next_to_rest(self.problem.system)
-        top = max([*rows, lowest])
+        top = max([*self._rows, lowest])
         while self.problem.number_above(top) and (fastest := float(self.problem.frequencies(top).max())) >= top:
             top = 2 * fastest
-        inside = sorted(row for row in rows if lowest < row < top)
+        inside = [row for row in self._rows if lowest < row < top]
         changing = [
             row
             for before, row, after in zip([lowest, *inside], inside, [*inside[1:], top], strict=False)
@@ -341,8 +376,7 @@ class FixedPoints:
 
     def _is_constant(self, low: float, high: float) -> bool:
         """Whether the problem is the same at all frequencies of a range in rad/s."""
-        rows = [2 * np.pi * f for _, law in self.problem.system.dynamic for f in law.rows]
-        some = [low, *(row for row in rows if low < row < high), high]
+        some = [low, *(row for row in self._rows if low < row < high), high]
         return len({self.problem.key(omega) for omega in some}) == 1
 
     def _between(self, low: float, high: float) -> Iterator[Mode]:
