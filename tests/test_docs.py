@@ -54,7 +54,7 @@ LONG = {
     "from_test_to_response",
 }
 """Pages whose programs have long records, reports or sweeps: they run where slow tests do, as do all commands and examples."""
-DEAR = {"campaign", "compressor", "couplings_and_dampers", "identify_parameters", "marine", "trust_a_fit"}
+DEAR = {"campaign", "compressor", "identify_parameters", "marine", "trust_a_fit"}
 DEAR |= {"plot_damping_choice", "plot_fit_gears", "plot_study_damper", "plot_study_yield"}
 """Pages and examples of most of the seconds: they run at night, their commands on short files in tests of these."""
 IN_ORDER = {"ticks_to_misfire"}

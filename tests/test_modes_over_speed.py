@@ -10,6 +10,7 @@ from support import campaigns
 from support.command_line import run
 
 import torsionnet as tn
+from torsionnet.solve.running import modes_over_speed
 from torsionnet.solve.running.modes_over_speed import ModesOverSpeed
 
 RPM = np.pi / 30
@@ -268,6 +269,25 @@ class TestWhichMode:
             shape = dict(zip(found.nodes, np.abs(one.mode.shape), strict=True))
             assert shape["a"] == 1
             assert shape["b"] < 1e-3
+
+    @pytest.mark.parametrize("least", [1e4, 3e4])
+    def test_a_vibration_ends_where_it_is_overdamped(self, least, monkeypatch):
+        """Of two masses where c(n) = 2 sqrt(k J); its speed is halved in, with few sets of modes."""
+        solved = []
+        monkeypatch.setattr(modes_over_speed, "modes", lambda rig: solved.append(rig) or rig.modes())
+        rig = tn.Drivetrain(
+            "film", [tn.Inertia("A", node="a", inertia=60), tn.Inertia("B", node="b", inertia=78),
+                     tn.Spring("s", nodes=("a", "b"), stiffness=4e5), tn.Damper("d", nodes=("a", "b"), damping="c")],
+            parameters={"c": {"by": "speed", "of": "a", "table": {"600 rpm": 1e3, "1500 rpm": least}}},
+            speeds={"of": "a", "range": "600..1500 rpm", "step": "50 rpm", "rated": "600 rpm"},
+        )  # fmt: skip
+        pieces = ModesOverSpeed(rig, "a", (600 * RPM, 1500 * RPM)).pieces
+        inertia = 1 / (1 / 60 + 1 / 78)
+        end = 600 + 900 * (2 * math.sqrt(4e5 * inertia) - 1e3) / (least - 1e3)
+        vibrates = [np.isfinite(piece.values[:, 1]).all() for piece in pieces]
+        last = max(piece.speeds[-1] for piece, whole in zip(pieces, vibrates, strict=True) if whole)
+        assert 0 <= end - last / RPM < 0.1
+        assert len(solved) < 100
 
     def test_modes_that_veer_keep_their_order(self):
         """Coupled by a tenth they exchange their shapes over hundreds of r/min and never meet."""

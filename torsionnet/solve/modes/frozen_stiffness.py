@@ -176,10 +176,13 @@ class FrozenProblem:
     undamped: bool
     known: dict[bytes, FrozenSpectrum] = field(default_factory=dict)
     counted: dict[bytes, FloatArray] = field(default_factory=dict)
+    frozen: dict[float, tuple[AnyArray, FloatArray]] = field(default_factory=dict)
     spaces: dict[tuple[bytes, bytes], tuple[Subspaces, tuple[int, ...], list[int], Rows]] = field(default_factory=dict)
 
     def coefficients(self, omega: float) -> tuple[AnyArray, FloatArray]:
         """Stiffness and damping (n_laws,) in N m/rad and N m s/rad of all laws at omega in rad/s."""
+        if omega in self.frozen:
+            return self.frozen[omega]
         stiffness, damping = self.system.frozen(omega)
         if not (np.all(np.isfinite(stiffness)) and np.all(np.isfinite(damping))):
             raise SolveError(
@@ -188,7 +191,8 @@ class FrozenProblem:
         if np.any(stiffness.real < 0):
             text = f"a frequency-dependent stiffness has a negative real part at {omega:.6g} rad/s"
             raise SolveError(f"{text}; correct its values there")
-        return (stiffness.real, np.zeros_like(damping)) if self.undamped else (stiffness, damping)
+        self.frozen[omega] = (stiffness.real, np.zeros_like(damping)) if self.undamped else (stiffness, damping)
+        return self.frozen[omega]
 
     def key(self, omega: float) -> bytes:
         """Bytes of the coefficients at omega in rad/s, equal where the problem is the same."""

@@ -39,6 +39,11 @@ CURVE_PRECISION = 1e-6
 together are several digits better."""
 FAR_FROM_CURVE = 0.03
 """Relative difference from which on a piece is halved at once, as more points do not help where a curve leaps."""
+SLOW_GAIN = 0.1
+"""Share of that difference left with the next number of points from which on the piece is halved: within a piece that
+is smooth far less is left, while a curve that bends, as where a frequency reaches a row of a table, leaves half."""
+SHARE_OF_WIDTH = 0.01
+"""Difference of a frequency over the half width of its resonance that is known well enough where such bends occur."""
 NARROWEST_PIECE = 1e-4
 """Length of a piece over that of the speeds with the same rows of tables below which it is a straight line, and modes
 are matched as well as they can be: modes that veer there have exchanged their shapes."""
@@ -266,17 +271,42 @@ class ModesOverSpeed:
         if high - low <= shortest:
             yield self._followed(np.array([low, high]))
             return
+        before = math.inf
         for count in CURVE_POINTS:
-            piece = self._followed(_chebyshev_points(low, high, count))
+            speeds = _chebyshev_points(low, high, count)
+            if leap := self._leap(speeds.tolist(), shortest):
+                for ends in pairwise((low, *leap, high)):
+                    if ends[0] < ends[1]:
+                        yield from self._resolved(*ends, shortest)
+                return
+            piece = self._followed(speeds)
             unknown = self._unknown(piece)
             if unknown <= CURVE_PRECISION:
                 yield piece
                 return
-            if FAR_FROM_CURVE < unknown < math.inf:
+            if unknown > min(FAR_FROM_CURVE, SLOW_GAIN * before):
                 break
+            before = unknown
         middle = float(_chebyshev_points(low, high, 3)[1])
         yield from self._resolved(low, middle, shortest)
         yield from self._resolved(middle, high, shortest)
+
+    def _leap(self, speeds: Sequence[float], shortest: float) -> tuple[float, float] | None:
+        """Two speeds in rad/s at most ``shortest`` apart between which vibrations appear, end or become overdamped."""
+        kinds = [self._kinds(speed) for speed in speeds]
+        first = next((place for place, (here, there) in enumerate(pairwise(kinds)) if here != there), None)
+        if first is None:
+            return None
+        low, high = speeds[first : first + 2]
+        while high - low > shortest:
+            middle = (low + high) / 2
+            low, high = (middle, high) if self._kinds(middle) == kinds[first] else (low, middle)
+        return low, high
+
+    def _kinds(self, speed: float) -> Hashable:
+        """Pair of flags of each mode at a speed in rad/s, whether it lacks an undamped and whether a natural frequency."""
+        every = [mode for mode in self._modes_at(speed) if self._matters(mode)]
+        return tuple(tuple(map(math.isnan, _curves(mode)[:DAMPED])) for mode in every)
 
     def _followed(self, speeds: FloatArray) -> _FollowedPiece:
         """Modes at speeds in rad/s, each in the row of the mode at the first speed whose shape it continues."""
@@ -316,6 +346,10 @@ class ModesOverSpeed:
         actual = own[near][..., 1::2]
         with np.errstate(invalid="ignore", divide="ignore"):
             apart = np.abs(predicted - actual) / np.abs(actual)
+            # Tables over frequency make curves bend at speeds that are not known before.
+            if self.drivetrain.assembly.system.dynamic:
+                width = piece.values[near, DECAY, None, 1::2]
+                apart = np.where(np.abs(predicted - actual) <= SHARE_OF_WIDTH * width, 0.0, apart)
         return float(np.nan_to_num(np.where(counts[..., 1::2], apart, 0.0)).max(initial=0.0))
 
     # --- which mode is which ------------------------------------------------------------------------------------------
