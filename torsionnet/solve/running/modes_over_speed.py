@@ -304,7 +304,7 @@ class ModesOverSpeed:
         return low, high
 
     def _kinds(self, speed: float) -> Hashable:
-        """Pair of flags of each mode at a speed in rad/s, whether it lacks an undamped and whether a natural frequency."""
+        """Pair of flags of each mode at a speed in rad/s, whether it lacks an undamped and a natural frequency."""
         every = [mode for mode in self._modes_at(speed) if self._matters(mode)]
         return tuple(tuple(map(math.isnan, _curves(mode)[:DAMPED])) for mode in every)
 
