@@ -8,6 +8,7 @@ import threading
 
 import pytest
 
+import torsionnet as tn
 from torsionnet.cli.app import run
 
 pty = pytest.importorskip("pty", reason="a pseudo-terminal needs Linux or macOS")
@@ -47,12 +48,15 @@ def test_a_terminal_shows_what_is_calculated(words, monkeypatch):
     assert words in text
 
 
-def test_many_modes_point_to_the_lowest(monkeypatch):
-    monkeypatch.setattr("torsionnet.cli.commands.modes.MANY_COORDINATES", 2)
-    assert "--lowest N takes seconds" in " ".join(errors_in_a_terminal(COMMANDS["modes"], monkeypatch).split())
-    few = errors_in_a_terminal([*COMMANDS["modes"], "--lowest", "1"], monkeypatch)
-    assert "modes" in few
-    assert "--lowest" not in few
+@pytest.mark.parametrize("few", ["--lowest", "--up-to"])
+def test_many_modes_point_to_the_lowest(few, monkeypatch, capsys):
+    monkeypatch.setattr("torsionnet.solve.modes.modes.MANY_COORDINATES", 2)
+    run(COMMANDS["modes"])
+    assert "all modes of 2 coordinates take a minute or more; the lowest N take seconds" in capsys.readouterr().err
+    with pytest.warns(tn.TorsionnetWarning, match=r"lowest=N"):
+        tn.load("dmf_rig").modes()
+    run([*COMMANDS["modes"], few, "1"])
+    assert "lowest" not in capsys.readouterr().err
 
 
 def test_no_progress_without_a_terminal(capsys):

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from torsionnet.response import Modes, Table
 
 EIGENVALUES = ("Re lambda", "Im lambda")
-MANY_COORDINATES = 1000
-"""Coordinates from which all modes take some ten seconds, eight times as long with twice as many."""
 
 
 class ModesCommand(ModelCommand):
@@ -60,10 +58,8 @@ class ModesCommand(ModelCommand):
         from torsionnet.response import Conventions
 
         conventions = Conventions(frequency=self.frequency_unit)
-        size = max(case.drivetrain.assembly.system.n_coordinates for case in cases)
-        dense = size >= MANY_COORDINATES and self.lowest is None and self.up_to is None
         found = self.each(
-            f"modes, all of {size} coordinates; --lowest N takes seconds" if dense else "modes",
+            "modes",
             cases,
             lambda case: case.drivetrain.modes(
                 measured_input=self.measured_input, excitation=self.excitation, lowest=self.lowest, up_to=self.up_to

@@ -38,6 +38,8 @@ from torsionnet.solve.modes.repeated_eigenvalues import with_chosen_shapes
 
 CONTINUOUS = "a continuous shaft has infinitely many modes, of which the lowest"
 """Beginning of the note on modes of drivetrains with continuous shafts."""
+MANY_COORDINATES = 1000
+"""Number of coordinates from which on all modes take a minute or more, and the lowest ones seconds."""
 EXTRA_MODES = 2
 """Number of modes above a frequency limit that are calculated too, as damping may lower them below the limit."""
 
@@ -68,6 +70,10 @@ def modes_against(
     drivetrain: AssembledModel, request: TransferRequest | None, lowest: int | None = None, up_to: float | None = None
 ) -> Modes:
     """Modes of a drivetrain, or its poles against the measured inputs of a request, warning if they are uncertain."""
+    size = drivetrain.assembly.system.n_coordinates
+    if size >= MANY_COORDINATES and lowest is None and up_to is None:
+        few = "the lowest N take seconds (lowest=N; modes --lowest N)"
+        warnings.warn(f"all modes of {size} coordinates take a minute or more; {few}", TorsionnetWarning, stacklevel=4)
     if request is None:
         found, texts = natural_modes(drivetrain, lowest, up_to)
     else:
