@@ -312,7 +312,7 @@ def test_hysteretic_damping_is_recognised(route):
 
 
 @pytest.mark.slow
-@ROUTES
+@pytest.mark.parametrize("route", ["response", pytest.param("record", marks=pytest.mark.nightly)])
 def test_viscous_damping_is_recognised_too(route):
     test = observed(route, tn.load("dmf_rig"), name="sweep", band=(0.5, 20))
     start = hysteretic(0.2, 2.0)

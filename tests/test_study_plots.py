@@ -231,7 +231,7 @@ def test_ends_of_parallel_axes_have_four_digits():
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("parameters", "cases"),
-    [(1, 1), (2, 3), *(pytest.param(*wide, marks=pytest.mark.slow) for wide in ((2, 18), (12, 1)))],
+    [(1, 1), (2, 3), *(pytest.param(*wide, marks=pytest.mark.nightly) for wide in ((2, 18), (12, 1)))],
 )
 def test_odd_studies_have_pictures(parameters, cases, tmp_path):
     """One parameter or many with long names, many configurations, a quantity without values."""
