@@ -1,5 +1,6 @@
 """Dates and times of day as the time stamps of text files: seconds from the first, or a message with its place."""
 
+import json
 from datetime import datetime, timedelta
 
 import numpy as np
@@ -9,6 +10,7 @@ from support.command_line import run
 from torsionnet.core.delimited.time_stamps import StampReader
 from torsionnet.core.errors import ModelError
 from torsionnet.io.recording_files import iter_blocks, read_recording
+from torsionnet.io.records.rounded_times import rounded_grid
 from torsionnet.signals.timing import gaps, jitter
 
 COUNT = 3000
@@ -203,6 +205,89 @@ class TestCoarse:
         path = write(tmp_path, texts("%H:%M:%S"))
         result = run("estimate", path, "--input", "T", "--output", "phi", code=1)
         assert "r.csv:3:1: error: 2996 of 3000 time stamps" in result.stderr
+
+
+def digits(form, rate, count=3000, start=0.0):
+    """Times in s, each written with some digits and read again."""
+    return np.array([float(format(at, form)) for at in start + np.arange(count) / rate])
+
+
+ROUNDED = {
+    "6 decimals": (digits(".6f", 25.6e3), 25.6e3, 1.0),
+    "6 decimals at an odd rate": (digits(".6f", 25.6e3 + 0.37), 25.6e3 + 0.37, 1.0),
+    "3 decimals of ms": (digits(".3f", 25.6), 25.6e3, 1e-3),
+    "cut, not rounded": (np.floor(np.arange(3000) / 25.6e3 * 1e6) / 1e6, 25.6e3, 1.0),
+    "ties": (digits(".5f", 12.8e3, start=99.5), 12.8e3, 1.0),
+    "an interval in round figures": (digits(".5f", 1 / 3.5e-5, start=5), 1 / 3.5e-5, 1.0),
+    "7 significant digits": (digits(".6e", 2.8e3, start=99.5), 2.8e3, 1.0),
+    "single precision": (np.float32(1500 + np.arange(3000) / 1000), 1000.0, 1.0),
+    "single precision as text": (np.array([float(str(np.float32(at))) for at in 700 + np.arange(3000) / 1100]), 1100.0, 1.0),
+    "days in double precision": (738_000.3 + np.arange(3000) / 25.6e3 / 86_400, 25.6e3, 86_400.0),
+}  # fmt: skip
+
+
+class TestRounded:
+    @pytest.mark.parametrize("case", ROUNDED)
+    def test_are_the_grid_that_they_were_rounded_from(self, case):
+        stamps, rate, scale = ROUNDED[case]
+        stamps = np.asarray(stamps, dtype=float)
+        assert jitter(stamps) > 0.004
+        found = rounded_grid(stamps, scale)
+        assert found.rate == pytest.approx(rate, rel=1e-12)
+        unit = 2 * np.max(np.abs(np.diff(stamps) * scale - 1 / rate))
+        assert found.start == pytest.approx(stamps[0] * scale, abs=unit, rel=1e-15)
+
+    def test_of_long_records_in_single_precision(self, tmp_path):
+        """They rise by 0.98 or 1.22 ms from 2048 s on."""
+        path = tmp_path / "r.npz"
+        np.savez(path, t=np.float32(np.arange(2_500_000) / 1000), T=np.zeros(2_500_000))
+        found = read_recording(path)
+        assert (found.sampling_rate, found.start, found.times) == (1000.0, 0.0, None)
+        assert any("rounded (single precision)" in note for note in found.notes)
+
+    def test_equal_ones_need_others_finer_than_the_sampling(self):
+        assert rounded_grid(digits(".3g", 200.0)).rate == 200.0
+        assert rounded_grid(digits(".2f", 200.0)) is None
+
+    def test_a_fit_says_which_stamps_are_on_a_grid(self):
+        """By linear programming, where drift and jitter of about half a unit leave a grid, or none."""
+        from scipy.optimize import linprog
+
+        random, number, verdicts = np.random.default_rng(3), np.arange(60), []
+        for amount in np.linspace(0, 0.4, 24):
+            away = random.normal(size=60) * amount if len(verdicts) % 2 else amount * (number / 30 - 1) ** 2
+            stamps = np.round(number * random.uniform(2, 7) + away)
+            bounds = np.column_stack([np.ones(60), number])
+            matrix, most = np.vstack([bounds, -bounds]), np.concatenate([stamps + 0.5, 0.5 - stamps])
+            fits = linprog([0, 0], A_ub=matrix, b_ub=most, bounds=[(None, None)] * 2).status == 0
+            verdicts.append(fits)
+            assert (rounded_grid(stamps) is not None) == fits
+        assert {*verdicts} == {True, False}
+
+    @pytest.mark.parametrize("away", [
+        lambda at: 1.5e-6 * np.sin(at / 7), lambda at: 3e-6 * (at / 3000) ** 2, lambda at: 2e-6 * (at > 1700),
+    ], ids=["jitter", "drift", "a lost microsecond"])  # fmt: skip
+    @pytest.mark.parametrize("form", [".6f", ".17g"])
+    def test_jitter_and_drift_stay(self, tmp_path, away, form):
+        at = np.arange(3000)
+        stamps = [format(time, form) for time in at / 25.6e3 + away(at)]
+        found = read_recording(write(tmp_path, stamps))
+        assert found.times == pytest.approx([float(stamp) for stamp in stamps], abs=1e-15)
+
+    def test_estimates_as_exact_ones_do(self, tmp_path):
+        random = np.random.default_rng(0)
+        torque, angle = random.normal(size=(2, 60_000))
+        estimates = []
+        for form in (".6f", ".17g"):
+            rows = zip(np.arange(60_000) / 25.6e3, torque, angle, strict=True)
+            path = tmp_path / "r.csv"
+            path.write_text("t [s],T [Nm],a [rad]\n" + "".join(f"{t:{form}},{x},{y}\n" for t, x, y in rows))
+            result = run("estimate", path, "--input", "T", "--output", "a", "--seconds", "0.1", "--json")
+            found = json.loads(result.stdout)
+            remark = "the time stamps are rounded (6 decimals) and were taken for uniform sampling at 25600 Hz"
+            assert (remark in found.pop("notes")) == (form == ".6f")
+            estimates.append(found)
+        assert estimates[0] == estimates[1]
 
 
 @pytest.mark.parametrize("form", [form for form in FORMS if form != "American"])

@@ -18,9 +18,10 @@ from torsionnet.io.records.clock import (
     coarse_clock,
     interval_fault,
     is_coarse,
+    order_faults,
     rate_fault,
-    time_faults,
     time_unit_warnings,
+    value_faults,
 )
 from torsionnet.io.records.read_options import ReadOptions
 from torsionnet.io.records.several_rates import choose_rate, read_others, with_others
@@ -118,8 +119,9 @@ def _clock(
     if not stamps:
         assert rate is not None
         return Clock(rate, source.start + done / rate)
+    scale = _seconds(source)
     with np.errstate(over="ignore"):
-        times = stamps[0] * _seconds(source)
+        times = stamps[0] * scale
     if options.sampling_rate and is_coarse(times):
         start = begin + done / options.sampling_rate if done else float(times[0])
         found = coarse_clock(times, options.sampling_rate, start)
@@ -127,7 +129,12 @@ def _clock(
             raise ModelError([found], file)
         source.discovered.append("warning: the time stamps are coarser than the sampling: the rate given was taken")
         return found
-    faults = time_faults(times, source, done) or rate_fault(times, options.sampling_rate)
+    faults = value_faults(times, source, done)
+    if faults:
+        raise ModelError(faults, file)
+    clock = clock_of(stamps[0], rate, stamped=source.stamped, scale=scale)
+    faults = order_faults(times, source, done) if clock.times is not None else []
+    faults = faults or rate_fault(times, options.sampling_rate)
     if not faults and not options.sampling_rate:
         faults = interval_fault(times, source)
     if not faults and rate is None and len(times) == 1:
@@ -136,7 +143,8 @@ def _clock(
         raise ModelError(faults, file)
     if not source.stamped:
         source.discovered.extend(() if done else time_unit_warnings(times, source))
-    return clock_of(times, rate, stamped=source.stamped)
+        source.discovered.extend(filter(None, [clock.note]))
+    return clock
 
 
 def _recording(

@@ -8,6 +8,7 @@ import numpy as np
 
 from torsionnet.core.delimited.number_rows import MOST_FAULTS
 from torsionnet.core.errors import Fault
+from torsionnet.io.records.rounded_times import rounded_grid
 from torsionnet.io.records.source import Source
 from torsionnet.response.recording import FloatArray
 
@@ -28,15 +29,19 @@ UNUSUAL_RATE, USUAL_RATE, UNUSUAL_LENGTH = 20.0, 200.0, 3600.0
 
 @dataclass(frozen=True)
 class Clock:
-    """Sampling rate in Hz, start in s, and time stamps (n,) in s of a block where they are not uniform."""
+    """Sampling rate in Hz, start in s, and time stamps (n,) in s of a block where they are not uniform.
+
+    ``note`` says that rounded time stamps were taken for uniform ones.
+    """
 
     rate: float
     start: float
     times: FloatArray | None = None
+    note: str = ""
 
 
-def time_faults(stamps: FloatArray, source: Source, first: int = 0) -> list[Fault]:
-    """Faults of time stamps (n,) in s that are not finite or do not increase, each with its position in the file."""
+def value_faults(stamps: FloatArray, source: Source, first: int = 0) -> list[Fault]:
+    """Faults of time stamps (n,) in s that are not finite or impossibly late, each with its position in the file."""
     assert source.time is not None
     column = source.time.name
     broken = np.flatnonzero(~np.isfinite(stamps))
@@ -46,8 +51,13 @@ def time_faults(stamps: FloatArray, source: Source, first: int = 0) -> list[Faul
         int(row): f"{column} has the time {stamps[row]:g} s, and no recording is that late; give its unit"
         for row in beyond[:1]
     }
-    if texts:
-        return [_fault(text, source, first + row) for row, text in texts.items()]
+    return [_fault(text, source, first + row) for row, text in texts.items()]
+
+
+def order_faults(stamps: FloatArray, source: Source, first: int = 0) -> list[Fault]:
+    """Faults of time stamps (n,) in s that do not increase, each with its position in the file."""
+    assert source.time is not None
+    column, texts = source.time.name, dict[int, str]()
     if is_coarse(stamps):
         return [_fault(_coarse_text(stamps, column), source, first + int(np.argmax(np.diff(stamps) == 0)) + 1)]
     for row in np.flatnonzero(np.diff(stamps) <= 0)[:MOST_FAULTS]:
@@ -85,21 +95,32 @@ def _fault(text: str, source: Source, row: int) -> Fault:
     return Fault(text, ("channels", source.time.name), position=source.place(int(row)))
 
 
-def clock_of(stamps: FloatArray, rate: float | None, *, stamped: bool = False) -> Clock:
-    """Clock (sampling rate in Hz, start in s, or all stamps) from increasing time stamps (n,) in s.
+def clock_of(stamps: FloatArray, rate: float | None, *, stamped: bool = False, scale: float = 1.0) -> Clock:
+    """Clock (sampling rate in Hz, start in s, or all stamps) from time stamps (n,) in units of ``scale`` s.
 
     A known ``rate`` in Hz is kept where it agrees with them.
 
     >>> clock_of(np.array([1.0, 1.1, 1.2]), None).rate.__round__(9)
     10.0
     """
-    if len(stamps) < 2:
-        return Clock(rate or 1.0, float(stamps[0]) if len(stamps) else 0.0)
-    mean = (len(stamps) - 1) / float(stamps[-1] - stamps[0])
-    even = stamps[0] + np.arange(len(stamps)) / mean
-    if stamped or float(np.max(np.abs(stamps - even))) * mean > UNIFORM_TOLERANCE:
-        return Clock(rate or mean, float(stamps[0]), np.asarray(stamps))
-    return Clock(rate if rate and abs(rate / mean - 1) < SAME_RATE_TOLERANCE else _rounded(mean), float(stamps[0]))
+    times = np.asarray(stamps * scale)
+    span = float(times[-1] - times[0]) if len(times) else 0.0
+    start = float(times[0]) if len(times) else 0.0
+    if len(times) < 2:
+        return Clock(rate or 1.0, start)
+    mean = (len(times) - 1) / span if span > 0 else 1.0
+    if stamped or not span > 0:
+        return Clock(rate or mean, start, times)
+    even = start + np.arange(len(times)) / mean
+    is_uniform = float(np.max(np.abs(times - even))) * mean <= UNIFORM_TOLERANCE
+    grid = None if is_uniform and _rounded(mean) != mean else rounded_grid(stamps, scale)
+    if not is_uniform and grid is None:
+        return Clock(rate or mean, start, times)
+    known = rate if rate and abs(rate / mean - 1) < SAME_RATE_TOLERANCE else grid.rate if grid else _rounded(mean)
+    if is_uniform or grid is None:
+        return Clock(known, start)
+    text = f"the time stamps are rounded ({grid.digits}) and were taken for uniform sampling at {grid.rate:.10g} Hz"
+    return Clock(known, grid.start, note=text)
 
 
 def _rounded(rate: float) -> float:
