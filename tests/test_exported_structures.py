@@ -88,7 +88,7 @@ class TestTestlab:
     def test_structures_of_two_rates(self, tmp_path, version):
         slow = structure(np.arange(40.0), interval=1 / 200, name="T:oil", label="Nm")
         path = saved(tmp_path, {"Signal_0": structure(TIMES), "Signal_1": slow}, version)
-        assert "2 rates: 200 Hz (T:oil), 2000 Hz (Shaft:S)" in message(path)
+        assert "2 rates: 200 Hz from 0.5 s (T:oil); 2000 Hz from 0.5 s (Shaft:S)" in message(path)
         assert read_recording(path, sampling_rate=200).names == ("T:oil",)
         assert read_recording(path, sampling_rate=2000, resample=True).names == ("Shaft:S", "T:oil")
 
@@ -101,7 +101,7 @@ class TestTestlab:
         other["x_values"]["quantity"]["label"] = "Hz"
         found = read_recording(saved(tmp_path, {"A": structure(TIMES), "B": other}, version))
         assert found.names == ("Shaft:S",)
-        assert "B was left out: its values are over Hz, no record over time" in found.notes
+        assert "left out, as they are no records over time: spectrum (over Hz)" in found.notes
 
     def test_a_factor_that_does_not_fit_the_unit_is_said(self, tmp_path, version):
         found = read_recording(saved(tmp_path, {"S": structure(TIMES, label="kNm", factor=9.81)}, version))

@@ -134,13 +134,10 @@ class TestTdms:
         assert "begins at 2 s, its wf_start_offset" in found.notes
         assert not any("warning" in note for note in found.notes)
 
-    def test_offsets_that_differ_warn_and_several_rates_are_refused(self, tmp_path):
-        found = self.waves(tmp_path, (0.0, 0.5))
-        assert [note for note in found.notes if note.startswith("warning: ")] == [
-            "warning: channels have starts between 0 and 0.5 s; that of the first was taken for all; resample=True moves "
-            "them to their times",
-        ]
+    def test_offsets_that_differ_and_several_rates_are_refused(self, tmp_path):
+        with pytest.raises(ModelError, match=r"no time in common: a \(1000 Hz from 0 s\), b \(1000 Hz from 0.5 s\)"):
+            self.waves(tmp_path, (0.0, 0.5))
         with pytest.raises(
-            ModelError, match=r"sampled at 2 rates: 500 Hz \(b\), 1000 Hz \(a\); sampling_rate= chooses"
+            ModelError, match=r"500 Hz from 0.5 s \(b\); 1000 Hz from 0 s \(a\); sampling_rate= chooses"
         ):
             self.waves(tmp_path, (0.0, 0.5), (1e-3, 2e-3))

@@ -70,6 +70,49 @@ def interpolated_at(values: FloatArray, rate: float, start: float, times: FloatA
     return found
 
 
+def band_loss(values: FloatArray, rate: float, new_rate: float) -> str:
+    """Text on what :func:`interpolated_at` keeps of a signal (m,) and what it loses, from the spectrum of the signal.
+
+    >>> slow = np.sin(2 * np.pi * 3 * np.arange(400) / 100) + 0.1 * np.sin(2 * np.pi * 45 * np.arange(400) / 100)
+    >>> band_loss(slow, 100.0, 1000.0)
+    'band-limited: holds up to 40 Hz with an error of 0.01 %; 9.9 % of its rms lies above'
+    """
+    limit = VALID_SHARE * min(rate, new_rate) / 2
+    shares, powers = _power_shares(values)
+    above = float(np.sqrt(powers[shares * rate > limit].sum()))
+    text = f"band-limited: holds up to {limit:g} Hz with an error of {100 * STOP_BAND_SHARE:g} %"
+    return f"{text}; {f'{100 * above:.2g}' if above >= STOP_BAND_SHARE else 'under 0.01'} % of its rms lies above"
+
+
+def spline_error(values: FloatArray) -> float:
+    """Rms error of a cubic spline between even samples (m,) over the rms of the signal, about.
+
+    At a frequency of nu times the sampling rate the spline has the gain B(nu), and images B(nu + k) at the whole
+    numbers k, with B(nu) = sinc(nu)^4 / (2/3 + cos(2 pi nu)/3) (M. Unser, IEEE Signal Processing Magazine 16 (1999),
+    no. 6, pp. 22-38). The spectrum of the signal weighs them.
+
+    >>> tone = np.sin(2 * np.pi * 0.1 * np.arange(1000))
+    >>> round(spline_error(tone), 5)
+    0.00029
+    """
+    shares, powers = _power_shares(values)
+
+    def gain(nu: FloatArray) -> FloatArray:
+        return np.asarray(np.sinc(nu) ** 4 / (2 / 3 + np.cos(2 * np.pi * nu) / 3))
+
+    images = sum(gain(shares + k) ** 2 for k in (-2, -1, 1, 2))
+    return float(np.sqrt(np.sum(powers * ((1 - gain(shares)) ** 2 + images))))
+
+
+def _power_shares(values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Frequencies over the sampling rate, (k,), and the share of the power about the straight line at each, (k,)."""
+    count = np.arange(len(values))
+    rest = values - np.polynomial.Polynomial.fit(count, values, 1)(count) if len(values) > 2 else np.zeros(len(values))
+    powers = np.asarray(np.abs(np.fft.rfft(rest * np.hanning(len(rest)))) ** 2, dtype=np.float64)
+    total = float(powers.sum())
+    return np.fft.rfftfreq(len(rest)).astype(np.float64), powers / total if total > 0 else powers
+
+
 def _reflected(values: FloatArray, count: int) -> FloatArray:
     """Values with ``count`` more at either end, reflected about the end points; one value stays the same."""
     if len(values) < 2:
@@ -107,7 +150,10 @@ def resampled(recording: Recording, rate: float | None = None, *, bridge_gaps: b
     time = recording.time
     even = even_times(float(time[0]), float(time[-1]), new, len(time), "samples")
     signals = tuple(_resampled(signal, time, even) for signal in recording)
-    note = f"resampled to {new:g} Hz by cubic splines"
+    error = max((spline_error(signal.values) for signal in signals), default=0.0)
+    note = (
+        f"resampled to {new:g} Hz by cubic splines, with errors up to about {100 * error:.2g} % of the rms of a signal"
+    )
     return replace(recording, signals=signals, sampling_rate=new, start=float(time[0]), times=None).with_notes(note)
 
 

@@ -21,7 +21,14 @@ _OTHER_WORDS = {
     "U/min": "rpm",
     "grad": "",
 }
-_FOLDED = {"rpm": "rpm", "sec": "s", "seconds": "s", "msec": "ms"}
+_FOLDED = {
+    "rpm": "rpm",
+    **dict.fromkeys(("sec", "secs", "second", "seconds", "sek"), "s"),
+    **dict.fromkeys(("msec", "millisecond", "milliseconds"), "ms"),
+    **dict.fromkeys(("usec", "microsecond", "microseconds"), "us"),
+    **dict.fromkeys(("degree", "degrees"), "deg"),
+    **dict.fromkeys(("hertz",), "Hz"),
+}
 _PRODUCT = re.compile(r"(?<=[A-Za-z])\s*[.\-]\s*(?=[A-Za-z])")
 _POWER = re.compile(r"(?<=[A-Za-z])-(?=\d)")
 _SECONDS = re.compile(r"\bsec\b"), re.compile(r"\b(?:s|sec)2\b")

@@ -4,33 +4,58 @@ from __future__ import annotations
 
 import contextlib
 import html
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from torsionnet.core.atomic import atomic_replacement
+from torsionnet.core.listing import comma_list
+from torsionnet.io.foreign import StoredArray
 from torsionnet.io.formats.extras import import_extra, open_foreign
-from torsionnet.io.records.arrays import attribute_text, channel_of
+from torsionnet.io.records.arrays import attribute_text, channel_of, told_apart
+from torsionnet.io.records.axes import other_axis
 from torsionnet.io.records.recording_description import check_names, recording_json, with_description
-from torsionnet.io.records.source import Source
+from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.response.measured.pulse_channel import PULSE_TIMES
 from torsionnet.response.recording import Recording
 
 
 @contextlib.contextmanager
 def open_source(path: Path) -> Iterator[Source]:
-    """Yield the channels of an MDF file with the time stamps of the first channel."""
+    """Yield the channels of an MDF file, each with the time stamps of its group; of equal names, the group tells."""
     with open_foreign(path, "mdf") as content:
         text = html.unescape(str(content.attributes.get("comment", "")))  # it is wrapped in XML
-        channels = [
+        first = len(content.arrays) - int(content.attributes.get("rasters") or 0)
+        masters = [
             channel_of(item, number, item.name, attribute_text(item, "unit"))
-            for number, item in enumerate(content.arrays)
+            for number, item in enumerate(content.arrays[first:], first)
         ]
-        source = Source(tuple(channels), content.blocks, title=path.stem)
+        items = content.arrays[:first]
+        names = told_apart([item.name for item in items], [f"{item.attributes['group']}/{item.name}" for item in items])
+        channels = [
+            _channel(item, number, name, masters) for number, (item, name) in enumerate(zip(items, names, strict=True))
+        ]
+        source = Source(tuple(channels), content.blocks, title=path.stem, notes=_missing(channels, content.arrays))
         found = text[text.find("{") : text.rfind("}") + 1]
-        yield with_description(source, found if '"sampling_rate"' in found else "")
+        own = '"sampling_rate"' in found
+        yield with_description(replace(source, channels=(*channels, *masters)), found) if own else source
+
+
+def _channel(item: StoredArray, number: int, name: str, masters: Sequence[FileChannel]) -> FileChannel:
+    found = channel_of(item, number, name, attribute_text(item, "unit"))
+    over = attribute_text(item, "over")
+    clock = None if over else masters[int(item.attributes["raster"] or 0)]
+    over = over or other_axis(clock.unit if clock else "")
+    return replace(found, clock=None if over else clock, over=over)
+
+
+def _missing(channels: Sequence[FileChannel], items: Sequence[StoredArray]) -> tuple[str, ...]:
+    counts = [(channel.name, item.attributes.get("invalid")) for channel, item in zip(channels, items, strict=False)]
+    marked = [f"{name} ({count})" for name, count in counts if count]
+    return (f"samples that the file marks as invalid are missing, as NaN: {comma_list(marked)}",) if marked else ()
 
 
 def write(recording: Recording, path: Path) -> None:

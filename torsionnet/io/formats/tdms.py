@@ -11,12 +11,15 @@ from torsionnet.core.atomic import atomic_replacement
 from torsionnet.io.foreign import StoredArray
 from torsionnet.io.formats.extras import import_extra, open_foreign
 from torsionnet.io.records.arrays import attribute_text, channel_of
+from torsionnet.io.records.axes import other_axis, seconds_in
 from torsionnet.io.records.recording_description import KEY, recording_json, saved_columns, with_description
 from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.response.recording import Recording
 
 GROUP, INCREMENT, OFFSET = "recording", "wf_increment", "wf_start_offset"
 """Name of the group written, and the waveform properties with the sampling interval and the start, both in s."""
+AXIS_UNIT, AXIS_NAME, START_TIME = "wf_xunit_string", "wf_xname", "wf_start_time"
+"""Waveform properties with unit and name of the axis, and with the time at which a channel began."""
 PIECE = 1 << 20
 """Samples of a TDMS segment that is written, few enough to fit into memory, enough for npTDMS to be quick."""
 
@@ -30,7 +33,7 @@ def open_source(path: Path) -> Iterator[Source]:
         starts = [channel.start for channel in channels if channel.start is not None]
         title = str(content.attributes.get("name", path.stem))
         start = starts[0] if starts else 0.0
-        notes = (f"begins at {start:g} s, its wf_start_offset",) if start else ()
+        notes = (f"begins at {start:g} s, its wf_start_offset",) if start and len(set(starts)) == 1 else ()
         rate = rates[0] if rates else None
         source = Source(tuple(channels), content.blocks, rate=rate, start=start, title=title, notes=notes)
         text = str(content.attributes.get(KEY, ""))
@@ -41,10 +44,13 @@ def _channel(item: StoredArray, number: int) -> FileChannel:
     group = attribute_text(item, "group")
     unit = attribute_text(item, "unit_string", "NI_UnitDescription")
     found = channel_of(item, number, f"{group}/{item.name}" if "group" in item.attributes else item.name, unit)
-    interval = float(item.attributes.get(INCREMENT) or 0)
-    if not interval:
-        return found
-    return replace(found, rate=1 / interval, start=float(item.attributes.get(OFFSET) or 0.0))
+    interval, offset, begun = (float(item.attributes.get(key) or 0.0) for key in (INCREMENT, OFFSET, START_TIME))
+    axis = attribute_text(item, AXIS_UNIT)
+    over = other_axis(axis, attribute_text(item, AXIS_NAME))
+    if over or not interval:
+        return replace(found, over=over if interval else "")
+    seconds = seconds_in(axis)
+    return replace(found, rate=1 / (interval * seconds), start=begun + offset * seconds)
 
 
 def write(recording: Recording, path: Path) -> None:

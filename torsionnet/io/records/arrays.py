@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from torsionnet.core.plain_names import free_name
 from torsionnet.io.foreign import StoredArray
 from torsionnet.io.foreign.content import COMPLEX, UNIT_NAMES, Blocks
 from torsionnet.io.records.recording_description import with_description
@@ -64,6 +65,18 @@ def _column(block: FloatArray, column: int) -> FloatArray:
 def channel_of(item: StoredArray, number: int, name: str, unit: str) -> FileChannel:
     """Channel of an array in a file, of the quantity that the array has as an attribute."""
     return FileChannel(name, number, unit, attribute_text(item, "quantity") or None, item.length)
+
+
+def told_apart(names: Sequence[str], longer: Sequence[str]) -> list[str]:
+    """Names of channels, of which equal ones are replaced by ``longer`` ones, with numbers where these are equal, too.
+
+    >>> told_apart(["T", "w", "T", "T"], ["1/T", "1/w", "2/T", "2/T"])
+    ['1/T', 'w', '2/T', '2/T_2']
+    """
+    found: list[str] = []
+    for name, other in zip(names, longer, strict=True):
+        found.append(name if names.count(name) == 1 else free_name(other, {*found, *names}))
+    return found
 
 
 def attribute_text(item: StoredArray, *names: str) -> str:

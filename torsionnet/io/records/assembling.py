@@ -65,13 +65,14 @@ def _sampled(source: Source, options: ReadOptions, file: str, seconds: float | N
         text = f'{stamps} was taken for the time stamps, and "{options.units[stamps]}" is no unit of time'
         faults.append(Fault(text))
     chosen = choose_rate(source, choices, options)
-    every, source, choices = choices, chosen.source, chosen.together
+    every, whole, source, choices = choices, source, chosen.source, chosen.together
     # Channels of several rates differ in length: one of the two is said.
     faults += chosen.faults or length_faults(source, choices)
-    faults += _rate_faults(source, options)
+    if not chosen.faults and (choices or not any(one.rate or one.clock or one.over for one in source.channels)):
+        faults += _rate_faults(source, options)
     if faults:
         raise ModelError([*faults, *([Fault(source.hint, (), "note")] if source.hint else [])], file)
-    others = read_others(source, chosen.others, file)
+    others = read_others(whole, chosen, file)
     rate, done, begin = options.sampling_rate or source.rate, 0, 0.0
     count = 0 if seconds is None else max(1, round(seconds * (rate or _first_rate(source))))
     columns = [choice.channel.column for choice in choices]

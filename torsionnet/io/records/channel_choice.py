@@ -40,7 +40,13 @@ def choose(
     ]
     channels = source.channels if names is None else [known[name] for name in asked if name in known]
     choices = []
+    if names is None and not all(channel.over for channel in channels):
+        channels = [channel for channel in channels if not channel.over]  # left out, with a note
     for channel in channels:
+        if channel.over:
+            text = f"its values are over {channel.over}, no record over time; export it over time"
+            faults.append(Fault(text, ("channels", channel.name), position=channel.position))
+            continue
         try:
             choice = _choice(channel, quantities.get(channel.name), units.get(channel.name, channel.unit), names)
             choices.append(choice)
@@ -66,8 +72,10 @@ def _choice(
         note = f"values as in the file{f' in {unit}' if unit else ''}: the quantity is not known"
         return ChannelChoice(channel, name, notes=(*channel.notes, note))
     if not unit:
-        note = f"no unit in the file: taken for {QUANTITY_UNITS[quantity]}"
-        return ChannelChoice(channel, name, quantity, notes=(*channel.notes, note))
+        factor = channel.implied.get(quantity, 1.0)
+        said = f"no unit of its own: multiplied by {factor:.6g} by the units of the file"
+        note = f"no unit in the file: taken for {QUANTITY_UNITS[quantity]}" if factor == 1.0 else said
+        return ChannelChoice(channel, name, quantity, factor, (*channel.notes, note))
     factor = factor_to_si(unit, quantity)
     notes = channel.notes if factor == 1.0 else (*channel.notes, f"converted from {unit}")
     return ChannelChoice(channel, name, quantity, factor, notes)

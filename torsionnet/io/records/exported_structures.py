@@ -19,7 +19,8 @@ from torsionnet.core.units import UnitError, parse_unit
 from torsionnet.io.foreign import StoredArray
 from torsionnet.io.foreign.content import COMPLEX, Blocks, Plain
 from torsionnet.io.records.arrays import by_column
-from torsionnet.io.records.source import FileChannel, Source, is_time
+from torsionnet.io.records.axes import other_axis, seconds_in
+from torsionnet.io.records.source import FileChannel, Source
 
 VALUES, ABSCISSA = ".y_values.values", ".x_values"
 """Ends of the names of a Testlab structure's values, and of what tells their times."""
@@ -101,17 +102,17 @@ def _testlab(fields: _Fields) -> Found | None:
     often = Counter(name for some in names for name in some)
     for prefix, given in zip(prefixes, names, strict=True):
         number, item = fields.arrays[f"{prefix}{VALUES}"]
-        axis = fields.words(f"{prefix}{ABSCISSA}.quantity.label")
-        if item.attributes.get(COMPLEX) or (axis and axis[0] and not is_time(FileChannel("x", 0, axis[0]))):
-            over = f"over {axis[0]}" if axis and axis[0] else "complex"
-            notes.append(f"{prefix} was left out: its values are {over}, no record over time")
+        axis = [*fields.words(f"{prefix}{ABSCISSA}.quantity.label"), ""][0]
+        over = other_axis(axis)
+        if item.attributes.get(COMPLEX) and not over:
+            notes.append(f"{prefix} was left out: its values are complex, no record over time")
             continue
         fault = _abscissa_fault(fields, prefix, item)
         if fault:
             faults.append(fault)
             continue
+        scale = 1.0 if over else seconds_in(axis)
         interval, start = (fields.number(f"{prefix}{ABSCISSA}.{key}") or 0.0 for key in ("increment", "start_value"))
-        scale = float(parse_unit(plain_unit(axis[0])).factor) if axis and axis[0] else 1.0
         columns = (*item.shape, 1)[1]
         units = fields.words(f"{prefix}.y_values.quantity.label")
         for column in range(columns):
@@ -120,9 +121,8 @@ def _testlab(fields: _Fields) -> Found | None:
                 name = prefix if columns == 1 else f"{prefix}_{column + 1}"
             unit = "" if not units else units[column] if len(units) == columns else units[0]
             notes += _factor_notes(fields, prefix, name, unit)
-            channels.append(
-                FileChannel(name, 0, unit, None, item.length, rate=1 / (interval * scale), start=start * scale)
-            )
+            own = FileChannel(name, 0, unit, None, item.length, over=over)
+            channels.append(own if over else replace(own, rate=1 / (interval * scale), start=start * scale))
             places.append((number, column))
     if faults:
         raise ValueError("; ".join(faults))

@@ -131,6 +131,7 @@ def _channel(source: Source, entry: dict[str, Any]) -> FileChannel:
         notes=tuple(map(str, entry["notes"])),
         rate=None,
         start=None,
+        clock=None,
     )
 
 

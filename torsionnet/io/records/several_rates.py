@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -11,117 +11,179 @@ from torsionnet.core.errors import Fault, ModelError
 from torsionnet.core.listing import comma_list
 from torsionnet.io.records.channel_choice import ChannelChoice
 from torsionnet.io.records.clock import SAME_RATE_TOLERANCE
+from torsionnet.io.records.rasters import (
+    MOST_NAMED,
+    SAME_START,
+    Raster,
+    cut_together,
+    in_raster,
+    is_whole,
+    listed,
+    own_clocks,
+    own_start,
+    rasters_of,
+)
 from torsionnet.io.records.read_options import ReadOptions
-from torsionnet.io.records.source import Source
+from torsionnet.io.records.source import FileChannel, Source, time_note
 from torsionnet.response.recording import FloatArray, Recording, Signal
-from torsionnet.signals.resampling import VALID_SHARE, interpolated_at
-
-EQUAL_RATES = 1e-7
-"""Relative difference of sampling rates that are the same, as those of intervals with rounded decimals are."""
-SAME_START = 1e-3
-"""Share of a sampling interval by which channels may begin at different times and count as sampled together."""
-MOST_NAMED = 5
-"""Number of channels of one rate that a message names at most, so that it stays short."""
+from torsionnet.signals.resampling import band_loss, interpolated_at, resampled
 
 
 @dataclass(frozen=True)
 class RateChoice:
-    """Channels of one sampling rate that are read together, and others that are brought to it."""
+    """Channels of one sampling rate that are read together, and others that are brought to it.
+
+    ``stamps`` are those (n,) in s of channels with uneven time stamps of their own, by the column of these.
+    """
 
     source: Source
     together: list[ChannelChoice]
     others: list[ChannelChoice] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
+    stamps: Mapping[int, FloatArray] = field(default_factory=dict)
 
 
 def choose_rate(source: Source, choices: Sequence[ChannelChoice], options: ReadOptions) -> RateChoice:
     """Channels of a file of one sampling rate, that of ``options`` where there are several, and what is wrong."""
-    rates = sorted({choice.channel.rate for choice in choices if choice.channel.rate})
-    if source.time is not None or not rates:
+    source = _without_other_axes(source, options)
+    if source.time is not None:
         return RateChoice(source, list(choices))
-    groups = [rate for number, rate in enumerate(rates) if not number or rate > rates[number - 1] * (1 + EQUAL_RATES)]
-    if len(groups) == 1:
-        return _together(source, choices, (), groups[0], options)
+    clocks = {choice.channel.clock.column: choice.channel.clock for choice in choices if choice.channel.clock}
+    if len(clocks) == 1 and all(choice.channel.clock for choice in choices):
+        return RateChoice(_on_clock(source, next(iter(clocks.values()))), list(choices))
+    own = own_clocks(source, choices)
+    rasters = rasters_of(own.choices)
+    if own.faults or not rasters:
+        return RateChoice(source, own.choices, faults=own.faults)
     given = options.sampling_rate
-    wanted = next((rate for rate in groups if given and abs(given / rate - 1) < SAME_RATE_TOLERANCE), None)
-    if wanted is None:
-        return RateChoice(source, list(choices), faults=[_which(choices, groups, given)])
-    kept = [choice for choice in choices if _is_of(choice, wanted)]
-    others = [choice for choice in choices if not _is_of(choice, wanted)]
-    return _together(source, kept, others, wanted, options)
+    wanted = [raster for raster in rasters if given is None or abs(given / raster.rate - 1) < SAME_RATE_TOLERANCE]
+    if len(rasters) == 1 and not wanted:
+        text = f"the file says {rasters[0].rate:g} Hz for {listed(own.choices, source)}, sampling_rate={given:g} was "
+        return RateChoice(source, own.choices, faults=[Fault(f"{text}given; leave it out to take that of the file")])
+    if len(rasters) > 1 and (given is None or not wanted):
+        return RateChoice(source, own.choices, faults=[_which(rasters, source, given)])
+    raster = max(wanted, key=lambda one: one.is_even)
+    kept, others = in_raster(raster, own.choices)
+    if raster.is_even:
+        chosen = _together(source, kept, others, raster.rate, options)
+    else:
+        found = _on_clock(source, raster.choices[0].channel.clock)
+        chosen = _with_others_or_without(found, kept, others, raster.rate, options)
+    return replace(chosen, stamps=own.stamps)
+
+
+def _without_other_axes(source: Source, options: ReadOptions) -> Source:
+    left = [f"{channel.name} (over {channel.over})" for channel in source.channels if channel.over]
+    if not left or options.names is not None:
+        return source
+    return replace(
+        source, notes=(*source.notes, f"left out, as they are no records over time: {comma_list(left, MOST_NAMED)}")
+    )
+
+
+def _on_clock(source: Source, clock: FileChannel | None) -> Source:
+    return replace(
+        source, time=clock, notes=(*source.notes, *([time_note(clock)] if clock and not source.stamped else []))
+    )
 
 
 def _together(
-    source: Source, kept: Sequence[ChannelChoice], others: Sequence[ChannelChoice], rate: float, options: ReadOptions
+    source: Source,
+    kept: Sequence[ChannelChoice],
+    others: Sequence[ChannelChoice],
+    rate: float,
+    options: ReadOptions,
 ) -> RateChoice:
-    start = next((choice.channel.start for choice in kept if choice.channel.start is not None), source.start)
-    late = [choice for choice in kept if not _begins_at(choice, start, rate)]
-    notes = source.notes
-    if late and options.resample:
-        kept = [choice for choice in kept if _begins_at(choice, start, rate)]
-        others = [*others, *late]
-    elif late:
-        starts = [choice.channel.start for choice in kept if choice.channel.start is not None]
-        text = f"warning: channels have starts between {min(starts):.6g} and {max(starts):.6g} s; that of the first "
-        notes = (*notes, f"{text}was taken for all; resample=True moves them to their times")
-    found = replace(source, rate=rate, start=start, notes=notes)
+    first = own_start(kept[0], source)
+    between = [choice for choice in kept if not is_whole(own_start(choice, source) - first, rate)]
+    if between and not options.resample:
+        text = f"channels begin at times that differ by parts of a sampling interval: {listed(kept, source)}; "
+        text += "resample=True moves them to their times, names= chooses channels"
+        return RateChoice(source, list(kept), faults=[Fault(text)])
+    kept = [choice for choice in kept if choice not in between]
+    cut, cut_choices = cut_together(source, kept, rate)
+    if cut_choices[0].channel.length == 0:
+        text = f"the channels have no time in common: {listed(kept, source)}; read them one by one with names="
+        return RateChoice(source, list(kept), faults=[Fault(text)])
+    return _with_others_or_without(cut, cut_choices, [*others, *between], rate, options)
+
+
+def _with_others_or_without(
+    source: Source,
+    kept: Sequence[ChannelChoice],
+    others: Sequence[ChannelChoice],
+    rate: float,
+    options: ReadOptions,
+) -> RateChoice:
     if not others or options.resample:
-        return RateChoice(found, list(kept), list(others))
+        return RateChoice(source, list(kept), list(others))
     if options.names is not None:
-        text = f"{_listed(others)} were not sampled at {rate:g} Hz; give resample=True to interpolate them, or leave "
-        return RateChoice(found, list(kept), faults=[Fault(f"{text}them out of names=")])
-    note = f"left out, as sampled at other rates than {rate:g} Hz: {_listed(others)}; resample=True interpolates them"
-    return RateChoice(replace(found, notes=(*found.notes, note)), list(kept))
+        text = f"{listed(others, source)} were not sampled at {rate:g} Hz; give resample=True to interpolate them, "
+        return RateChoice(source, list(kept), faults=[Fault(f"{text}or leave them out of names=")])
+    note = f"left out, as sampled at other rates than {rate:g} Hz: {listed(others, source)}; resample=True "
+    return RateChoice(replace(source, notes=(*source.notes, f"{note}interpolates them")), list(kept))
 
 
-def _is_of(choice: ChannelChoice, rate: float) -> bool:
-    own = choice.channel.rate
-    return own is None or abs(own / rate - 1) <= EQUAL_RATES
-
-
-def _begins_at(choice: ChannelChoice, start: float, rate: float) -> bool:
-    own = choice.channel.start
-    return own is None or abs(own - start) * rate <= SAME_START
-
-
-def _listed(choices: Sequence[ChannelChoice]) -> str:
-    names = [f"{choice.channel.name} ({choice.channel.rate or 0:g} Hz)" for choice in choices]
-    return comma_list(names, MOST_NAMED)
-
-
-def _which(choices: Sequence[ChannelChoice], rates: Sequence[float], given: float | None) -> Fault:
+def _which(rasters: Sequence[Raster], source: Source, given: float | None) -> Fault:
     parts = []
-    for rate in rates:
-        names = [choice.channel.name for choice in choices if choice.channel.rate and _is_of(choice, rate)]
-        parts.append(f"{rate:g} Hz ({comma_list(names, MOST_NAMED)})")
+    for raster in rasters:
+        starts = dict.fromkeys(f"{own_start(choice, source):.9g}" for choice in raster.choices)
+        uneven = "" if raster.is_even else " at uneven time stamps"
+        names = comma_list([choice.channel.name for choice in raster.choices], MOST_NAMED)
+        parts.append(f"{raster.rate:g} Hz{uneven} from {comma_list(list(starts), MOST_NAMED)} s ({names})")
     said = f"sampling_rate={given:g} is none of them" if given else "sampling_rate= chooses one"
-    text = f"the channels were sampled at {len(rates)} rates: {', '.join(parts)}; {said}"
+    rates = len({raster.rate for raster in rasters})
+    text = f"the channels were sampled at {rates} rate{'s' * (rates > 1)}: {'; '.join(parts)}; {said}"
     return Fault(f"{text}, resample=True brings the others to it, names= chooses channels")
 
 
-def read_others(source: Source, others: Sequence[ChannelChoice], file: str) -> list[FloatArray]:
-    """Samples of channels of other rates, (n,) each, in the units of the file.
+@dataclass(frozen=True)
+class OtherSamples:
+    """Samples (n,) of a channel of another rate in Hz in the unit of the file, from its own start in s on."""
+
+    values: FloatArray
+    rate: float
+    start: float
+    notes: tuple[str, ...] = ()
+
+
+def read_others(source: Source, chosen: RateChoice, file: str) -> list[OtherSamples]:
+    """Samples of the channels of other rates; uneven ones are brought to their own mean rate.
 
     Raises
     ------
     ModelError
         Values that are not finite, as they cannot be interpolated.
+    UsageError
+        Gaps in uneven time stamps.
     """
-    found, faults = list[FloatArray](), list[Fault]()
-    for choice in others:
-        values = np.asarray(next(source.blocks([choice.channel.column], 0), [np.empty(0)])[0], dtype=np.float64)
+    found, faults = list[OtherSamples](), list[Fault]()
+    for choice in chosen.others:
+        channel = choice.channel
+        values = np.asarray(next(source.blocks([channel.column], 0), [np.empty(0)])[0], dtype=np.float64)
         broken = int(np.count_nonzero(~np.isfinite(values)))
         if broken or not len(values):
             says = f"{broken} of its values are not finite" if broken else "it has no values"
-            faults.append(Fault(f"cannot be interpolated: {says}; leave it out", ("channels", choice.channel.name)))
-        found.append(values)
+            faults.append(Fault(f"cannot be interpolated: {says}; leave it out", ("channels", channel.name)))
+            continue
+        rate, start = channel.rate or chosen.source.rate or 1.0, own_start(choice, source)
+        if channel.clock is None:
+            found.append(OtherSamples(values, rate, start))
+        else:
+            uneven = Recording((Signal(channel.name, "", values),), rate, times=chosen.stamps[channel.clock.column])
+            even = resampled(uneven)
+            found.append(OtherSamples(even.signals[0].values, rate, even.start, even.notes))
     if faults:
         raise ModelError(faults, file)
     return found
 
 
 def with_others(
-    record: Recording, chosen: RateChoice, order: Sequence[ChannelChoice], samples: Sequence[FloatArray], file: str
+    record: Recording,
+    chosen: RateChoice,
+    order: Sequence[ChannelChoice],
+    samples: Sequence[OtherSamples],
+    file: str,
 ) -> Recording:
     """Recording with the signals of other rates interpolated at its times, cut to where all of them were recorded.
 
@@ -132,33 +194,36 @@ def with_others(
     ModelError
         There is no time in common.
     """
-    source, together, others = chosen.source, chosen.together, chosen.others
+    together, others = chosen.together, chosen.others
     if not others:
         return record
-    clocks = [
-        (choice.channel.rate or record.sampling_rate, _own_start(choice, source), len(values))
-        for choice, values in zip(others, samples, strict=True)
-    ]
+    record = resampled(record) if record.times is not None else record
     time, slack = record.time, SAME_START / record.sampling_rate
-    first = max(start for _, start, _ in clocks) - slack
-    last = min(start + (count - 1) / rate for rate, start, count in clocks) + slack
+    first = max(own.start for own in samples) - slack
+    last = min(own.start + (len(own.values) - 1) / own.rate for own in samples) + slack
     inside = (time >= first) & (time <= last)
     if not inside.any():
         text = f"channels of other rates, from {first:.6g} to {last:.6g} s, have no time in common with the others, "
         raise ModelError([Fault(f"{text}from {time[0]:.6g} to {time[-1]:.6g} s; read them one by one")], file)
     new, times = record.sampling_rate, time[inside]
+    losses = [
+        "; ".join([*own.notes, f"interpolated from {own.rate:g} to {new:g} Hz, {band_loss(own.values, own.rate, new)}"])
+        for own in samples
+    ]
     made = [
         Signal(
-            choice.name, choice.quantity, choice.factor * interpolated_at(values, rate, start, times, new),
-            (*choice.notes, _how(rate, new)),
+            choice.name, choice.quantity,
+            choice.factor * interpolated_at(own.values, own.rate, own.start, times, new),
+            (*choice.notes, loss),
         )
-        for choice, values, (rate, start, _) in zip(others, samples, clocks, strict=True)
+        for choice, own, loss in zip(others, samples, losses, strict=True)
     ]  # fmt: skip
     kept = [replace(signal, values=signal.values[inside]) for signal in record]
     what = (
         f"{len(others)} channels of other rates or starts" if len(others) > 1 else "1 channel of another rate or start"
     )
-    notes = [f"{what} interpolated at {new:g} Hz: {_listed(others)}"]
+    notes = [f"{what} interpolated at {new:g} Hz: {listed(others, chosen.source)}"]
+    notes += [f"{choice.name}: {loss}" for choice, loss in zip(others, losses, strict=True)]
     if not inside.all():
         notes.append(f"cut to where all channels were recorded: from {times[0]:.6g} to {times[-1]:.6g} s")
     places = {choice.channel.column: number for number, choice in enumerate(order)}
@@ -167,12 +232,3 @@ def with_others(
         signal for _, signal in sorted(zip(columns, [*kept, *made], strict=True), key=lambda one: places[one[0]])
     ]
     return replace(record, signals=tuple(signals), start=float(times[0])).with_notes(*notes)
-
-
-def _own_start(choice: ChannelChoice, source: Source) -> float:
-    return source.start if choice.channel.start is None else choice.channel.start
-
-
-def _how(rate: float, new: float) -> str:
-    limit = VALID_SHARE * min(rate, new) / 2
-    return f"interpolated from {rate:g} to {new:g} Hz, band-limited: holds up to {limit:g} Hz"

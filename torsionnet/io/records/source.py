@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 from torsionnet.core.delimited.headings import plain_unit
@@ -25,7 +25,9 @@ class FileChannel:
     """Channel of a recording as the file has it, with its name, unit and number (``column``) for ``Source.blocks``.
 
     ``quantity`` is None where the file says nothing, empty where it says that none is known. ``rate`` (Hz) and
-    ``start`` (s) are those of the channel alone, where the file has them for each.
+    ``start`` (s) are those of the channel alone, where the file has them for each, or ``clock`` is the channel of its
+    time stamps; ``over`` is the unit or name of its axis where that is no time. ``implied`` has the factor to SI by
+    quantity where the file has units for all channels, for those without one of their own.
     """
 
     name: str
@@ -37,6 +39,9 @@ class FileChannel:
     notes: tuple[str, ...] = ()
     rate: float | None = None
     start: float | None = None
+    clock: FileChannel | None = None
+    over: str = ""
+    implied: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from torsionnet.core.atomic import atomic_replacement
 from torsionnet.io.formats.extras import import_extra
 
-FUNCTION_DATASET = 58
-"""Number of the type of dataset in universal files that holds a function."""
+FUNCTION_DATASET, UNITS_DATASET = 58, 164
+"""Numbers of the types of datasets in universal files that hold a function, and the units of what follows."""
 GENERAL_FUNCTION, TIME_RESPONSE, FRF, TRANSMISSIBILITY, COHERENCE = 0, 1, 4, 5, 6
 """Codes of the types of functions in dataset 58 (record 6, field 1)."""
 ROTATION_ABOUT_X = 4
 """Code of a rotation about +X as a direction in dataset 58 (record 6, fields 7 and 10), negative about -X."""
+ROTATIONS = frozenset({4, 5, 6})
+"""Codes of rotations about X, Y and Z as directions in dataset 58 (record 6, fields 7 and 10)."""
 TRANSLATIONS = frozenset({1, 2, 3})
 """Codes of translations along X, Y and Z as directions in dataset 58 (record 6, fields 7 and 10)."""
+GENERAL, TIME_AXIS, FREQUENCY_AXIS = 1, 17, 18
+"""Codes of data types in dataset 58 of values in general, and of an abscissa of times and of frequencies."""
+ABSCISSAE = {8: "a displacement", TIME_AXIS: "time", FREQUENCY_AXIS: "frequency", 19: "a speed in rpm", 20: "an order"}
+"""Words for the codes of data types that the abscissa of a dataset 58 has."""
 ID_LINE_WIDTH = 80
 """Most characters of an ID line in dataset 58."""
 PAIR_SEPARATOR = " / "
@@ -34,6 +41,40 @@ _UNUSED = {
     for axis in ("abscissa", "ordinate", "orddenom", "z_axis")
     for entry in ("spec_data_type", "len_unit_exp", "force_unit_exp", "temp_unit_exp")
 } | {"z_axis_value": 0.0, "orddenom_axis_units_lab": "NONE", "z_axis_axis_units_lab": "NONE"}
+
+
+@dataclass(frozen=True)
+class FileUnits:
+    """Units of a universal file by its dataset 164: how many of its units of length and force are in a m and a N."""
+
+    length: float = 1.0
+    force: float = 1.0
+    name: str = ""
+
+    @property
+    def factors(self) -> dict[str, float]:
+        """Factors to SI by quantity, of those that are not 1."""
+        every = {"torque": 1 / (self.length * self.force), "stress": self.length**2 / self.force}
+        return {quantity: factor for quantity, factor in every.items() if factor != 1.0}
+
+
+def units_of_datasets(sets: Sequence[Mapping[str, Any]]) -> list[FileUnits]:
+    """Units that hold for every dataset of a universal file, by the dataset 164 before it."""
+    found, now = [], FileUnits()
+    for entries in sets:
+        if entries.get("type") == UNITS_DATASET:
+            length, force = (float(entries.get(key) or 1.0) for key in ("length", "force"))
+            now = FileUnits(length, force, text_in(entries, "units_description"))
+        found.append(now)
+    return found
+
+
+def abscissa_over(entries: Mapping[str, Any], kind: int) -> str:
+    """Words for the abscissa of a dataset 58 that has no unit and a code other than ``kind``; else empty."""
+    code = int(entries.get("abscissa_spec_data_type") or 0)
+    if text_in(entries, "abscissa_axis_units_lab") or code in (0, GENERAL, kind):
+        return ""
+    return ABSCISSAE.get(code, f"an abscissa of type {code}")
 
 
 def function_dataset(lines: Iterable[str], **entries: Any) -> dict[str, Any]:

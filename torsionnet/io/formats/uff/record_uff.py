@@ -3,52 +3,95 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from torsionnet.io.foreign import StoredArray
+from torsionnet.core.units import parse_unit
+from torsionnet.io.foreign import Content, StoredArray
 from torsionnet.io.formats.extras import open_foreign
-from torsionnet.io.formats.uff.datasets import FUNCTION_DATASET, TIME_RESPONSE, function_dataset, text_in, write_sets
+from torsionnet.io.formats.uff.datasets import (
+    FUNCTION_DATASET,
+    GENERAL,
+    ROTATIONS,
+    TIME_AXIS,
+    TIME_RESPONSE,
+    UNITS,
+    FileUnits,
+    abscissa_over,
+    function_dataset,
+    text_in,
+    units_of_datasets,
+    write_sets,
+)
+from torsionnet.io.records.arrays import told_apart
+from torsionnet.io.records.axes import other_axis, seconds_in
 from torsionnet.io.records.clock import clock_of
+from torsionnet.io.records.quantities import quantity_of_dimension
 from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.response.recording import Recording, Signal
-
-TIME_AXIS, GENERAL = 17, 1
-"""Data types in dataset 58 of the abscissa (time) and of the values (general) of a recording."""
 
 
 @contextlib.contextmanager
 def open_source(path: Path) -> Iterator[Source]:
     """Yield the channels of a universal file, which are its time responses, named by their first line of text."""
     with open_foreign(path, "uff") as content:
-        numbers = [at for at, item in enumerate(content.arrays[::2]) if _is_time_response(item)]
+        sets = content.arrays[::2]
+        numbers = [at for at, item in enumerate(sets) if _is_time_response(item)]
         if not numbers:
             yield Source((), content.blocks)
             return
-        first, axis = content.arrays[2 * numbers[0]].attributes, 2 * numbers[0] + 1
-        stamps = next(content.blocks([axis], 0), [np.empty(0)])[0]
-        clock = clock_of(stamps, _written_rate(first))
-        channels = [_channel(content.arrays[2 * at], 2 * at) for at in numbers]
-        source = Source(
-            tuple(channels), content.blocks, rate=clock.rate, start=clock.start,
-            title=text_in(first, "id4") or path.stem, notes=tuple(filter(None, [text_in(first, "id5")])),
+        first, units = sets[numbers[0]].attributes, units_of_datasets([item.attributes for item in sets])
+        clocks = dict[Hashable, FileChannel]()
+        channels = [_channel(sets[at], at, content, clocks, units[at]) for at in numbers]
+        longer = [f"{one.name} {_place(sets[at])}" for one, at in zip(channels, numbers, strict=True)]
+        names = told_apart([one.name for one in channels], longer)
+        named = [replace(one, name=name) for one, name in zip(channels, names, strict=True)]
+        yield Source(
+            tuple(named), content.blocks, rate=_written_rate(first), title=text_in(first, "id4") or path.stem,
+            notes=tuple(filter(None, [text_in(first, "id5")])), stamped=_written_rate(first) is not None,
         )  # fmt: skip
-        stamp = FileChannel("abscissa", axis, "s", length=len(stamps))
-        yield source if clock.times is None else replace(source, time=stamp, stamped=True)
 
 
 def _is_time_response(item: StoredArray) -> bool:
     return item.attributes.get("type") == FUNCTION_DATASET and item.attributes.get("func_type") == TIME_RESPONSE
 
 
-def _channel(item: StoredArray, number: int) -> FileChannel:
-    place = [item.attributes.get(key, "") for key in ("rsp_ent_name", "rsp_node", "rsp_dir")]
-    name = text_in(item.attributes, "id1") or "{}{}:{}".format(*place)
-    return FileChannel(name, number, text_in(item.attributes, "ordinate_axis_units_lab"), length=item.length)
+def _channel(
+    item: StoredArray, at: int, content: Content, clocks: dict[Hashable, FileChannel], units: FileUnits
+) -> FileChannel:
+    """Channel of a dataset with its own abscissa; ``clocks`` remembers abscissae that are the same."""
+    label, entries = text_in(item.attributes, "ordinate_axis_units_lab"), item.attributes
+    code, direction = (int(entries.get(key) or 0) for key in ("ordinate_spec_data_type", "rsp_dir"))
+    unit = text_in(entries, "abscissa_axis_units_lab")
+    over = other_axis(unit) or abscissa_over(entries, TIME_AXIS)
+    found = FileChannel(
+        text_in(entries, "id1") or _place(item), 2 * at, label, length=item.length, over=over, implied=units.factors
+    )
+    if not label and code in UNITS and abs(direction) in ROTATIONS:
+        found = replace(found, quantity=quantity_of_dimension(parse_unit(UNITS[code]).dimension) or None)
+    if over:
+        return found
+    key = tuple(entries.get(name) for name in ("abscissa_min", "abscissa_inc", "num_pts", "abscissa_axis_units_lab"))
+    known = clocks.get(key) if entries.get("abscissa_spacing") == 1 else None
+    known = known or _abscissa(entries, 2 * at + 1, content, unit)
+    clocks[key] = known
+    return replace(found, rate=known.rate, start=known.start, clock=None if known.rate else known)
+
+
+def _abscissa(entries: Mapping[str, Any], column: int, content: Content, unit: str) -> FileChannel:
+    """Abscissa of a dataset, with its rate in Hz and its start in s where it is even."""
+    stamps = next(content.blocks([column], 0), [np.empty(0)])[0] * seconds_in(unit)
+    clock = clock_of(stamps, _written_rate(entries))
+    found = FileChannel("abscissa", column, unit or "s", length=len(stamps))
+    return found if clock.times is not None else replace(found, rate=clock.rate, start=clock.start)
+
+
+def _place(item: StoredArray) -> str:
+    return "{}{}:{}".format(*(item.attributes.get(key, "") for key in ("rsp_ent_name", "rsp_node", "rsp_dir")))
 
 
 def _written_rate(entries: Mapping[str, Any]) -> float | None:

@@ -13,6 +13,7 @@ from torsionnet.core.errors import Fault, ModelError
 from torsionnet.core.units import UnitError, parse_unit
 from torsionnet.io.formats.uff.datasets import (
     COHERENCE,
+    FREQUENCY_AXIS,
     FRF,
     FUNCTION_DATASET,
     GENERAL_FUNCTION,
@@ -20,8 +21,12 @@ from torsionnet.io.formats.uff.datasets import (
     TRANSLATIONS,
     TRANSMISSIBILITY,
     UNITS,
+    FileUnits,
+    abscissa_over,
     text_in,
+    units_of_datasets,
 )
+from torsionnet.io.records.axes import hertz_in
 from torsionnet.io.records.quantities import factor_to_si, quantity_of_dimension
 from torsionnet.io.responses.response_description import usable_limit_in
 from torsionnet.io.responses.response_matrix import ResponseMatrix, SingleResponse
@@ -29,6 +34,8 @@ from torsionnet.response import FrequencyResponse
 from torsionnet.response.estimation import estimation_in
 from torsionnet.response.recording import QUANTITY_UNITS
 
+SAME_FACTOR = 1e-3
+"""Relative difference up to which the label of a torque agrees with the units of the file."""
 _DIRECTIONS = {0: "", 1: "X", 2: "Y", 3: "Z", 4: "RX", 5: "RY", 6: "RZ"}
 
 
@@ -42,16 +49,22 @@ def response_of_datasets(sets: Sequence[dict[str, Any]], path: Path) -> Frequenc
     if not functions:
         text = "there is no frequency response (dataset 58 with function type 4) in the file; export transfer functions"
         raise ModelError([Fault(text)], path.name)
-    first = functions[0][1]
-    matrix, faults = ResponseMatrix(np.asarray(first["x"], dtype=float)), []
+    first, units, faults = functions[0][1], units_of_datasets(sets), list[Fault]()
+    matrix = ResponseMatrix(np.empty(0))
     for number, item in functions:
-        faults += _add(matrix, number, item)
+        faults += _add(matrix, number, item, units[number - 1])
     faults += [
         fault for number, item in numbered if item["func_type"] == COHERENCE for fault in _cohere(matrix, number, item)
     ]
     if faults:
         raise ModelError(faults, path.name)
-    notes = tuple(line for line in (text_in(first, "id4"), text_in(first, "id5")) if line)
+    axis = text_in(first, "abscissa_axis_units_lab")
+    converted = f"frequencies converted from {axis}" if hertz_in(axis) != 1.0 else ""
+    notes = tuple(
+        line
+        for line in (text_in(first, "id4"), text_in(first, "id5"), converted, *_unit_notes(functions, units))
+        if line
+    )
     general = [item for _, item in numbered if item["func_type"] == GENERAL_FUNCTION]
     conditioning = [np.asarray(item["data"], dtype=float) for item in general if text_in(item, "id1") == "conditioning"]
     more = {
@@ -62,17 +75,26 @@ def response_of_datasets(sets: Sequence[dict[str, Any]], path: Path) -> Frequenc
     return matrix.response(path.name, text_in(first, "id2") or path.stem, notes, **more)
 
 
-def _add(matrix: ResponseMatrix, number: int, item: dict[str, Any]) -> list[Fault]:
+def _add(matrix: ResponseMatrix, number: int, item: dict[str, Any], units: FileUnits) -> list[Fault]:
     pair = _pair(item)
     label = f"dataset {number} ({pair[0]} over {pair[1]})"
     values = np.asarray(item["data"], dtype=complex)
-    if not np.array_equal(np.asarray(item["x"], dtype=float), matrix.frequencies):
+    over = abscissa_over(item, FREQUENCY_AXIS)
+    if over:
+        return [Fault(f"{label} is over {over}; only responses over frequency are read")]
+    try:
+        frequencies = np.asarray(item["x"], dtype=float) * hertz_in(text_in(item, "abscissa_axis_units_lab"))
+    except UnitError as error:
+        return [Fault(f"{label}: {error}; only responses over frequency are read")]
+    if not matrix.pairs:
+        matrix.frequencies = frequencies
+    if not np.array_equal(frequencies, matrix.frequencies):
         return [Fault(f"{label} has other frequencies than the first one; give it a file of its own")]
     if pair in matrix.pairs:
         return [Fault(f"{label} is in the file twice; keep one of them")]
     try:
         (above, up), (below, down) = (
-            _unit(item, axis, side) for axis, side in (("ordinate", "rsp"), ("orddenom", "ref"))
+            _unit(item, axis, side, units) for axis, side in (("ordinate", "rsp"), ("orddenom", "ref"))
         )
     except UnitError as error:
         return [Fault(f"{label}: {error}")]
@@ -81,6 +103,24 @@ def _add(matrix: ResponseMatrix, number: int, item: dict[str, Any]) -> list[Faul
         np.asarray(values if factor == 1.0 else values * factor, dtype=complex), above, below
     )
     return []
+
+
+def _unit_notes(functions: Sequence[tuple[int, dict[str, Any]]], units: Sequence[FileUnits]) -> list[str]:
+    """Notes on torques in the units of the file, and a warning on those whose label says another unit."""
+    notes = dict[str, None]()
+    for number, item in functions:
+        own, name = units[number - 1].factors.get("torque", 1.0), units[number - 1].name
+        for axis in ("ordinate", "orddenom"):
+            label, code = text_in(item, f"{axis}_axis_units_lab"), int(item.get(f"{axis}_spec_data_type") or 0)
+            if own == 1.0 or UNITS.get(code) != "N*m":
+                continue
+            factor = float(parse_unit(plain_unit(label)).factor) if label else own
+            text = f"the units of the file are {name}, with torques in {own:.6g} N*m"
+            if not label:
+                notes[text] = None
+            elif abs(factor / own - 1) > SAME_FACTOR:
+                notes[f"warning: {text}, but a torque has the label {label}, which was taken"] = None
+    return list(notes)
 
 
 def _cohere(matrix: ResponseMatrix, number: int, item: dict[str, Any]) -> list[Fault]:
@@ -108,8 +148,8 @@ def _place(item: dict[str, Any], side: str) -> str:
     return f"{text_in(item, f'{side}_ent_name')}{item.get(f'{side}_node')}{sign}{_DIRECTIONS[abs(direction)]}"
 
 
-def _unit(item: dict[str, Any], axis: str, side: str) -> tuple[str, float]:
-    """SI unit of output or input and the factor to it, by its label, or by its code where it is a rotation."""
+def _unit(item: dict[str, Any], axis: str, side: str, units: FileUnits) -> tuple[str, float]:
+    """SI unit of output or input and the factor to it, by its label, or by its code and the units of the file."""
     label = text_in(item, f"{axis}_axis_units_lab")
     if not label:
         code = int(item.get(f"{axis}_spec_data_type") or 0)
@@ -117,7 +157,7 @@ def _unit(item: dict[str, Any], axis: str, side: str) -> tuple[str, float]:
             raise UnitError(
                 f"the {axis} has no unit and is no rotation of a known kind; only rotations and torques are read"
             )
-        return UNITS[code], 1.0
+        return UNITS[code], units.factors.get({"N*m": "torque", "Pa": "stress"}.get(UNITS[code], ""), 1.0)
     stress = UNITS.get(int(item.get(f"{axis}_spec_data_type") or 0)) == "Pa"
     quantity = "stress" if stress else quantity_of_dimension(parse_unit(plain_unit(label)).dimension)
     if quantity:

@@ -18,6 +18,7 @@ from torsionnet.io.formats.extras import open_foreign, require_extra
 from torsionnet.io.formats.uff.datasets import (
     COHERENCE,
     DATA_TYPES,
+    FREQUENCY_AXIS,
     FRF,
     FUNCTION_DATASET,
     GENERAL_FUNCTION,
@@ -34,8 +35,6 @@ from torsionnet.response.frequency_response import FloatArray, usable_limit_text
 
 ENTITY_WIDTH, LABEL_WIDTH = 10, 20
 """Most characters of the name of an entity, and of the label of a unit, in a dataset 58."""
-FREQUENCY_AXIS = 18
-"""Data type in dataset 58 of an abscissa of frequencies."""
 _SI = {
     "type": 164, "units_code": 1, "units_description": "SI", "temp_mode": 1, "length": 1.0, "force": 1.0, "temp": 1.0,
     "temp_offset": 273.15,

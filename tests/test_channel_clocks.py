@@ -1,0 +1,284 @@
+"""Every channel of a file has a clock of its own: rate, start and axis as the library of the format writes them."""
+
+import numpy as np
+import pytest
+
+from torsionnet.core.errors import ModelError
+from torsionnet.signals import iter_blocks, read_recording
+
+RATE = 1000.0
+TIMES = np.arange(4000) / RATE
+
+
+def torque(times):
+    """Torque in N m at these times in s on the common clock; no two stretches of it are equal."""
+    return 10 * np.sin(2 * np.pi * 20 * times) + times
+
+
+def speed(times):
+    """Angular velocity in rad/s at these times in s on the common clock."""
+    return 2 * np.cos(2 * np.pi * 7 * times) - times
+
+
+def is_on_one_clock(record, torque_name="T", speed_name="w", within=1e-9):
+    assert np.abs(record[torque_name].values - torque(record.time)).max() < within
+    assert np.abs(record[speed_name].values - speed(record.time)).max() < within
+
+
+def refusal(path, **options):
+    with pytest.raises(ModelError) as caught:
+        read_recording(path, **options)
+    return str(caught.value)
+
+
+class TestTdms:
+    @pytest.fixture
+    def written(self, tmp_path):
+        nptdms = pytest.importorskip("nptdms")
+
+        def write(*channels):
+            path = tmp_path / "run.tdms"
+            with nptdms.TdmsWriter(str(path)) as writer:
+                writer.write_segment([nptdms.ChannelObject("g", *channel) for channel in channels])
+            return path
+
+        return write
+
+    def wave(self, unit, begun=0.0, rate=RATE, **more):
+        known = {"wf_start_time": np.datetime64("2024-05-03T10:12:13.000000") + round(1e6 * begun)}
+        return {"wf_increment": 1 / rate, "unit_string": unit, **known, **more}
+
+    @pytest.mark.parametrize(("begun", "offset"), [(0.25, 0.0), (3.0, 0.0), (-0.75, 0.0), (0.5, 0.1)])
+    def test_starts_whole_samples_apart_are_cut_and_told(self, written, begun, offset):
+        later = self.wave("rad/s", begun, wf_start_offset=offset)
+        start = begun + offset
+        path = written(("T", torque(TIMES), self.wave("N*m")), ("w", speed(TIMES + start), later))
+        found = read_recording(path)
+        zero = max(0.0, -start)  # seconds count from the earliest start
+        assert found.start == pytest.approx(max(0.0, start) + zero)
+        assert len(found) == 4000 - round(abs(start) * RATE)
+        assert np.abs(found["T"].values - torque(found.time - zero)).max() < 1e-9
+        assert np.abs(found["w"].values - speed(found.time - zero)).max() < 1e-9
+        assert sum(note.startswith("cut to where all channels were recorded, from") for note in found.notes) == 1
+        blocks = list(iter_blocks(path, 0.1))
+        assert np.array_equal(np.concatenate([block["w"].values for block in blocks]), found["w"].values)
+
+    def test_a_start_of_its_own_is_that_of_a_channel_read_alone(self, written):
+        path = written(("T", torque(TIMES), self.wave("N*m")), ("w", speed(TIMES), self.wave("rad/s", 0.25)))
+        assert read_recording(path, names=["w"]).start == 0.25
+
+    def test_starts_in_whole_microseconds(self, written):
+        """100 samples at 51.2 kHz are 1953.125 us, which the library cuts to 1953 us: 0.006 samples."""
+        quick = np.arange(2000) / 51200
+        late = self.wave("rad/s", 100 / 51200, 51200)
+        path = written(("T", torque(quick), self.wave("N*m", rate=51200)), ("w", speed(quick), late))
+        assert len(read_recording(path)) == 1900
+
+    def test_starts_parts_of_a_sample_apart(self, written):
+        late = self.wave("rad/s", 0.2504)
+        path = written(("T", torque(TIMES), self.wave("N*m")), ("w", speed(TIMES + 0.2504), late))
+        assert "T (1000 Hz from 0 s), w (1000 Hz from 0.2504 s); resample=True" in refusal(path)
+        found = read_recording(path, resample=True)
+        is_on_one_clock(found.between(0.5, 3.5), within=2e-3)
+        assert any(
+            "w: interpolated from 1000 to 1000 Hz, band-limited: holds up to 400 Hz" in note for note in found.notes
+        )
+
+    def test_no_time_in_common(self, written):
+        path = written(("T", TIMES, self.wave("N*m")), ("w", TIMES, self.wave("rad/s", 4.0)))
+        assert "no time in common: T (1000 Hz from 0 s), w (1000 Hz from 4 s)" in refusal(path)
+
+    def test_an_axis_that_is_no_time(self, written):
+        angle = self.wave("N*m", wf_xunit_string="deg")
+        assert "its values are over deg, no record over time" in refusal(written(("T", TIMES, angle)))
+        path = written(("T", TIMES, angle), ("w", speed(TIMES), self.wave("rad/s")))
+        found = read_recording(path)
+        assert found.names == ("w",)
+        assert "left out, as they are no records over time: T (over deg)" in found.notes
+        assert "channels.T: error: its values are over deg" in refusal(path, names=["T", "w"])
+
+    def test_an_axis_in_ms(self, written):
+        found = read_recording(written(("T", TIMES, {**self.wave("N*m", rate=1.0), "wf_xunit_string": "ms"})))
+        assert found.sampling_rate == RATE
+
+    def test_a_rate_other_than_that_of_the_file(self, written):
+        path = written(("T", TIMES, self.wave("N*m")))
+        assert "the file says 1000 Hz for T (1000 Hz from 0 s), sampling_rate=2000 was given" in refusal(
+            path, sampling_rate=2000
+        )
+
+
+class TestMdf:
+    @pytest.fixture
+    def written(self, tmp_path):
+        asammdf = pytest.importorskip("asammdf")
+
+        def write(*groups, **common):
+            """Write a file of a group for each of (name, values, stamps, unit), with its comment."""
+            path = tmp_path / "run.mf4"
+            with asammdf.MDF(version="4.10") as file:
+                for name, values, stamps, unit, comment, *more in groups:
+                    signal = asammdf.Signal(values, stamps, unit, name, **common, **dict(more))
+                    file.append([signal], comment=comment)
+                file.save(path, overwrite=True)
+            return path
+
+        return write
+
+    def test_rasters_are_read_one_by_one_or_resampled(self, written):
+        slow = np.arange(4000) / 500
+        path = written(
+            ("T", torque(TIMES), TIMES, "N*m", "1 ms"),
+            ("w", speed(slow), slow, "rad/s", "2 ms"),
+            ("phi", speed(slow), slow, "rad", "2 ms"),
+        )
+        assert "500 Hz from 0 s (w, phi); 1000 Hz from 0 s (T); sampling_rate= chooses one" in refusal(path)
+        found = read_recording(path, names=["w", "phi"])
+        assert (found.sampling_rate, found.duration) == (500.0, 8.0)
+        assert np.array_equal(found["w"].values, speed(slow))
+        is_on_one_clock(read_recording(path, sampling_rate=1000, resample=True).between(0.5, 3.5), within=2e-3)
+
+    @pytest.mark.parametrize("begun", [0.25, 3.0])
+    def test_a_group_that_begins_later(self, written, begun):
+        path = written(
+            ("T", torque(TIMES), TIMES, "N*m", ""),
+            ("w", speed(TIMES + begun), TIMES + begun, "rad/s", ""),
+        )
+        found = read_recording(path)
+        assert (found.start, len(found)) == (begun, 4000 - round(1000 * begun))
+        is_on_one_clock(found)
+
+    def test_uneven_stamps(self, written):
+        """A bus sends about every 10 ms; its channels are read by themselves, or through splines to the even raster."""
+        uneven = np.sort(np.arange(400) / 100 + np.random.default_rng(1).uniform(-2e-3, 2e-3, 400))
+        path = written(("T", torque(TIMES), TIMES, "N*m", ""), ("w", speed(uneven), uneven, "rad/s", ""))
+        alone = read_recording(path, names=["w"])
+        assert np.array_equal(alone.times, uneven)
+        found = read_recording(path, sampling_rate=1000, resample=True)
+        is_on_one_clock(found.between(0.5, 3.5), within=2e-2)
+        assert any(
+            note.startswith("w: resampled to 100.") and "with errors up to about" in note for note in found.notes
+        )
+
+    def test_equal_names(self, written):
+        path = written(
+            ("T", torque(TIMES), TIMES, "N*m", "bench"),
+            ("T", 2 * torque(TIMES), TIMES, "N*m", "telemetry"),
+            ("w", speed(TIMES), TIMES, "rad/s", "bench"),
+        )
+        found = read_recording(path)
+        assert found.names == ("group 1/T", "telemetry/T", "w")
+        assert np.array_equal(found["telemetry/T"].values, 2 * found["group 1/T"].values)
+
+    def test_a_master_that_is_an_angle(self, written):
+        path = written(("T", torque(TIMES), 0.36 * np.arange(4000), "N*m", ""), master_metadata=("angle", 2))
+        assert "its values are over an angle in deg, no record over time" in refusal(path)
+
+    def test_samples_marked_invalid_are_missing(self, written):
+        invalid = (TIMES >= 1) & (TIMES < 1.4)
+        path = written(("T", torque(TIMES), TIMES, "N*m", "", ("invalidation_bits", invalid)))
+        found = read_recording(path)
+        assert np.array_equal(np.isnan(found["T"].values), invalid)
+        assert np.array_equal(found["T"].values[~invalid], torque(TIMES)[~invalid])
+        assert "samples that the file marks as invalid are missing, as NaN: T (400)" in found.notes
+
+
+CODES = {
+    f"{axis}_{entry}": 0
+    for axis in ("abscissa", "ordinate", "orddenom", "z_axis")
+    for entry in ("spec_data_type", "len_unit_exp", "force_unit_exp", "temp_unit_exp")
+    if (axis, entry) != ("abscissa", "spec_data_type")
+} | {"z_axis_axis_units_lab": "NONE"}
+"""Entries of a dataset 58 that the library wants, though they say nothing here."""
+
+
+class TestUff:
+    @pytest.fixture
+    def written(self, tmp_path):
+        pyuff = pytest.importorskip("pyuff")
+
+        def write(*sets):
+            path = tmp_path / "run.uff"
+            for entries in sets:
+                pyuff.UFF(str(path)).write_sets(entries, mode="add")
+            return path
+
+        return write
+
+    def function(self, name, values, abscissa, label, axis="s", kind=1, **more):
+        import pyuff
+
+        entries = pyuff.prepare_58(
+            binary=0, func_type=kind, id1=name, data=values, x=abscissa, rsp_node=1, rsp_dir=4, ref_node=1, ref_dir=4,
+            abscissa_spacing=1, abscissa_min=float(abscissa[0]), abscissa_inc=float(abscissa[1] - abscissa[0]),
+            abscissa_axis_units_lab=axis, ordinate_axis_units_lab=label, orddenom_axis_units_lab="NONE",
+        )  # fmt: skip
+        return {**entries, "abscissa_spec_data_type": 17 if kind == 1 else 18, **CODES, **more}
+
+    def test_sets_of_other_rates_and_starts(self, written):
+        slow = np.arange(2000) / 500
+        other = written(self.function("T", torque(TIMES), TIMES, "N*m"), self.function("w", speed(slow), slow, "rad/s"))
+        assert "500 Hz from 0 s (w); 1000 Hz from 0 s (T)" in refusal(other)
+        assert read_recording(other, names=["w"]).sampling_rate == 500
+        is_on_one_clock(read_recording(other, sampling_rate=1000, resample=True).between(0.5, 3.4), within=2e-3)
+
+    def test_sets_that_begin_at_other_times(self, written):
+        late = TIMES + 0.25
+        path = written(self.function("T", torque(TIMES), TIMES, "N*m"), self.function("w", speed(late), late, "rad/s"))
+        found = read_recording(path)
+        assert (found.start, len(found)) == (0.25, 3750)
+        is_on_one_clock(found, within=1e-8)
+
+    def test_the_unit_of_the_abscissa(self, written):
+        path = written(self.function("T", torque(TIMES), 1000 * TIMES, "N*m", "ms"))
+        found = read_recording(path)
+        assert (found.sampling_rate, found.duration) == (RATE, 4.0)
+
+    @pytest.mark.parametrize("axis", ["rev", "rad/s", "rpm"])
+    def test_an_abscissa_that_is_no_time(self, written, axis):
+        assert f"its values are over {axis}, no record over time" in refusal(
+            written(self.function("T", torque(TIMES), TIMES, "N*m", axis))
+        )
+
+    def test_equal_names(self, written):
+        first = self.function("Time response", torque(TIMES), TIMES, "N*m")
+        second = {**self.function("Time response", speed(TIMES), TIMES, "rad/s"), "rsp_node": 2}
+        assert read_recording(written(first, second)).names == ("Time response NONE1:4", "Time response NONE2:4")
+
+    @pytest.mark.parametrize(("axis", "factor"), [("rad/s", 2 * np.pi), ("rpm", 60.0), ("kHz", 1e-3), ("Hz", 1.0)])
+    def test_frequencies_of_a_response(self, written, axis, factor):
+        from torsionnet.io import read_frequency_response
+
+        lines = np.arange(1, 41) * 0.5
+        entries = self.function("theta / T", 1 / (1 + 1j * lines), factor * lines, "rad", axis, 4)
+        found = read_frequency_response(written({**entries, "orddenom_axis_units_lab": "N*m"}))
+        np.testing.assert_allclose(found.frequencies, lines, rtol=2e-6)  # the format has six digits
+
+    def test_a_response_over_revolutions(self, written):
+        from torsionnet.io import read_frequency_response
+
+        entries = self.function("theta / T", np.ones(9) + 0j, np.arange(1.0, 10.0), "rad", "rev", 4)
+        with pytest.raises(ModelError, match='"rev" is no unit of frequency'):
+            read_frequency_response(written({**entries, "orddenom_axis_units_lab": "N*m"}))
+
+    @pytest.mark.parametrize(
+        ("length", "force", "name", "torque_unit"),
+        [(1000.0, 1.0, "mm (newton)", 1e-3), (39.3701, 0.224809, "inch (pound f)", 0.112985), (1.0, 1.0, "SI", 1.0)],
+    )
+    def test_units_of_the_file(self, written, length, force, name, torque_unit):
+        """A torque without a unit of its own is in the units of dataset 164, N mm or in lbf (0.112985 N m)."""
+        import pyuff
+
+        from torsionnet.io import read_frequency_response
+
+        units = pyuff.prepare_164(
+            units_code=9, units_description=name, temp_mode=1, length=length, force=force, temp=1.0, temp_offset=273.15
+        )
+        lines = np.arange(1, 41) * 0.5
+        entries = self.function("theta / T", 1 / (1 + 1j * lines), lines, "NONE", "Hz", 4)
+        coded = {**entries, "ordinate_spec_data_type": 8, "orddenom_spec_data_type": 13}
+        found = read_frequency_response(written(units, coded))
+        np.testing.assert_allclose(found.values[:, 0, 0] * torque_unit, 1 / (1 + 1j * lines), rtol=1e-5)
+        record = {**self.function("T", torque(TIMES), TIMES, "NONE"), "ordinate_spec_data_type": 13}
+        values = read_recording(written(record), names={"T": "T"})["T"].values
+        np.testing.assert_allclose(values, torque_unit * torque(TIMES), rtol=1e-5, atol=1e-9)

@@ -1,0 +1,160 @@
+"""Rasters of a file: which of its channels were sampled together, by their rates, starts and time stamps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from torsionnet.core.errors import Fault
+from torsionnet.core.listing import comma_list
+from torsionnet.io.foreign.content import Blocks
+from torsionnet.io.records.axes import seconds_in
+from torsionnet.io.records.channel_choice import ChannelChoice
+from torsionnet.io.records.clock import clock_of, time_faults
+from torsionnet.io.records.source import Source
+from torsionnet.response.recording import FloatArray
+
+EQUAL_RATES = 1e-7
+"""Relative difference of sampling rates that are the same, as those of intervals with rounded decimals are."""
+SAME_START, START_STEP = 1e-3, 1e-6
+"""Share of a sampling interval by which channels may begin at different times and count as sampled together, and the
+step in s in which programs write the times at which they began."""
+MOST_NAMED = 5
+"""Number of channels of one rate that a message names at most, so that it stays short."""
+
+
+@dataclass(frozen=True)
+class Raster:
+    """Channels of one sampling rate in Hz; those at uneven time stamps are a raster of their own."""
+
+    rate: float
+    choices: list[ChannelChoice]
+
+    @property
+    def is_even(self) -> bool:
+        """Whether the channels were sampled at even steps."""
+        return all(choice.channel.clock is None for choice in self.choices)
+
+
+@dataclass(frozen=True)
+class OwnClocks:
+    """Choices of channels that carry rate and start of their time stamps, and stamps (n,) in s by their column."""
+
+    choices: list[ChannelChoice]
+    stamps: Mapping[int, FloatArray] = field(default_factory=dict)
+    faults: list[Fault] = field(default_factory=list)
+
+
+def own_clocks(source: Source, choices: Sequence[ChannelChoice]) -> OwnClocks:
+    """Read the time stamps of channels that have some of their own; of even ones rate and start are kept."""
+    clocks = {choice.channel.clock.column: choice.channel.clock for choice in choices if choice.channel.clock}
+    stamps, faults = dict[int, FloatArray](), list[Fault]()
+    for column, clock in clocks.items():
+        stamps[column] = next(source.blocks([column], 0), [np.empty(0)])[0] * seconds_in(clock.unit)
+        faults += time_faults(stamps[column], replace(source, time=clock))
+    if faults:
+        return OwnClocks(list(choices), stamps, faults)
+    even = {column: clock_of(times, None) for column, times in stamps.items()}
+    # Equal stamps in two columns are one raster.
+    same = {column: next(at for at in stamps if np.array_equal(stamps[at], stamps[column])) for column in stamps}
+
+    def timed(choice: ChannelChoice) -> ChannelChoice:
+        if choice.channel.clock is None:
+            return choice
+        column = same[choice.channel.clock.column]
+        own = None if even[column].times is None else clocks[column]
+        channel = replace(choice.channel, rate=even[column].rate, start=even[column].start, clock=own)
+        return replace(choice, channel=channel)
+
+    return OwnClocks([timed(choice) for choice in choices], stamps)
+
+
+def rasters_of(choices: Sequence[ChannelChoice]) -> list[Raster]:
+    """Rasters of channels by rising rate; a channel without rate belongs to each."""
+    found: list[Raster] = []
+    for choice in sorted((one for one in choices if one.channel.rate), key=lambda one: one.channel.rate or 0.0):
+        rate, clock = choice.channel.rate or 0.0, choice.channel.clock
+        fitting = [one for one in found if one.choices[0].channel.clock == clock and _is_of(choice, one.rate)]
+        if fitting:
+            fitting[0].choices.append(choice)
+        else:
+            found.append(Raster(rate, [choice]))
+    return found
+
+
+def in_raster(raster: Raster, choices: Sequence[ChannelChoice]) -> tuple[list[ChannelChoice], list[ChannelChoice]]:
+    """Choices that belong to a raster, or have no rate, and the others, in their order."""
+    columns = {choice.channel.column for choice in raster.choices}
+    inside = [not choice.channel.rate or choice.channel.column in columns for choice in choices]
+    kept, others = (
+        [choice for choice, here in zip(choices, inside, strict=True) if here is side] for side in (True, False)
+    )
+    return kept, others
+
+
+def own_start(choice: ChannelChoice, source: Source) -> float:
+    """Time in s of the first sample of a channel."""
+    return source.start if choice.channel.start is None else choice.channel.start
+
+
+def is_whole(shift: float, rate: float) -> bool:
+    """Whether a time in s is a whole number of sampling intervals.
+
+    >>> is_whole(0.25, 1000.0), is_whole(0.0001, 1000.0)
+    (True, False)
+    """
+    count = shift * rate
+    return abs(count - round(count)) <= max(SAME_START, START_STEP * rate)
+
+
+def cut_together(source: Source, kept: Sequence[ChannelChoice], rate: float) -> tuple[Source, list[ChannelChoice]]:
+    """Channels of one rate cut to where all of them were recorded; their starts differ by whole samples.
+
+    ``length`` of a channel is 0 where there is no time in common.
+    """
+    starts = [own_start(choice, source) for choice in kept]
+    latest = max(starts)
+    skips = {choice.channel.column: round((latest - start) * rate) for choice, start in zip(kept, starts, strict=True)}
+    lengths = [choice.channel.length or 0 for choice in kept]
+    if not any(skips.values()) and len(set(lengths)) < 2:
+        return replace(source, rate=rate, start=latest), list(kept)
+    count = max(0, min(length - skip for length, skip in zip(lengths, skips.values(), strict=True)))
+    where = comma_list([_span(choice, source, rate) for choice in kept], MOST_NAMED)
+    note = f"cut to where all channels were recorded, from {latest:.6g} to {latest + (count - 1) / rate:.6g} s: {where}"
+    found = replace(source, blocks=_cut_blocks(source.blocks, skips, count), rate=rate, start=latest)
+    cut = [replace(choice, channel=replace(choice.channel, start=latest, length=count)) for choice in kept]
+    return replace(found, notes=(*found.notes, note)), cut
+
+
+def _cut_blocks(blocks: Blocks, skips: Mapping[int, int], count: int) -> Blocks:
+    """Reader of blocks of channels that begin with different samples, each of which is read as a whole."""
+
+    def cut(columns: Sequence[int], size: int) -> Iterator[list[FloatArray]]:
+        values = [next(blocks([column], 0))[0][skips[column] : skips[column] + count] for column in columns]
+        step = size or max(count, 1)
+        for first in range(0, count, step):
+            yield [found[first : first + step] for found in values]
+
+    return cut
+
+
+def _span(choice: ChannelChoice, source: Source, rate: float) -> str:
+    start = own_start(choice, source)
+    return f"{choice.channel.name} from {start:.6g} to {start + ((choice.channel.length or 1) - 1) / rate:.6g} s"
+
+
+def _is_of(choice: ChannelChoice, rate: float) -> bool:
+    own = choice.channel.rate
+    return own is None or abs(own / rate - 1) <= EQUAL_RATES
+
+
+def listed(choices: Sequence[ChannelChoice], source: Source) -> str:
+    """Channels with their rates and starts, for a message."""
+    return comma_list([f"{choice.channel.name} ({_clock(choice, source)})" for choice in choices], MOST_NAMED)
+
+
+def _clock(choice: ChannelChoice, source: Source) -> str:
+    uneven = " at uneven stamps" if choice.channel.clock else ""
+    return f"{choice.channel.rate or 0:g} Hz{uneven} from {own_start(choice, source):.9g} s"
