@@ -12,7 +12,7 @@ from torsionnet.core.listing import comma_list
 from torsionnet.io.foreign.content import Blocks
 from torsionnet.io.records.axes import seconds_in
 from torsionnet.io.records.channel_choice import ChannelChoice
-from torsionnet.io.records.clock import clock_of, time_faults
+from torsionnet.io.records.clock import Clock, clock_of, order_faults, value_faults
 from torsionnet.io.records.source import Source
 from torsionnet.response.recording import FloatArray
 
@@ -50,13 +50,15 @@ class OwnClocks:
 def own_clocks(source: Source, choices: Sequence[ChannelChoice]) -> OwnClocks:
     """Read the time stamps of channels that have some of their own; of even ones rate and start are kept."""
     clocks = {choice.channel.clock.column: choice.channel.clock for choice in choices if choice.channel.clock}
-    stamps, faults = dict[int, FloatArray](), list[Fault]()
+    stamps, even, faults = dict[int, FloatArray](), dict[int, Clock](), list[Fault]()
     for column, clock in clocks.items():
-        stamps[column] = next(source.blocks([column], 0), [np.empty(0)])[0] * seconds_in(clock.unit)
-        faults += time_faults(stamps[column], replace(source, time=clock))
+        raw, timed_by = next(source.blocks([column], 0), [np.empty(0)])[0], replace(source, time=clock)
+        stamps[column] = raw * seconds_in(clock.unit)
+        wrong = value_faults(stamps[column], timed_by)
+        even[column] = Clock(1.0, 0.0) if wrong else clock_of(raw, None, scale=seconds_in(clock.unit))
+        faults += wrong or (order_faults(stamps[column], timed_by) if even[column].times is not None else [])
     if faults:
         return OwnClocks(list(choices), stamps, faults)
-    even = {column: clock_of(times, None) for column, times in stamps.items()}
     # Equal stamps in two columns are one raster.
     same = {column: next(at for at in stamps if np.array_equal(stamps[at], stamps[column])) for column in stamps}
 

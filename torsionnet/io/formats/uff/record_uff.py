@@ -84,8 +84,8 @@ def _channel(
 
 def _abscissa(entries: Mapping[str, Any], column: int, content: Content, unit: str) -> FileChannel:
     """Abscissa of a dataset, with its rate in Hz and its start in s where it is even."""
-    stamps = next(content.blocks([column], 0), [np.empty(0)])[0] * seconds_in(unit)
-    clock = clock_of(stamps, _written_rate(entries))
+    stamps = next(content.blocks([column], 0), [np.empty(0)])[0]
+    clock = clock_of(stamps, _written_rate(entries), scale=seconds_in(unit))
     found = FileChannel("abscissa", column, unit or "s", length=len(stamps))
     return found if clock.times is not None else replace(found, rate=clock.rate, start=clock.start)
 
