@@ -282,3 +282,92 @@ class TestUff:
         record = {**self.function("T", torque(TIMES), TIMES, "NONE"), "ordinate_spec_data_type": 13}
         values = read_recording(written(record), names={"T": "T"})["T"].values
         np.testing.assert_allclose(values, torque_unit * torque(TIMES), rtol=1e-5, atol=1e-9)
+
+
+class TestHdf5:
+    @pytest.fixture
+    def written(self, tmp_path):
+        h5py = pytest.importorskip("h5py")
+
+        def write(**content):
+            path = tmp_path / "run.h5"
+            with h5py.File(path, "w") as file:
+                for name, (values, attributes) in content.items():
+                    file.create_dataset(name.replace("__", "/"), data=values).attrs.update(attributes)
+            return path
+
+        return write
+
+    @pytest.mark.parametrize("kept", [lambda number: number, lambda number: np.array([number])])
+    def test_packed_values(self, written, kept):
+        """Whole numbers of 0.01 N m about 5 N m, the attributes as h5py and as netCDF write them; -32768 is missing."""
+        packed = np.round((10 * np.sin(TIMES) - 5) / 0.01).astype("i2")
+        packed[7] = -32768
+        attributes = {"scale_factor": kept(0.01), "add_offset": kept(5.0), "_FillValue": kept(np.int16(-32768))}
+        path = written(T=(packed, {"units": "N*m", **attributes}), time=(TIMES, {"units": "s"}))
+        found = read_recording(path)["T"]
+        assert np.flatnonzero(np.isnan(found.values)).tolist() == [7]
+        assert np.nanmax(np.abs(found.values - 10 * np.sin(TIMES))) < 0.0051
+        assert found.notes == (
+            "multiplied by 0.01, then 5 added, as the file says",
+            "values of -32768 are missing, as NaN",
+        )
+
+    def test_groups_have_their_own_times(self, written):
+        slow = 0.25 + np.arange(1500) / 500
+        path = written(
+            fast__time=(TIMES, {}), fast__T=(torque(TIMES), {"unit": "N*m"}),
+            slow__time=(slow, {}), slow__w=(speed(slow), {"unit": "rad/s"}),
+        )  # fmt: skip
+        assert "500 Hz from 0.25 s (slow.w); 1000 Hz from 0 s (fast.T)" in refusal(path)
+        assert read_recording(path, names=["slow.w"]).start == 0.25
+        found = read_recording(path, sampling_rate=1000, resample=True).between(0.75, 2.75)
+        is_on_one_clock(found, "fast.T", "slow.w", within=2e-3)
+
+    def test_datasets_with_a_rate_and_a_start(self, written):
+        path = written(
+            T=(torque(TIMES), {"unit": "N*m", "fs": RATE}),
+            w=(speed(TIMES - 0.25), {"unit": "rad/s", "dt": 1 / RATE, "t0": -0.25}),
+        )
+        found = read_recording(path)
+        assert (found.start, len(found)) == (0.0, 3750)
+        is_on_one_clock(found)
+
+    @pytest.mark.parametrize(("unit", "text"), [("degrees", "over degrees"), ("seconds since 2024-05-03", "")])
+    def test_dimension_scales(self, tmp_path, unit, text):
+        h5py = pytest.importorskip("h5py")
+        path = tmp_path / "run.nc.h5"
+        with h5py.File(path, "w") as file:
+            file.create_dataset("x", data=TIMES).attrs["units"] = unit
+            file["x"].make_scale("x")
+            file.create_dataset("T", data=torque(TIMES)).attrs["units"] = "N*m"
+            file["T"].dims[0].attach_scale(file["x"])
+        if text:
+            assert text in refusal(path, names=["T"])
+        else:
+            assert read_recording(path, names=["T"]).sampling_rate == RATE
+
+
+class TestMat:
+    @pytest.mark.parametrize("rate", [1000.0, 25600.0])
+    def test_times_in_days(self, tmp_path, rate):
+        """A datenum of this century has steps of 10 us; as seconds 1 kHz would be 86.4 MHz."""
+        from scipy.io import savemat
+
+        times = np.arange(8000) / rate
+        savemat(tmp_path / "r.mat", {"t": 739375.4251 + times / 86400, "T": torque(times)})
+        found = read_recording(tmp_path / "r.mat", {"T": "torque"})
+        assert found.sampling_rate == pytest.approx(rate, rel=1e-6)
+        assert (found.start, found.times) == (0.0, None)
+        assert any("counts from 2024-05-03 10:12:08.640 (datenum of Matlab)" in note for note in found.notes)
+        assert [len(block) for block in iter_blocks(tmp_path / "r.mat", 4000 / rate, {"T": "torque"})] == [4000, 4000]
+
+    def test_structures_have_their_own_times(self, tmp_path):
+        from scipy.io import savemat
+
+        late = TIMES + 0.25
+        content = {"a": {"time": TIMES, "T": torque(TIMES)}, "b": {"time": late, "w": speed(late)}}
+        savemat(tmp_path / "r.mat", content)
+        found = read_recording(tmp_path / "r.mat", {"a.T": "torque", "b.w": "velocity"})
+        assert (found.start, len(found)) == (0.25, 3750)
+        is_on_one_clock(found, "a.T", "b.w")

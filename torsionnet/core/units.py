@@ -118,6 +118,7 @@ _BASE: dict[str, tuple[Real, Dimension, str]] = {
     "lbm": (_LB, _MASS, ""), "oz": (_LB / 16, _MASS, ""), "slug": (_LB * _G0 / (12 * _INCH), _MASS, ""),
     "m": (Fraction(1), _LENGTH, "kcmu"), "in": (_INCH, _LENGTH, ""), "ft": (12 * _INCH, _LENGTH, ""),
     "s": (Fraction(1), _TIME, "mun"), "min": (Fraction(60), _TIME, ""), "h": (Fraction(3600), _TIME, ""),
+    "d": (Fraction(86400), _TIME, ""),
     "N": (Fraction(1), _FORCE, "GMkm"), "daN": (Fraction(10), _FORCE, ""), "kgf": (_G0, _FORCE, ""),
     "kp": (_G0, _FORCE, ""), "lbf": (_LB * _G0, _FORCE, ""), "ozf": (_LB * _G0 / 16, _FORCE, ""),
     "kip": (1000 * _LB * _G0, _FORCE, ""), "J": (Fraction(1), _dimension(1, 2, -2), "Mk"),

@@ -27,7 +27,10 @@ _FOLDED = {
     **dict.fromkeys(("msec", "millisecond", "milliseconds"), "ms"),
     **dict.fromkeys(("usec", "microsecond", "microseconds"), "us"),
     **dict.fromkeys(("degree", "degrees"), "deg"),
-    **dict.fromkeys(("hertz",), "Hz"),
+    "minutes": "min",
+    "hours": "h",
+    "days": "d",
+    "hertz": "Hz",
 }
 _PRODUCT = re.compile(r"(?<=[A-Za-z])\s*[.\-]\s*(?=[A-Za-z])")
 _POWER = re.compile(r"(?<=[A-Za-z])-(?=\d)")
@@ -92,7 +95,7 @@ def plain_unit(unit: str) -> str:
     >>> plain_unit(" 1/min "), plain_unit("N-m"), plain_unit("rad.s-1"), plain_unit("ft-lb")
     ('rpm', 'N*m', 'rad*s^-1', 'lbf*ft')
     """
-    bare = unit.strip()
+    bare = unit.partition(" since ")[0].strip()  # times of netCDF are seconds since a date
     known = _OTHER_WORDS.get(bare, _FOLDED.get(bare.casefold()))
     if known is not None:
         return known

@@ -16,6 +16,11 @@ COMPLEX, ROW = "complex", "row"
 UNIT_NAMES = ("unit", "units", "Unit", "Units", "unit_string")
 """Attributes under which programs keep the unit of an array in their files."""
 
+RATE_NAMES, INTERVAL_NAMES = ("sampling_rate", "fs", "sample_rate"), ("sampling_interval", "sample_interval", "dt")
+"""Attributes under which programs keep the sampling rate of an array in Hz, or its sampling interval in s."""
+START_NAMES = ("start", "start_time", "start_offset", "t0")
+"""Attributes under which programs keep the time of the first sample of an array in s."""
+
 Plain: TypeAlias = str | float | bool | None
 Slice: TypeAlias = "Callable[[int, int], NDArray[Any]]"
 Blocks: TypeAlias = "Callable[[Sequence[int], int], Iterator[list[NDArray[Any]]]]"

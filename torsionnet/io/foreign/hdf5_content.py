@@ -8,6 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.io.foreign.content import (
+    INTERVAL_NAMES,
+    RATE_NAMES,
+    START_NAMES,
     UNIT_NAMES,
     Content,
     ForeignFileError,
@@ -21,8 +24,14 @@ from torsionnet.io.foreign.content import (
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-ATTRIBUTES = (*UNIT_NAMES, "quantity")
+SCALE, OFFSET, FILLS = "scale_factor", "add_offset", ("_FillValue", "missing_value")
+"""Attributes of datasets whose values are packed (CF conventions): multiplied, then added to, but for missing ones."""
+CLOCK_NAMES = (*RATE_NAMES, *INTERVAL_NAMES, *START_NAMES)
+"""Attributes of a dataset, or of a group for its datasets, that tell the times of the samples."""
+ATTRIBUTES = (*UNIT_NAMES, *CLOCK_NAMES, "quantity", SCALE, OFFSET, *FILLS)
 """Attributes of HDF5 datasets that are passed on to the reading process."""
+NO_SCALE = "This is a netCDF dimension"
+"""Beginning of the name of a dimension scale that netCDF writes for a dimension without coordinates."""
 CLASS = "MATLAB_class"
 """Attribute of a dataset in which MATLAB keeps the class of a variable."""
 MOST_LETTERS = 1000
@@ -123,16 +132,43 @@ def _is_across(item: Any, transposed: bool) -> bool:
 def _stored(name: str, item: Any, transposed: bool) -> StoredArray:
     rows, columns = (*item.shape, 1, 1)[:2]
     shape = (columns, rows) if _is_across(item, transposed) else (rows, columns)
-    given = plain_attributes({key: item.attrs[key] for key in ATTRIBUTES if key in item.attrs})
+    above = plain_attributes({key: _single(item.parent.attrs[key]) for key in CLOCK_NAMES if key in item.parent.attrs})
+    given = plain_attributes({key: _single(item.attrs[key]) for key in ATTRIBUTES if key in item.attrs})
+    given = ({} if item.parent.name == "/" else above) | given | _scale_of_times(item)
     value = float(item[()].ravel()[0]) if shape == (1, 1) else None
     return StoredArray(name.replace("/", "."), shape, given, value)
 
 
+def _single(value: Any) -> Any:
+    """Value of an attribute, of arrays of one entry the entry, as netCDF writes all attributes as arrays."""
+    return value.ravel()[0] if getattr(value, "shape", ()) and value.size == 1 else value
+
+
+def _scale_of_times(item: Any) -> dict[str, Plain]:
+    """Name of the dimension scale of the samples of a dataset, as ``clock``, where it has one beside itself."""
+    if not item.ndim or not len(item.dims[0]):
+        return {}
+    scale = item.dims[0][0]
+    is_named = not str(scale.attrs.get("NAME", "")).removeprefix("b'").startswith(NO_SCALE)
+    return {"clock": scale.name.strip("/").replace("/", ".")} if is_named and scale.name != item.name else {}
+
+
 def _reader(item: Any, *, across: bool) -> Slice:
+    import numpy as np
+
+    given = {key: _single(item.attrs[key]) for key in (SCALE, OFFSET, *FILLS) if key in item.attrs}
+    fills = [given[key] for key in FILLS if key in given]
+
+    def unpacked(values: NDArray[Any]) -> NDArray[Any]:
+        if not given:
+            return values
+        found = np.array(values, dtype=float)
+        found[np.isin(values, fills)] = np.nan
+        return found * float(given.get(SCALE, 1.0)) + float(given.get(OFFSET, 0.0))
+
     def read(first: int, last: int) -> NDArray[Any]:
         if item.ndim == 0:
-            return item[()].reshape(1)  # type: ignore[no-any-return]
-        values: NDArray[Any] = item[:, first:last].T if across else item[first:last]
-        return values
+            return unpacked(item[()].reshape(1))
+        return unpacked(item[:, first:last].T if across else item[first:last])
 
     return read

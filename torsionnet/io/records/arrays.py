@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from torsionnet.core.plain_names import free_name
 from torsionnet.io.foreign import StoredArray
-from torsionnet.io.foreign.content import COMPLEX, UNIT_NAMES, Blocks
+from torsionnet.io.foreign.content import COMPLEX, INTERVAL_NAMES, RATE_NAMES, START_NAMES, UNIT_NAMES, Blocks
+from torsionnet.io.records.axes import other_axis
 from torsionnet.io.records.recording_description import with_description
-from torsionnet.io.records.source import FileChannel, Source, names_a_rate
+from torsionnet.io.records.source import FileChannel, Source, is_time, names_a_rate
 from torsionnet.response.recording import FloatArray
 
 MOST_COLUMNS = 256
@@ -41,8 +44,24 @@ def array_source(arrays: Sequence[StoredArray], blocks: Blocks, stored: str, tit
                 name = item.name if columns == 1 else f"{item.name}_{column + 1}"
                 channels.append(channel_of(item, len(channels), name, attribute_text(item, *UNIT_NAMES)))
                 places.append((number, column))
-    source = Source(tuple(channels), by_column(blocks, places), rate=rate, title=title, notes=tuple(notes))
+    source = Source(
+        _with_scales(channels, arrays, places), by_column(blocks, places), rate=rate, title=title, notes=tuple(notes)
+    )
     return with_description(source, stored)
+
+
+def _with_scales(
+    channels: Sequence[FileChannel], arrays: Sequence[StoredArray], places: Sequence[tuple[int, int]]
+) -> tuple[FileChannel, ...]:
+    """Channels with the dimension scales that their arrays name: time stamps, or what they are over instead."""
+    named = {channel.name: channel for channel in channels}
+    found = []
+    for channel, (number, _) in zip(channels, places, strict=True):
+        scale = named.get(attribute_text(arrays[number], "clock"))
+        over = other_axis(scale.unit, scale.name) if scale else ""
+        clock = scale if scale and not over and is_time(scale) else None
+        found.append(replace(channel, clock=clock, over=over))
+    return tuple(found)
 
 
 def by_column(blocks: Blocks, places: Sequence[tuple[int, int]]) -> Blocks:
@@ -63,8 +82,31 @@ def _column(block: FloatArray, column: int) -> FloatArray:
 
 
 def channel_of(item: StoredArray, number: int, name: str, unit: str) -> FileChannel:
-    """Channel of an array in a file, of the quantity that the array has as an attribute."""
-    return FileChannel(name, number, unit, attribute_text(item, "quantity") or None, item.length)
+    """Channel of an array in a file, with the quantity, rate and start that the array has as attributes."""
+    rate, interval, start = (_number_of(item, *names) for names in (RATE_NAMES, INTERVAL_NAMES, START_NAMES))
+    rate = rate or (1 / interval if interval else 0.0)
+    quantity = attribute_text(item, "quantity") or None
+    own = FileChannel(name, number, unit, quantity, item.length, notes=_packing_notes(item))
+    return replace(own, rate=rate, start=start or 0.0) if rate > 0 else own
+
+
+def _number_of(item: StoredArray, *names: str) -> float | None:
+    """Finite number of the first of these attributes that an array in a file has, None where it has none."""
+    for name in names:
+        with contextlib.suppress(TypeError, ValueError):
+            number = float(item.attributes.get(name) or 0.0)
+            if number and np.isfinite(number):
+                return number
+    return None
+
+
+def _packing_notes(item: StoredArray) -> tuple[str, ...]:
+    """Notes on what was done to the values of an array that is packed into whole numbers."""
+    scale, offset = _number_of(item, "scale_factor"), _number_of(item, "add_offset")
+    packed = f"multiplied by {scale or 1:g}, then {offset or 0:g} added, as the file says"
+    fills = [f"{number:g}" for name in ("_FillValue", "missing_value") if (number := _number_of(item, name))]
+    missing = f"values of {', '.join(dict.fromkeys(fills))} are missing, as NaN"
+    return (*([packed] if scale or offset else []), *([missing] if fills else []))
 
 
 def told_apart(names: Sequence[str], longer: Sequence[str]) -> list[str]:

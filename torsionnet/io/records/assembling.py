@@ -10,10 +10,11 @@ import numpy as np
 from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.core.number_range import LARGEST_SIZE
-from torsionnet.core.units import parse_unit
+from torsionnet.io.records.axes import seconds_in
 from torsionnet.io.records.channel_choice import ChannelChoice, choose, length_faults
 from torsionnet.io.records.clock import (
     Clock,
+    clock_in_days,
     clock_of,
     coarse_clock,
     interval_fault,
@@ -78,6 +79,7 @@ def _sampled(source: Source, options: ReadOptions, file: str, seconds: float | N
     columns = [choice.channel.column for choice in choices]
     stamps_of = [source.time.column] if source.time else []
     for block in source.blocks([*columns, *stamps_of], count):
+        source = source if done else _with_days(source, block[len(columns) :])
         clock = _clock(source, options, block[len(columns) :], rate, done, file, begin)
         rate, begin = rate or clock.rate, begin if done else clock.start
         yield with_others(_recording(source, choices, block, clock, file), chosen, every, others, file)
@@ -98,13 +100,16 @@ def _rate_faults(source: Source, options: ReadOptions) -> list[Fault]:
 def _first_rate(source: Source) -> float:
     assert source.time is not None
     stamps = next(source.blocks([source.time.column], 1000))[0]
-    span = float(stamps[-1] - stamps[0]) * _seconds(source)
+    span = float(stamps[-1] - stamps[0]) * seconds_in(clock_in_days(source.time, stamps)[0].unit)
     return (len(stamps) - 1) / span if span > 0 else 1.0
 
 
-def _seconds(source: Source) -> float:
-    unit = source.time.unit if source.time else ""
-    return float(parse_unit(plain_unit(unit)).factor) if unit else 1.0
+def _with_days(source: Source, stamps: Sequence[FloatArray]) -> Source:
+    """Source whose time stamps are in days where they have no unit and are such numbers."""
+    if source.time is None or not stamps:
+        return source
+    time, note = clock_in_days(source.time, stamps[0])
+    return replace(source, time=time, notes=(*source.notes, *([note] if note else [])))
 
 
 def _clock(
@@ -120,9 +125,10 @@ def _clock(
     if not stamps:
         assert rate is not None
         return Clock(rate, source.start + done / rate)
-    scale = _seconds(source)
+    assert source.time is not None
+    scale, zero = seconds_in(source.time.unit), source.time.zero
     with np.errstate(over="ignore"):
-        times = stamps[0] * scale
+        times = (stamps[0] - zero) * scale
     if options.sampling_rate and is_coarse(times):
         start = begin + done / options.sampling_rate if done else float(times[0])
         found = coarse_clock(times, options.sampling_rate, start)
@@ -134,6 +140,8 @@ def _clock(
     if faults:
         raise ModelError(faults, file)
     clock = clock_of(stamps[0], rate, stamped=source.stamped, scale=scale)
+    if zero:
+        clock = replace(clock, start=clock.start - zero * scale, times=None if clock.times is None else times)
     faults = order_faults(times, source, done) if clock.times is not None else []
     faults = faults or rate_fault(times, options.sampling_rate)
     if not faults and not options.sampling_rate:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from datetime import UTC, date, datetime, time, timedelta
 
 import numpy as np
 
 from torsionnet.core.delimited.number_rows import MOST_FAULTS
 from torsionnet.core.errors import Fault
 from torsionnet.io.records.rounded_times import rounded_grid
-from torsionnet.io.records.source import Source
+from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.response.recording import FloatArray
 
 UNIFORM_TOLERANCE = 0.01
@@ -38,6 +39,51 @@ class Clock:
     start: float
     times: FloatArray | None = None
     note: str = ""
+
+
+@dataclass(frozen=True)
+class DayNumbers:
+    """Numbers of days by which a program tells times, with the day ``origin`` of number 0, and the years it is for.
+
+    In s such times would be sampled at more than ``least_rate`` Hz.
+    """
+
+    name: str
+    origin: date
+    shift: int
+    least_rate: float
+
+    def holds(self, stamps: FloatArray) -> bool:
+        """Whether time stamps (n,) without a unit are such numbers of this century or the last."""
+        least, most = (self.number(year) for year in (1970, 2100))
+        span = float(stamps[-1] - stamps[0]) if len(stamps) > 1 else 0.0
+        return least <= stamps[0] <= most and 0 < span * self.least_rate < len(stamps) - 1
+
+    def number(self, year: int) -> int:
+        """Number of the first day of a year."""
+        return (date(year, 1, 1) - self.origin).days + self.shift
+
+    def text(self, stamp: float) -> str:
+        """Date and time of a number of days, to the millisecond."""
+        day = datetime.combine(self.origin, time(), UTC) + timedelta(days=stamp - self.shift)
+        return (day + timedelta(microseconds=500)).strftime("%Y-%m-%d %H:%M:%S.%f")[:-3]
+
+
+DAY_NUMBERS = (
+    DayNumbers("datenum of Matlab", date(1, 1, 1), 367, 1e5),
+    DayNumbers("serial numbers of a spreadsheet", date(1899, 12, 30), 0, 1e6),
+)
+"""Numbers of days that are known by their size: in s they would be sampled at rates of no recorder of vibration."""
+
+
+def clock_in_days(clock: FileChannel, stamps: FloatArray) -> tuple[FileChannel, str]:
+    """Channel of time stamps (n,) with the unit of days where it has none and they are numbers of days, and a note."""
+    kind = next((known for known in DAY_NUMBERS if known.holds(stamps)), None) if clock.unit in ("", "d") else None
+    if kind is None:
+        return clock, ""
+    zero, taken = float(stamps[0]), "" if clock.unit else " has no unit and was taken for days;"
+    note = f"{clock.name}{taken} counts from {kind.text(zero)} ({kind.name})"
+    return replace(clock, unit="d", zero=zero), note
 
 
 def value_faults(stamps: FloatArray, source: Source, first: int = 0) -> list[Fault]:

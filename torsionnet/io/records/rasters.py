@@ -12,7 +12,7 @@ from torsionnet.core.listing import comma_list
 from torsionnet.io.foreign.content import Blocks
 from torsionnet.io.records.axes import seconds_in
 from torsionnet.io.records.channel_choice import ChannelChoice
-from torsionnet.io.records.clock import Clock, clock_of, order_faults, value_faults
+from torsionnet.io.records.clock import Clock, clock_in_days, clock_of, order_faults, value_faults
 from torsionnet.io.records.source import Source
 from torsionnet.response.recording import FloatArray
 
@@ -45,18 +45,27 @@ class OwnClocks:
     choices: list[ChannelChoice]
     stamps: Mapping[int, FloatArray] = field(default_factory=dict)
     faults: list[Fault] = field(default_factory=list)
+    notes: tuple[str, ...] = ()
 
 
 def own_clocks(source: Source, choices: Sequence[ChannelChoice]) -> OwnClocks:
     """Read the time stamps of channels that have some of their own; of even ones rate and start are kept."""
     clocks = {choice.channel.clock.column: choice.channel.clock for choice in choices if choice.channel.clock}
-    stamps, even, faults = dict[int, FloatArray](), dict[int, Clock](), list[Fault]()
-    for column, clock in clocks.items():
-        raw, timed_by = next(source.blocks([column], 0), [np.empty(0)])[0], replace(source, time=clock)
-        stamps[column] = raw * seconds_in(clock.unit)
+    raw = {column: next(source.blocks([column], 0), [np.empty(0)])[0] for column in clocks}
+    stamps, even, faults, notes = dict[int, FloatArray](), dict[int, Clock](), list[Fault](), list[str]()
+    zero: float | None = None  # numbers of days count from that of the first
+    for column, given in clocks.items():
+        clock, said = clock_in_days(given, raw[column])
+        zero = clock.zero if zero is None and said else zero
+        scale, origin = seconds_in(clock.unit), (zero or 0.0) if said else 0.0
+        stamps[column] = (raw[column] - origin) * scale
+        timed_by = replace(source, time=clock)
         wrong = value_faults(stamps[column], timed_by)
-        even[column] = Clock(1.0, 0.0) if wrong else clock_of(raw, None, scale=seconds_in(clock.unit))
-        faults += wrong or (order_faults(stamps[column], timed_by) if even[column].times is not None else [])
+        own = Clock(1.0, 0.0) if wrong else clock_of(raw[column], None, scale=scale)
+        uneven = own.times is not None
+        even[column] = replace(own, start=own.start - origin * scale, times=stamps[column] if uneven else None)
+        faults += wrong or (order_faults(stamps[column], timed_by) if uneven else [])
+        notes += filter(None, [said, own.note and f"{clock.name}: {own.note}"])
     if faults:
         return OwnClocks(list(choices), stamps, faults)
     # Equal stamps in two columns are one raster.
@@ -70,7 +79,7 @@ def own_clocks(source: Source, choices: Sequence[ChannelChoice]) -> OwnClocks:
         channel = replace(choice.channel, rate=even[column].rate, start=even[column].start, clock=own)
         return replace(choice, channel=channel)
 
-    return OwnClocks([timed(choice) for choice in choices], stamps)
+    return OwnClocks([timed(choice) for choice in choices], stamps, notes=tuple(notes))
 
 
 def rasters_of(choices: Sequence[ChannelChoice]) -> list[Raster]:

@@ -52,7 +52,7 @@ def choose_rate(source: Source, choices: Sequence[ChannelChoice], options: ReadO
     if len(clocks) == 1 and all(choice.channel.clock for choice in choices):
         return RateChoice(_on_clock(source, next(iter(clocks.values()))), list(choices))
     own = own_clocks(source, choices)
-    rasters = rasters_of(own.choices)
+    rasters, source = rasters_of(own.choices), replace(source, notes=(*source.notes, *own.notes))
     if own.faults or not rasters:
         return RateChoice(source, own.choices, faults=own.faults)
     given = options.sampling_rate

@@ -27,7 +27,8 @@ class FileChannel:
     ``quantity`` is None where the file says nothing, empty where it says that none is known. ``rate`` (Hz) and
     ``start`` (s) are those of the channel alone, where the file has them for each, or ``clock`` is the channel of its
     time stamps; ``over`` is the unit or name of its axis where that is no time. ``implied`` has the factor to SI by
-    quantity where the file has units for all channels, for those without one of their own.
+    quantity where the file has units for all channels, for those without one of their own. Time stamps count from
+    ``zero``.
     """
 
     name: str
@@ -42,6 +43,7 @@ class FileChannel:
     clock: FileChannel | None = None
     over: str = ""
     implied: Mapping[str, float] = field(default_factory=dict)
+    zero: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -85,12 +87,39 @@ class Source:
     hint: str = ""
 
     def with_time_channel(self) -> Source:
-        """Source with the channel of time stamps, known by its name or unit, taken out of the others."""
+        """Source with the channel of time stamps, known by its name or unit, taken out of the others.
+
+        Where structures or groups have time stamps each, channels have those of the nearest.
+        """
+        named = {_structure(one.name): one for one in reversed(self.channels) if is_time(one) and _has_time_name(one)}
+        if len(named) > 1 or any(channel.rate or channel.clock for channel in self.channels):
+            clocks = {
+                *(one.column for one in named.values()),
+                *(one.clock.column for one in self.channels if one.clock),
+            }
+            rest = [channel for channel in self.channels if channel.column not in clocks]
+            own = [
+                one if one.rate or one.clock or one.over else replace(one, clock=_nearest(one.name, named))
+                for one in rest
+            ]
+            return replace(self, channels=tuple(own))
         for channel in self.channels:
             if is_time(channel):
                 others = tuple(other for other in self.channels if other is not channel)
                 return replace(self, channels=others, time=channel, notes=(*self.notes, time_note(channel)))
         return self
+
+
+def _structure(name: str) -> str:
+    return name.rpartition(".")[0]
+
+
+def _nearest(name: str, clocks: Mapping[str, FileChannel]) -> FileChannel | None:
+    """Time stamps of the structure that a channel is in, or of the nearest around it; None where none has any."""
+    inside = _structure(name)
+    while inside and inside not in clocks:
+        inside = _structure(inside)
+    return clocks.get(inside)
 
 
 def time_note(channel: FileChannel) -> str:
@@ -101,12 +130,16 @@ def time_note(channel: FileChannel) -> str:
 def is_time(channel: FileChannel) -> bool:
     """Whether a channel holds time stamps, having a unit of time, or none and a name for time."""
     if not channel.unit:
-        name = channel.name.rpartition(".")[2].strip()  # the field of a structure
-        return name == "t" or name.casefold() in TIME_NAMES  # T is a torque
+        return _has_time_name(channel)
     try:
         return parse_unit(plain_unit(channel.unit)).dimension == DIMENSIONS["time"]
     except UnitError:
         return False
+
+
+def _has_time_name(channel: FileChannel) -> bool:
+    name = channel.name.rpartition(".")[2].strip()  # the field of a structure
+    return name == "t" or name.casefold() in TIME_NAMES  # T is a torque
 
 
 def names_a_rate(name: str) -> bool:
