@@ -11,21 +11,20 @@ from torsionnet.core.threads import one_thread
 from torsionnet.modal.method_choice import stabilisation
 from torsionnet.modal.modal_estimate import ModalEstimate, estimate_from_expansion
 from torsionnet.modal.poles import as_poles
+from torsionnet.modal.record_fit import fit_record, record_lines
 from torsionnet.modal.refinement import refine
 from torsionnet.modal.remarks import about_fit
 from torsionnet.modal.residues import expand
-from torsionnet.modal.selection import SelectedPoles, Selection, select
+from torsionnet.modal.selection import CLOSE_MODES, SelectedPoles, Selection, merged, select
 from torsionnet.modal.settings import Settings
 from torsionnet.modal.spectral_lines import ComplexArray, Lines, band_notes, lines_of
 from torsionnet.modal.stabilisation import Stabilisation
 from torsionnet.response import FrequencyResponse
 
-CLOSE_MODES = 0.5
-"""Distance of two poles over the sum of their decay rates below which modes count as close, as residues of close modes
-are split badly between them.
-
-Residues of close modes are split badly between them; a larger value leaves more poles unrefined.
-"""
+UNSETTLED = "warning: the refinement did not settle; fewer poles or a narrower band may help"
+"""Warning about poles whose least squares were not reached."""
+UNPARTED = "lie so near to another that windows cannot part them, and are taken as one with it"
+"""Words on merged poles in a note."""
 METHODS = {"rational": "rational fraction", "lscf": "least-squares complex frequency"}
 """Name of each identification method in titles of results, by its key in the settings."""
 
@@ -82,11 +81,18 @@ def identify_modes(
         ("order" if diagram.settings.method == "rational" else "clusters") if selection is None else selection
     )
     chosen = select(diagram, rule)
-    estimate = _fitted(diagram.response, diagram.lines, diagram.settings, chosen, refined=refined)
-    title = f"{METHODS[diagram.settings.method]}, {chosen.rule}"
-    why = (f"method: {diagram.choice}",) if diagram.choice else ()
-    about = about_fit(estimate, chosen.seen, len(diagram.orders))
-    return replace(estimate, method=title, notes=(*estimate.notes, *about, *why))
+    whole = _fitted(diagram.response, diagram.lines, diagram.settings, chosen, refined=refined)
+    estimate = whole.within_band() if chosen.automatic else whole
+    seen = chosen.seen if len(chosen.seen) == len(whole) and not whole.by_record else ()
+    seen = tuple(
+        count for count, f in zip(seen, whole.natural_frequencies, strict=False) if f in estimate.natural_frequencies
+    )
+    where, why = ", fitted to the record", (f"method: {diagram.choice}",) if diagram.choice else ()
+    title = ", ".join(
+        [METHODS[diagram.settings.method], *([] if whole.by_record and chosen.automatic else [chosen.rule])]
+    )
+    about = about_fit(estimate, seen, len(diagram.orders))
+    return replace(estimate, method=title + where * whole.by_record, notes=(*estimate.notes, *about, *why))
 
 
 @one_thread()
@@ -124,21 +130,31 @@ def _fitted(
     refined: bool,
     free: bool = False,
 ) -> ModalEstimate:
-    poles, errors, notes = (
-        chosen.poles,
-        (np.full(len(chosen.poles), np.nan),) * 2,
-        list(band_notes(response, settings.band)),
-    )
+    poles, notes = chosen.poles, band_notes(response, settings.band)
     together = not free and lines.values.shape[2] > 1 and _any_close(poles)
-    if together:
-        notes.append("modes lie close together: residues are shapes times participations; poles not refined")
-    elif refined:
+    if together or not refined:
+        close = ("modes lie close together: residues are shapes times participations; poles not refined",)
+        expansion = expand(lines, poles, settings, chosen.participations if together else None)
+        return estimate_from_expansion(response, lines, expansion, notes + close * together)
+    record = record_lines(response, lines, poles, settings)
+    if isinstance(record, Lines):
+        fit = fit_record(record, poles, settings, automatic=chosen.automatic)
+        found, better = estimate_from_expansion(response, lines, fit.expansion, notes), fit.refined
+        found = replace(found, by_record=True, misfit=fit.misfit)
+    else:
+        widened = response.coherence is not None or response.estimation is not None
         better = refine(lines, poles, settings)
-        poles, errors = better.poles, (better.frequency_errors, better.damping_errors)
-        if not better.converged:
-            notes.append("warning: the refinement did not settle; fewer poles or a narrower band may help")
-    expansion = expand(lines, poles, settings, chosen.participations if together else None)
-    return estimate_from_expansion(response, lines, expansion, tuple(notes), errors)
+        while widened and chosen.automatic and len(fewer := merged(response, better.poles)) < len(better.poles):
+            better = refine(lines, fewer, settings)
+        if len(better.poles) < len(poles):
+            notes += (f"{len(poles) - len(better.poles)} of {len(poles)} poles {UNPARTED}",)
+        found = estimate_from_expansion(response, lines, expand(lines, better.poles, settings), notes)
+        if widened:
+            why = f"warning: no standard errors: {record}, and windows move poles by more than random errors do"
+            return replace(found, notes=(*notes, why))
+    if not better.converged:
+        found = replace(found, notes=(*found.notes, UNSETTLED))
+    return replace(found, frequency_errors=better.frequency_errors, damping_errors=better.damping_errors)
 
 
 def _any_close(poles: ComplexArray) -> bool:

@@ -21,6 +21,10 @@ MOST_ROUNDS = 20
 """Largest number of rounds in which a fit is reweighted, as poles of noise may never converge."""
 POLE_CONVERGENCE = 1e-9
 """Relative change of all poles below which the reweighting of a fit ends, small against any standard error."""
+START_CONVERGENCE = 1e-3
+"""Relative change of all poles below which that of a record ends, as they are only the start of a refinement."""
+TRANSIENT_DEGREES = 3
+"""Degrees of the polynomial of a record's transients above those of the denominator, from 1/s^2 on."""
 SMALLEST_DENOMINATOR = 1e-12
 """Least size of the denominator over its largest that weights assume, as poles on the imaginary axis would divide by
 0."""
@@ -63,20 +67,29 @@ def _reweighted(lines: Lines, order: int, settings: Settings) -> tuple[ComplexAr
     s, inputs = lines.s, lines.values.shape[2]
     below = 2 if settings.has_lower else 0
     numerator = max(order - (not settings.has_upper), 0) + below
+    driven = lines.drive is not None
+    drive = np.ones(len(s), dtype=complex) if lines.drive is None else lines.drive
+    numerator += 2 if driven and settings.has_upper else 0
     denominator, before = np.ones(len(s)), None
     for _ in range(MOST_ROUNDS):
         family = orthogonal(s, 1 / denominator, order)
         rest = []
-        for receptance, weight in _outputs(lines):
+        for power, (receptance, weight) in zip(lines.powers[:, 0], _outputs(lines), strict=True):
             size = weight / denominator
-            above = orthogonal(s, size * np.abs(s) ** -below, numerator).values * s[:, None] ** -below
-            rest.append(_eliminated(_equations(size[:, None] * above, size, receptance, family), numerator + 1))
+            above = orthogonal(s, size * np.abs(drive) * np.abs(s) ** -below, numerator).values
+            columns = size[:, None] * above * (drive * s**-below)[:, None]
+            if driven:
+                far = orthogonal(s, size * np.abs(s) ** (-2.0 - power), order + TRANSIENT_DEGREES).values
+                columns = np.hstack([columns, size[:, None] * far * (s ** (-2.0 - power))[:, None]])
+            rest.append(_eliminated(_equations(columns, size, receptance, family), columns.shape[1]))
         coefficients = _denominator(np.vstack(rest), order, inputs)
         found, rows = roots(coefficients, family)
         size = np.abs(np.linalg.det(np.tensordot(family.values, coefficients, axes=1))) ** (1 / inputs)
         denominator = np.maximum(size, SMALLEST_DENOMINATOR * size.max())
         now = np.sort_complex(found)
-        if before is not None and np.allclose(now, before, rtol=POLE_CONVERGENCE, atol=0):
+        if before is not None and np.allclose(
+            now, before, rtol=START_CONVERGENCE if driven else POLE_CONVERGENCE, atol=0
+        ):
             break
         before = now
     return found, rows

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated
@@ -73,6 +73,11 @@ class ModalEstimate(NotebookResult):
     title : str
     notes : tuple of str
         Remarks; those to heed begin with ``warning:``.
+    by_record : bool
+        Whether the fit is to the record behind the estimate, in which no window widens a peak.
+    outside_poles : (n,) complex array
+        Poles outside the band, rad/s, which stand for what is beyond it and are no modes; in ``response``.
+    outside_residues : (n, n_out, n_in) complex array
 
     See Also
     --------
@@ -93,6 +98,9 @@ class ModalEstimate(NotebookResult):
     method: str
     title: str = ""
     notes: tuple[str, ...] = ()
+    by_record: bool = False
+    outside_poles: ComplexArray = field(default_factory=lambda: np.zeros(0, dtype=complex))
+    outside_residues: ComplexArray = field(default_factory=lambda: np.zeros((0, 1, 1), dtype=complex))
 
     def __len__(self) -> int:
         return len(self.poles)
@@ -142,7 +150,9 @@ class ModalEstimate(NotebookResult):
     def response(self, frequencies: FloatArray) -> FrequencyResponse:
         """Frequency response of the identified modes and residual terms at frequencies (n_f,) in Hz."""
         f = np.asarray(frequencies, dtype=float)
-        expansion = Expansion(self.poles, self.residues, self.lower, self.upper)
+        poles = np.concatenate([self.poles, self.outside_poles])
+        residues = np.concatenate([self.residues, self.outside_residues]) if len(self.outside_poles) else self.residues
+        expansion = Expansion(poles, residues, self.lower, self.upper)
         values = expansion.values(2j * np.pi * f, powers_of(self.outputs, self.inputs))
         return FrequencyResponse(f, values, self.outputs, self.inputs, f"{self.title}, {self.method}")
 
@@ -155,6 +165,12 @@ class ModalEstimate(NotebookResult):
         """Copy of the estimate with only some modes, those where the mask (n_modes,) is true."""
         names = ("poles", "residues", "contributions", "frequency_errors", "damping_errors")
         return replace(self, **{name: getattr(self, name)[modes] for name in names})
+
+    def within_band(self) -> ModalEstimate:
+        """Copy of the estimate whose modes are the poles in the band of its lines; the others are ``outside_poles``."""
+        low, high = self.frequencies[[0, -1]]
+        inside = (self.natural_frequencies >= low) & (self.natural_frequencies <= high)
+        return replace(self.only(inside), outside_poles=self.poles[~inside], outside_residues=self.residues[~inside])
 
     def table(self, conventions: Conventions = SI) -> Table:
         """Table with a row for each mode, its frequency and damping with standard errors, MPC, and contribution."""

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.modal.settings import Settings
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines
 
+TRANSIENT_POWERS = np.array([-2, -1, 0, 1, 2])
+"""Powers of s, besides the free decay of each mode, by which a record that neither begins nor ends at rest differs from
+a periodic one: drift below, and what sampling folds of a decay above."""
 LARGEST_LOGARITHM = 30.0
 """Logarithm of a denominator coefficient, for lines scaled to 1 rad/s, beyond which a fit no longer depends on it."""
 
@@ -33,8 +37,9 @@ class Projection:
     def unknowns(self) -> int:
         """Number of unknowns of the fit, denominator coefficients, residues and residual terms together."""
         pairs = self.lines.values.shape[1] * self.lines.values.shape[2]
-        ends = self.settings.has_lower + self.settings.has_upper
-        return int(sum(self.sizes) * (1 + pairs) + ends * pairs)
+        modes = sum(self.sizes)
+        transients = 0 if self.lines.drive is None else modes + len(TRANSIENT_POWERS)
+        return int(modes * (1 + pairs) + (len(self._end_powers) + transients) * pairs)
 
     def residuals(self, logarithms: FloatArray) -> FloatArray:
         """Weighted residuals, one transfer function after the other, (n_equations,), real before imaginary parts."""
@@ -46,12 +51,35 @@ class Projection:
         parts = self.residuals(logarithms).reshape(outputs, inputs, 2, -1)
         return np.asarray((parts[:, :, 0] + 1j * parts[:, :, 1]).transpose(2, 0, 1))
 
+    def without_transients(self, logarithms: FloatArray) -> Lines:
+        """Lines of the responses behind a record, without transients and the higher residual terms of the fit.
+
+        A fit of residues to them has the solution of the fit to the record.
+        """
+        lines, powers = self.lines, self._end_powers
+        assert lines.drive is not None
+        modes = self._modes(coefficients_of(logarithms))
+        extra = np.where(np.isin(powers, (-2, 0)), 0, lines.s[:, None] ** powers)
+        free = np.hstack([modes, lines.s[:, None] ** TRANSIENT_POWERS])
+        values, count = lines.values.copy(), modes.shape[1]
+        for (o, i), (_, _, (_, solution)) in zip(np.ndindex(*values.shape[1:]), self._pairs(logarithms), strict=True):
+            driven, rest = np.split(solution[count:], [len(powers)])
+            values[:, o, i] -= lines.drive * lines.s ** lines.powers[o, i] * (extra @ driven) + free @ rest
+        size = np.abs(lines.drive)[:, None, None]
+        return replace(lines, values=values / lines.drive[:, None, None], weights=lines.weights * size, drive=None)
+
     def jacobian(self, logarithms: FloatArray) -> FloatArray:
         """Derivatives of the residuals by the logarithms (Kaufman's form), (n_equations, n_coefficients)."""
         moved = self._column_derivatives(coefficients_of(logarithms))
+        free = slice(sum(self.sizes) + len(self._end_powers), None)
         blocks = []
-        for factor, _, (basis, solution) in self._pairs(logarithms):
+        for (o, i), (factor, _, (basis, solution)) in zip(
+            np.ndindex(*self.lines.values.shape[1:]), self._pairs(logarithms), strict=True
+        ):
             change = np.stack([factor * (columns @ solution[own]) for own, columns in moved], axis=1)
+            if self.lines.drive is not None:
+                weight, transients = self.lines.weights[:, o, i], solution[free]
+                change += np.stack([weight * (columns @ transients[own]) for own, columns in moved], axis=1)
             real = np.vstack([change.real, change.imag])
             blocks.append(-(real - basis @ (basis.T @ real)))
         return np.vstack(blocks)
@@ -59,11 +87,16 @@ class Projection:
     def _pairs(self, logarithms: FloatArray) -> list[tuple[ComplexArray, FloatArray, tuple[FloatArray, FloatArray]]]:
         """Weight times s^p at the lines, residuals, and orthonormal basis with residues, by transfer function."""
         lines = self.lines
-        columns = self._columns(coefficients_of(logarithms))
+        modes = self._modes(coefficients_of(logarithms))
+        columns = np.hstack([modes, lines.s[:, None] ** self._end_powers])
+        free = np.hstack([modes, lines.s[:, None] ** TRANSIENT_POWERS])
         found = []
         for o, i in np.ndindex(*lines.values.shape[1:]):
-            factor = lines.weights[:, o, i] * lines.s ** lines.powers[o, i]
-            design, wanted = factor[:, None] * columns, lines.weights[:, o, i] * lines.values[:, o, i]
+            weight = lines.weights[:, o, i]
+            factor = weight * lines.s ** lines.powers[o, i] * (1.0 if lines.drive is None else lines.drive)
+            design, wanted = factor[:, None] * columns, weight * lines.values[:, o, i]
+            if lines.drive is not None:
+                design = np.hstack([design, weight[:, None] * free])
             real = np.vstack([design.real, design.imag])
             size = np.linalg.norm(real, axis=0)
             basis, triangle = np.linalg.qr(real / size)
@@ -73,14 +106,21 @@ class Projection:
             found.append((factor, data - basis @ inside, (basis, solution)))
         return found
 
-    def _columns(self, coefficients: FloatArray) -> ComplexArray:
-        """Columns (n_f, n) of the linear fit, 1/q and s/q of each factor q, then the residual terms."""
-        s = self.lines.s
-        columns = []
+    @property
+    def _end_powers(self) -> NDArray[np.int_]:
+        """Powers of s of the residual terms of a fit, more of them for a record.
+
+        How the input of a record runs between samples, and a delay, multiply the response by an entire function, which
+        leaves the poles in place.
+        """
+        below, above = ([-2], [0]) if self.lines.drive is None else ([-2, -1], [0, 1, 2])
+        return np.array(below * self.settings.has_lower + above * self.settings.has_upper, dtype=int)
+
+    def _modes(self, coefficients: FloatArray) -> ComplexArray:
+        """Columns (n_f, n) of the linear fit for the modes, 1/q and s/q of each factor q of the denominator."""
+        s, columns = self.lines.s, []
         for own, value in self._values(coefficients):
             columns += [s**degree / value for degree in range(own.stop - own.start)]
-        columns += [s**-2] if self.settings.has_lower else []
-        columns += [np.ones_like(s)] if self.settings.has_upper else []
         return np.stack(columns, axis=1)
 
     def _values(self, coefficients: FloatArray) -> list[tuple[slice, ComplexArray]]:

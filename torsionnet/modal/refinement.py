@@ -20,6 +20,8 @@ SMALLEST_VALUE = 1e-12
 needed."""
 LARGEST_CORRELATION = 0.95
 """Largest correlation of residuals at neighbouring lines that is assumed, as at 1 standard errors would be infinite."""
+NOISE_SHARE, FEWEST_NEIGHBOURS, MOST_NEIGHBOURS = 40, 10, 100
+"""Share of the lines of a record (1/40), with limits, that the noise at each line is the mean of on either side."""
 ROUNDS = 2
 """Number of fits in a refinement, the second with weights from the residuals of the first, as more change them
 little."""
@@ -36,41 +38,55 @@ class RefinedPoles:
     frequency_errors, damping_errors : (n,) arrays
         Standard errors of the natural frequency in Hz and of the damping ratio.
     converged : bool
+    problem : Projection
+        Problem of the last round, over lines whose s is divided by the highest.
+    logarithms : (n_coefficients,) array
+        Its solution.
     """
 
     poles: ComplexArray
     frequency_errors: FloatArray
     damping_errors: FloatArray
     converged: bool
+    problem: Projection
+    logarithms: FloatArray
 
 
 def refine(lines: Lines, poles: ComplexArray, settings: Settings) -> RefinedPoles:
     """Refined poles (rad/s) and standard errors from stable start poles, with weights from the residuals."""
-    import scipy.optimize
-
     scale = float(np.abs(lines.s).max())
     scaled = replace(lines, s=lines.s / scale)
     sizes, start = factors_of(poles / scale)
     for _ in range(ROUNDS):
         problem = Projection(scaled, sizes, settings)
-        found = scipy.optimize.least_squares(
-            problem.residuals,
-            np.log(np.maximum(start, SMALLEST_VALUE)),
-            problem.jacobian,
-            method="lm",
-            xtol=1e-13,
-            ftol=1e-14,
-            gtol=1e-14,
-        )
-        start = coefficients_of(found.x)
-        left = problem.complex_residuals(found.x)
-        scaled = _reweighted(scaled, left)
-    covariance = _covariance(Projection(scaled, sizes, settings), found.x, left)
+        logarithms, converged = minimised(problem, start)
+        start = coefficients_of(logarithms)
+        left = problem.complex_residuals(logarithms)
+        scaled = reweighted(scaled, left)
+    covariance = _covariance(Projection(scaled, sizes, settings), logarithms, left)
     roots, slopes = roots_of(sizes, start)
     frequency, damping = _errors(roots, slopes, covariance)
     order = np.argsort(np.abs(roots), kind="stable")
     per_turn = scale / (2 * np.pi)
-    return RefinedPoles(roots[order] * scale, frequency[order] * per_turn, damping[order], bool(found.status > 0))
+    return RefinedPoles(
+        roots[order] * scale, frequency[order] * per_turn, damping[order], converged, problem, logarithms
+    )
+
+
+def minimised(problem: Projection, start: FloatArray, exact: float = 1e-14) -> tuple[FloatArray, bool]:
+    """Logarithms of the denominator's coefficients at the least squares near start coefficients, and success."""
+    import scipy.optimize
+
+    found = scipy.optimize.least_squares(
+        problem.residuals,
+        np.log(np.maximum(start, SMALLEST_VALUE)),
+        problem.jacobian,
+        method="lm",
+        xtol=10 * exact,
+        ftol=exact,
+        gtol=exact,
+    )
+    return found.x, bool(found.status > 0)
 
 
 def factors_of(poles: ComplexArray) -> tuple[tuple[int, ...], FloatArray]:
@@ -104,9 +120,19 @@ def roots_of(sizes: tuple[int, ...], coefficients: FloatArray) -> tuple[ComplexA
     return np.array(poles, dtype=complex), np.array(slopes).reshape(len(poles), len(coefficients))
 
 
-def _reweighted(lines: Lines, left: ComplexArray) -> Lines:
-    """Copy of the lines with weights that give each transfer function's residuals a mean square of 1."""
-    size = np.sqrt(np.mean(np.abs(left) ** 2, axis=0))
+def reweighted(lines: Lines, left: ComplexArray) -> Lines:
+    """Copy of the lines with weights that give each transfer function's residuals a mean square of 1.
+
+    The lines of a record are many: there the mean is over the neighbours of each line, and noise may have any colour.
+    """
+    squares = np.abs(left) ** 2
+    if lines.drive is None:
+        size = np.sqrt(np.mean(squares, axis=0))
+    else:
+        around = np.ones(2 * int(np.clip(len(left) / NOISE_SHARE, FEWEST_NEIGHBOURS, MOST_NEIGHBOURS)) + 1)
+        counts = np.convolve(np.ones(len(left)), around, "same")
+        sums = np.apply_along_axis(np.convolve, 0, squares, around, "same")
+        size = np.sqrt(sums / counts[:, None, None])
     floor = SMALLEST_VALUE * np.sqrt(np.mean(np.abs(lines.weights * lines.values) ** 2, axis=0))
     return replace(lines, weights=lines.weights / np.maximum(size, floor))
 

@@ -27,7 +27,8 @@ FEWEST_ORDERS = 2
 
 def about_fit(estimate: ModalEstimate, seen: Sequence[int] = (), orders: int = 0) -> tuple[str, ...]:
     """Warnings about modes outside the band, uncertain, computational or narrow, and about a large misfit of a fit."""
-    found = [*_beyond(estimate), *_uncertain(estimate), *_rare(estimate, seen, orders), *_narrow(estimate)]
+    narrow = () if estimate.by_record else _narrow(estimate)
+    found = [*_beyond(estimate), *_uncertain(estimate), *_rare(estimate, seen, orders), *narrow]
     worst = float(np.max(estimate.misfit))
     if worst > LARGEST_MISFIT:
         found.append(f"warning: the fit leaves {worst:.0%} of a response over; more orders or another band may help")
@@ -52,6 +53,12 @@ def _places(estimate: ModalEstimate, chosen: Sequence[int]) -> str:
 
 def _beyond(estimate: ModalEstimate) -> Iterator[str]:
     low, high = estimate.frequencies[[0, -1]]
+    count = len(estimate.outside_poles)
+    if count:
+        yield (
+            f"{count} pole{'s' * (count > 1)} outside the band of {low:g} to {high:g} Hz "
+            f"stand{'s' * (count == 1)} for what is beyond it and {'are' if count > 1 else 'is'} not listed"
+        )
     f = estimate.natural_frequencies
     outside = [
         mode for mode in range(len(estimate)) if not low / FAR_OUTSIDE_BAND <= f[mode] <= high * FAR_OUTSIDE_BAND

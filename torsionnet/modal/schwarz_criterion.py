@@ -45,7 +45,8 @@ class BicCriterion:
         squares = np.maximum(np.mean(np.abs(left) ** 2, axis=0), ROUND_OFF**2 * size)
         same = line_correlation(self.noise)
         equations = 2 * count * (1 - same) / (1 + same)
-        unknowns = poles * (outputs + inputs)
+        residues = outputs if self.lines.drive is None else 2 * outputs  # of a record, and those of its transients
+        unknowns = poles * (residues + inputs)
         return float(equations * np.log(squares).sum() + unknowns * np.log(max(2, equations * squares.size)))
 
 

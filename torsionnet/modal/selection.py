@@ -13,6 +13,7 @@ from torsionnet.modal.poles import damping_ratios, natural_frequencies
 from torsionnet.modal.schwarz_criterion import best_order, significant_poles
 from torsionnet.modal.spectral_lines import ComplexArray
 from torsionnet.modal.stabilisation import Stabilisation
+from torsionnet.response import FrequencyResponse
 
 Selection: TypeAlias = Literal["order", "clusters"] | int | Sequence[tuple[int, float]]
 
@@ -30,17 +31,26 @@ class SelectedPoles:
         Number of orders of the diagram at which each pole is found.
     rule : str
         Rule of the choice in words, for titles.
+    automatic : bool
+        Whether a rule chose them, and not the user.
     """
 
     poles: ComplexArray
     participations: ComplexArray
     seen: tuple[int, ...]
     rule: str
+    automatic: bool = False
 
 
 Place: TypeAlias = tuple[int, int]
 """Place of a pole in a stabilisation diagram, index of an order and index of the pole in that order."""
 
+CLOSE_MODES = 0.5
+"""Distance of two poles over the sum of their decay rates below which modes count as close, as residues of close modes
+are split badly between them; a larger value leaves more poles unrefined."""
+WINDOW_LINES = 2.0
+"""Distance in lines of an estimate, beyond that of close modes, up to which windows cannot part poles: half the width
+of a window's main lobe."""
 FARTHEST_PICK = 0.2
 """Distance of the nearest pole from a frequency picked by hand, over that frequency, above which the pick is refused as
 a mistake."""
@@ -71,6 +81,23 @@ def select(diagram: Stabilisation, selection: Selection) -> SelectedPoles:
         places = list(dict.fromkeys(_by_hand(diagram, selection)))
         rule = "chosen by hand"
     return _collected(diagram, places, rule, automatic=selection in ("order", "clusters"))
+
+
+def merged(response: FrequencyResponse, poles: ComplexArray) -> ComplexArray:
+    """Poles (rad/s) of an estimate by windows, of which those that these cannot part are one.
+
+    A window smears a peak into one that is no quotient of polynomials: a fit gives it two poles or more.
+    """
+    origin = response.estimation
+    spacing = float(np.diff(response.frequencies).min()) if origin is None else 1 / origin.seconds
+    kept: list[complex] = []
+    for pole in poles[np.argsort(poles.imag)]:
+        width = 2 * np.pi * WINDOW_LINES * spacing - CLOSE_MODES * (pole.real + (kept[-1].real if kept else 0))
+        if kept and kept[-1].imag and pole.imag - kept[-1].imag < width:
+            kept[-1] = (kept[-1] + complex(pole)) / 2
+        else:
+            kept.append(complex(pole))
+    return np.array(sorted(kept, key=abs))
 
 
 def clusters(diagram: Stabilisation) -> list[Place]:
@@ -176,7 +203,8 @@ def _collected(diagram: Stabilisation, places: list[Place], rule: str, *, automa
     poles = np.array([diagram.orders[index].poles[pole] for index, pole in places])
     rows = np.array([diagram.orders[index].participations[pole] for index, pole in places])
     kept = significant_poles(diagram.lines, poles, rows, diagram.settings) if automatic else list(range(len(places)))
-    return SelectedPoles(poles[kept], rows[kept], tuple(_seen(diagram, places[number]) for number in kept), rule)
+    seen = tuple(_seen(diagram, places[number]) for number in kept)
+    return SelectedPoles(poles[kept], rows[kept], seen, rule, automatic)
 
 
 def _seen(diagram: Stabilisation, place: Place) -> int:

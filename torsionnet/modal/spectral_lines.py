@@ -37,12 +37,16 @@ class Lines:
         Each transfer function is ``s**power`` times a receptance.
     weights : (n_f, n_out, n_in) array
         Inverse of the uncertainty, up to a factor.
+    drive : (n_f,) complex array, optional
+        Spectrum of the input of a record: values are then spectra of the outputs, ``s**power`` times a receptance times
+        this, plus the transients of a record that neither begins nor ends at rest.
     """
 
     s: ComplexArray
     values: ComplexArray
     powers: NDArray[np.int_]
     weights: FloatArray
+    drive: ComplexArray | None = None
 
     @property
     def balance(self) -> FloatArray:
