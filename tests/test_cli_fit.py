@@ -205,3 +205,22 @@ def test_fit_of_a_model_that_does_not_fit_says_so(folder):
         r"rotor.inertia = 0.(1|099|100)\d* instead of 0.14( would explain it)?: k would be (199|200)", result.stderr
     )
     assert load_fit("out.yaml").standard_errors["k"] == np.inf
+
+
+@pytest.mark.parametrize(("rate", "refused"), [(500, True), (4999, True), (5000, False)])
+def test_a_preset_for_10_khz_refuses_slow_records(tmp_path, monkeypatch, rate, refused):
+    """Every 50th sample of a record at 500 Hz is one at 10 Hz, of which an estimate to 4 Hz came without a word."""
+    monkeypatch.chdir(tmp_path)
+    t = np.arange(20 * rate) / rate
+    rows = np.column_stack([t, np.sin(t * (1 + t)), np.cos(t * (1 + t))])
+    np.savetxt("slow.csv", rows, delimiter=",", header="time [s],T [N*m],y [rad]", comments="", fmt="%.9g")
+    for command in ("estimate", "identify-modes"):
+        arguments = (command, "slow.csv", "--input", "T", "--output", "y", "--preset", "paper", "--seconds", 1)
+        if refused:
+            message = f"keeps every 50th sample; of {rate} Hz {rate / 50:g} are left"
+            assert message in run(*arguments, code=2).stderr
+        elif command == "estimate":
+            run(*arguments)
+    if rate == 500:
+        assert run("spectrogram", "slow.csv", "--preset", "paper", "--plot", "x.png", code=2).stderr
+        run("estimate", "slow.csv", "--input", "T", "--output", "y", "--preset", "paper", "--decimate", 2)

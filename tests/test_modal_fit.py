@@ -547,7 +547,9 @@ class TestRemarks:
         """A pole at 21 kHz stands for the stiff torque meter: no mode, but a part of the response."""
         response = rig("dmf").frequency_response("theta_1", "T_T", LINES)
         found = identify_modes(response)
-        assert found.notes[0] == "1 pole outside the band of 0.5 to 30 Hz stands for what is beyond it and is not listed"
+        assert (
+            found.notes[0] == "1 pole outside the band of 0.5 to 30 Hz stands for what is beyond it and is not listed"
+        )
         assert len(found) == len(found.rows()) == len(found.shapes.T) == 1
         assert found.outside_poles[0].imag == 0
         np.testing.assert_allclose(found.synthesised.values, response.values, rtol=1e-6)

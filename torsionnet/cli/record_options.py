@@ -12,8 +12,11 @@ from torsionnet.cli.declarations import Arguments, argument, option
 from torsionnet.cli.options import LOWEST_FREQUENCY, PRESETS, DelayOption, FiniteFloat, PairOption, StepsOption
 from torsionnet.core.errors import UsageError, did_you_mean
 
+LEAST_PRESET_RATE = 100.0
+"""Least sampling rate in Hz that a preset may leave, half of what it leaves of the records that it is for."""
 if TYPE_CHECKING:
     from torsionnet.response.recording import Recording
+    from torsionnet.signals.record_blocks import Recordings
     from torsionnet.signals.welch import Welch
 
 ESTIMATORS = ("H1", "H2", "Hv", "Hs", "Hr")
@@ -120,6 +123,23 @@ class Averaging(Arguments):
         given = {name: value for name, value in {**vars(self), **more}.items() if value is not None}
         given.pop("preset", None)
         return replace(base, **given)
+
+    def suited(self, measured: Recordings) -> Recordings:
+        """Record, or its blocks, at a rate that the preset does not decimate too far; UsageError where it does."""
+        from torsionnet.response.recording import Recording
+
+        if not isinstance(measured, Recording):
+            return (self._suited(block) for block in measured)
+        return self._suited(measured)
+
+    def _suited(self, record: Recording) -> Recording:
+        factor, rate = self.settings().decimation, record.sampling_rate
+        if self.preset and self.decimation is None and rate / factor < LEAST_PRESET_RATE:
+            raise UsageError(
+                f"--preset {self.preset} is for records at 10 kHz: it keeps every {factor}th sample; of {rate:g} Hz "
+                f"{rate / factor:g} are left; leave the preset out, or replace the factor where there is --decimate"
+            )
+        return record
 
 
 class Estimator(Arguments):

@@ -74,7 +74,8 @@ def estimate_record(
     chosen, references = estimator.estimator, estimator.references
     settings = averaging.settings(estimator=chosen)
     with progress("averaging", None) as advance:
-        measured = load_record(record, reading, (*outputs, *inputs, *references), settings.seconds, advance)
+        named = (*outputs, *inputs, *references)
+        measured = averaging.suited(load_record(record, reading, named, settings.seconds, advance))
         limits = (band[0], float("inf") if band[1] is None else band[1])
         response = estimate(measured, outputs, inputs, chosen, settings, reference=references, band=limits)
     print_warnings(response.notes)

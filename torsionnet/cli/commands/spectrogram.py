@@ -60,7 +60,8 @@ class SpectrogramCommand(RecordCommand):
 
         settings = self.averaging.settings()
         with progress("transforming", None) as advance:
-            found = load_record(self.record, self.reading, self.channels or None, settings.seconds, advance)
+            channels = self.channels or None
+            found = self.averaging.suited(load_record(self.record, self.reading, channels, settings.seconds, advance))
             if not isinstance(found, Recording):  # only what is left after decimation is kept in memory
                 found = _joined(list(decimated(found, settings.decimation)))
                 settings = replace(settings, decimation=1)
