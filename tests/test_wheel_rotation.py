@@ -46,6 +46,38 @@ class TestOrders:
         assert read == pytest.approx(straight, abs=4e-4)
         assert np.sinc(order / 60) ** 2 == pytest.approx(straight, abs=1e-4)
 
+    @pytest.mark.parametrize("seed", range(12))
+    def test_an_order_reads_as_least_squares_of_the_same_pulses_does(self, seed):
+        """Sine and cosine of the mean rotation through the pulses; at 3 degrees of order 12 intervals go from 1 to 4."""
+        draw = np.random.default_rng(seed)
+        teeth, speed = int(draw.choice([30, 60, 90, 120])), float(draw.choice([600.0, 1200.0])) * RPM
+        order, size = min(draw.uniform(0.5, 12), 8 * teeth / 30), np.radians(3.0 if seed % 3 else draw.uniform(0.05, 3))
+        mean, angle = shaft(speed, {order: size * np.exp(1j * draw.uniform(0, 6))}, acceleration=10.0 * (seed % 2))
+        times = pulses(angle, teeth, turns=int(draw.integers(12, 30)), first=int(draw.integers(teeth)))
+        found = wheel_rotation(PulseChannel("n1", times), Wheel(teeth=teeth))
+
+        def wave(times, turned):
+            columns = [np.ones_like(times), mean(times), np.cos(order * mean(times)), np.sin(order * mean(times))]
+            return np.linalg.lstsq(np.column_stack(columns), turned, rcond=None)[0][2:]
+
+        right = wave(times, 2 * np.pi * np.arange(len(times)) / teeth)
+        assert np.hypot(*right) == pytest.approx(size, rel=1e-6)
+        inside = np.linspace(times[teeth], times[-teeth], 20_000)
+        np.testing.assert_allclose(wave(inside, found.angle(inside)), right, atol=2e-3 * size)
+        # The ends are marked; where the order is small, all between them is right.
+        assert found.settled == (times[20], times[-21])
+        if order * size < 0.2:
+            inside = np.linspace(*found.settled, 20_000)
+            assert np.abs(np.diff(found.angle(inside) - angle(inside))).max() < 2e-3 * size
+
+    def test_both_flanks_of_teeth_nearly_as_wide_as_gaps(self):
+        _, angle = shaft(1500 * RPM, {6: TENTH})
+        channel = PulseChannel("n1", pulses(angle, 120, positions=np.tile([0.0, 0.1], 60) * 2 * np.pi / 120))
+        with pytest.raises(
+            UsageError, match=r"every second pulse stands 0\.1 pitches beside the middle .*edge: rising"
+        ):
+            wheel_rotation(channel, Wheel(teeth=120))
+
     def test_order_54_of_60_teeth_reads_as_6_and_is_refused(self):
         mean, angle = shaft(1500 * RPM, {54: TENTH / 10})
         found = wheel_rotation(PulseChannel("n1", pulses(angle)), Wheel(teeth=60))

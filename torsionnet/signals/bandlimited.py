@@ -1,14 +1,16 @@
 """Band-limited interpolation of the angle between the pulses of an encoder.
 
 A pulse says exactly where the shaft is, at a time that the motion decides: the samples of the motion are not evenly
-spaced in time. Over the mean rotation u, a smooth course through every few pulses, they nearly are. What the shaft does
-beyond it, f(u), is known at u_k, just beside the whole numbers k; its values c_k there follow from
+spaced in time. Over the mean rotation u, the smooth course of least squares through all pulses, they nearly are. What
+the shaft does beyond it, f(u), is known at u_k, just beside the whole numbers k; its values c_k there follow from
 
     sum over m of c_m K(u_k - m) = f(u_k),
 
 where K is the sinc of Shannon's sampling theorem under a Gaussian, which makes its error fall exponentially with its
 length: Qian, On the regularized Whittaker-Kotel'nikov-Shannon sampling formula, Proc. AMS 131 (2003) 1169. Orders up to
-half the pulses of a turn can be found in this way, and are up to 5/6 of that. Teeth that stand beyond their places give
+half the pulses of a turn can be found in this way, and are up to 5/6 of that. Where a u_k stands
+further from k than LARGEST_DISTANCES, the mean rotation gets more knots and follows the vibration. Elsewhere it has
+few, as an order over a u that vibrates itself has harmonics beyond the band. Teeth that stand beyond their places give
 f at other places next to the whole numbers, which is all the same to the sum.
 
 Between two whole numbers every K(r - m) is a polynomial in r but for rounding, so that a value is a product of the 81
@@ -36,8 +38,16 @@ KEPT_BAND = 5 / 6
 """Share of half the pulses of a turn up to which orders are kept and their images are not."""
 KERNEL_VARIANCE = KERNEL_HALF_LENGTH / (np.pi * (1 - KEPT_BAND))
 """Variance of the kernel's Gaussian in squared encoder steps, which sets how much of the band is kept."""
-POINTS_PER_TURN = 8
-"""Number of points per turn of the mean rotation, which therefore holds orders up to half as many."""
+KNOTS_PER_TURN, FEWEST_STEPS = 2, 2
+"""Number of knots per turn of the mean rotation where it need not follow the vibration, and least number of encoder
+steps from knot to knot where it has to: least squares of fewer pulses a knot would put images of an order beside it."""
+LARGEST_DISTANCES = (0.8, 0.25 / KEPT_BAND)
+"""Largest distances in steps of a pulse from its number on the mean rotation, of which the first serves by which the
+interpolation converges: it does up to a quarter of a Nyquist interval of the band (M. I. Kadec, The exact value of the
+Paley-Wiener constant, 1964), and further where high orders are small."""
+END_PULSES = 20
+"""Number of pulses from either end of the record on which the rotation depends on what comes beyond it by up to 15 % of
+an order's amplitude at the end, and by 0.02 % behind them."""
 SPLINE_DEGREE = 7
 """Degree of the splines of the mean rotation, so smooth that their knots leave nothing in high orders."""
 CONVERGED_STEPS, LEAST_REDUCTION = 1e-10, 0.97
@@ -67,6 +77,7 @@ class Rotation:
     """
 
     kept_band = KEPT_BAND
+    end_pulses = END_PULSES
 
     def __init__(
         self,
@@ -88,12 +99,38 @@ class Rotation:
             if offsets is not None:
                 beyond = np.zeros(count)
                 beyond[numbers] = offsets
-        every = max(2, round(steps_per_revolution / POINTS_PER_TURN))
-        points = np.unique(np.r_[np.searchsorted(numbers, np.arange(0, count, every)), len(numbers) - 1])
-        standing = numbers[points] + (0.0 if offsets is None else offsets[points])
-        self.mean_rotation = _spline(times[points], standing)
-        places = self.mean_rotation(stamps)
-        self._wide = _values_at_whole_numbers(places, beyond, stamps, gaps_of(numbers))
+        standing = numbers + (0.0 if offsets is None else offsets)
+        for distance in LARGEST_DISTANCES:
+            apart = round(steps_per_revolution / KNOTS_PER_TURN)
+            self.mean_rotation = _mean_rotation(times, standing, numbers, apart, distance)
+            self._wide, doubtful = _values_at_whole_numbers(
+                self.mean_rotation(stamps), beyond, stamps, gaps_of(numbers)
+            )
+            if doubtful is None:
+                inner = slice(END_PULSES, -END_PULSES)
+                middle = ((times[1:] + times[:-1]) / 2)[inner]
+                back = np.flatnonzero(self.rate(middle) <= 0)
+                doubtful = float(middle[back[0]]) if len(back) else None
+            if doubtful is None:
+                return
+        raise SolveError(
+            f"the speed changes too fast around {doubtful:.6g} s to interpolate the angle between pulses; "
+            "cut the record there"
+        )
+
+    @property
+    def beyond_band(self) -> float:
+        """RMS in encoder steps of what lies beyond the band kept, as pulses with wrong numbers make it."""
+        steps = np.diff(self._wide[KERNEL_HALF_LENGTH:-KERNEL_HALF_LENGTH])
+        lines = np.fft.rfft(steps * np.hanning(len(steps)))
+        return float(np.linalg.norm(lines[int(KEPT_BAND * len(lines)) :]) * np.sqrt(2) / len(steps))
+
+    @property
+    def alternation(self) -> float:
+        """Encoder steps by which every second pulse stands beside the middle of its neighbours, over the record."""
+        values = self._wide[KERNEL_HALF_LENGTH:-KERNEL_HALF_LENGTH]
+        pairs = values[: len(values) // 2 * 2].reshape(-1, 2)
+        return abs(float(np.diff(pairs[1:-1].mean(axis=0))[0])) if len(pairs) > 2 else 0.0
 
     def at(self, times: FloatArray) -> FloatArray:
         """Rotation in encoder steps since the first pulse at times in s between first and last pulse, shape (n,)."""
@@ -126,17 +163,65 @@ def _filled(times: FloatArray, numbers: NDArray[np.intp], offsets: FloatArray | 
 def _spline(x: FloatArray, y: FloatArray):  # type: ignore[no-untyped-def]  # noqa: ANN202
     from scipy.interpolate import make_interp_spline
 
-    degree = min(SPLINE_DEGREE, len(x) - 1)
-    return make_interp_spline(x, y, k=degree - (degree % 2 == 0 and degree > 1))
+    return make_interp_spline(x, y, k=_degree(len(x)))
+
+
+def _degree(count: int) -> int:
+    """Odd degree of a spline through so many points."""
+    degree = min(SPLINE_DEGREE, count - 1)
+    return degree - (degree % 2 == 0 and degree > 1)
+
+
+def _mean_rotation(times: FloatArray, standing: FloatArray, numbers: NDArray[np.intp], apart: int, distance: float):  # type: ignore[no-untyped-def]  # noqa: ANN202
+    """Spline of least squares in encoder steps over time in s, its knots ``apart`` steps, or nearer.
+
+    They are nearer where pulses would stand further than ``distance`` steps from it.
+    """
+    from scipy.ndimage import maximum_filter1d
+
+    degree = _degree(len(times))
+    inner, ends = slice(degree, -degree - 1), degree + 1
+    near = np.ones(len(times), dtype=bool)
+    knots = np.empty(0)
+    while True:
+        apart = max(apart, FEWEST_STEPS)
+        passed = np.diff(numbers // apart, prepend=0) > 0
+        knots = np.union1d(knots, times[inner][(passed & near)[inner]])
+        spline = _least_squares(times, standing, np.r_[[times[0]] * ends, knots, [times[-1]] * ends], degree)
+        far = np.abs(standing - spline(times)) > distance
+        if apart == FEWEST_STEPS or not far.any():
+            return spline
+        # Knots change a spline some knots to either side.
+        near = maximum_filter1d(far, 2 * SPLINE_DEGREE * min(apart, len(times)) + 1)
+        apart //= 2
+
+
+def _least_squares(x: FloatArray, y: FloatArray, knots: FloatArray, degree: int):  # type: ignore[no-untyped-def]  # noqa: ANN202
+    """Spline of least squares by its banded normal equations; make_lsq_spline takes time with the square of points."""
+    from scipy.interpolate import BSpline
+    from scipy.linalg import solveh_banded
+
+    count, order = len(knots) - degree - 1, degree + 1
+    band, right = np.zeros((order, count)), np.zeros(count)
+    for begin in range(0, len(x), SPLINE_POINTS):
+        part = slice(begin, begin + SPLINE_POINTS)
+        design = BSpline.design_matrix(x[part], knots, degree)
+        first, values = design.indices[::order], design.data.reshape(-1, order).T
+        for row in range(order):
+            right += np.bincount(first + row, values[row] * y[part], count)
+            for below in range(order - row):
+                band[below] += np.bincount(first + row, values[row] * values[row + below], count)
+    return BSpline(knots, solveh_banded(band, right, lower=True), degree)
 
 
 def _values_at_whole_numbers(
     places: FloatArray, beyond: FloatArray | None, times: FloatArray, gaps: Sequence[Gaps]
-) -> FloatArray:
+) -> tuple[FloatArray, float | None]:
     """Values of a motion at whole encoder steps, by iteration from its values at places next to them.
 
     At a place it is what the pulse's number, and what its tooth stands beyond it, differ from the place. In gaps the
-    values follow from those around. On either side they go on reflected, shape (n + 2 KERNEL_HALF_LENGTH,).
+    values follow from those around. On either side they go on reflected, shape (n + 2 KERNEL_HALF_LENGTH,). With the
+    time in s around which they do not converge, None if they do.
     """
     wide, left, before = np.empty(len(places) + 2 * KERNEL_HALF_LENGTH), np.empty(len(places)), np.inf
     found = wide[KERNEL_HALF_LENGTH:-KERNEL_HALF_LENGTH]
@@ -154,12 +239,9 @@ def _values_at_whole_numbers(
         size = float(np.abs(left[worst]))
         if size < CONVERGED_STEPS:
             _reflect(wide)
-            return wide
+            return wide, None
         if size > LEAST_REDUCTION * before:
-            raise SolveError(
-                f"the speed changes too fast around {times[worst]:.6g} s to interpolate the angle between pulses; "
-                "cut the record there"
-            )
+            return wide, float(times[worst])
         before = size
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsionnet.core.errors import UsageError
+from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.core.listing import comma_list
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.double_pulses import MEDIAN_INTERVALS, indices_without_double, running_median
@@ -20,6 +20,14 @@ SIDE_INTERVALS, UNCLEAR_COUNT = 3, 0.2
 count from a whole number."""
 FEWEST_GAPS, REGULAR_SHARE = 4, 0.8
 """Fewest gaps by which a wheel with missing teeth is recognised, and the least share of gaps at equal distances."""
+SWING, SWING_SHARE = 1.25, 0.25
+"""Ratio of neighbouring intervals from which on they swing, and share of the intervals that do where vibration, not
+lost and double pulses, may make them as uneven as these do."""
+USUAL_STEPS, MOST_BEYOND_BAND = 60, 0.02
+"""Steps of a turn where they are not given, and RMS in steps beyond the band of pulses that vibration explains: up to
+3 degrees of order 12 leave 0.01 at most, numbers that are wrong in every turn more than repaired ones."""
+MOST_REPAIRED = 0.1
+"""Share of the pulses above which they are not repaired: what returns so often is the wheel, or the pickup."""
 INTERVALS_TOGETHER = 2**17
 """Number of intervals that are compared together, which limits the memory."""
 MOST_LISTED_PULSES = 3
@@ -148,6 +156,62 @@ def repaired_pulses(times: ArrayLike, steps_per_revolution: float = 0.0) -> Puls
     ('1 pulse too many left out: pulse 3 at 2.1 s', '1 pulse missing and counted: 1 after pulse 4 at 4 s')
     """
     stamps = check_pulses(times)
+    beyond = _beyond_band_as_they_are(stamps, steps_per_revolution or USUAL_STEPS)
+    whole = np.arange(len(stamps))
+    none = np.empty(0, np.intp)
+    as_they_are = Pulses(stamps, whole, none, MissingPulses(none, none), np.empty(0))
+    try:
+        found = _repaired(stamps, steps_per_revolution)
+    except UsageError:
+        if beyond < MOST_BEYOND_BAND:
+            return as_they_are
+        raise
+    if found.missing.total + len(found.spurious) and beyond < MOST_BEYOND_BAND:
+        repaired = _rotation_beyond_band(found.times, found.numbers, steps_per_revolution or USUAL_STEPS)
+        if beyond <= repaired:
+            return as_they_are
+    repairs = found.irregular.total + len(found.spurious)
+    if repairs > max(FEWEST_GAPS, MOST_REPAIRED * len(stamps)):
+        raise UsageError(
+            f"{len(found.spurious)} pulses would be too many and {found.irregular.total} missing of {len(stamps)}: "
+            f"these are no faults of single pulses{both_flanks(stamps)}; check the wheel and its pickup"
+        )
+    return found
+
+
+def _beyond_band_as_they_are(times: FloatArray, steps: float) -> float:
+    """RMS in steps beyond the band if no pulse is lost or double; inf where vibration does not make intervals swing."""
+    intervals = np.log(np.diff(times))
+    swings = np.abs(np.diff(intervals)) > np.log(SWING)
+    if swings.sum() <= SWING_SHARE * len(times):
+        return np.inf
+    return _rotation_beyond_band(times, np.arange(len(times)), steps)
+
+
+def _rotation_beyond_band(times: FloatArray, numbers: NDArray[np.intp], steps: float) -> float:
+    from torsionnet.signals.bandlimited import Rotation
+
+    try:
+        return Rotation(times, numbers, steps).beyond_band
+    except SolveError:
+        return np.inf
+
+
+def both_flanks(times: FloatArray) -> str:
+    """Words on pulses of which every second interval is longer, as rising and falling flanks make them; else empty."""
+    intervals = np.diff(times)
+    ratio = float(np.median(intervals[::2]) / np.median(intervals[1::2])) if len(intervals) > 1 else 1.0
+    ratio = max(ratio, 1 / ratio)
+    if ratio < SWING:
+        return ""
+    return (
+        f"; every second interval is {ratio:.3g} times as long: are rising and falling flanks both counted? take one "
+        "kind (edge: rising)"
+    )
+
+
+def _repaired(stamps: FloatArray, steps_per_revolution: float) -> Pulses:
+    """Pulses with double ones left out and missing ones counted; an error where that does not explain them."""
     kept = indices_without_double(stamps)
     clean = stamps if len(kept) == len(stamps) else stamps[kept]
     missing = missing_pulses(clean)
@@ -198,7 +262,8 @@ def _check(times: FloatArray, steps: NDArray[np.intp], places: NDArray[np.intp])
     if largest > MOST_INTERVAL_RATIO:
         raise UsageError(
             f"the intervals on either side of pulse {places[at + 1]} at {times[at + 1]:.6g} s differ by a factor of "
-            f"{largest:.2f}: neither a lost pulse nor one too many explains that; cut the record there"
+            f"{largest:.2f}: neither a lost pulse nor one too many explains that{both_flanks(times)}; cut the record "
+            "there"
         )
 
 

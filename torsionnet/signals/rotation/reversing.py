@@ -10,6 +10,8 @@ from torsionnet.response.recording import FloatArray
 
 REVERSING_BAND = 1 / 3
 """Share of half the pulses of a turn up to which cubic splines read orders within 0.2 %."""
+END_PULSES = 4
+"""Number of pulses from either end on which the spline depends on what comes beyond it."""
 SPLINE_DEGREE = 3
 """Degree of the splines, which follow constant acceleration through a standstill."""
 
@@ -26,6 +28,7 @@ class ReversingRotation:
     """
 
     kept_band = REVERSING_BAND
+    end_pulses = END_PULSES
 
     def __init__(self, times: FloatArray, places: FloatArray) -> None:
         from scipy.interpolate import make_interp_spline

@@ -29,6 +29,9 @@ HALF_WIDTH_DEVIATIONS = 1.96
 """Half width of the 95 % interval of a normal variable over its standard deviation."""
 MOST_LISTED_ORDERS = 6
 """Most orders that a message lists one by one; more are named by the first and the last."""
+MOST_ALTERNATION = 0.03
+"""Pitches by which every second tooth may stand beside the middle of its neighbours: those of a wheel stand within some
+hundredths, flanks of either kind by how much wider teeth are than what is between them."""
 WHOLE_ORDER = 1e-6
 """Largest distance of an order from a whole number of vibrations per turn of a wheel at which teeth reach it."""
 
@@ -94,6 +97,15 @@ class WheelRotation:
     def speeds(self) -> FloatArray:
         """Speed of the reference shaft in rad/s at the pulses, shape (n,)."""
         return self.speed(self.times)
+
+    @property
+    def settled(self) -> tuple[float, float]:
+        """First and last time in s between which the angle does not depend on what comes beyond the record.
+
+        Nearer to the ends, on 20 pulses, high orders are off by up to 15 % of their amplitude.
+        """
+        edge = min(self.rotation.end_pulses, (len(self.times) - 1) // 2)
+        return float(self.times[edge]), float(self.times[-1 - edge])
 
     @property
     def revolutions(self) -> float:
@@ -236,6 +248,12 @@ def wheel_rotation(
         offsets, rotation = _offsets(pattern, found.numbers + (first or 0), channel.name), None
     if rotation is None:
         rotation = Rotation(found.times, found.numbers, wheel.teeth, offsets)
+    if pattern is None and rotation.alternation > MOST_ALTERNATION:
+        raise UsageError(
+            f"{channel.name}: every second pulse stands {rotation.alternation:.2g} pitches beside the middle of its "
+            "neighbours: are rising and falling flanks both counted? take one kind (edge: rising); if the teeth do "
+            "stand so, calibrate the wheel elsewhere and give its pattern"
+        )
     deviations = _deviations(channel, wheel, pattern, found.times, found.numbers, rotation, offsets)
     numbers = found.numbers + first if first else found.numbers
     return WheelRotation(
