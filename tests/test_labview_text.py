@@ -1,11 +1,14 @@
 """Text files of LabVIEW: rates, names and segments from their headers, and what is said of faulty ones."""
 
+import json
+
 import numpy as np
 import pytest
 from support.command_line import run
 
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.io.recording_files import iter_blocks, read_recording, write_recording
+from torsionnet.signals.record_blocks import blocks_in_order
 
 FILE = (
     "LabVIEW Measurement\t\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\n"
@@ -137,16 +140,86 @@ class TestSegments:
     @pytest.mark.parametrize(
         ("second", "message"),
         [
-            (segment(20, COUNT), r"r.lvm:54:1: error: segment 2 begins at X0 = 0 s, .* from line 23 on, end at 0.02 s"),
-            (segment(20, COUNT, x0=0.0195), "segment 2 begins at X0 = 0.0195 s"),
-            (segment(20, COUNT, clock="10:12:14.021"), "segment 2 begins at X0 = 0 s"),
             (segment(20, COUNT, x0=0.02, interval="0.002"), "segment 2 has other channels, units or Delta_X"),
             (segment(20, COUNT, x0=0.02, Y_Unit_Label=["Nm", "deg"]), "than segment 1 in line 23"),
         ],
     )
-    def test_that_do_not_go_on_are_refused(self, tmp_path, second, message):
+    def test_of_other_channels_are_refused(self, tmp_path, second, message):
         with pytest.raises(ModelError, match=message):
             read_recording(write(tmp_path, f"{FILE}{segment(0, 20)}\t\n{second}"))
+
+
+def rows(values, times=None):
+    """Rows of one header for all of the values."""
+    at = "" if times is None else None
+    return "".join(
+        f"{at if times is None else f'{times[i]:.6f}'}\t{x:.6f}\t{y:.6f}\n" for i, (x, y) in enumerate(values)
+    )
+
+
+HEADED = FILE + segment(0, 20)[: segment(0, 20).index("Comment\n") + 8]
+RANDOM = np.round(np.random.default_rng(4).normal(size=(60, 2)), 6)
+RESTART = np.tile(np.arange(20) * 0.001, 3)
+TRIGGERED = {
+    "rows beyond Samples": HEADED + rows(RANDOM),
+    "times that begin anew": (HEADED + rows(RANDOM, RESTART)).replace("X_Columns\tNo", "X_Columns\tOne"),
+    "times with gaps": (HEADED + rows(RANDOM, RESTART + np.repeat([0, 1, 2.5], 20))).replace("Columns\tNo", "Columns\tOne"),
+    "headers again": HEADED + f"\t\n{HEADED[len(FILE) :]}".join(rows(RANDOM[at : at + 20]) for at in (0, 20, 40)),
+    "headers of a later time": HEADED + f"\t\n{HEADED[len(FILE) :]}".replace("12:13", "12:15").join(rows(RANDOM[at : at + 20]) for at in (0, 20, 40)),
+}  # fmt: skip
+
+
+class TestBlocksAfterTriggers:
+    @pytest.mark.parametrize("case", TRIGGERED)
+    @pytest.mark.parametrize("seconds", [1.0, 0.013])
+    def test_are_kept_apart(self, tmp_path, case, seconds):
+        blocks = list(iter_blocks(write(tmp_path, TRIGGERED[case]), seconds))
+        assert [len(block) for block in blocks] == ([20] * 3 if seconds == 1.0 else [13, 7] * 3)
+        np.testing.assert_array_equal(np.concatenate([block["Torque"].values for block in blocks]), 1000 * RANDOM[:, 0])
+        assert {block.sampling_rate for block in blocks} == {1000.0}
+        follows = [continued for _, continued in blocks_in_order(blocks)]
+        assert follows == ([False] * 3 if seconds == 1.0 else [False, True] * 3)
+
+    @pytest.mark.parametrize("case", TRIGGERED)
+    def test_are_no_single_record(self, tmp_path, case):
+        path = write(tmp_path, TRIGGERED[case])
+        with pytest.raises(ModelError, match=r"holds 3 blocks that do not follow each other, .* first of 20 samples"):
+            read_recording(path)
+        result = run("spectrogram", path, "--seconds", "0.01", code=1)
+        assert "3 blocks that do not follow each other" in result.stderr
+        assert "iter_blocks" not in result.stderr
+
+    @pytest.mark.parametrize("case", TRIGGERED)
+    def test_are_averaged_as_such(self, tmp_path, case):
+        from scipy.signal import csd
+
+        torque, angle = 1000 * RANDOM[:, 0].reshape(3, 20), np.radians(RANDOM[:, 1].reshape(3, 20))
+        given = {"fs": 1000, "window": "hamming", "nperseg": 10, "noverlap": 5, "detrend": "constant"}
+        over, under = (np.mean(csd(torque, y, axis=1, **given)[1], axis=0) for y in (angle, torque))
+        settings = ["--seconds", "0.01", "--overlap", "0.5", "--json"]
+        result = run("estimate", write(tmp_path, TRIGGERED[case]), "--input", "Torque", "--output", "Angle", *settings)
+        (found,) = json.loads(result.stdout)["responses"]
+        expected = (over / under)[1 : 1 + len(found["real"])]
+        assert np.array(found["real"]) + 1j * np.array(found["imag"]) == pytest.approx(expected, rel=1e-9)
+
+    def test_packets_whose_times_go_on_are_one_record(self, tmp_path):
+        text = (HEADED + rows(RANDOM, np.arange(60) * 0.001)).replace("X_Columns\tNo", "X_Columns\tOne")
+        found = read_recording(write(tmp_path, text))
+        assert (len(found), found.sampling_rate, found.times) == (60, 1000.0, None)
+
+    def test_samples_written_one_by_one_are_one_record(self, tmp_path):
+        assert (
+            len(read_recording(write(tmp_path, HEADED.replace("Samples\t20\t20", "Samples\t1\t1") + rows(RANDOM))))
+            == 60
+        )
+
+    def test_a_cut_block_is_told(self, tmp_path):
+        with pytest.raises(ModelError, match="ends early: Samples says 20 rows, there are 11 in block 3"):
+            list(iter_blocks(write(tmp_path, HEADED + rows(RANDOM[:51])), 1.0))
+
+    def test_pulses_of_several_blocks_are_refused(self, tmp_path):
+        with pytest.raises(ModelError, match="blocks that do not follow each other"):
+            read_recording(write(tmp_path, TRIGGERED["rows beyond Samples"]), pulses={"Torque": 60})
 
 
 WHOLE = FILE + segment()

@@ -14,14 +14,21 @@ import click
 
 BUG, INPUT_OUTPUT, INTERRUPTED = 70, 74, 130  # exit codes: EX_SOFTWARE and EX_IOERR of sysexits.h, 128 + SIGINT
 DEBUG = "TORSIONNET_DEBUG"
+OPTIONS = {
+    "sampling_rate=": "--rate", "resample=": "--resample", "resampled()": "--resample", "quantities=": "--quantity",
+    "units=": "--unit", "separator=": "--separator", "decimal=": "--decimal", "angle_from_pulses()": "--pulses",
+    "unwrapped()": "counting the angle on", "iter_blocks()": "torsionnet estimate",
+}  # fmt: skip
+"""Options, and other words, for arguments and functions of Python in messages."""
 
 
 @contextlib.contextmanager
 def exit_code_for_errors() -> Iterator[None]:
     """Context in which an exception becomes a message on stderr and the exit code of the command."""
     from torsionnet.core.errors import TorsionnetWarning
+    from torsionnet.core.remedies import remedies
 
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), remedies(OPTIONS):
         warnings.simplefilter("always", TorsionnetWarning)
         warnings.showwarning = _Warnings()
         try:

@@ -9,11 +9,14 @@ from torsionnet.cli.record_options import RecordReading, RecordSpan
 from torsionnet.cli.terminal import message, print_faults
 from torsionnet.core.errors import Fault, ModelError, UsageError
 from torsionnet.io import large_records
-from torsionnet.io.recording_files import read_recording
+from torsionnet.io.recording_files import read_recording, read_tests
 from torsionnet.response.recording import Recording
 from torsionnet.signals.record_blocks import Recordings
 from torsionnet.signals.recording_checks import check_recording
 from torsionnet.signals.resampling import resampled
+
+SAME_CLOCK = 0.5
+"""Share of a sampling interval by which a block of a large file may begin off the end of the one before."""
 
 
 def load_record(
@@ -23,10 +26,12 @@ def load_record(
     window: float,
     advance: Callable[[float], None],
     span: RecordSpan | None = None,
+    *,
+    tests: bool = False,
 ) -> Recordings:
     """Recording of the channels named, checked, or an iterator of its blocks if the file is large.
 
-    Warnings go to stderr.
+    With ``tests`` a file may hold several blocks that do not follow each other. Warnings go to stderr.
 
     Raises
     ------
@@ -34,9 +39,14 @@ def load_record(
         The record is faulty; all faults are listed.
     """
     wanted = None if names is None else list(dict.fromkeys(names))
-    if large_records.is_large_record(path) and "pulses" not in reading.arguments:
-        return _checked_blocks(path, reading, wanted, window, advance, span)
-    record = read_recording(path, names=wanted, resample=reading.resample, **reading.arguments)
+    has_pulses = "pulses" in reading.arguments
+    if large_records.is_large_record(path) and not has_pulses:
+        return _checked_blocks(path, reading, wanted, window, advance, span, tests=tests)
+    read: Callable[..., Recording | list[Recording]] = read_tests if tests and not has_pulses else read_recording
+    found = read(path, names=wanted, resample=reading.resample, **reading.arguments)
+    if isinstance(found, list) and len(found) > 1:
+        return _checked_tests(found, reading, path, window, advance)
+    record = found[0] if isinstance(found, list) else found
     record = record if span is None else span.cut(record)  # what is cut away may be faulty
     record = checked_record(record, reading, path, window)
     advance(record.duration)
@@ -45,12 +55,29 @@ def load_record(
 
 def checked_record(record: Recording, reading: RecordReading, path: str, window: float = 0.0) -> Recording:
     """Recording with even time stamps, its notes and the warnings of its checks told; ModelError where it is faulty."""
-    for note in record.notes:
-        if not note.startswith("warning:"):  # those come with the result
-            message("note", note)
+    _tell_notes(record)
     record = _even(record, reading, path)
     _refuse(check_recording(record, window), path)
     return record
+
+
+def _tell_notes(record: Recording) -> None:
+    for note in record.notes:
+        if not note.startswith("warning:"):  # those come with the result
+            message("note", note)
+
+
+def _checked_tests(
+    found: Sequence[Recording], reading: RecordReading, path: str, window: float, advance: Callable[[float], None]
+) -> list[Recording]:
+    """Checked blocks of a file that do not follow each other; that each has few windows is no fault."""
+    _tell_notes(found[0])
+    records = [_even(record, reading, path) for record in found]
+    for record in records:
+        faults = check_recording(record, window)
+        _refuse([one for one in faults if one.severity == "error" or one.path != ("channels",)], path)
+        advance(record.duration)
+    return records
 
 
 def _checked_blocks(
@@ -60,12 +87,18 @@ def _checked_blocks(
     window: float,
     advance: Callable[[float], None],
     span: RecordSpan | None,
+    *,
+    tests: bool,
 ) -> Iterator[Recording]:
     """Checked blocks of a large file of signals, one after the other; a short last block is not reported as a fault."""
     message("note", f"{path} is large: read in blocks of {large_records.BLOCK_SECONDS:g} s")
+    end: float | None = None
     for block in large_records.blocks_of_record(path, names=names, **reading.arguments):
         if span is not None and span.delays:
             raise UsageError(f"{path} is read in blocks, across which no delay can be taken out; cut the record first")
+        if not tests and end is not None and abs(block.start - end) * block.sampling_rate > SAME_CLOCK:
+            raise UsageError(f"{path} holds blocks that do not follow each other; save each in a file of its own")
+        end = block.start + block.duration
         kept = block if span is None else block.between(span.start, span.stop)
         if not len(kept):
             advance(block.duration)
@@ -81,8 +114,8 @@ def _even(record: Recording, reading: RecordReading, path: str) -> Recording:
         return resampled(record)
     if record.times is not None:
         faults = [fault for fault in check_recording(record) if fault.path[:1] == ("time",)]
-        texts = [replace(fault, message=fault.message, severity="error", path=()) for fault in faults]
-        raise ModelError([*texts, Fault("the time stamps are not uniform: --resample makes them so")], path)
+        texts = [replace(fault, severity="error", path=()) for fault in faults]
+        raise ModelError(texts or [Fault("the time stamps are not uniform: --resample makes them so")], path)
     return record
 
 

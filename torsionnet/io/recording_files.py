@@ -6,8 +6,10 @@ import contextlib
 import os
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
-from torsionnet.core.errors import UsageError
+from torsionnet.core.errors import Fault, ModelError, UsageError
+from torsionnet.core.remedies import remedy
 from torsionnet.io.formats.registry import FORMATS, format_of, reading
 from torsionnet.io.records.assembling import recordings, with_given_clock
 from torsionnet.io.records.channel_choice import choose
@@ -82,8 +84,25 @@ def read_recording(
     options = ReadOptions(
         names, quantities or {}, units or {}, sampling_rate, pulses or {}, pulse_readings or {}, resample
     )
-    with contextlib.closing(_read(Path(path), options, None, dialect)) as found:
-        return next(found)
+    found = list(_read(Path(path), options, None, dialect))
+    if len(found) > 1:
+        raise _several(len(found), len(found[0]), Path(path))
+    return found[0]
+
+
+def read_tests(path: str | os.PathLike[str], **reading: Any) -> list[Recording]:
+    """Recordings of a file in SI, one, or one for each of its blocks that do not follow each other.
+
+    Arguments are those of :func:`read_recording`, without ``pulses``.
+    """
+    dialect: dict[str, str] = {key: reading.pop(key) for key in ("separator", "decimal") if key in reading}
+    return list(_read(Path(path), ReadOptions(**reading), None, dialect))
+
+
+def _several(count: int, length: int, path: Path) -> ModelError:
+    text = f"the file holds {count} blocks that do not follow each other, as after a trigger, the first of {length} "
+    text += f"samples: {remedy('iter_blocks()')} takes them as separate tests, which are averaged; for anything else "
+    return ModelError([Fault(f"{text}save each block in a file of its own")], path.name)
 
 
 def iter_blocks(
@@ -128,7 +147,10 @@ def _read(
         read = with_readings(found, options.readings, options.units, path.name)
         source, options = with_given_clock(read, options)
         if options.pulses:
-            yield encoder_recording(source, options, path.name)
+            record = encoder_recording(source, options, path.name)
+            if source.seams:
+                raise _several(len(source.seams) + 1, source.seams[0][0], path)
+            yield record
         else:
             yield from recordings(source, options, path.name, seconds)
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from torsionnet.core.errors import Fault, UsageError
 from torsionnet.core.listing import comma_list
+from torsionnet.core.remedies import remedy
 from torsionnet.response.recording import QUANTITY_UNITS, FloatArray, Recording, Signal
 from torsionnet.signals.pulses import repaired_pulses
 from torsionnet.signals.repeated_blocks import repeated_blocks
@@ -102,7 +103,7 @@ def _times(recording: Recording) -> Iterator[Fault]:
     spread = jitter(times)
     if spread > MOST_JITTER:
         text = f"sampling is not uniform: intervals vary by {100 * spread:.2g} % (standard deviation)"
-        yield Fault(f"{text}; resampled() makes it uniform", ("time",), "warning")
+        yield Fault(f"{text}; {remedy('resampled()')} makes it uniform", ("time",), "warning")
 
 
 def _counts_steps(signal: Signal) -> bool:
@@ -123,12 +124,12 @@ def _pulses(times: FloatArray) -> Iterator[Fault]:
     if lost.total:
         after = zip(found.times[lost.after], lost.counts, strict=True)
         where = comma_list([f"{count} after {time:.6g} s" for time, count in after], MOST_LISTED)
-        text = f"{lost.total} encoder pulses are missing: {where}; angle_from_pulses() counts them"
+        text = f"{lost.total} encoder pulses are missing: {where}; {remedy('angle_from_pulses()')} counts them"
         yield Fault(text, ("time",))
     if len(found.left_out):
         where = comma_list([f"{time:.6g} s" for time in found.left_out], MOST_LISTED)
-        text = f"{len(found.left_out)} encoder pulses too many: at {where}; angle_from_pulses() leaves them out"
-        yield Fault(text, ("time",))
+        text = f"{len(found.left_out)} encoder pulses too many: at {where}"
+        yield Fault(f"{text}; {remedy('angle_from_pulses()')} leaves them out", ("time",))
 
 
 def _signal(signal: Signal, recording: Recording, ranges: Mapping[str, float]) -> Iterator[Fault]:
@@ -214,7 +215,7 @@ def _jumps(signal: Signal, recording: Recording) -> Iterator[Fault]:
         text = (
             f"the encoder wraps around: {len(jumps)} jumps of {size:.4g} rad, first at {recording.time[jumps[0]]:.6g} s"
         )
-        yield Fault(f"{text}; unwrapped() removes them")
+        yield Fault(f"{text}; {remedy('unwrapped()')} removes them")
         return
     found = encoder_leaps(signal.values)
     if len(found):

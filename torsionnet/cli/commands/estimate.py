@@ -75,7 +75,7 @@ def estimate_record(
     settings = averaging.settings(estimator=chosen)
     with progress("averaging", None) as advance:
         named = (*outputs, *inputs, *references)
-        measured = averaging.suited(load_record(record, reading, named, settings.seconds, advance))
+        measured = averaging.suited(load_record(record, reading, named, settings.seconds, advance, tests=True))
         limits = (band[0], float("inf") if band[1] is None else band[1])
         response = estimate(measured, outputs, inputs, chosen, settings, reference=references, band=limits)
     print_warnings(response.notes)

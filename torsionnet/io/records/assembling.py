@@ -10,6 +10,7 @@ import numpy as np
 from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.core.number_range import LARGEST_SIZE
+from torsionnet.core.remedies import remedy
 from torsionnet.io.records.axes import seconds_in
 from torsionnet.io.records.channel_choice import ChannelChoice, choose, length_faults
 from torsionnet.io.records.clock import (
@@ -91,10 +92,10 @@ def _sampled(source: Source, options: ReadOptions, file: str, seconds: float | N
 def _rate_faults(source: Source, options: ReadOptions) -> list[Fault]:
     if source.time is None and not options.sampling_rate and source.rate and not is_rate(source.rate):
         text = f"the file has a sampling rate of {source.rate:g} Hz, which no recorder has"
-        return [Fault(f"{text}; give sampling_rate= in Hz")]
+        return [Fault(f"{text}; give {remedy('sampling_rate=')} in Hz")]
     if source.time is not None or options.sampling_rate or source.rate:
         return []
-    return [Fault("nothing in the file tells the sampling rate; give sampling_rate= in Hz")]
+    return [Fault(f"nothing in the file tells the sampling rate; give {remedy('sampling_rate=')} in Hz")]
 
 
 def _first_rate(source: Source) -> float:
@@ -124,7 +125,8 @@ def _clock(
     """Clock of a block that ``done`` samples come before, the first of them at the time ``begin`` in s."""
     if not stamps:
         assert rate is not None
-        return Clock(rate, source.start + done / rate)
+        first, start = next((seam for seam in reversed(source.seams) if seam[0] <= done), (0, source.start))
+        return Clock(rate, start + (done - first) / rate)
     assert source.time is not None
     scale, zero = seconds_in(source.time.unit), source.time.zero
     with np.errstate(over="ignore"):
@@ -147,7 +149,7 @@ def _clock(
     if not faults and not options.sampling_rate:
         faults = interval_fault(times, source)
     if not faults and rate is None and len(times) == 1:
-        faults = [Fault("one sample does not tell the sampling rate; give sampling_rate= in Hz")]
+        faults = [Fault(f"one sample does not tell the sampling rate; give {remedy('sampling_rate=')} in Hz")]
     if faults:
         raise ModelError(faults, file)
     if not source.stamped:

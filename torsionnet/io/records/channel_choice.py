@@ -7,8 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from torsionnet.core.errors import Fault, unknown_name
+from torsionnet.core.remedies import remedy
 from torsionnet.core.units import UnitError
-from torsionnet.io.records.quantities import factor_to_si, quantity_of
+from torsionnet.io.records.quantities import factor_to_si, likely_quantity, quantity_of
 from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.response.recording import QUANTITY_UNITS
 
@@ -83,7 +84,7 @@ def _choice(
 
 def _unknown(unit: str, name: str) -> str:
     says = f'its unit "{unit}" does not tell its quantity' if unit else "it has no unit"
-    example = f'quantities={{"{name}": "torque"}}'
+    example = remedy("quantities=", {name: likely_quantity(name)})
     return f"{says}; give one of {', '.join(QUANTITY_UNITS)}, for example {example}"
 
 
@@ -100,4 +101,4 @@ def length_faults(source: Source, choices: Iterable[ChannelChoice]) -> list[Faul
         else f"{', '.join(name for name, length in lengths.items() if length == size)} have {size}"
         for size, count in groups
     ]
-    return [Fault(f"channels of different lengths: {'; '.join(parts)}; choose channels of one length with names=")]
+    return [Fault(f"channels of different lengths: {'; '.join(parts)}; name channels of one length")]

@@ -9,6 +9,7 @@ import numpy as np
 
 from torsionnet.core.delimited.number_rows import MOST_FAULTS
 from torsionnet.core.errors import Fault
+from torsionnet.core.remedies import remedy
 from torsionnet.io.records.rounded_times import rounded_grid
 from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.response.recording import FloatArray
@@ -124,7 +125,9 @@ def _coarse_text(stamps: FloatArray, column: str) -> str:
     steps = np.diff(stamps)
     written = f"they are written in steps of {steps[steps > 0].min():.3g} s, " if steps.any() else ""
     text = f"{np.count_nonzero(steps == 0)} of {len(stamps)} time stamps in {column} equal the one before: {written}"
-    return f"{text}too coarse for the sampling; export them with more decimals, or give sampling_rate= in Hz"
+    return (
+        f"{text}too coarse for the sampling; export them with more decimals, or give {remedy('sampling_rate=')} in Hz"
+    )
 
 
 def coarse_clock(stamps: FloatArray, rate: float, begin: float) -> Clock | Fault:
@@ -133,7 +136,9 @@ def coarse_clock(stamps: FloatArray, rate: float, begin: float) -> Clock | Fault
     off = stamps - np.arange(len(stamps)) / rate
     if np.ptp(off) <= (1 + UNIFORM_TOLERANCE) * float(steps.max()):
         return Clock(rate, begin)
-    return Fault(f"the time stamps do not fit samples at {rate:g} Hz; correct sampling_rate=, or leave it out")
+    return Fault(
+        f"the time stamps do not fit samples at {rate:g} Hz; correct {remedy('sampling_rate=')}, or leave it out"
+    )
 
 
 def _fault(text: str, source: Source, row: int) -> Fault:
@@ -195,7 +200,8 @@ def rate_fault(stamps: FloatArray, given: float | None) -> list[Fault]:
     mean = (len(stamps) - 1) / float(stamps[-1] - stamps[0])
     if abs(given / mean - 1) < SAME_RATE_TOLERANCE:
         return []
-    return [Fault(f"the time stamps say {mean:.6g} Hz, sampling_rate={given:g} was given; leave it out to use them")]
+    said = remedy("sampling_rate=", f"{given:g}")
+    return [Fault(f"the time stamps say {mean:.6g} Hz, {said} was given; leave it out to use them")]
 
 
 def interval_fault(stamps: FloatArray, source: Source) -> list[Fault]:
@@ -207,5 +213,6 @@ def interval_fault(stamps: FloatArray, source: Source) -> list[Fault]:
     if abs(span - count * stated.seconds) <= max(SAME_INTERVAL_TOLERANCE * span, stated.seconds / 2):
         return []
     text = f"{stated.name} says {stated.seconds:g} s between samples, {source.time.name} goes in steps of "
-    text += f"{span / count:.6g} s; correct the wrong one, or give sampling_rate= in Hz if {source.time.name} is right"
+    text += f"{span / count:.6g} s; correct the wrong one, or give {remedy('sampling_rate=')} in Hz if "
+    text += f"{source.time.name} is right"
     return [Fault(text, position=stated.position)]

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.listing import comma_list
+from torsionnet.core.remedies import remedy
 from torsionnet.core.units import UnitError, parse_unit
 from torsionnet.io.foreign import StoredArray
 from torsionnet.io.foreign.content import COMPLEX, Blocks, Plain
@@ -158,7 +159,7 @@ def _factor_notes(fields: _Fields, prefix: str, name: str, unit: str) -> list[st
     if factor is None or min(abs(factor - 1), abs(factor / known - 1)) <= SAME_FACTOR:
         return []
     text = f'warning: {name} has the unit "{unit}", {known:g} in SI, and a factor of {factor:g} in its structure'
-    return [f"{text}; the unit was taken: give units= if that is wrong"]
+    return [f"{text}; the unit was taken: give {remedy('units=')} if that is wrong"]
 
 
 def _pulse(fields: _Fields) -> Found | None:

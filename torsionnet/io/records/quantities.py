@@ -13,6 +13,14 @@ _DIMENSIONS = {"torque": "torque", "angle": "angle", "velocity": "speed", "accel
 
 A pressure may be that of a gas, so stress is not among them.
 """
+_USUAL_NAMES = {
+    "angle": re.compile(
+        r"(?i)(phi|theta|alpha|beta|gamma|psi|varphi|ang(le)?|winkel|twist|enc(oder)?|pos(ition)?)(?![a-z])"
+    ),
+    "velocity": re.compile(r"(?i)(w|omega|n|rpm|speed|drehzahl|vel(ocity)?|tacho)(?![a-z])"),
+    "acceleration": re.compile(r"(?i)(a|acc(eleration)?|eps(ilon)?|domega)(?![a-z])"),
+}
+"""Beginnings of the names that channels of a quantity usually have."""
 _ANGULAR = re.compile("|".join([*sorted(ANGLES), "°"]))
 
 
@@ -29,6 +37,15 @@ def quantity_of(unit: str) -> str:
     quantity = quantity_of_dimension(dimension)
     # A bare number or per cent has the dimension of an angle, and so have many other things.
     return quantity if quantity != "angle" or _ANGULAR.search(unit) else ""
+
+
+def likely_quantity(name: str) -> str:
+    """Quantity that a channel of this name probably holds, for an example; a torque where the name tells nothing.
+
+    >>> likely_quantity("phi_2"), likely_quantity("n1"), likely_quantity("M1")
+    ('angle', 'velocity', 'torque')
+    """
+    return next((quantity for quantity, usual in _USUAL_NAMES.items() if usual.match(name)), "torque")
 
 
 def quantity_of_dimension(dimension: Dimension) -> str:

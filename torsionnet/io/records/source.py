@@ -70,6 +70,7 @@ class Source:
 
     ``blocks(columns, count)`` reads so many samples at a time, everything at once where ``count`` is 0.
     ``discovered`` grows while blocks are read: what was assumed about the values. ``hint`` is added to what is wrong.
+    ``seams`` grows with them: first sample and start in s of each block that does not follow the one before.
     """
 
     channels: tuple[FileChannel, ...]
@@ -85,6 +86,7 @@ class Source:
     stated: StatedInterval | None = None
     pulses: tuple[StoredPulses, ...] = ()
     hint: str = ""
+    seams: list[tuple[int, float]] = field(default_factory=list)
 
     def with_time_channel(self) -> Source:
         """Source with the channel of time stamps, known by its name or unit, taken out of the others.

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from torsionnet.core.delimited.dialect import Dialect
 from torsionnet.core.errors import Fault, ModelError, Position
+from torsionnet.core.remedies import remedy
 
 FIRST_LINE, END, X_VALUE, COMMENT = "LabVIEW Measurement", "***End_of_Header***", "X_Value", "Comment"
 SPECIAL, SPECIAL_END = "***Start_Special***", "***End_Special***"
@@ -81,7 +82,8 @@ def dialect_of(lines: Iterable[str], file: str, separator: str | None, decimal: 
     chosen = separator or known or between
     if chosen == sign:
         raise line_error(
-            "Separator and Decimal_Separator are the same sign; correct one, or give separator= and decimal=",
+            "Separator and Decimal_Separator are the same sign; correct one, or give "
+            f"{remedy('separator=')} and {remedy('decimal=')}",
             file,
             number,
         )

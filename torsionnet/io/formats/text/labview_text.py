@@ -26,7 +26,10 @@ SECONDS_PER_DAY = 86_400.0
 def labview_source(
     file: io.TextIOWrapper, name: str, title: str, lines: Sequence[str], separator: str | None, decimal: str | None
 ) -> Source:
-    """Channels of a LabVIEW file that begins with ``lines``, whose consecutive segments are one recording."""
+    """Channels of a LabVIEW file that begins with ``lines``.
+
+    Consecutive segments are one recording, others, and rows beyond Samples, blocks of their own, as after a trigger.
+    """
     dialect = dialect_of(lines, name, separator, decimal)
     file.seek(0)
     head = HeadedLines(iter(file))
@@ -54,7 +57,7 @@ def labview_source(
     return Source(
         tuple(channels), reader.blocks, time=time, rate=rate, start=0.0 if has_times else first.start, title=title,
         notes=tuple(notes), discovered=discovered, place=reader.place,
-        stated=stated,
+        stated=stated, seams=reader.seams,
     )  # fmt: skip
 
 
@@ -63,7 +66,10 @@ def _filled(cells: Sequence[str], at: int) -> bool:
 
 
 class _Reader:
-    """Reader of the rows of all segments of a LabVIEW file, which refuses one that does not continue the one before."""
+    """Reader of the rows of all segments of a LabVIEW file, in which it finds the blocks that do not follow each other.
+
+    ``seams`` are the first sample and the start in s of each such block but the first.
+    """
 
     def __init__(
         self,
@@ -78,6 +84,7 @@ class _Reader:
         self.channels = {channel.column: channel for channel in channels}
         self.discovered = discovered
         self.begun: list[tuple[int, int]] = []
+        self.seams: list[tuple[int, float]] = []
 
     def place(self, row: int) -> Position | None:
         """Position in the file of a sample in the segments read so far; blank lines between rows are not counted."""
@@ -85,10 +92,13 @@ class _Reader:
         return Position(self.name, known[-1][1] + row - known[-1][0], 1, 1) if known else None
 
     def blocks(self, columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
-        """Yield blocks of ``count`` samples across segments, or all samples where ``count`` is 0."""
+        """Yield blocks of ``count`` samples across segments that follow each other, or all of these where it is 0."""
         kept: list[list[FloatArray]] = []
         held = 0
-        for piece in self._pieces(columns, count):
+        for piece, is_apart in self._pieces(columns, count):
+            if is_apart and held:
+                yield _joined(kept)
+                kept, held = [], 0
             kept.append(piece)
             held += len(piece[0])
             while count and held >= count:
@@ -98,16 +108,18 @@ class _Reader:
         if held:
             yield _joined(kept)
 
-    def _pieces(self, columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
+    def _pieces(self, columns: Sequence[int], count: int) -> Iterator[tuple[list[FloatArray], bool]]:
+        """Yield pieces of rows, each with a flag whether it does not follow the one before."""
         self.file.seek(0)
         lines = HeadedLines(iter(self.file))
         self.begun.clear()
-        first, done, number = None, 0, 0
-        while segment := next_segment(lines, self.name, self.dialect, is_first=first is None):
+        self.seams.clear()
+        head, first, begin, done, number, end = None, None, 0, 0, 0, float("nan")
+        while segment := next_segment(lines, self.name, self.dialect, is_first=head is None):
             number += 1
-            if first is not None:
-                self._check_next(first, segment, done, number)
-            first = first or segment
+            if head is not None:
+                self._check_alike(head, segment, number)
+            head, first, within = head or segment, first or segment, 0
             self.begun.append((done, lines.number + 1))
             rows = self._rows(lines, segment)
             asked = [*columns, *(segment.times if self.has_times else ())]
@@ -116,13 +128,52 @@ class _Reader:
                     check_lengths(rows, [self.channels[column] for column in columns], self.name)
                 count_empty(rows, columns, self.discovered)
                 self._check_times(block[len(columns) :], segment)
-                yield block[: len(columns)]
-            if segment.samples is not None and rows.read < segment.samples:
-                text = f"the file ends early: Samples says {segment.samples} rows, there are {rows.read}"
-                raise ModelError([Fault(text, position=Position(self.name, max(lines.number, 1), 1, 2))], self.name)
-            done += rows.read
-        if number > 1:
-            self.discovered[:] = [*self.discovered, f"{number} segments that follow each other were joined"]
+                for piece in _parts(block, within, self._samples(segment)):
+                    is_apart = done > 0 and self._is_apart(first, segment, (done - begin, within), piece, end)
+                    if is_apart:
+                        self.seams.append((done, segment.start))
+                        first, begin = segment, done
+                    yield piece[: len(columns)], is_apart
+                    done, within = done + len(piece[0]), within + len(piece[0])
+                    end = float(piece[-1][-1]) if self.has_times else end
+            self._check_count(segment, rows.read, max(lines.number, 1))
+        self._tell(number)
+
+    def _samples(self, segment: Segment) -> int:
+        """Rows of one block of a segment, 0 where Samples tells none, as where each sample was written by itself."""
+        return segment.samples if segment.samples and segment.samples > 1 else 0
+
+    def _is_apart(
+        self, first: Segment, segment: Segment, rows: tuple[int, int], piece: Sequence[FloatArray], end: float
+    ) -> bool:
+        """Whether a piece does not follow the rows before it, since the last seam and within its segment.
+
+        ``end`` is the last time before it in s.
+        """
+        before, within = rows
+        samples = self._samples(segment)
+        if within and (not samples or within % samples):
+            return False
+        if self.has_times:
+            times = piece[-1]
+            interval = segment.interval or (float(times[1] - times[0]) if len(times) > 1 else 0.0)
+            return bool(abs(float(times[0]) - end - interval) > LARGEST_SEGMENT_GAP * interval)
+        return within > 0 or not _follows(first, segment, before)
+
+    def _check_count(self, segment: Segment, read: int, line: int) -> None:
+        """Refuse a segment whose last block has fewer rows than Samples says."""
+        samples = self._samples(segment)
+        missing = read < samples if self.has_times else samples and (read % samples or not read)
+        if missing:
+            text = f"the file ends early: Samples says {samples} rows, there are {read % samples}"
+            which = f" in block {read // samples + 1}" if read > samples else ""
+            raise ModelError([Fault(f"{text}{which}", position=Position(self.name, line, 1, 2))], self.name)
+
+    def _tell(self, segments: int) -> None:
+        if self.seams:
+            self.discovered.append(f"{len(self.seams) + 1} blocks that do not follow each other, as after a trigger")
+        elif segments > 1:
+            self.discovered.append(f"{segments} segments that follow each other were joined")
 
     def _rows(self, lines: HeadedLines, segment: Segment) -> NumberRows:
         used = {*segment.columns, *(segment.times if self.has_times else ())}
@@ -140,21 +191,12 @@ class _Reader:
                 place = segment.heading
                 raise ModelError([Fault(f"{text}; save them in files of their own", position=place)], self.name)
 
-    def _check_next(self, first: Segment, segment: Segment, done: int, number: int) -> None:
+    def _check_alike(self, head: Segment, segment: Segment, number: int) -> None:
         if (segment.names, segment.units, segment.columns, segment.interval) != (
-            first.names, first.units, first.columns, first.interval,
+            head.names, head.units, head.columns, head.interval,
         ):  # fmt: skip
-            text = f"segment {number} has other channels, units or Delta_X than segment 1 in line {first.line}"
-        elif self.has_times or _follows(first, segment, done):
-            return
-        else:
-            assert first.interval is not None
-            end = first.start + done * first.interval
-            text = (
-                f"segment {number} begins at X0 = {segment.start:g} s, "
-                f"the segments before it, from line {first.line} on, end at {end:g} s"
-            )
-        raise ModelError([Fault(f"{text}; save them in files of their own", position=segment.heading)], self.name)
+            text = f"segment {number} has other channels, units or Delta_X than segment 1 in line {head.line}"
+            raise ModelError([Fault(f"{text}; save them in files of their own", position=segment.heading)], self.name)
 
 
 def _follows(first: Segment, segment: Segment, done: int) -> bool:
@@ -168,6 +210,15 @@ def _follows(first: Segment, segment: Segment, done: int) -> bool:
         return False
     passed = segment.clock - first.clock
     return abs((passed - span + SECONDS_PER_DAY / 2) % SECONDS_PER_DAY - SECONDS_PER_DAY / 2) <= near
+
+
+def _parts(block: Sequence[FloatArray], within: int, samples: int) -> Iterator[list[FloatArray]]:
+    """Yield the parts of a block, ``within`` rows of its segment before it, that Samples rows make."""
+    count, at = len(block[0]), 0
+    while at < count:
+        end = min(count, at + samples - (within + at) % samples) if samples else count
+        yield [values[at:end] for values in block]
+        at = end
 
 
 def _joined(pieces: Sequence[Sequence[FloatArray]]) -> list[FloatArray]:

@@ -14,6 +14,7 @@ from torsionnet.core.delimited.headings import Headings, headings
 from torsionnet.core.delimited.number_rows import NumberRows
 from torsionnet.core.delimited.stamp_formats import stamp_columns
 from torsionnet.core.errors import Fault, ModelError, Position, UsageError
+from torsionnet.core.remedies import remedy
 from torsionnet.io.formats.text.channel_lengths import check_lengths, count_empty
 from torsionnet.io.formats.text.csv_columns import description_in, write_columns
 from torsionnet.io.formats.text.labview_lines import is_labview
@@ -97,7 +98,8 @@ def _notes(dialect: Dialect, encoding: str, preamble: int, heading: Headings) ->
 def _no_data(path: Path, lines: Sequence[str]) -> Fault:
     if not any(line.strip() for line in lines):
         return Fault("the file is empty", position=Position(path.name, 1, 1, 1))
-    text = f"found no rows of numbers in the first {len(lines)} lines; separator= and decimal= may be given"
+    given = f"{remedy('separator=')} and {remedy('decimal=')}"
+    text = f"found no rows of numbers in the first {len(lines)} lines; {given} may be given"
     return Fault(text, position=Position(path.name, 1, 1, 1, lines[0].rstrip()[:200]))
 
 
