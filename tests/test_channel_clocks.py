@@ -371,3 +371,45 @@ class TestMat:
         found = read_recording(tmp_path / "r.mat", {"a.T": "torque", "b.w": "velocity"})
         assert (found.start, len(found)) == (0.25, 3750)
         is_on_one_clock(found, "a.T", "b.w")
+
+
+class TestTables:
+    @pytest.fixture(params=["csv", "parquet"])
+    def written(self, request, tmp_path):
+        def write(**columns):
+            """Write columns of unequal lengths side by side, as exports of several channels have them."""
+            path, most = tmp_path / f"run.{request.param}", max(map(len, columns.values()))
+            if request.param == "csv":
+                rows = [[f"{v[row]:.12g}" if row < len(v) else "" for v in columns.values()] for row in range(most)]
+                path.write_text("\n".join([";".join(columns), *map(";".join, rows)]) + "\n")
+            else:
+                parquet, arrow = (pytest.importorskip(name) for name in ("pyarrow.parquet", "pyarrow"))
+                filled = {name: [*v, *[None] * (most - len(v))] for name, v in columns.items()}
+                parquet.write_table(arrow.table(filled), path)
+            return path
+
+        return write
+
+    @pytest.mark.parametrize(("first", "second"), [("time", "time 2"), ("t_T", "t_w"), ("Zeit1 [s]", "Zeit2 [s]")])
+    def test_columns_have_the_times_to_their_left(self, written, first, second):
+        late = TIMES + 0.25
+        path = written(**{first: TIMES, "T [Nm]": torque(TIMES), second: late, "w [rad/s]": speed(late)})
+        found = read_recording(path)
+        assert (found.names, found.start, len(found)) == (("T", "w"), 0.25, 3750)
+        is_on_one_clock(found)
+
+    def test_columns_of_two_rates(self, written):
+        slow = np.arange(2000) / 500
+        path = written(**{"t": TIMES, "T [Nm]": torque(TIMES), "t2": slow, "w [rad/s]": speed(slow)})
+        assert "500 Hz from 0 s (w); 1000 Hz from 0 s (T)" in refusal(path)
+        assert len(read_recording(path, names=["w"])) == 2000
+        is_on_one_clock(read_recording(path, sampling_rate=1000, resample=True).between(0.5, 3.5), within=2e-3)
+
+    @pytest.mark.parametrize(
+        "other", [{"operating time [h]": 900 + TIMES / 3600}, {"n1 [s]": 1.1 * TIMES}, {"time [ms]": 1000 * TIMES}]
+    )
+    def test_other_columns_of_times_are_no_clocks(self, written, other):
+        path = written(**{"time [s]": TIMES, "T [Nm]": torque(TIMES), **other, "w [rad/s]": speed(TIMES)})
+        found = read_recording(path)
+        assert (found.start, len(found)) == (0.0, 4000)
+        is_on_one_clock(found)

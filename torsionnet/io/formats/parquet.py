@@ -15,6 +15,7 @@ from torsionnet.io.formats.extras import import_extra, open_foreign
 from torsionnet.io.records.arrays import channel_of
 from torsionnet.io.records.recording_description import KEY, recording_json, saved_columns, with_description
 from torsionnet.io.records.source import FileChannel, Source
+from torsionnet.io.records.table_clocks import with_table_clocks
 from torsionnet.response.recording import Recording
 
 ROWS_PER_GROUP = 1 << 20
@@ -30,7 +31,7 @@ def open_source(path: Path) -> Iterator[Source]:
         text = str(content.attributes.get(KEY, ""))
         channels = [_channel(item, number, plain=bool(text)) for number, item in enumerate(content.arrays)]
         source = Source(tuple(channels), content.blocks, title=path.stem, notes=_zero_notes(content.arrays))
-        yield with_description(source, text)
+        yield with_description(source, text) if text else with_table_clocks(source.with_time_channel())
 
 
 def _channel(item: StoredArray, number: int, *, plain: bool) -> FileChannel:

@@ -34,7 +34,7 @@ from torsionnet.response.recording import FloatArray, Recording, Signal, is_rate
 
 def with_given_clock(source: Source, options: ReadOptions) -> tuple[Source, ReadOptions]:
     """Source whose time stamps are the channel that the caller gives a unit of time, and the options left over."""
-    every = {channel.name: channel for channel in (*source.channels, *([source.time] if source.time else []))}
+    every = source.every
     for name, unit in options.units.items():
         channel = replace(every[name], unit=plain_unit(unit)) if name in every else None
         is_clock = channel is not None and (source.time is None or source.time.name == name)

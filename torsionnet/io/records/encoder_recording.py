@@ -52,8 +52,7 @@ def encoder_recording(source: Source, options: ReadOptions, file: str) -> Record
     ModelError
         Names that the file lacks, or pulses that cannot be read.
     """
-    stored = [one.channel for one in source.pulses]
-    every = {channel.name: channel for channel in (*stored, *source.channels, *([source.time] if source.time else []))}
+    every = {one.channel.name: one.channel for one in source.pulses} | source.every
     faults = [unknown_name("channel", name, every, ("channels",)) for name in options.pulses if name not in every]
     faults += [
         Fault(f"the steps per revolution must be a positive number, got {steps:g}", ("channels", name))

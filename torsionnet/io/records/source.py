@@ -88,6 +88,13 @@ class Source:
     hint: str = ""
     seams: list[tuple[int, float]] = field(default_factory=list)
 
+    @property
+    def every(self) -> dict[str, FileChannel]:
+        """Channels by name, those of time stamps among them."""
+        clocks = [channel.clock for channel in self.channels if channel.clock]
+        stamps = [self.time] if self.time else []
+        return {channel.name: channel for channel in (*reversed(clocks), *stamps, *self.channels)}
+
     def with_time_channel(self) -> Source:
         """Source with the channel of time stamps, known by its name or unit, taken out of the others.
 

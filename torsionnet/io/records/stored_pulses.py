@@ -33,7 +33,7 @@ def with_readings(source: Source, readings: Mapping[str, PulseReading], units: M
     """
     if not readings:
         return source
-    every = {channel.name: channel for channel in (*([source.time] if source.time else []), *source.channels)}
+    every = source.every
     stored = {one.channel.name for one in source.pulses}
     unknown = [
         name

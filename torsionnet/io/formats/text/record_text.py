@@ -28,6 +28,7 @@ from torsionnet.io.records.recording_description import (
     with_description,
 )
 from torsionnet.io.records.source import FileChannel, Source, is_time
+from torsionnet.io.records.table_clocks import with_table_clocks
 from torsionnet.response.recording import FloatArray, Recording
 
 SNIFFED_LINES = 400
@@ -70,7 +71,7 @@ def open_source(path: Path, separator: str | None = None, decimal: str | None = 
 
 
 def _with_notes(source: Source, notes: tuple[str, ...]) -> Source:
-    found = source.with_time_channel()
+    found = with_table_clocks(source.with_time_channel())
     source.discovered[:0] = notes
     return found
 

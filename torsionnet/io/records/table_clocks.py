@@ -1,0 +1,92 @@
+"""Several columns of times in one table: each holds the time stamps of the columns behind it, up to the next."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from torsionnet.core.errors import ModelError
+from torsionnet.io.foreign.content import Blocks
+from torsionnet.io.records.axes import seconds_in
+from torsionnet.io.records.source import TIME_NAMES, FileChannel, Source, is_time, time_note
+from torsionnet.response.recording import FloatArray
+
+_NUMBERED = re.compile(rf"(?:t|(?i:{'|'.join(map(re.escape, sorted(TIME_NAMES)))}))[\s_.:-]*\d*")
+"""Pattern of the name of a column of times, which may have a number; T is a torque."""
+
+
+def with_table_clocks(source: Source) -> Source:
+    """Source of a table whose columns have the time stamps to the left of them, where there are several of these.
+
+    Times of other things (pulses, durations) are columns like others: their name is none of a time, or they do not
+    rise, or equal the first stamps.
+    """
+    ordered = sorted((*source.channels, *([source.time] if source.time else [])), key=lambda one: one.column)
+    named = [one for one, behind in pairwise(ordered) if _is_clock(one, behind)]
+    if len(named) < 2 or source.time not in (None, named[0]):
+        return source
+    stamps = _read(source, named)
+    first = stamps.get(named[0].column, np.empty(0))
+    clocks = [one for one in named[1:] if one.column in stamps and not _same(stamps[one.column], first)]
+    if not clocks or not len(first):
+        return source
+    clocks = [named[0], *clocks]
+    lengths = dict[int, int]()
+    channels, clock = list[FileChannel](), clocks[0]
+    for channel in ordered:
+        clock = channel if channel in clocks else clock
+        lengths[channel.column] = len(stamps[clock.column])
+        if channel not in clocks:
+            length = len(stamps[clock.column])
+            channels.append(replace(channel, clock=replace(clock, length=length), length=length))
+    names = ", ".join(f'"{one.name}"' for one in clocks)
+    notes = [note for note in source.notes if note != time_note(clocks[0])]
+    said = f"{names} were taken for the time stamps of the columns behind each"
+    return replace(
+        source, channels=tuple(channels), time=None, blocks=_cut(source.blocks, lengths), notes=(*notes, said)
+    )
+
+
+def _is_clock(channel: FileChannel, behind: FileChannel) -> bool:
+    """Whether a column is named as time stamps are, alone, with a number, or with the name of the column behind it."""
+    if (channel.unit and not is_time(channel)) or is_time(behind):
+        return False
+    own = re.sub(rf"[\s_.:-]*{re.escape(behind.name)}[\s_.:-]*", "", channel.name)
+    return bool(_NUMBERED.fullmatch(channel.name.strip()) or _NUMBERED.fullmatch(own))
+
+
+def _read(source: Source, clocks: Sequence[FileChannel]) -> Mapping[int, FloatArray]:
+    """Time stamps (n,) in s by column, without empty cells behind them; only those that rise."""
+    found = dict[int, FloatArray]()
+    for clock in clocks:
+        try:
+            values = next(source.blocks([clock.column], 0), [np.empty(0)])[0]
+        except ModelError:
+            continue  # told with all others when the table is read
+        filled = np.flatnonzero(np.isfinite(values))
+        values = values[: filled[-1] + 1] if len(filled) else values[:0]
+        if len(values) > 1 and np.all(np.diff(values) > 0):
+            found[clock.column] = values * seconds_in(clock.unit)
+    return found
+
+
+def _same(stamps: FloatArray, first: FloatArray) -> bool:
+    return len(stamps) == len(first) and bool(np.allclose(stamps, first, rtol=1e-12, atol=1e-9))
+
+
+def _cut(blocks: Blocks, lengths: Mapping[int, int]) -> Blocks:
+    """Reader of blocks of columns without the empty cells behind the last time stamp of each."""
+
+    def cut(columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
+        left = min(lengths[column] for column in columns)
+        for block in blocks(columns, count):
+            yield [values[:left] for values in block]
+            left -= len(block[0])
+            if left <= 0:
+                return
+
+    return cut
