@@ -103,9 +103,7 @@ class TestTdms:
 
     def test_a_rate_other_than_that_of_the_file(self, written):
         path = written(("T", TIMES, self.wave("N*m")))
-        assert "the file says 1000 Hz for T (1000 Hz from 0 s), sampling_rate=2000 was given" in refusal(
-            path, sampling_rate=2000
-        )
+        assert "the file says T (1000 Hz from 0 s), sampling_rate=2000 was given" in refusal(path, sampling_rate=2000)
 
 
 class TestMdf:
@@ -136,7 +134,11 @@ class TestMdf:
         found = read_recording(path, names=["w", "phi"])
         assert (found.sampling_rate, found.duration) == (500.0, 8.0)
         assert np.array_equal(found["w"].values, speed(slow))
-        is_on_one_clock(read_recording(path, sampling_rate=1000, resample=True).between(0.5, 3.5), within=2e-3)
+        found = read_recording(path, sampling_rate=1000, resample=True)
+        is_on_one_clock(found.between(0.5, 3.5), within=2e-3)
+        blocks = list(iter_blocks(path, 1.0, names=["T", "w"], sampling_rate=1000, resample=True))
+        # Half-way between two samples rounding decides which of them the filter of -80 dB is centred on.
+        assert np.abs(np.concatenate([one["w"].values for one in blocks]) - found["w"].values).max() < 2e-4
 
     @pytest.mark.parametrize("begun", [0.25, 3.0])
     def test_a_group_that_begins_later(self, written, begun):
@@ -312,6 +314,16 @@ class TestHdf5:
             "multiplied by 0.01, then 5 added, as the file says",
             "values of -32768 are missing, as NaN",
         )
+
+    def test_a_gain_that_may_be_meant_either_way_is_said(self, written):
+        path = written(T=(torque(TIMES), {"unit": "N*m", "fs": RATE, "gain": 2.0, "scale": 1.0}))
+        assert read_recording(path)["T"].notes == ("warning: not applied, as nothing says how: its attribute gain (2)",)
+
+    def test_a_rate_other_than_that_of_the_file_is_taken_with_a_warning(self, written):
+        path = written(T=(torque(TIMES), {"unit": "N*m"}), fs=(np.array(RATE), {}))
+        found = read_recording(path, sampling_rate=500)
+        assert found.sampling_rate == 500
+        assert "warning: the file has a sampling rate of 1000 Hz; the 500 Hz given were taken" in found.notes
 
     def test_groups_have_their_own_times(self, written):
         slow = 0.25 + np.arange(1500) / 500

@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
+from torsionnet.cli.app import app
 from torsionnet.core.errors import ModelError
 from torsionnet.signals import PulseReading, iter_blocks, read_recording
-from torsionnet.signals.resampling import interpolated_at
+from torsionnet.signals.resampling import interpolated_at, spline_error
 
 SLOW, FAST = 100.0, 1000.0
 
@@ -132,3 +134,32 @@ def test_values_that_are_not_finite_are_not_interpolated(tmp_path):
         )
     with pytest.raises(ModelError, match="cannot be interpolated: 10 of its values are not finite"):
         read_recording(path, sampling_rate=100, resample=True)
+
+
+@pytest.mark.parametrize(("share", "jittered"), [(0.05, 1.5), (0.1, 1.5), (0.3, 1.2)])
+def test_the_error_of_splines_is_that_of_a_known_tone(share, jittered):
+    """Against the tone itself between the samples, even ones and such with a jitter of 10 %."""
+    from scipy.interpolate import CubicSpline
+
+    random = np.random.default_rng(1)
+    times, between = np.arange(1000.0), random.uniform(50, 950, 50_000)
+
+    def tone(time):
+        return np.sin(2 * np.pi * share * time + 0.3)
+
+    said = spline_error(tone(times))
+    for stamps, most in ((times, 1.02), (times + random.uniform(-0.1, 0.1, 1000), jittered)):
+        missed = CubicSpline(stamps, tone(stamps))(between) - tone(between)
+        assert 0.98 < np.sqrt(2 * np.mean(missed**2)) / said < most
+
+
+def test_on_the_command_line_the_error_is_printed(file):
+    arguments = ["estimate", str(file), "--input", "fast/M", "--output", "slow/M", "--rate", "1000"]
+    shown = CliRunner().invoke(app, arguments)
+    assert (shown.exit_code, shown.stdout) == (1, "")
+    assert "slow/M (100 Hz from 0.5037 s) were not sampled at 1000 Hz; give --resample to interpolate" in shown.stderr
+    shown = CliRunner().invoke(app, [*arguments, "--resample"])
+    assert shown.exit_code == 0
+    assert (
+        "note: slow/M: interpolated from 100 to 1000 Hz, band-limited: holds up to 40 Hz with an error" in shown.stderr
+    )

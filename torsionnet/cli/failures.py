@@ -15,7 +15,7 @@ import click
 BUG, INPUT_OUTPUT, INTERRUPTED = 70, 74, 130  # exit codes: EX_SOFTWARE and EX_IOERR of sysexits.h, 128 + SIGINT
 DEBUG = "TORSIONNET_DEBUG"
 OPTIONS = {
-    "sampling_rate=": "--rate", "resample=": "--resample", "resampled()": "--resample", "quantities=": "--quantity",
+    "sampling_rate=": "--rate", "resample=True": "--resample", "resampled()": "--resample", "quantities=": "--quantity",
     "units=": "--unit", "separator=": "--separator", "decimal=": "--decimal", "angle_from_pulses()": "--pulses",
     "unwrapped()": "counting the angle on", "iter_blocks()": "torsionnet estimate",
 }  # fmt: skip

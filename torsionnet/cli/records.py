@@ -56,15 +56,21 @@ def load_record(
 def checked_record(record: Recording, reading: RecordReading, path: str, window: float = 0.0) -> Recording:
     """Recording with even time stamps, its notes and the warnings of its checks told; ModelError where it is faulty."""
     _tell_notes(record)
-    record = _even(record, reading, path)
+    given, record = record, _even(record, reading, path)
+    _tell_notes(record, given)
     _refuse(check_recording(record, window), path)
     return record
 
 
-def _tell_notes(record: Recording) -> None:
-    for note in record.notes:
-        if not note.startswith("warning:"):  # those come with the result
+def _tell_notes(record: Recording, told: Recording | None = None) -> None:
+    """Tell the notes of a record and of its signals, without those told of the record before it was changed."""
+    for note in _notes(record):
+        if not note.startswith("warning:") and not (told and note in _notes(told)):  # warnings come with the result
             message("note", note)
+
+
+def _notes(record: Recording) -> dict[str, None]:
+    return dict.fromkeys([*record.notes, *(f"{signal.name}: {note}" for signal in record for note in signal.notes)])
 
 
 def _checked_tests(
@@ -93,7 +99,7 @@ def _checked_blocks(
     """Checked blocks of a large file of signals, one after the other; a short last block is not reported as a fault."""
     message("note", f"{path} is large: read in blocks of {large_records.BLOCK_SECONDS:g} s")
     end: float | None = None
-    for block in large_records.blocks_of_record(path, names=names, **reading.arguments):
+    for block in large_records.blocks_of_record(path, names=names, resample=reading.resample, **reading.arguments):
         if span is not None and span.delays:
             raise UsageError(f"{path} is read in blocks, across which no delay can be taken out; cut the record first")
         if not tests and end is not None and abs(block.start - end) * block.sampling_rate > SAME_CLOCK:

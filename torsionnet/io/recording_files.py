@@ -58,8 +58,9 @@ def read_recording(
         bits=32)}``. They become ``Recording.pulses``, each of a length of its own; with an entry in ``pulses`` too,
         the angle is made of them.
     resample : bool
-        Bring the channels of other sampling rates to ``sampling_rate``, band-limited, with a note in each. Without it
-        they are left out, with a note, or refused where they are named.
+        Bring the channels of other sampling rates or starts to ``sampling_rate``, band-limited, with a note on the
+        error. Without it they are left out, with a note, or refused where they are named; those that begin whole
+        samples apart are cut to the time they share.
     **dialect : str
         ``separator`` and ``decimal`` of a text file, instead of finding them out.
 
@@ -113,17 +114,20 @@ def iter_blocks(
     sampling_rate: float | None = None,
     units: Mapping[str, str] | None = None,
     pulse_readings: Mapping[str, PulseReading] | None = None,
+    *,
+    resample: bool = False,
     **dialect: str,
 ) -> Iterator[Recording]:
     """Yield recordings of ``seconds`` each in SI, one after the other, from a large file that is never read as a whole.
 
     Text, NPZ (arrays of one dimension), HDF5, MAT v7.3, TDMS and Parquet files never are in memory as a whole; of
     the other formats the library reads everything. Arguments are those of :func:`read_recording`, without ``pulses``.
+    Channels that begin at different times, and those that ``resample`` brings to another rate, are read whole, too.
     Each block has the pulses from its first sample to that of the next; those of a whole file are read at once.
     """
     if not seconds > 0:
         raise UsageError(f"blocks must last a positive number of seconds, got {seconds}")
-    options = ReadOptions(names, quantities or {}, units or {}, sampling_rate, {}, pulse_readings or {})
+    options = ReadOptions(names, quantities or {}, units or {}, sampling_rate, {}, pulse_readings or {}, resample)
     return _read(Path(path), options, seconds, dialect)
 
 

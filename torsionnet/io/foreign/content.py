@@ -20,6 +20,8 @@ RATE_NAMES, INTERVAL_NAMES = ("sampling_rate", "fs", "sample_rate"), ("sampling_
 """Attributes under which programs keep the sampling rate of an array in Hz, or its sampling interval in s."""
 START_NAMES = ("start", "start_time", "start_offset", "t0")
 """Attributes under which programs keep the time of the first sample of an array in s."""
+FACTOR_NAMES = ("scale", "gain", "slope", "factor", "sensitivity", "calibration")
+"""Attributes under which programs keep a factor of the values of an array, or its inverse: nothing says which."""
 
 Plain: TypeAlias = str | float | bool | None
 Slice: TypeAlias = "Callable[[int, int], NDArray[Any]]"

@@ -10,7 +10,15 @@ import numpy as np
 
 from torsionnet.core.plain_names import free_name
 from torsionnet.io.foreign import StoredArray
-from torsionnet.io.foreign.content import COMPLEX, INTERVAL_NAMES, RATE_NAMES, START_NAMES, UNIT_NAMES, Blocks
+from torsionnet.io.foreign.content import (
+    COMPLEX,
+    FACTOR_NAMES,
+    INTERVAL_NAMES,
+    RATE_NAMES,
+    START_NAMES,
+    UNIT_NAMES,
+    Blocks,
+)
 from torsionnet.io.records.axes import other_axis
 from torsionnet.io.records.recording_description import with_description
 from torsionnet.io.records.source import FileChannel, Source, is_time, names_a_rate
@@ -106,7 +114,9 @@ def _packing_notes(item: StoredArray) -> tuple[str, ...]:
     packed = f"multiplied by {scale or 1:g}, then {offset or 0:g} added, as the file says"
     fills = [f"{number:g}" for name in ("_FillValue", "missing_value") if (number := _number_of(item, name))]
     missing = f"values of {', '.join(dict.fromkeys(fills))} are missing, as NaN"
-    return (*([packed] if scale or offset else []), *([missing] if fills else []))
+    unused = [f"{name} ({number:g})" for name in FACTOR_NAMES if (number := _number_of(item, name)) not in (None, 1.0)]
+    doubt = f"warning: not applied, as nothing says how: its attribute {', '.join(unused)}"
+    return (*([packed] if scale or offset else []), *([missing] if fills else []), *([doubt] if unused else []))
 
 
 def told_apart(names: Sequence[str], longer: Sequence[str]) -> list[str]:

@@ -14,6 +14,7 @@ from torsionnet.core.remedies import remedy
 from torsionnet.io.records.axes import seconds_in
 from torsionnet.io.records.channel_choice import ChannelChoice, choose, length_faults
 from torsionnet.io.records.clock import (
+    SAME_RATE_TOLERANCE,
     Clock,
     clock_in_days,
     clock_of,
@@ -26,7 +27,7 @@ from torsionnet.io.records.clock import (
     value_faults,
 )
 from torsionnet.io.records.read_options import ReadOptions
-from torsionnet.io.records.several_rates import choose_rate, read_others, with_others
+from torsionnet.io.records.several_rates import choose_rate, read_others, shares_time, with_others
 from torsionnet.io.records.source import Source, is_time
 from torsionnet.io.records.stored_pulses import names_of_signals, rate_of, stored_pulses, with_pulses
 from torsionnet.response.recording import FloatArray, Recording, Signal, is_rate
@@ -74,6 +75,7 @@ def _sampled(source: Source, options: ReadOptions, file: str, seconds: float | N
         faults += _rate_faults(source, options)
     if faults:
         raise ModelError([*faults, *([Fault(source.hint, (), "note")] if source.hint else [])], file)
+    source = _with_rate_note(source, options)
     others = read_others(whole, chosen, file)
     rate, done, begin = options.sampling_rate or source.rate, 0, 0.0
     count = 0 if seconds is None else max(1, round(seconds * (rate or _first_rate(source))))
@@ -83,8 +85,10 @@ def _sampled(source: Source, options: ReadOptions, file: str, seconds: float | N
         source = source if done else _with_days(source, block[len(columns) :])
         clock = _clock(source, options, block[len(columns) :], rate, done, file, begin)
         rate, begin = rate or clock.rate, begin if done else clock.start
-        yield with_others(_recording(source, choices, block, clock, file), chosen, every, others, file)
+        record = _recording(source, choices, block, clock, file)
         done += len(block[0])
+        if seconds is None or shares_time(record, others):
+            yield with_others(record, chosen, every, others, file)
     if not done:
         raise ModelError([Fault("there are no samples in the file; export the record again")], file)
 
@@ -96,6 +100,15 @@ def _rate_faults(source: Source, options: ReadOptions) -> list[Fault]:
     if source.time is not None or options.sampling_rate or source.rate:
         return []
     return [Fault(f"nothing in the file tells the sampling rate; give {remedy('sampling_rate=')} in Hz")]
+
+
+def _with_rate_note(source: Source, options: ReadOptions) -> Source:
+    """Source with a warning where the rate of the file is another than the one given, which is taken."""
+    given, own = options.sampling_rate, source.rate
+    if source.time is not None or not (given and own) or abs(given / own - 1) < SAME_RATE_TOLERANCE:
+        return source
+    note = f"warning: the file has a sampling rate of {own:g} Hz; the {given:g} Hz given were taken"
+    return replace(source, notes=(*source.notes, note))
 
 
 def _first_rate(source: Source) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.core.listing import comma_list
+from torsionnet.core.remedies import remedy
 from torsionnet.io.records.channel_choice import ChannelChoice
 from torsionnet.io.records.clock import SAME_RATE_TOLERANCE
 from torsionnet.io.records.rasters import (
@@ -58,8 +59,8 @@ def choose_rate(source: Source, choices: Sequence[ChannelChoice], options: ReadO
     given = options.sampling_rate
     wanted = [raster for raster in rasters if given is None or abs(given / raster.rate - 1) < SAME_RATE_TOLERANCE]
     if len(rasters) == 1 and not wanted:
-        text = f"the file says {rasters[0].rate:g} Hz for {listed(own.choices, source)}, sampling_rate={given:g} was "
-        return RateChoice(source, own.choices, faults=[Fault(f"{text}given; leave it out to take that of the file")])
+        text = f"the file says {listed(own.choices, source)}, {remedy('sampling_rate=', f'{given:g}')} was given"
+        return RateChoice(source, own.choices, faults=[Fault(f"{text}; leave it out to take the rate of the file")])
     if len(rasters) > 1 and (given is None or not wanted):
         return RateChoice(source, own.choices, faults=[_which(rasters, source, given)])
     raster = max(wanted, key=lambda one: one.is_even)
@@ -98,12 +99,12 @@ def _together(
     between = [choice for choice in kept if not is_whole(own_start(choice, source) - first, rate)]
     if between and not options.resample:
         text = f"channels begin at times that differ by parts of a sampling interval: {listed(kept, source)}; "
-        text += "resample=True moves them to their times, names= chooses channels"
+        text += f"{remedy('resample=True')} moves them to their times, or read them one by one"
         return RateChoice(source, list(kept), faults=[Fault(text)])
     kept = [choice for choice in kept if choice not in between]
     cut, cut_choices = cut_together(source, kept, rate)
     if cut_choices[0].channel.length == 0:
-        text = f"the channels have no time in common: {listed(kept, source)}; read them one by one with names="
+        text = f"the channels have no time in common: {listed(kept, source)}; read them one by one"
         return RateChoice(source, list(kept), faults=[Fault(text)])
     return _with_others_or_without(cut, cut_choices, [*others, *between], rate, options)
 
@@ -118,10 +119,11 @@ def _with_others_or_without(
     if not others or options.resample:
         return RateChoice(source, list(kept), list(others))
     if options.names is not None:
-        text = f"{listed(others, source)} were not sampled at {rate:g} Hz; give resample=True to interpolate them, "
-        return RateChoice(source, list(kept), faults=[Fault(f"{text}or leave them out of names=")])
-    note = f"left out, as sampled at other rates than {rate:g} Hz: {listed(others, source)}; resample=True "
-    return RateChoice(replace(source, notes=(*source.notes, f"{note}interpolates them")), list(kept))
+        text = f"{listed(others, source)} were not sampled at {rate:g} Hz; give {remedy('resample=True')} to "
+        return RateChoice(source, list(kept), faults=[Fault(f"{text}interpolate them, or leave them out")])
+    note = f"left out, as sampled at other rates than {rate:g} Hz: {listed(others, source)}; "
+    note += f"{remedy('resample=True')} interpolates them"
+    return RateChoice(replace(source, notes=(*source.notes, note)), list(kept))
 
 
 def _which(rasters: Sequence[Raster], source: Source, given: float | None) -> Fault:
@@ -131,10 +133,11 @@ def _which(rasters: Sequence[Raster], source: Source, given: float | None) -> Fa
         uneven = "" if raster.is_even else " at uneven time stamps"
         names = comma_list([choice.channel.name for choice in raster.choices], MOST_NAMED)
         parts.append(f"{raster.rate:g} Hz{uneven} from {comma_list(list(starts), MOST_NAMED)} s ({names})")
-    said = f"sampling_rate={given:g} is none of them" if given else "sampling_rate= chooses one"
+    rate = remedy("sampling_rate=", f"{given:g}" if given else "")
+    said = f"{rate} is none of them" if given else f"{rate} chooses one"
     rates = len({raster.rate for raster in rasters})
     text = f"the channels were sampled at {rates} rate{'s' * (rates > 1)}: {'; '.join(parts)}; {said}"
-    return Fault(f"{text}, resample=True brings the others to it, names= chooses channels")
+    return Fault(f"{text}, {remedy('resample=True')} brings the others to it; or read channels of one rate alone")
 
 
 @dataclass(frozen=True)
@@ -178,6 +181,21 @@ def read_others(source: Source, chosen: RateChoice, file: str) -> list[OtherSamp
     return found
 
 
+def shares_time(record: Recording, samples: Sequence[OtherSamples]) -> bool:
+    """Whether the channels of other rates were recorded at some time of a record, or there are none."""
+    if not samples:
+        return True
+    first, last = _common_span(record, samples)
+    return bool(np.any((record.time >= first) & (record.time <= last)))
+
+
+def _common_span(record: Recording, samples: Sequence[OtherSamples]) -> tuple[float, float]:
+    """First and last time in s at which all channels of other rates were recorded, less a rounding error."""
+    slack = SAME_START / record.sampling_rate
+    last = min(own.start + (len(own.values) - 1) / own.rate for own in samples)
+    return max(own.start for own in samples) - slack, last + slack
+
+
 def with_others(
     record: Recording,
     chosen: RateChoice,
@@ -198,9 +216,7 @@ def with_others(
     if not others:
         return record
     record = resampled(record) if record.times is not None else record
-    time, slack = record.time, SAME_START / record.sampling_rate
-    first = max(own.start for own in samples) - slack
-    last = min(own.start + (len(own.values) - 1) / own.rate for own in samples) + slack
+    time, (first, last) = record.time, _common_span(record, samples)
     inside = (time >= first) & (time <= last)
     if not inside.any():
         text = f"channels of other rates, from {first:.6g} to {last:.6g} s, have no time in common with the others, "
