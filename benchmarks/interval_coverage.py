@@ -1,11 +1,15 @@
 """Coverage of 95 % intervals: shares that hold the truth, in fits of the source paper's rigs to virtual tests.
 
 python -m benchmarks.interval_coverage [SEEDS] [PATTERN]    # 60 seeds of all cases, or of those whose name has PATTERN
+python -m benchmarks.interval_coverage [SEEDS] response     # 200 seeds of responses without coherence
 
 Of the AMT two gears are fitted together, II and IV. Fits are made from records, from responses estimated of them, and
 from such responses as a file would give them back, without the record; with a noisy torque meter by Hr with the
 set-point as reference, otherwise by H1. An interval that is withheld, because the model is called wrong, counts as one
 that does not hold the truth.
+
+Responses without coherence are those of one mass on a spring, with complex noise of equal size in all lines or in
+proportion to the magnitude; intervals that are withheld are counted apart.
 """
 
 from __future__ import annotations
@@ -29,6 +33,7 @@ from torsionnet.bench import Acquisition, Encoder, Exciter, Plan, Transducer
 from torsionnet.signals import LinearChirp, Welch, estimate
 
 SEEDS, AT_ONCE = sized(60, 2), sized(5, 1)
+RESPONSE_SEEDS = sized(200, 4)
 TRUE = {"c_2": 4.0, "c_O": 170.0, "c_B": 1.5}
 WRONG = {"c_2": 4.6, "c_O": 150.0, "c_B": 1.8}
 RIGS: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {
@@ -54,6 +59,9 @@ CHIRP = LinearChirp(start=0.2, stop=40, duration=60, amplitude=15)
 EXCITER = Exciter(bandwidth="60 Hz", harmonics={2: "2 %", 3: "1.3 %"}, limit="110 N*m", bits=13, full_scale="110 N*m")
 ACQUISITION = Acquisition(rate="1 kHz", bits=16)
 WAYS = tuple(product(WINDOWS, ROUTES))
+ONE_MASS = {"k": 1000.0, "J": 0.1, "c": 0.4}
+ONE_MASS_LINES = {"400 lines": np.linspace(1, 60, 400), "40 lines": np.linspace(1, 60, 40)}
+NOISES, NOISE_LEVELS = ("constant", "relative"), (3e-4, 1e-3, 3e-3, 1e-2)
 
 
 @dataclass(frozen=True)
@@ -128,6 +136,60 @@ def rows(case: Case, runs: list[Any]) -> list[tuple[str, str]]:
     return found
 
 
+def one_mass(**values: float) -> tn.Drivetrain:
+    """Disc on a spring and a damper."""
+    elements = [
+        tn.Inertia("disc", node="a", inertia="J"),
+        tn.Spring("shaft", nodes=("a", "ground"), stiffness="k"),
+        tn.Damper("drag", nodes=("a", "ground"), damping="c"),
+    ]
+    sensors = {"theta": {"angle": "a"}}
+    return tn.Drivetrain("one mass", elements, {**ONE_MASS, **values}, inputs={"T": {"torque": "a"}}, sensors=sensors)
+
+
+def noisy_response(noise: str, level: float, seed: int, f: Any) -> Any:
+    """Response of the mass in closed form, with complex noise of ``level`` times the peak, or times the magnitude."""
+    s = 2j * np.pi * f
+    exact = 1 / (ONE_MASS["J"] * s**2 + ONE_MASS["c"] * s + ONE_MASS["k"])
+    own = NOISES.index(noise), round(1e4 * level), len(f), seed
+    scatter = np.random.default_rng(own).standard_normal((2, len(f))) / np.sqrt(2)
+    size = np.abs(exact).max() if noise == "constant" else np.abs(exact)
+    values = exact + level * size * (scatter[0] + 1j * scatter[1])
+    channels = tn.Channel("theta", "rad"), tn.Channel("T", "N*m")
+    return tn.FrequencyResponse(f, values[:, None, None], channels[:1], channels[1:])
+
+
+def response_fits(lines: str, noise: str, level: float, seeds: range) -> list[tuple[Any, Any, Any]]:
+    """Values, standard errors, and whether intervals hold the truth, from starts up to 5 % off."""
+    found = []
+    for seed in seeds:
+        test = tn.Measurement(noisy_response(noise, level, seed, ONE_MASS_LINES[lines]), "theta", "T")
+        off = np.exp(np.random.default_rng([seed, 1]).uniform(-0.05, 0.05, len(ONE_MASS)))
+        fit = tn.identify(one_mass(), test, dict(zip(ONE_MASS, off * list(ONE_MASS.values()), strict=True)))
+        inside = [low <= ONE_MASS[name] <= high for name, (low, high) in fit.intervals().items()]
+        found.append(([*fit.values.values()], [*fit.standard_errors.values()], inside))
+    return found
+
+
+def responses(seeds: int) -> None:
+    """Print a row for each noise: coverage of each parameter, and the largest bias over the standard error."""
+    cases = list(product(ONE_MASS_LINES, NOISES, NOISE_LEVELS))
+    print(f"| lines | noise | {' | '.join(ONE_MASS)} | withheld | bias over standard error | error over scatter |")
+    print("|" + "---|" * (5 + len(ONE_MASS)))
+    with ProcessPoolExecutor(os.cpu_count()) as pool:
+        every = pool.map(response_fits, *zip(*cases, strict=True), [range(seeds)] * len(cases))
+        for case, runs in zip(cases, every, strict=True):
+            values, errors, inside = (np.array([run[part] for run in runs]) for part in range(3))
+            given = np.isfinite(errors).all(axis=1)
+            size = np.median(errors[given], axis=0)
+            shares = " | ".join(f"{100 * share:.1f} %" for share in inside[given].mean(axis=0))
+            bias = float(np.max(np.abs(values[given].mean(axis=0) - list(ONE_MASS.values())) / size))
+            ratios = ", ".join(f"{ratio:.2f}" for ratio in size / values[given].std(axis=0, ddof=1))
+            lines, noise, level = case
+            row = f"| {lines} | {noise} {100 * level:g} % | {shares} | {100 * (1 - given.mean()):.1f} % | {bias:.2f} |"
+            print(row, ratios, "|", flush=True)
+
+
 def main(seeds: int, pattern: str) -> None:
     began = time.perf_counter()
     chosen = [Case(*both) for both in product(RIGS, SENSORS) if pattern in f"{both[0]}, {both[1]}"]
@@ -145,4 +207,8 @@ def main(seeds: int, pattern: str) -> None:
 
 
 if __name__ == "__main__":
-    main(int(ARGUMENTS[0]) if ARGUMENTS else SEEDS, ARGUMENTS[1] if len(ARGUMENTS) > 1 else sized("", "DMF, meter"))
+    PATTERN = ARGUMENTS[1] if len(ARGUMENTS) > 1 else sized("", "DMF, meter")
+    if PATTERN in ("", "response"):
+        responses(int(ARGUMENTS[0]) if ARGUMENTS else RESPONSE_SEEDS)
+    if PATTERN != "response":
+        main(int(ARGUMENTS[0]) if ARGUMENTS else SEEDS, PATTERN)

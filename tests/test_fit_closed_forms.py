@@ -334,9 +334,8 @@ class TestChoice:
         assert best.chi_squared == pytest.approx(8, rel=1e-6)
         assert choice.differences["dragged"] == 0
         assert choice.differences["free"] == pytest.approx(other.aicc - best.aicc)
-        off = [
-            np.sum(np.abs(one.fitted / one.measured - 1) ** 2) for one in (best.comparisons[0], other.comparisons[0])
-        ]
+        closest, another = best.comparisons[0], other.comparisons[0]
+        off = [np.sum(np.abs((one.fitted - one.measured) / closest.fitted) ** 2) for one in (closest, another)]
         assert other.chi_squared / best.chi_squared == pytest.approx(off[1] / off[0], rel=1e-6)
 
     def test_in_a_table(self):

@@ -9,6 +9,7 @@ import torsionnet as tn
 from torsionnet.identification.fit_problem import make_problem
 from torsionnet.identification.fit_search import local_optimum
 from torsionnet.identification.unknown_parameter import Unknown
+from torsionnet.identification.verdict_words import NO_SCATTER
 
 TRUE = 640.0
 STRING = """\
@@ -44,7 +45,7 @@ def test_length_of_a_continuous_shaft(begin, residual):
     """The plain search stays where the next peaks come together: 599 m, 629 m, 679 m."""
     fit = tn.identify(string(begin), measured(), ["L"], residual=residual)
     assert fit.values["L"] == pytest.approx(TRUE, rel=1e-9)
-    assert fit.verdicts == ()
+    assert fit.verdicts == (NO_SCATTER,)
     problem = make_problem(string(begin), [measured()], {"L": Unknown()}, residual)
     assert abs(local_optimum(problem, problem.start, "linear").x[0] - TRUE) > 5
 

@@ -4,12 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy
 from support.campaigns import examples
 
 import torsionnet as tn
 from torsionnet import plot
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.identification import Candidate, choose_model, load_fit
+from torsionnet.identification.verdict_words import NO_SCATTER
 from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer
 from torsionnet.signals import LinearChirp, Recording, Signal, Welch, estimate
 
@@ -353,14 +355,28 @@ def test_profile_is_lopsided_where_the_problem_is():
     assert high - fit.values["k_1"] > 1.2 * (fit.values["k_1"] - low)
 
 
-def test_profile_of_a_response_without_noise_is_a_point():
-    """Nothing may change then, so that rounding alone decides on which side of the limit the best values lie."""
+def test_a_response_without_noise_gives_no_interval():
+    """Nothing but rounding is left, which says nothing of errors; a stated error stands though chi squared is 0."""
     rig = tn.load("dmf_rig")
     fit = tn.identify(
         rig.configured(k_2=430, c_2=3.7), measured(response(rig, f=np.linspace(1, 30, 40))), ["k_2", "c_2", "c_B"]
     )
     for name in ("c_2", "c_B"):
-        assert fit.profile(name) == pytest.approx((fit.values[name],) * 2, rel=1e-6)
+        assert fit.intervals()[name] == fit.profile(name) == (-np.inf, np.inf)
+    assert NO_SCATTER in fit.verdicts
+    f = np.array([1.0, 2.0, 4.0, 7.0])
+    disc = tn.Drivetrain(
+        "disc",
+        [tn.Inertia("disc", node="a", inertia="J")],
+        {"J": 2.0},
+        inputs={"T": {"torque": "a"}},
+        sensors={"phi": {"angle": "a"}},
+    )
+    data = disc.frequency_response("phi", "T", f)
+    stated = tn.identify(disc.configured(J=1.5), tn.Measurement(data, "phi", "T", error=0.05), "J", residual="log")
+    assert stated.standard_errors["J"] == pytest.approx(2 * 0.05 / np.sqrt(len(f)), rel=1e-6)
+    low, high = stated.profile("J")
+    assert np.log(high / low) / 2 == pytest.approx(scipy.stats.t.ppf(0.975, 7) * 0.05 / np.sqrt(len(f)), rel=2e-3)
 
 
 @pytest.mark.parametrize("runs", [50, pytest.param(150, marks=pytest.mark.nightly)])

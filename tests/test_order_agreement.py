@@ -112,6 +112,26 @@ class TestIntervals:
         count = sum(order_agreement(pair(model + noise(k), model, phase=phase)).verdict == "agrees" for k in range(300))
         assert 0.92 * 300 <= count <= 0.98 * 300
 
+    @pytest.mark.parametrize("phase", [True, False])
+    @pytest.mark.parametrize(("calculated", "bound", "verdict"), [
+        (1e-6, False, "not resolved"), (1e-6, True, "not resolved"), (0.03, False, "not resolved"), (0.0, False, "not resolved"),
+        (5.0, True, "within the bound"), (5.0, False, "agrees"),
+    ])  # fmt: skip
+    def test_an_order_below_its_interval_is_not_resolved(self, phase, calculated, bound, verdict):
+        """Noise alone, 95 % of it within 1.25 half widths, agrees with any model that has next to nothing there."""
+        model = np.full(len(SPEEDS), calculated, dtype=complex)
+        test = (model if verdict == "agrees" else 0.0) + noise(9)
+        found = order_agreement(pair(test, model, phase=phase, bound=bound))
+        assert found.verdict == verdict
+        assert ("does not tell this order from zero" in found.sentence) == (
+            verdict == "not resolved" and calculated > 0
+        )
+
+    def test_a_narrow_peak_is_resolved_though_most_speeds_are_not(self):
+        model = resonance(6, zeta=0.002) * 1e-3
+        assert np.sum(abs(model) > WIDTH) < 5
+        assert order_agreement(pair(model + noise(1), model)).verdict == "agrees"
+
     def test_overlapping_windows_change_no_verdict(self):
         """Errors averaged over eight neighbours, as those of a tracker with a narrow band: fewer independent ones."""
         model, count = resonance(6), 0

@@ -23,7 +23,7 @@ gain, as a channel may be reversed."""
 EQUALLY_GOOD_RATIO = 1.5
 """Ratio of the sums of squared residuals left by two causes up to which both explain a misfit equally well."""
 RANGE_END_FACTOR = 1e-3
-"""Factor from an end of the search range within which a freed value has run to zero or grown without bound."""
+"""Factor from the end of the search range within which a freed value has grown without bound."""
 
 ROUGH_TOLERANCE = 1e-6
 """Relative change of cost, values and gradient at which the search with a cause freed ends at first: a cause that
@@ -62,12 +62,10 @@ class CauseFit:
 
     @property
     def ended(self) -> bool:
-        """Whether the fit drove the freed value to zero or without bound, so that the cause explains nothing."""
+        """Whether the fit drove the freed value without bound, so that the cause explains nothing."""
         mine = [name.partition("[")[0] == self.cause.unknown for name in self.problem.names]
         begin, value = float(np.mean(self.problem.start[mine])), float(np.mean(self.values[mine]))
-        return begin > 0 and not RANGE_END_FACTOR * SEARCH_RANGE_FACTOR > abs(value / begin) > 1 / (
-            RANGE_END_FACTOR * SEARCH_RANGE_FACTOR
-        )
+        return begin > 0 and abs(value / begin) >= RANGE_END_FACTOR * SEARCH_RANGE_FACTOR
 
 
 def sum_of_squares(problem: FitProblem, values: FloatArray) -> float:
@@ -99,6 +97,17 @@ def fit_causes(
     most = REFINED_RATIO * (1 - LEAST_MISFIT_REDUCTION) * whole
     refined = [_refined(one, solve) if one.sum_of_squares <= most else one for one in best.values()]
     return sorted(refined, key=lambda one: one.criterion)
+
+
+def starts_of_causes(problem: FitProblem, values: FloatArray) -> list[FloatArray]:
+    """Values (n,) from which causes are searched: those of the fit, and its start, as a wrong model leads far off."""
+    return [values] if np.array_equal(values, problem.start) else [values, problem.start]
+
+
+def under_own_noise(one: CauseFit, solve: Solve) -> LeastSquaresSolution:
+    """Optimum with a cause freed, weighed by the noise that it leaves itself."""
+    one.problem.learn_noise(one.values)
+    return solve(one.problem, one.values)
 
 
 def _refined(one: CauseFit, solve: Solve) -> CauseFit:

@@ -7,7 +7,15 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.identification.cause_fits import CauseFit, Solve, explaining_fits, fit_causes, sum_of_squares
+from torsionnet.identification.cause_fits import (
+    CauseFit,
+    Solve,
+    explaining_fits,
+    fit_causes,
+    starts_of_causes,
+    sum_of_squares,
+    under_own_noise,
+)
 from torsionnet.identification.causes import Cause, possible_causes, with_causes
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.fit_search import LeastSquaresSolution
@@ -29,7 +37,7 @@ Errors = Callable[[FitProblem, LeastSquaresSolution], Mapping[str, float]]
 def explanations(problem: FitProblem, values: FloatArray, solve: Solve, errors: Errors) -> tuple[Explanation, ...]:
     """Explanations of the misfit of a fit, the best first, with others about as good; empty if none removes most."""
     whole = sum_of_squares(problem, values)
-    starts = [values, problem.start]  # a wrong model may have led far off
+    starts = starts_of_causes(problem, values)
     # A reference angle is found from afar, which a linear step does not show.
     turned = [cause for cause in possible_causes(problem) if cause.kind == "reference_angle"]
     first = list(dict.fromkeys([*turned, *(cause for start in starts for cause in _promising(problem, start))]))
@@ -37,7 +45,7 @@ def explanations(problem: FitProblem, values: FloatArray, solve: Solve, errors: 
     good = explaining_fits(tried, whole)
     if not good:  # the linear estimate may have picked the wrong causes
         others = [cause for cause in possible_causes(problem) if cause not in first]
-        good = explaining_fits(fit_causes(problem, others, [values], solve, whole), whole)
+        good = explaining_fits(fit_causes(problem, others, starts, solve, whole), whole)
     found = [_explained(one, one.sum_of_squares / whole, solve, errors) for one in good]
     return tuple(one for one in found if one.complete or not found[0].complete)
 
@@ -84,8 +92,7 @@ def _scaled(columns: FloatArray) -> FloatArray:
 
 def _explained(one: CauseFit, left: float, solve: Solve, errors: Errors) -> Explanation:
     cause, tried = one.cause, one.problem
-    tried.learn_noise(one.values)
-    found = solve(tried, one.values)
+    found = under_own_noise(one, solve)
     at = found.x
     outputs = dict.fromkeys(block.measurement.output for block in tried.blocks)
     before = tried.start[tried.names.index(cause.unknown)] if cause.is_value else None

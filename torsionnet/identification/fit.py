@@ -9,6 +9,7 @@ from dataclasses import fields
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.errors import TorsionnetError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.fit_result import Compared, FitResult
@@ -20,7 +21,7 @@ from torsionnet.identification.noise_bias import noise_bias
 from torsionnet.identification.parameter_quantity import ParameterQuantity, parameter_quantity
 from torsionnet.identification.profile import profile_interval
 from torsionnet.identification.stepwise_search import large_misfit_warnings
-from torsionnet.identification.verdict_words import verdicts
+from torsionnet.identification.verdict_words import NO_SCATTER, has_no_scatter, is_rounding_alone, verdicts
 from torsionnet.model.motion_balance.law_network import following_elements
 
 SINGULAR_RATIO = 1e-9
@@ -90,8 +91,9 @@ def make_fit(
 
     The covariance is that of weighted least squares under correlated noise, A J^T R J A with A = (J^T J)^-1 and the
     correlation R of the residuals, times the reduced chi squared; errors by the steps of sensors and the bias by noise
-    are added. If the model does not fit, the values are wrong, so their standard errors are infinite. The noise of
-    records is known from their windows: a reduced chi squared below 1 does not reduce it.
+    are added. If the model does not fit, the values are wrong, so their standard errors are infinite; so are they where
+    rounding alone is left and nothing says what the noise is. The noise of records is known from their windows: a
+    reduced chi squared below 1 does not reduce it, nor one of 0 an error that is stated.
     """
     plain_names = {name: name.partition("[")[0] for name in problem.names}
     natures = {plain: parameter_quantity(model, plain) for plain in plain_names.values()}
@@ -99,7 +101,8 @@ def make_fit(
     residuals, slopes = problem.residuals_and_jacobian(values)
     free = problem.effective_count - len(values)
     left_over = residual_variance(residuals, len(values), loss, found.scale)
-    factor = max(left_over, 1.0) if problem.noise_is_measured and loss == "linear" else left_over
+    silent, exact = has_no_scatter(problem, values), is_rounding_alone(problem, values)
+    factor = max(left_over, 1.0) if exact or (problem.noise_is_measured and loss == "linear") else left_over
     effects = np.linalg.norm(slopes, axis=0)
     scale = 1 / np.where(effects > 0, effects, 1.0)  # parameters without effect at the optimum are not determined
     left, sizes, directions = np.linalg.svd(slopes * scale, full_matrices=False)
@@ -115,7 +118,8 @@ def make_fit(
     names, moved = problem.names, noise_bias(problem, values)
     sentences = verdicts(problem, values, errors, correlation, directions[lost], moved, limits)
     rejected = lack is not None and lack.rejected
-    misfit_warnings, withheld = () if rejected else large_misfit_warnings(problem, values), np.inf if rejected else 0.0
+    warnings = () if rejected else (NO_SCATTER,) if silent else large_misfit_warnings(problem, values)
+    withheld = np.inf if rejected or silent else 0.0
     return Fit(
         values=dict(zip(names, values.tolist(), strict=True)),
         standard_errors=dict(zip(names, (np.hypot(errors, moved) + withheld).tolist(), strict=True)),
@@ -123,7 +127,7 @@ def make_fit(
         chi_squared=float(residuals @ residuals),
         degrees_of_freedom=max(int(free), 1),
         comparisons=tuple(_compared(problem, number, values) for number in range(len(problem.blocks))),
-        verdicts=(*lack_of_fit_sentences(lack), *misfit_warnings, *limits.values(), *sentences),
+        verdicts=(*lack_of_fit_sentences(lack), *warnings, *limits.values(), *sentences),
         notes=_notes(problem, loss, left_over, scaled=factor == left_over and not withheld),
         units={name: EXTRA_UNITS.get(plain, natures[plain].unit) for name, plain in plain_names.items()},
         title=f"Fit of {model.name}",
@@ -222,4 +226,8 @@ def _at_limits(
             said[name] = (
                 f"{name} grows without end: {ENDLESS_ADVICE.get(kind, 'the data set it no upper end; leave it out')}"
             )
+    try:
+        problem.residuals(ended)
+    except (TorsionnetError, ArithmeticError):  # a model that cannot do without it, as without a stiffness
+        ended = values
     return ended, said

@@ -23,12 +23,15 @@ from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.measurement_blocks import make_block
 from torsionnet.identification.residuals.record_block import RecordBlock
+from torsionnet.identification.residuals.response_block import ResponseBlock
 from torsionnet.identification.unknown_parameter import Unknown
 
 CHANNEL_UNKNOWNS = {
     "delay": (0.0, (-np.inf, np.inf), "s"), "gain": (1.0, (-np.inf, np.inf), ""),
     "reference_angle": (0.0, (-np.inf, np.inf), "rad"),
 }  # fmt: skip
+LEAST_FREE_SHARE = 1e-3
+"""Share of a residual's variance that the fit leaves it at least, so that a line that decides alone says no noise."""
 FIRST_MISFIRE_SHARE = 0.1
 """Share of misfire at which a search begins where the model has none: at 0 the half orders of an even engine vanish,
 and with them the derivatives of their amplitudes."""
@@ -91,7 +94,10 @@ class FitProblem:
     _known: tuple[bytes, tuple[FloatArray, FloatArray]] | None = field(default=None, init=False, repr=False)
 
     def learn_noise(self, values: FloatArray) -> None:
-        """Weigh the residuals of records by the noise estimated from what the model leaves of their outputs."""
+        """Weigh records, and responses of unknown noise, by the noise in what the model leaves unexplained of them."""
+        for block, place in zip(self.blocks, self.unknown_indices, strict=True):
+            if isinstance(block, ResponseBlock) and block.noise_is_unknown:
+                block.learn_noise(values[place])
         records = [
             (block, values[place])
             for block, place in zip(self.blocks, self.unknown_indices, strict=True)
@@ -108,6 +114,21 @@ class FitProblem:
                 sources = sensor_noise_powers(level, gain, steps, repeated, seen)
             for block, mine in alike:
                 block.take_sources(mine, *sources)
+        self.clear_cache()
+
+    def learn_from_residuals(self, values: FloatArray, trust: FloatArray) -> None:
+        """Weigh responses that say nothing of their noise by what a model that fits leaves of them.
+
+        A residual has the variance of its noise times 1 - h, with its leverage h on the fit; ``trust`` are the weights
+        (n_residuals,) of a robust loss.
+        """
+        residuals, slopes = self.residuals_and_jacobian(values)
+        basis, _ = np.linalg.qr(slopes / np.maximum(np.linalg.norm(slopes, axis=0), np.finfo(float).tiny))
+        variances = (trust * residuals) ** 2 / np.maximum(1 - np.sum(basis**2, axis=1), LEAST_FREE_SHARE)
+        for block, span, place in zip(self.blocks, self.residual_slices, self.unknown_indices, strict=True):
+            if isinstance(block, ResponseBlock) and block.noise_is_unknown:
+                each = (variances[span] * block.absolute_scale**2).reshape(block.parts, -1)
+                block.learn_noise(values[place], each.mean(axis=0))
         self.clear_cache()
 
     def take_measured_noise(self, values: FloatArray) -> None:
@@ -154,6 +175,11 @@ class FitProblem:
     def has_records(self) -> bool:
         """Whether any measurement is a record of signals (or a response with its record)."""
         return any(isinstance(block, RecordBlock) for block in self.blocks)
+
+    @property
+    def has_unknown_noise(self) -> bool:
+        """Whether any measurement is a response that says nothing of its noise."""
+        return any(isinstance(block, ResponseBlock) and block.noise_is_unknown for block in self.blocks)
 
     @property
     def noise_is_measured(self) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Literal, TypeAlias
 
@@ -34,6 +34,8 @@ NOISE_ROUNDS = 3
 """Times that a fit of records estimates their noise again, as it hardly changes after the first."""
 SETTLED_CHANGE = 1e-3
 """Relative change of all fitted values below which the noise of records is not estimated again."""
+LINE_NOISE_ROUNDS, SETTLED_BY_LINES = 12, 1e-6
+"""The same for responses, which are quickly calculated, and whose first weights are far from their noise."""
 IDLE_EFFECT = 1e-10
 """Effect of a parameter on the response, over the response in standard deviations, below which it is rounding and the
 parameter does not act."""
@@ -62,7 +64,7 @@ def identify(
     residual : {"complex", "log", "magnitude"}, optional
         Difference of the complex values, of log magnitude and phase, or of log magnitude alone, which is all that
         responses without a phase have. Responses are weighted by the error stated or by the coherence where there is
-        one, else relative to the magnitude.
+        one, else by a noise with a part equal in all lines and one in proportion to the model, as their scatter says.
     loss : {"linear", "soft_l1", "huber", "cauchy"}, optional
         Loss function; the robust ones give less weight to outlying lines, judged by the scatter of most lines.
     starts : int, optional
@@ -101,15 +103,7 @@ def identify(
         raise UsageError("there is nothing measured to fit to")
     problem = make_problem(model, listed, read_unknowns(parameters), residual)
     _check_information(problem)
-    begun = _starts_and_reversed(problem, starts, seed)
-    best, start = min(((local_optimum(problem, start, loss), start) for start in begun), key=lambda pair: pair[0].cost)
-    best = stepwise_optimum(problem, best, start, loss)
-    for _ in range(NOISE_ROUNDS if problem.has_records else 0):
-        before = best.x
-        problem.learn_noise(before)
-        best = local_optimum(problem, before, loss)
-        if _moved(before, best.x) < SETTLED_CHANGE:
-            break
+    best = best_optimum(problem, loss, starts, seed)
     if not best.converged or not np.isfinite(best.cost):
         raise SolveError(f"the fit does not converge: {best.message}; try other start values, bounds, or starts=10")
     try:
@@ -120,10 +114,29 @@ def identify(
         raise SolveError(f"{text}; fix a parameter, give bounds, or take other start values") from None
 
 
+def best_optimum(problem: FitProblem, loss: str, starts: int = 1, seed: int = 0) -> LeastSquaresSolution:
+    """Best optimum of a fit from several start values, weighed by the noise that it leaves itself."""
+    begun = _starts_and_reversed(problem, starts, seed)
+    best, start = min(((local_optimum(problem, start, loss), start) for start in begun), key=lambda pair: pair[0].cost)
+    best = stepwise_optimum(problem, best, start, loss)
+    if problem.has_records:
+        return _settled(problem, best, loss, problem.learn_noise, NOISE_ROUNDS, SETTLED_CHANGE)
+    if problem.has_unknown_noise:
+        return _settled(problem, best, loss, problem.learn_noise, LINE_NOISE_ROUNDS, SETTLED_BY_LINES)
+    return best
+
+
 def _judge_fit(model: Drivetrain, problem: FitProblem, best: LeastSquaresSolution, loss: Loss) -> Fit:
     """Result of a fit, weighed by measured noise and with explanations of the misfit if the model does not fit."""
     lack = LackOfFit(misfits(problem, best.x, loss_weights(problem.residuals(best.x), loss, best.scale)))
     if not lack.rejected:
+        if problem.has_unknown_noise:
+
+            def learn(values: FloatArray) -> None:
+                trust = loss_weights(problem.residuals(values), loss, best.scale)
+                problem.learn_from_residuals(values, trust)
+
+            best = _settled(problem, best, loss, learn, LINE_NOISE_ROUNDS, SETTLED_BY_LINES)
         return make_fit(model, problem, best, loss, lack)
     problem.take_measured_noise(best.x)
     best = local_optimum(problem, best.x, loss)
@@ -138,6 +151,24 @@ def _judge_fit(model: Drivetrain, problem: FitProblem, best: LeastSquaresSolutio
     return make_fit(
         model, problem, best, loss, replace(lack, explanations=found, data_warnings=coarse_sensor_remarks(problem))
     )
+
+
+def _settled(
+    problem: FitProblem,
+    best: LeastSquaresSolution,
+    loss: str,
+    learn: Callable[[FloatArray], None],
+    rounds: int,
+    settled: float,
+) -> LeastSquaresSolution:
+    """Optimum under the noise that it leaves itself, each found from the other by turns."""
+    for _ in range(rounds):
+        before = best.x
+        learn(before)
+        best = local_optimum(problem, before, loss)
+        if _moved(before, best.x) < settled:
+            break
+    return best
 
 
 def _moved(before: FloatArray, after: FloatArray) -> float:

@@ -14,6 +14,8 @@ REWEIGHTING_ROUNDS = 5
 COMPATIBLE_STANDARD_ERRORS = 4.0
 """Standard errors by which two estimates of one noise power may differ and still be averaged, as noise that comes with
 the excitation shows only in the lines that it drives."""
+LEAST_POWER = np.finfo(float).tiny ** 0.25
+"""Noise power that counts as none, whose inverse has a square in the range of numbers."""
 
 
 def sensor_noise_powers(
@@ -47,7 +49,7 @@ def sensor_noise_powers(
     shares, spread = _shares(level, both, rest, repeated)
     if seen is None or abs(seen[0] - shares[1]) > COMPATIBLE_STANDARD_ERRORS * np.hypot(seen[1], spread[1]):
         made_up = rest + both @ shares
-        shares = shares * np.mean(level / np.maximum(made_up, np.finfo(float).tiny))
+        shares = shares * np.mean(level / np.maximum(made_up, LEAST_POWER))
         return _above_zero(float(shares[0]), float(shares[1]))
     found = weighted_mean([seen, (float(shares[1]), float(spread[1]))])
     assert found is not None
@@ -70,13 +72,12 @@ def weighted_mean(found: Iterable[tuple[float, float] | None]) -> tuple[float, f
 
 def _shares(level: FloatArray, columns: FloatArray, rest: FloatArray, repeated: float) -> tuple[FloatArray, FloatArray]:
     """Powers of noise sources whose sum with a known rest fits a measured noise level, and their standard errors."""
-    tiny = np.finfo(float).tiny
-    found, shares = np.maximum(level, tiny), np.zeros(columns.shape[1])
+    found, shares = np.maximum(level, LEAST_POWER), np.zeros(columns.shape[1])
     for _ in range(REWEIGHTING_ROUNDS):
         rows = columns / found[:, None]
-        scale = np.maximum(rows.max(axis=0), tiny)
+        scale = np.maximum(rows.max(axis=0), LEAST_POWER)
         shares = scipy.optimize.nnls(rows / scale, (level - rest) / found)[0] / scale
-        found = np.maximum(rest + columns @ shares, tiny)
+        found = np.maximum(rest + columns @ shares, LEAST_POWER)
     return _probable(level - rest, columns, found, repeated)
 
 
@@ -90,7 +91,7 @@ def _probable(
     best = inverse @ (level / found)
     misfit = level / found - rows @ (best / scale)
     spread = np.sqrt(repeated * np.mean(misfit**2) * (inverse**2).sum(axis=1))
-    far = best / np.maximum(spread, 1e-12 * np.abs(best).max())
+    far = best / np.maximum(spread, max(1e-12 * float(np.abs(best).max()), LEAST_POWER))
     shares = np.maximum(best + spread * np.exp(scipy.stats.norm.logpdf(far) - scipy.stats.norm.logcdf(far)), 0.0)
     return shares / scale, spread / scale
 

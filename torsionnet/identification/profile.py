@@ -10,6 +10,7 @@ import scipy
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.threads import one_thread
+from torsionnet.identification.verdict_words import has_no_scatter
 
 if TYPE_CHECKING:
     from torsionnet.identification.fit_result import FitResult
@@ -28,7 +29,8 @@ def profile_interval(fit: FitResult, name: str, level: float) -> tuple[float, fl
         raise UsageError("a fit read from a file has no data to profile; fit again")
     if name not in fit.values:
         raise UsageError(f'no parameter of the fit is named "{name}"{did_you_mean(name, fit.values)}')
-    if fit.lack_of_fit is not None and fit.lack_of_fit.rejected:
+    rejected = fit.lack_of_fit is not None and fit.lack_of_fit.rejected
+    if rejected or has_no_scatter(fit.problem, np.array(list(fit.values.values()))):
         return -np.inf, np.inf
     profile = _Profile(fit, name, level)
     return profile.end(-1), profile.end(+1)
@@ -45,10 +47,9 @@ class _Profile:
         known = np.isfinite(error) and error > 0
         self.step = error if known else 0.1 * abs(self.best[self.index]) or 1.0
         # Correlated noise widens a standard error; the rise of chi squared allowed is widened alike.
-        naive = np.sqrt(factor * np.linalg.pinv(slopes.T @ slopes)[self.index, self.index])
-        wider = (error / naive) ** 2 if known and naive > 0 else 1.0
-        rise = factor * wider * float(scipy.stats.f.ppf(level, 1, fit.degrees_of_freedom))
-        self.allowed = fit.chi_squared + rise
+        naive = float(np.linalg.pinv(slopes.T @ slopes)[self.index, self.index])
+        variance = error**2 / naive if known and naive > 0 else factor
+        self.allowed = fit.chi_squared + variance * float(scipy.stats.f.ppf(level, 1, fit.degrees_of_freedom))
 
     def end(self, sign: int) -> float:
         bound = float((self.problem.lower if sign < 0 else self.problem.upper)[self.index])

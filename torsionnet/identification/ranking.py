@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,20 +12,30 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import TorsionnetError, UsageError
 from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.threads import one_thread
-from torsionnet.identification.cause_fits import CauseFit, explaining_fits, fit_causes, overall_misfit, sum_of_squares
+from torsionnet.identification.cause_fits import (
+    CauseFit,
+    explaining_fits,
+    fit_causes,
+    overall_misfit,
+    starts_of_causes,
+    sum_of_squares,
+    under_own_noise,
+)
 from torsionnet.identification.causes import CHANNEL_CAUSES, possible_causes
 from torsionnet.identification.fit import Fit
 from torsionnet.identification.fit_problem import FitProblem, make_problem
 from torsionnet.identification.fit_search import CONVERGENCE_TOLERANCE, LeastSquaresSolution, local_optimum
+from torsionnet.identification.fitting import best_optimum
 from torsionnet.identification.lack_of_fit_words import cause_in_words
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.unknown_parameter import Unknown, read_unknowns
+from torsionnet.identification.verdict_words import ROUNDED_MISFIT
 from torsionnet.response import Column, Table
 
 SMALL_SHARE = 1e-3
 """Share of the value in the model below which a fitted value may stand for zero."""
-SAME_MISFIT, ROUNDED_MISFIT = 1e-6, 1e-12
-"""Share by which a misfit may be larger and count as the same, and the misfit that counts as none."""
+SAME_MISFIT = 1e-6
+"""Share by which a misfit may be larger and count as the same."""
 
 
 @dataclass(frozen=True)
@@ -155,12 +165,21 @@ def rank_causes(
     >>> ranking.causes[0].unknown, round(ranking.causes[0].value, 6)
     ('I_2', 0.2)
     """
-    problem, values = _prepared(model, measurements, parameters, residual)
+    problem, values, loss = _prepared(model, measurements, parameters, residual)
+
+    def solve(tried: FitProblem, start: FloatArray, tolerance: float = CONVERGENCE_TOLERANCE) -> LeastSquaresSolution:
+        return local_optimum(tried, start, loss, tolerance)
+
     whole = sum_of_squares(problem, values)
-    tried = fit_causes(problem, possible_causes(problem), [values], _solve, whole)
+    tried = fit_causes(problem, possible_causes(problem), starts_of_causes(problem, values), solve, whole)
     misfit = _without_rounding(overall_misfit(problem, values))
     good = {one.cause for one in explaining_fits(tried, whole)} if misfit else set()
-    ranked = [_ranked(one, whole, explains=one.cause in good) for one in tried]
+    ranked = [
+        _ranked(replace(one, values=under_own_noise(one, solve).x), whole, explains=True)
+        if one.cause in good
+        else _ranked(one, whole, explains=False)
+        for one in tried
+    ]
     return Ranking(tuple(ranked), misfit)
 
 
@@ -169,24 +188,20 @@ def _prepared(
     measurements: Measurement | Sequence[Measurement],
     parameters: str | Sequence[str] | Mapping[str, Unknown | float | None],
     residual: str,
-) -> tuple[FitProblem, FloatArray]:
+) -> tuple[FitProblem, FloatArray, str]:
+    """Problem whose misfit is to be explained, its values, and the loss that measures it."""
     if isinstance(model, Fit):
         if model.problem is None:
             raise UsageError("a fit read from a file has no data to compare with; fit again")
-        return model.problem, np.array(list(model.values.values()))
+        return model.problem, np.array(list(model.values.values())), model.loss
     listed = [measurements] if isinstance(measurements, Measurement) else list(measurements)
     if not listed:
         raise UsageError("there is nothing measured to compare with")
     problem = make_problem(model, listed, read_unknowns(parameters) if parameters else {}, residual)
-    return problem, _solve(problem, problem.start).x
-
-
-def _solve(problem: FitProblem, start: FloatArray, tolerance: float = CONVERGENCE_TOLERANCE) -> LeastSquaresSolution:
-    return (
-        local_optimum(problem, start, "linear", tolerance)
-        if len(start)
-        else LeastSquaresSolution(start, 0.0, converged=True, message="")
-    )
+    if parameters:
+        return problem, best_optimum(problem, "linear").x, "linear"
+    problem.learn_noise(problem.start)
+    return problem, problem.start, "linear"
 
 
 def _without_rounding(misfit: float) -> float:

@@ -14,8 +14,6 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import SolveError
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.fit_search import LeastSquaresSolution, local_optimum, search_bounds, typical_steps
-from torsionnet.identification.residuals.measurement_block import MeasurementBlock
-from torsionnet.identification.residuals.response_block import ResponseBlock
 from torsionnet.identification.verdict_words import relative_misfits
 
 LINE_SHARES = (1 / 16, 1 / 8, 1 / 4, 1 / 2, 0.7)
@@ -87,14 +85,10 @@ def large_misfit_warnings(problem: FitProblem, values: FloatArray) -> tuple[str,
         f"{block.measurement.label}: the model is off by {100 * misfit:.2g} % of the response (RMS), and nothing says "
         "that this is noise: it may have other peaks than the test; try starts=10, or an error or a coherence"
         for block, place, misfit in zip(problem.blocks, problem.unknown_indices, misfits, strict=True)
-        if misfit > WARNED_MISFIT and _has_unknown_noise(block) and _has_peaks(block.predicted(values[place])[0])
+        if misfit > WARNED_MISFIT and block.noise_is_unknown and _has_peaks(block.predicted(values[place])[0])
     )
 
 
 def _has_peaks(response: ComplexArray) -> bool:
     size = np.abs(response)
     return bool(np.any((size[1:-1] > size[:-2]) & (size[1:-1] > size[2:])))
-
-
-def _has_unknown_noise(block: MeasurementBlock) -> bool:
-    return isinstance(block, ResponseBlock) and block.measurement.error is None and block.data.coherence is None

@@ -9,13 +9,19 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.identification.fit_problem import FitProblem
+from torsionnet.identification.fit_search import typical_steps
 from torsionnet.identification.noise_bias import noise_bias_sentence
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.response_block import ResponseBlock
 from torsionnet.signals.advice import LEAST_BINS, half_power_bandwidth, significant_peaks
 
-INDISTINGUISHABLE_CORRELATION = 0.95
-"""Correlation of two fitted parameters above which a verdict says that the data cannot distinguish them."""
+INDISTINGUISHABLE_CORRELATION, DISTINGUISHED_RELATIVE_ERROR = 0.95, 0.05
+"""Correlation of two fitted parameters above which a verdict says that the data cannot distinguish them, unless the
+standard errors of both, over their values, are no larger than this: then the data do, however related they are."""
+NO_SCATTER = "the model leaves nothing but rounding, from which no error follows: intervals are withheld"
+"""Verdict on a fit to what has no noise, such as a calculated response."""
+ROUNDED_MISFIT = 1e-12
+"""RMS of model minus test over RMS of the test up to which rounding is all of it."""
 VAGUE_RELATIVE_ERROR = 0.3
 """Standard error of a fitted value, over the value, above which a verdict says that it is hardly determined."""
 OUTLYING_MISFIT_RATIO = 2.0
@@ -38,7 +44,7 @@ def verdicts(
     """Verdicts on a fit in words, one sentence each; values that ``ended`` at zero or infinity are left out."""
     return (
         *_combinations(problem, lost),
-        *_alike(problem, errors, correlation),
+        *_alike(problem, values, errors, correlation),
         *_vague(problem, values, errors, ended),
         *_bounds(problem, values, ended),
         *_odd(problem, values),
@@ -63,12 +69,18 @@ def _combinations(problem: FitProblem, lost: FloatArray) -> Iterator[str]:
         )
 
 
-def _alike(problem: FitProblem, errors: FloatArray, correlation: FloatArray) -> Iterator[str]:
+def _alike(problem: FitProblem, values: FloatArray, errors: FloatArray, correlation: FloatArray) -> Iterator[str]:
+    steps = typical_steps(problem, problem.start)
+    sizes = np.where([name.startswith("delay[") for name in problem.names], steps, np.abs(values))
     for first, second in combinations(range(len(problem.names)), 2):
-        both = abs(float(correlation[first, second]))
-        if both > INDISTINGUISHABLE_CORRELATION and np.isfinite(errors[[first, second]]).all():
-            pair = f"{problem.names[first]} and {problem.names[second]}"
-            yield f"{pair} are indistinguishable {_where(problem)}: correlation {correlation[first, second]:.2f}"
+        pair = [first, second]
+        if (
+            abs(float(correlation[first, second])) > INDISTINGUISHABLE_CORRELATION
+            and np.isfinite(errors[pair]).all()
+            and (errors[pair] > DISTINGUISHED_RELATIVE_ERROR * sizes[pair]).any()
+        ):
+            both = f"{problem.names[first]} and {problem.names[second]}"
+            yield f"{both} are indistinguishable {_where(problem)}: correlation {correlation[first, second]:.2f}"
 
 
 def _vague(problem: FitProblem, values: FloatArray, errors: FloatArray, ended: Collection[str]) -> Iterator[str]:
@@ -115,6 +127,16 @@ def _odd(problem: FitProblem, values: FloatArray) -> Iterator[str]:
 def _within_noise(block: MeasurementBlock, values: FloatArray) -> bool:
     """Whether the noise stated for a measurement explains its misfit."""
     return block.noise_is_stated and bool(np.mean(block.residuals(values)[0] ** 2) <= OUTLYING_MISFIT_RATIO**2)
+
+
+def is_rounding_alone(problem: FitProblem, values: FloatArray) -> bool:
+    """Whether rounding is all that a model leaves of every measurement of a fit."""
+    return bool(relative_misfits(problem, values).max() <= ROUNDED_MISFIT)
+
+
+def has_no_scatter(problem: FitProblem, values: FloatArray) -> bool:
+    """Whether nothing tells of the errors of a fit: rounding alone is left, and a test says nothing of its noise."""
+    return any(block.noise_is_unknown for block in problem.blocks) and is_rounding_alone(problem, values)
 
 
 def relative_misfits(problem: FitProblem, values: FloatArray) -> FloatArray:

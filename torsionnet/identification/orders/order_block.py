@@ -52,6 +52,10 @@ class OrderBlock(MeasurementBlock):
         return self.lines.is_known
 
     @property
+    def noise_is_unknown(self) -> bool:
+        return not self.lines.is_known
+
+    @property
     def unit(self) -> str:
         return self.response.unit
 

@@ -100,6 +100,11 @@ class MeasurementBlock(ABC):
         return self.measurement.error is not None
 
     @property
+    def noise_is_unknown(self) -> bool:
+        """Whether the test says nothing of its noise, which only the scatter of the residuals shows then."""
+        return False
+
+    @property
     def unit(self) -> str:
         """SI unit of the values compared."""
         return self.response.unit

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.identification.noise_sources import sensor_noise_powers
 from torsionnet.identification.residuals.segments import SegmentRows
 from torsionnet.identification.residuals.windowed_estimate import WindowedEstimate
 
@@ -24,6 +25,8 @@ too widely."""
 PARABOLA_HALF_WIDTH = 3
 """Number of lines on either side of a line to which a local parabola through the residuals is fitted, to separate noise
 from smooth errors."""
+FEWEST_SCATTERED_LINES = 2 * PARABOLA_HALF_WIDTH + 2
+"""Fewest lines from whose scatter about local parabolas a noise level is estimated."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +126,7 @@ def noise_between_lines(residual: ComplexArray | FloatArray, correlation: FloatA
     correlation : (n_b, n_b) array
         Correlation of the noise between lines.
     """
-    if len(residual) <= 2 * PARABOLA_HALF_WIDTH + 1:
+    if len(residual) < FEWEST_SCATTERED_LINES:
         return None
     rough = _roughness(len(residual))
     spread = rough @ correlation @ rough.T
@@ -136,12 +139,36 @@ def noise_between_lines(residual: ComplexArray | FloatArray, correlation: FloatA
     return Noise(np.full(len(residual), scale), parts * worth) if scale > np.finfo(float).tiny else None
 
 
+def noise_powers_between_lines(
+    residual: ComplexArray | FloatArray, correlation: FloatArray, gain: FloatArray
+) -> tuple[float, float]:
+    """Power of a noise equal in all lines, and of one in proportion to ``gain``, from what is not smooth over lines.
+
+    Local parabolas L leave of independent noise with variances v_j the squares E |(r - L r)_i|^2 =
+    sum_j (1 - L)_ij^2 v_j, to which v = a + b gain is fitted.
+
+    Parameters
+    ----------
+    residual : (n_b,) complex array, or real where only magnitudes are compared
+        Model minus test in the unit of the response.
+    correlation : (n_b, n_b) array
+        Correlation of the noise between lines.
+    gain : (n_b,) array
+        Squared magnitude of the response.
+    """
+    rough, size = _roughness(len(residual)), np.sqrt(gain)
+    even = np.sum((rough @ correlation) * rough, axis=1)
+    relative = np.sum(((rough * size) @ correlation) * (rough * size), axis=1)
+    parts = 2 if np.iscomplexobj(residual) else 1
+    return sensor_noise_powers(np.abs(rough @ residual) ** 2 / parts / even, relative / even, np.zeros(len(residual)))
+
+
 def _roughness(count: int) -> FloatArray:
     """Matrix (count, count) that subtracts from each line's value a local parabola fitted by least squares."""
     found = np.zeros((count, count))
+    basis, _ = np.linalg.qr(np.linspace(-1, 1, 2 * PARABOLA_HALF_WIDTH + 1)[:, None] ** np.arange(3))
     for place in range(count):
         first = min(max(place - PARABOLA_HALF_WIDTH, 0), count - 2 * PARABOLA_HALF_WIDTH - 1)
-        basis, _ = np.linalg.qr(np.linspace(-1, 1, 2 * PARABOLA_HALF_WIDTH + 1)[:, None] ** np.arange(3))
         near = slice(first, first + 2 * PARABOLA_HALF_WIDTH + 1)
         found[place, near] = -basis[place - first] @ basis.T
         found[place, place] += 1

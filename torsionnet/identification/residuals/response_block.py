@@ -8,6 +8,7 @@ import numpy as np
 import scipy
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.identification.noise_sources import sensor_noise_powers
 from torsionnet.identification.residuals.line_noise import (
     USUAL_OVERLAP,
     USUAL_WINDOW,
@@ -16,7 +17,7 @@ from torsionnet.identification.residuals.line_noise import (
     line_noise,
 )
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
-from torsionnet.identification.residuals.noise import Noise
+from torsionnet.identification.residuals.noise import FEWEST_SCATTERED_LINES, Noise, noise_powers_between_lines
 from torsionnet.identification.residuals.residual_forms import covariance_in_form, errors_in_form, parts
 from torsionnet.identification.residuals.smoothing import SMOOTHING_ERROR_SHARE, Smoothing
 from torsionnet.response import FrequencyResponse
@@ -24,18 +25,60 @@ from torsionnet.response import FrequencyResponse
 STATED_ERROR_CERTAINTY = 1e6
 """Number of independent values attributed to the stated error of a response, so large that the error counts as
 known."""
+ROUNDED_SHARE = 1e-13
+"""Share of the magnitude that counts as noise in any case, as rounding leaves about as much."""
 
 
 @dataclass(eq=False)
 class ResponseBlock(MeasurementBlock):
-    """Weighted residuals of a response without its record; windows smooth the model as under a stationary input."""
+    """Weighted residuals of a response without its record; windows smooth the model as under a stationary input.
+
+    Attributes
+    ----------
+    noise : (n_b,) array
+        Variance of the real part of each line, equal to that of the imaginary part, SI.
+    magnitude : (n_b,) array
+        Magnitude to which relative errors refer, SI: that of the test, or of the model where the test says nothing of
+        its noise, as noise lowers some lines and raises others.
+    """
 
     data: FrequencyResponse
     smoothing: Smoothing | None = None
     noise: FloatArray = field(init=False)
+    magnitude: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
         self.noise = line_noise(self.data, self.measurement.error)
+        self.magnitude = np.abs(self.measured)
+
+    @property
+    def noise_is_unknown(self) -> bool:
+        return self.measurement.error is None and self.data.coherence is None
+
+    def learn_noise(self, values: FloatArray, variances: FloatArray | None = None) -> None:
+        """Weigh lines by a constant noise and one in proportion to the model, as the scatter from line to line says.
+
+        Of few lines, which show no scatter, the noise is taken as proportional to the model.
+
+        Parameters
+        ----------
+        values : (n,) array
+        variances : (n_b,) array, optional
+            Variance that each line says, instead of the scatter, where the model fits.
+        """
+        predicted = self.predicted(values)[0]
+        self.magnitude = np.maximum(np.abs(predicted), np.finfo(float).tiny ** 0.25)
+        residual = self.magnitude - np.abs(self.measured) if self.form == "magnitude" else predicted - self.measured
+        count, gain = len(residual), self.magnitude**2
+        constant, relative = 0.0, 1.0
+        if count >= FEWEST_SCATTERED_LINES:
+            related = self.known_correlation[:count, :count]
+            constant, relative = (
+                noise_powers_between_lines(residual, related, gain)
+                if variances is None
+                else sensor_noise_powers(variances, gain, np.zeros(count))
+            )
+        self.noise = constant + max(relative, ROUNDED_SHARE**2) * gain
 
     @property
     def frequencies(self) -> FloatArray:
@@ -64,8 +107,12 @@ class ResponseBlock(MeasurementBlock):
 
     @property
     def sizes(self) -> FloatArray:
-        size = np.sqrt(self.noise) / (1.0 if self.form == "complex" else np.abs(self.measured))
+        size = np.sqrt(self.noise) / (1.0 if self.form == "complex" else self.magnitude)
         return np.tile(size, self.parts)
+
+    @property
+    def absolute_scale(self) -> FloatArray:
+        return self.sizes * (1.0 if self.form == "complex" else np.tile(self.magnitude, self.parts))
 
     def noise_covariance(self, backward: FloatArray) -> FloatArray:
         lines = self._line_correlation
@@ -128,7 +175,7 @@ class ResponseBlock(MeasurementBlock):
 
     def take_noise(self, other: MeasurementBlock, left: float) -> None:
         assert isinstance(other, ResponseBlock)
-        self.noise = other.noise * left
+        self.noise, self.magnitude = other.noise * left, other.magnitude
 
 
 def lowest_settled_frequency(data: FrequencyResponse) -> float:

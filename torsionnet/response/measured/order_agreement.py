@@ -19,12 +19,21 @@ from torsionnet.response.measured.difference_explanations import (
     holds,
     peak_shift,
 )
-from torsionnet.response.measured.interval_statistics import amplitude_scores, consistent
+from torsionnet.response.measured.interval_statistics import (
+    NORMAL_95,
+    PROBABILITY,
+    amplitude_scores,
+    consistent,
+)
 from torsionnet.response.measured.order_pair import OrderPair
 
 AGREES, NO_INTERVAL, WITHIN_BOUND, ABOVE_BOUND = "agrees", "no interval", "within the bound", "above the bound"
 """Verdicts on an order: the difference lies within the interval; the test states no interval; the calculated amplitude
 is an upper bound, which the measured one keeps or exceeds."""
+NOT_RESOLVED = "not resolved"
+"""Verdict on an order whose interval is wider than the order itself, so that the test says as well that it is zero."""
+UNRESOLVED = "the interval is wider than the measured amplitude: the test does not tell this order from zero"
+"""Sentence on an order that the test does not resolve."""
 OFFSET_OR_DELAY, PHASE = "offset or delay", "phase differs"
 """Verdicts on an order whose amplitude agrees: both explain its phase; no single number does."""
 SHIFTED, DAMPING, DIFFERS = "peak at another speed", "damping differs", "amplitude differs"
@@ -134,11 +143,32 @@ def _without_interval(pair: OrderPair) -> DifferenceExplanation:
     return DifferenceExplanation(NO_INTERVAL, UNSTATED_BUT + shift if shift else UNSTATED, pair.calculated)
 
 
+def is_resolved(pair: OrderPair) -> bool:
+    """Whether the measured amplitude of an order exceeds its half width, and no order at all would not agree as well.
+
+    One speed of n tells by itself from sqrt(2 ln(n/0.05)) standard deviations on, which the largest of n amplitudes of
+    noise exceeds in 5 of 100 tests (Rayleigh).
+    """
+    assert pair.half_widths is not None
+    most = float((np.abs(pair.measured) / pair.half_widths).max())
+    by_noise = math.sqrt(2 * math.log(len(pair.speeds) / (1 - PROBABILITY))) / NORMAL_95
+    zero = DifferenceExplanation(AGREES, "", np.zeros_like(pair.calculated), 0)
+    return most > by_noise or (most > 1 and not holds(zero, pair))
+
+
+def _is_hidden(pair: OrderPair) -> bool:
+    """Whether neither the measured nor the calculated order comes out of the interval."""
+    assert pair.half_widths is not None
+    return bool((np.abs(pair.calculated) <= pair.half_widths).all()) and not is_resolved(pair)
+
+
 def _bounded(pair: OrderPair) -> DifferenceExplanation:
     """Verdict where the calculated amplitude is an upper bound: one side counts, at each speed."""
     assert pair.half_widths is not None
     over = (np.abs(pair.measured) - np.abs(pair.calculated)) / pair.half_widths
     at = int(over.argmax())
+    if _is_hidden(pair):
+        return DifferenceExplanation(NOT_RESOLVED, UNRESOLVED, pair.calculated)
     if over[at] <= LARGEST_EXCESS:
         return DifferenceExplanation(WITHIN_BOUND, "", pair.calculated)
     text = f"at {pair.speeds[at] * RPM:.5g} rpm by {over[at]:.3g} half widths of the interval"
@@ -148,7 +178,10 @@ def _bounded(pair: OrderPair) -> DifferenceExplanation:
 def _judged(pair: OrderPair) -> DifferenceExplanation:
     widths = pair.half_widths
     assert widths is not None
-    if holds(DifferenceExplanation(AGREES, "", pair.calculated, 0), pair):
+    agrees = holds(DifferenceExplanation(AGREES, "", pair.calculated, 0), pair)
+    if _is_hidden(pair) or (agrees and not is_resolved(pair)):
+        return DifferenceExplanation(NOT_RESOLVED, UNRESOLVED, pair.calculated)
+    if agrees:
         return DifferenceExplanation(AGREES, "", pair.calculated)
     weights = 1 / widths**2
     sizes = consistent(amplitude_scores(np.abs(pair.measured), np.abs(pair.calculated), widths))
