@@ -10,7 +10,7 @@ import scipy
 import torsionnet as tn
 from torsionnet.identification.fit import load_fit
 from torsionnet.identification.interval_width import interval_half_width
-from torsionnet.identification.noise_sources import sensor_noise_powers, weighted_mean
+from torsionnet.identification.residuals.noise_sources import sensor_noise_powers, weighted_mean
 from torsionnet.identification.residuals.sensor_steps import REST_POSITIONS, SensorSteps
 from torsionnet.identification.residuals.unexcited_windows import unexcited_windows
 from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
-from torsionnet.identification.noise_sources import sensor_noise_powers, weighted_mean
 from torsionnet.identification.orders.order_block import OrderBlock
 from torsionnet.identification.orders.order_lines import parts_by_phase
 from torsionnet.identification.orders.parametric_orders import numbers_of_excitations
@@ -22,6 +21,7 @@ from torsionnet.identification.parameter_quantity import parameter_quantity
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.measurement_blocks import make_block
+from torsionnet.identification.residuals.noise_sources import sensor_noise_powers, weighted_mean
 from torsionnet.identification.residuals.record_block import RecordBlock
 from torsionnet.identification.residuals.response_block import ResponseBlock
 from torsionnet.identification.unknown_parameter import Unknown

@@ -35,7 +35,8 @@ NOISE_ROUNDS = 3
 SETTLED_CHANGE = 1e-3
 """Relative change of all fitted values below which the noise of records is not estimated again."""
 LINE_NOISE_ROUNDS, SETTLED_BY_LINES = 12, 1e-6
-"""The same for responses, which are quickly calculated, and whose first weights are far from their noise."""
+"""Times that a fit of responses estimates their noise again at most, and the relative change of all fitted values
+below which it does not: responses are quickly calculated, and their first weights are far from their noise."""
 IDLE_EFFECT = 1e-10
 """Effect of a parameter on the response, over the response in standard deviations, below which it is rounding and the
 parameter does not act."""

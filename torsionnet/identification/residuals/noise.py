@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.identification.noise_sources import sensor_noise_powers
+from torsionnet.identification.residuals.noise_sources import sensor_noise_powers
 from torsionnet.identification.residuals.segments import SegmentRows
 from torsionnet.identification.residuals.windowed_estimate import WindowedEstimate
 

@@ -8,7 +8,6 @@ import numpy as np
 import scipy
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.identification.noise_sources import sensor_noise_powers
 from torsionnet.identification.residuals.line_noise import (
     USUAL_OVERLAP,
     USUAL_WINDOW,
@@ -18,6 +17,7 @@ from torsionnet.identification.residuals.line_noise import (
 )
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.noise import FEWEST_SCATTERED_LINES, Noise, noise_powers_between_lines
+from torsionnet.identification.residuals.noise_sources import sensor_noise_powers
 from torsionnet.identification.residuals.residual_forms import covariance_in_form, errors_in_form, parts
 from torsionnet.identification.residuals.smoothing import SMOOTHING_ERROR_SHARE, Smoothing
 from torsionnet.response import FrequencyResponse
