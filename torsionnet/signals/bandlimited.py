@@ -99,7 +99,7 @@ class Rotation:
             if offsets is not None:
                 beyond = np.zeros(count)
                 beyond[numbers] = offsets
-        standing = numbers + (0.0 if offsets is None else offsets)
+        standing = np.asarray(numbers + (0.0 if offsets is None else offsets), dtype=np.float64)
         for distance in LARGEST_DISTANCES:
             apart = round(steps_per_revolution / KNOTS_PER_TURN)
             self.mean_rotation = _mean_rotation(times, standing, numbers, apart, distance)

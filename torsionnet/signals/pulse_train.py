@@ -27,8 +27,30 @@ HALF_WAVES_AROUND = 15
 noise makes where the signal passes 0, few enough to follow the speed."""
 LEAST_HEIGHT_SHARE = 0.01
 """Share of the usual height of an inductive pickup's pulses below which a signal is noise at standstill."""
+SLOWEST, SMALLER_UNITS = 10.0, {"ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+"""Speed in rpm below which times of pulses without unit are not taken for s, and units in s that they may have."""
 CUBIC_STEPS = 4
 """Newton steps from the straight line to the zero of a cubic, each of which doubles the digits."""
+
+
+def refuse_unlikely_unit(times: FloatArray, pulses_per_turn: float) -> None:
+    """Refuse times of pulses whose unit is not known, if they are hardly in s by the speed of the shaft.
+
+    Raises
+    ------
+    UsageError
+        With the speed, and the unit in which it would be usual.
+    """
+    duration = float(times[-1] - times[0]) if len(times) > 1 else 0.0
+    speed = 60 * (len(times) - 1) / pulses_per_turn / duration if duration > 0 else np.inf
+    if speed >= SLOWEST:
+        return
+    likely = next((unit for unit, factor in SMALLER_UNITS.items() if speed / factor >= SLOWEST), "")
+    usual = f", in {likely} {speed / SMALLER_UNITS[likely]:.4g} rpm" if likely else ""
+    raise UsageError(
+        f"the times of the pulses have no unit: taken for s the shaft turns at {speed:.2g} rpm{usual}; give their unit, "
+        f"{likely or 'ms'} or s, or the tick or clock if they are counts"
+    )
 
 
 def holds_pulse_times(values: FloatArray) -> bool:

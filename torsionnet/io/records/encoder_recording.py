@@ -17,12 +17,8 @@ from torsionnet.io.records.stored_pulses import pulses_of
 from torsionnet.response.recording import FloatArray, Recording, Signal
 from torsionnet.signals.bandlimited import Rotation
 from torsionnet.signals.encoder import angle_from_counts, rotation_of
-from torsionnet.signals.pulse_train import holds_pulse_times, pulse_times
+from torsionnet.signals.pulse_train import holds_pulse_times, pulse_times, refuse_unlikely_unit
 from torsionnet.signals.sample_counts import even_times
-
-LEAST_PULSE_RATE = 1.0
-"""Encoder pulses a second below which the times of pulses are probably not in s."""
-
 
 @dataclass(frozen=True, eq=False)
 class EncoderRotation:
@@ -113,13 +109,11 @@ def _turning(source: Source, channel: FileChannel, options: ReadOptions, file: s
             rest = replace(source, channels=(alone,), time=_clock(source, options))
             shape = next(recordings(rest, ReadOptions(sampling_rate=options.sampling_rate), file))
             stamps = pulse_times(shape.signals[0].values, shape.time)
+        if stamped and not unit:
+            refuse_unlikely_unit(stamps, steps)
         times, rotation, remarks = rotation_of(stamps, steps)
     except (UsageError, SolveError) as error:
         raise ModelError([Fault(f"{channel.name}: {error}", ("channels", channel.name))], file) from None
-    slow = len(stamps) < LEAST_PULSE_RATE * (stamps[-1] - stamps[0])
-    if stamped and not unit and slow:
-        text = f"the times of pulses have no unit and were taken for s: {len(stamps)} in {stamps[-1] - stamps[0]:.4g} s"
-        remarks = (*remarks, f"{text}; if they are in ms, or count ticks, give their unit")
     kind = "time stamps of pulses" if stamped else "a pulse train"
     name = options.names[channel.name] if isinstance(options.names, Mapping) else channel.name
     notes = (f"angle from {kind}: {len(times)} pulses of {steps:g} a turn, band-limited between them", *remarks, *read)

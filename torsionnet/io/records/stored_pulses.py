@@ -124,6 +124,7 @@ def pulses_of(source: Source, stored: StoredPulses, name: str) -> PulseChannel:
     found = pulse_channel(name, raw, reading, factor)
     if reading.seconds is None:
         said = f"converted from {channel.unit}" if factor != 1.0 else ""
+        found = replace(found, unit_known=bool(channel.unit))
         if not channel.unit and len(found) < LEAST_PULSE_RATE * np.ptp(found.times):
             said = f"warning: no unit in the file: taken for s: {found.span}; if they are in ms, give their unit"
         found = replace(found, notes=(*found.notes, said) if said else found.notes)

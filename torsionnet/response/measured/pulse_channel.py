@@ -26,6 +26,8 @@ class PulseChannel:
         Resolution of the times in s, the step of the counter that stamped them; 0 where it is not known.
     notes : tuple of str
         Origin of the times: counter, level of a tooth signal.
+    unit_known : bool
+        Whether the unit of the recorded times was given; else they were taken for s.
 
     Raises
     ------
@@ -42,6 +44,7 @@ class PulseChannel:
     times: NDArray[np.float64]
     tick: float = 0.0
     notes: tuple[str, ...] = ()
+    unit_known: bool = True
 
     def __post_init__(self) -> None:
         steps = np.diff(self.times)

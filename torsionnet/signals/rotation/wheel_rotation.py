@@ -14,6 +14,7 @@ from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.measured.wheel_pattern import WheelPattern
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.bandlimited import Rotation
+from torsionnet.signals.pulse_train import refuse_unlikely_unit
 from torsionnet.signals.pulses import repaired_pulses
 from torsionnet.signals.rotation.gap_filling import filled_band
 from torsionnet.signals.rotation.pattern_checks import check_pattern
@@ -225,6 +226,8 @@ def wheel_rotation(
     else:
         refuse_turning_back(channel.times, channel.name)
     try:
+        if not channel.unit_known:
+            refuse_unlikely_unit(channel.times, wheel.teeth / wheel.ratio)
         found = repaired_pulses(channel.times)
     except UsageError as error:
         raise UsageError(f"{channel.name}: {error}") from None
