@@ -42,6 +42,33 @@ def wheels_of(folder, *arguments):
     }
 
 
+@pytest.mark.parametrize(
+    ("unit", "per_second", "shown"), [("ms", 1e3, "0.6 rpm, in ms 600"), ("us", 1e6, "0.0006 rpm, in us 600")]
+)
+def test_times_without_a_unit_that_make_an_impossible_speed_are_asked_for_it(tmp_path, unit, per_second, shown):
+    times = np.arange(600) / 600
+    (tmp_path / "bare.csv").write_text("p\n" + "\n".join(f"{per_second * time:.3f}" for time in times))
+    given = ("angle", str(tmp_path / "bare.csv"), "--pulses", "p=60")
+    assert (
+        f"p: the times of the pulses have no unit: taken for s the shaft turns at {shown} rpm"
+        in run(*given, code=1).stderr
+    )
+    found = json.loads(run(*given, "--unit", f"p={unit}", "--json").stdout)["wheels"][0]
+    assert found["highest_speed_rad_s"] == pytest.approx(20 * np.pi, rel=1e-3)
+    assert found["settled_s"] == pytest.approx([times[20], times[-21]], rel=1e-4)
+    with pytest.raises(ModelError, match=f"p: the times of the pulses have no unit: .* in {unit} 600 rpm"):
+        read_recording(tmp_path / "bare.csv", pulses={"p": 60})
+
+
+def test_a_wheel_with_three_gaps_by_its_pattern(tmp_path):
+    there = np.flatnonzero(~np.isin(np.arange(36 * 30) % 36, [16, 17, 28, 29, 34, 35]))
+    (tmp_path / "gaps.csv").write_text("p [s]\n" + "\n".join(f"{place / 36 / 20:.9f}" for place in there))
+    given = (str(tmp_path / "gaps.csv"), "--pulses", "p=36", "--pattern")
+    found = wheels_of(tmp_path, *given, "16 teeth, 2 missing, 10 teeth, 2 missing, 4 teeth, 2 missing")["p"]
+    assert found["highest_speed_rad_s"] == pytest.approx(40 * np.pi, rel=1e-6)
+    assert "pattern: the pattern has 34 places" in run("angle", *given, "32 teeth, 2 missing", code=1).stderr
+
+
 def test_a_record_with_angle_speed_and_uncertainty(folder):
     done = run(
         "angle", str(folder / "run.npz"), "--pulses", "n1=60", "--pulses", "n2=48-2", "-o", str(folder / "angle.npz"),

@@ -1,5 +1,7 @@
 """Rotation of a shaft from the teeth of a wheel: how orders read, which tooth is which, what is refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from support.known_rotation import order_of, pulse_times, shaft
@@ -8,6 +10,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.measured.wheel_pattern import WheelPattern
 from torsionnet.signals.rotation.wheel import Wheel
+from torsionnet.signals.rotation.wheel_channel import WheelChannel
 from torsionnet.signals.rotation.wheel_rotation import wheel_rotation
 
 RPM = 2 * np.pi / 60
@@ -134,6 +137,69 @@ class TestOrders:
         assert found.numbers[0] == 20
 
 
+GAPS = "16 teeth, 2 missing, 10 teeth, 2 missing, 4 teeth, 2 missing"
+GAPS_AT = np.flatnonzero(~np.isin(np.arange(36), [16, 17, 28, 29, 34, 35])) * 10.0
+LOBES = "0, 80, 180, 270 deg"
+
+
+def seen_at(angle, degrees, turns=40, first=5):
+    """Times of the pulses of edges at these angles of each turn, from one of them on."""
+    places = np.add.outer(2 * np.pi * np.arange(2, 2 + turns), np.radians(degrees)).ravel()[first:]
+    return pulse_times(angle, places, 1.2 * places[-1] / angle(np.ones(1))[0])
+
+
+class TestStatedPatterns:
+    @pytest.mark.parametrize(
+        ("teeth", "pattern", "degrees", "order", "size", "highest"),
+        [
+            (36, GAPS, GAPS_AT, 4, 0.5, 6), (36, GAPS, GAPS_AT, 6, 0.3, 6),
+            (4, LOBES, [0, 80, 180, 270], 1.5, 0.5, 5 / 3),
+            (7, "0, 15, 60, 120, 180, 240, 300 deg", [0, 15, 60, 120, 180, 240, 300], 1.5, 0.5, 3),
+        ],
+    )  # fmt: skip
+    def test_several_gaps_and_uneven_lobes_are_read_by_the_pattern(self, teeth, pattern, degrees, order, size, highest):
+        size = np.radians(size) * np.exp(0.3j)
+        mean, angle = shaft(1200 * RPM, {order: size})
+        found = wheel_rotation(PulseChannel("n1", seen_at(angle, degrees)), Wheel(teeth=teeth, pattern=pattern))
+        at = inner(found)
+        assert abs(order_of(found.angle(at) - mean(at), mean(at), order) / size - 1) < 2e-3
+        assert beyond_whole_turns(found.angle(at) - angle(at)).mean() == pytest.approx(0, abs=1e-5)  # by tooth 0
+        assert found.highest_order == pytest.approx(highest)
+        assert found.gap == f"pattern of {len(degrees)} teeth on {found.wheel.teeth} places"
+
+    @pytest.mark.parametrize("wheel", [Wheel(teeth=30), Wheel(teeth=36), Wheel(teeth=36, missing_teeth=2)])
+    def test_gaps_are_named_in_a_question_and_not_counted_as_lost_pulses(self, wheel):
+        _, angle = shaft(1200 * RPM, {4: TENTH})
+        with pytest.raises(UsageError, match=f"gaps return every 36 places: .* give teeth: 36, pattern: {GAPS}"):
+            wheel_rotation(PulseChannel("n1", seen_at(angle, GAPS_AT, first=0)), wheel)
+
+    def test_lobes_are_named_in_a_question(self):
+        _, angle = shaft(1200 * RPM, {1: TENTH})
+        with pytest.raises(
+            UsageError, match=r"every 4 pulses: if the teeth stand so, state pattern: 0, (60|1[02]0|80), "
+        ):
+            wheel_rotation(PulseChannel("n1", seen_at(angle, [0, 60, 180, 260], first=0)), Wheel(teeth=4))
+
+    def test_every_sixth_tooth_that_is_missing_is_a_pattern_of_the_wheel(self):
+        _, angle = shaft(1200 * RPM, {4: TENTH})
+        channel = PulseChannel("n1", seen_at(angle, np.flatnonzero(np.arange(60) % 6) * 6.0))
+        with pytest.raises(
+            UsageError, match=r"1 pulses are missing in every turn of 60, .* pattern: 5 teeth, 1 missing, "
+        ):
+            wheel_rotation(channel, Wheel(teeth=60))
+
+    def test_what_does_not_follow_the_pattern_is_refused(self):
+        _, angle = shaft(1200 * RPM)
+        times, wheel = seen_at(angle, GAPS_AT), Wheel(teeth=36, pattern=GAPS)
+        with pytest.raises(UsageError, match=r"from pulse 299 at 0\.\d+ s on the pulses do not follow the pattern"):
+            wheel_rotation(PulseChannel("n1", np.delete(times, 300)), wheel)
+        with pytest.raises(UsageError, match="do not tell which tooth of the pattern comes first"):
+            wheel_rotation(PulseChannel("n1", times), replace(wheel, pattern="9 teeth, 9 missing, 9 teeth, 9 missing"))
+        assert [str(fault) for fault in WheelChannel.read({"teeth": 30, "pattern": GAPS})[1]] == [
+            "pattern: error: the pattern has 36 places, 30 with teeth; teeth: 30 counts both"
+        ]
+
+
 class TestUncertainty:
     def test_a_counter_of_1_MHz_at_600_rpm_leaves_0_00104_degrees(self):
         _, angle = shaft(600.37 * RPM, {6: np.radians(0.2), 0.5: np.radians(0.1)})
@@ -216,7 +282,8 @@ class TestTooth0:
         twice = every[~np.isin(np.arange(len(every)) % 60, [10, 11, 45, 46])]
         channel, wheel = PulseChannel("n1", twice), Wheel(teeth=60, missing_teeth=2)
         with pytest.raises(
-            UsageError, match=r"2 gaps of 2 teeth in every turn, after pulse 9 .* and after pulse 44 .*index"
+            UsageError,
+            match=r"2 gaps of 2 teeth in every turn, after pulse 9 .* and after pulse 44 .*pattern: 23 teeth, 2 missing, 33 teeth",
         ):
             wheel_rotation(channel, wheel)
         assert wheel_rotation(channel, wheel, first=48).numbers[0] == 48

@@ -1120,7 +1120,8 @@ class Wheel(_Wheel):
     missing_teeth: teeth that the gap lacks, as 2 of a wheel 60-2
     ratio: turns of the reference shaft per turn of the wheel
     reversed: whether the wheel turns against the sense of the model
-    pattern: file of its pitch pattern, from the folder of this file
+    pattern: file of its pitch pattern, from the folder of this file; or where its teeth stand: 4 teeth, 2
+        missing, 2 teeth, 1 missing; or 0, 80, 180, 270 deg
     """
     def __init__(
         self,
@@ -1141,7 +1142,8 @@ class WheelChannel(_WheelChannel):
     missing_teeth: teeth that the gap lacks, as 2 of a wheel 60-2
     ratio: turns of the reference shaft per turn of the wheel
     reversed: whether the wheel turns against the sense of the model
-    pattern: file of its pitch pattern, from the folder of this file
+    pattern: file of its pitch pattern, from the folder of this file; or where its teeth stand: 4 teeth, 2
+        missing, 2 teeth, 1 missing; or 0, 80, 180, 270 deg
     tick: time of one count of the counter
     clock: instead: frequency that the counter counts
     bits: width of the counter in bits, which begins at 0 again when it is full

@@ -190,7 +190,7 @@ def _patterns(plan: CampaignFile, folder: Path) -> tuple[dict[str, WheelPattern]
     faults: list[Fault] = []
     for name, wheel in plan.wheels.items():
         place = ("wheels", name, "pattern")
-        if not wheel.pattern:
+        if not wheel.pattern_file:
             continue
         try:
             found[name] = read_wheel_pattern(folder / wheel.pattern)

@@ -97,7 +97,7 @@ def _pulses(campaign: Campaign, one: CampaignRecord) -> tuple[dict[str, WheelRot
         return rotations, PhaseMark()
     pulses = {key: wheel_pulses(record, name, marks[name]) for key, name in names.items() if name}
     place = "" if phase.tdc is None else f"top dead centre of cylinder {phase.cylinder}"
-    of_wheel = not phase.cam or plan.wheels[campaign.reference].missing_teeth > 0
+    of_wheel = not phase.cam or plan.wheels[campaign.reference].shows_tooth_0
     return rotations, PhaseMark(pulses.get("index"), pulses.get("cam"), phase.tdc or 0.0, place, of_wheel)
 
 

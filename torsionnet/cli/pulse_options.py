@@ -83,7 +83,10 @@ class PulseOptions(RecordReading):
     )
     index: Setting = option("--index", type=WheelSetting("CHANNEL"), help="Index pulse, which names tooth 0.")
     pattern: Setting = option(
-        "--pattern", type=WheelSetting("FILE"), help="Pitch pattern, as calibrate-wheel writes it; it is removed."
+        "--pattern",
+        type=WheelSetting("PATTERN"),
+        help="File of its pitch pattern, as calibrate-wheel writes it, which is removed; or where its teeth stand, "
+        "'16 teeth, 2 missing, 10 teeth, 2 missing', or '0, 80, 180, 270 deg'.",
     )
     tick: Setting = option(
         "--tick", type=WheelSetting("TIME"), help="The channel counts steps of this time, as 12.5ns."

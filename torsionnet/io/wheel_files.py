@@ -83,7 +83,7 @@ def patterns_of(wheels: Mapping[str, WheelOfTest]) -> dict[str, WheelPattern]:
 
 def pattern_of(wheel: WheelChannel, folder: Path) -> tuple[WheelPattern | None, list[Fault]]:
     """Pitch pattern of a wheel from its file, and faults of that."""
-    if not wheel.pattern:
+    if not wheel.pattern_file:
         return None, []
     try:
         pattern = read_wheel_pattern(folder / wheel.pattern)

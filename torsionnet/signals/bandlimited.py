@@ -22,6 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,7 +103,7 @@ class Rotation:
         standing = np.asarray(numbers + (0.0 if offsets is None else offsets), dtype=np.float64)
         for distance in LARGEST_DISTANCES:
             apart = round(steps_per_revolution / KNOTS_PER_TURN)
-            self.mean_rotation = _mean_rotation(times, standing, numbers, apart, distance)
+            self.mean_rotation = smooth_course(times, standing, numbers, apart, distance)
             self._wide, doubtful = _values_at_whole_numbers(
                 self.mean_rotation(stamps), beyond, stamps, gaps_of(numbers)
             )
@@ -172,7 +173,9 @@ def _degree(count: int) -> int:
     return degree - (degree % 2 == 0 and degree > 1)
 
 
-def _mean_rotation(times: FloatArray, standing: FloatArray, numbers: NDArray[np.intp], apart: int, distance: float):  # type: ignore[no-untyped-def]  # noqa: ANN202
+def smooth_course(
+    times: FloatArray, standing: FloatArray, numbers: NDArray[np.intp], apart: int, distance: float = np.inf
+) -> Any:
     """Spline of least squares in encoder steps over time in s, its knots ``apart`` steps, or nearer.
 
     They are nearer where pulses would stand further than ``distance`` steps from it.

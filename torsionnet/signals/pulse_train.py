@@ -48,8 +48,8 @@ def refuse_unlikely_unit(times: FloatArray, pulses_per_turn: float) -> None:
     likely = next((unit for unit, factor in SMALLER_UNITS.items() if speed / factor >= SLOWEST), "")
     usual = f", in {likely} {speed / SMALLER_UNITS[likely]:.4g} rpm" if likely else ""
     raise UsageError(
-        f"the times of the pulses have no unit: taken for s the shaft turns at {speed:.2g} rpm{usual}; give their unit, "
-        f"{likely or 'ms'} or s, or the tick or clock if they are counts"
+        f"the times of the pulses have no unit: taken for s the shaft turns at {speed:.2g} rpm{usual}; give their "
+        f"unit, {likely or 'ms'} or s, or the tick or clock if they are counts"
     )
 
 

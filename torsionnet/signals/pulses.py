@@ -11,6 +11,7 @@ from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.core.listing import comma_list
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.double_pulses import MEDIAN_INTERVALS, indices_without_double, running_median
+from torsionnet.signals.rotation.stated_pattern import runs_in_words
 
 MOST_INTERVAL_RATIO = 1.5
 """Largest ratio of neighbouring pulse intervals that a change of speed may explain, less than a lost or double pulse
@@ -30,6 +31,8 @@ MOST_REPAIRED = 0.1
 """Share of the pulses above which they are not repaired: what returns so often is the wheel, or the pickup."""
 INTERVALS_TOGETHER = 2**17
 """Number of intervals that are compared together, which limits the memory."""
+MOST_GAPS = 8
+"""Most gaps in a turn of a wheel that a question names."""
 MOST_LISTED_PULSES = 3
 """Number of pulses that a remark on repairs lists at most, so that it stays short."""
 
@@ -170,11 +173,14 @@ def repaired_pulses(times: ArrayLike, steps_per_revolution: float = 0.0) -> Puls
         repaired = _rotation_beyond_band(found.times, found.numbers, steps_per_revolution or USUAL_STEPS)
         if beyond <= repaired:
             return as_they_are
-    repairs = found.irregular.total + len(found.spurious)
-    if repairs > max(FEWEST_GAPS, MOST_REPAIRED * len(stamps)):
+    lost = found.irregular
+    if (
+        lost.total + len(found.spurious) > MOST_REPAIRED * len(stamps)
+        and len(lost.after) + len(found.spurious) > FEWEST_GAPS
+    ):
         raise UsageError(
-            f"{len(found.spurious)} pulses would be too many and {found.irregular.total} missing of {len(stamps)}: "
-            f"these are no faults of single pulses{both_flanks(stamps)}; check the wheel and its pickup"
+            f"{len(found.spurious)} pulses would be too many and {lost.total} missing of {len(stamps)}: these are no "
+            f"faults of single pulses{both_flanks(stamps)}{_gaps_in_words(found)}; check the wheel and its pickup"
         )
     return found
 
@@ -293,6 +299,20 @@ def _period(numbers: NDArray[np.intp], times: FloatArray, steps: float) -> int:
             f"steps per revolution with the missing ones; give this number instead of {steps:g}"
         )
     return period
+
+
+def _gaps_in_words(pulses: Pulses) -> str:
+    """Question after the gaps of a wheel, where several return in the same sequence, for an error; else empty."""
+    missing = pulses.missing
+    numbers = pulses.numbers[missing.after]
+    for gaps in range(2, min(MOST_GAPS, len(numbers) // 2) + 1):
+        distances = numbers[gaps:] - numbers[:-gaps]
+        again = (distances == np.median(distances)) & (missing.counts[gaps:] == missing.counts[:-gaps])
+        if again.mean() >= REGULAR_SHARE:
+            turn = int(np.median(distances))
+            runs = runs_in_words(zip(numbers[:gaps].tolist(), missing.counts[:gaps].tolist(), strict=True), turn)
+            return f"; gaps return every {turn} places: if the wheel is like that, give teeth: {turn}, pattern: {runs}"
+    return ""
 
 
 def _count(number: int) -> str:

@@ -48,6 +48,7 @@ class TurnedWheel:
     deviation: Annotated[float, Out("deviation of angle", "deg", json="deviation_rad", digits=3, factor=DEGREES)]
     highest_order: Annotated[float, Out("highest order", digits=4)]
     alias_order: Annotated[float, Out("aliases from", digits=4)]
+    settled: Annotated[tuple[float, float], Out(json="settled_s")]
     gap: str
     tooth_0: str
     remarks: tuple[str, ...]
@@ -141,13 +142,14 @@ def turned_wheel(wheel: WheelRotation, orders: tuple[float, ...] = ()) -> Turned
     """Row of a table on the rotation of a wheel, with the uncertainty of the orders given."""
     import numpy as np
 
-    speeds = wheel.speeds
+    first, last = wheel.settled
+    speeds = wheel.speeds[(wheel.times >= first) & (wheel.times <= last)]
     deviations = wheel.deviations
     return TurnedWheel(
         wheel.name, len(wheel.times), wheel.repairs, wheel.revolutions, float(speeds.min()), float(speeds.max()),
         deviations.tick, deviations.jitter, deviations.place if deviations.places is not None else None,
         float(np.sqrt(np.mean(wheel.angle_deviation**2))), wheel.highest_order, wheel.alias_order,
-        wheel.gap, wheel.zero, wheel.remarks,
+        wheel.settled, wheel.gap, wheel.zero, wheel.remarks,
         tuple(OrderUncertainty(order, wheel.order_deviation(order)) for order in orders),
     )  # fmt: skip
 
@@ -163,7 +165,9 @@ def _screen(angles: Recording, rows: tuple[TurnedWheel, ...]) -> Iterator[Table 
 
     yield _table(angles.title, rows)
     for row in rows:
-        yield from (f"{row.name}: {text}" for text in (row.gap, f"tooth 0 is {row.tooth_0}", *row.remarks) if text)
+        ends = f"settled from {row.settled[0]:.6g} to {row.settled[1]:.6g} s; nearer to the ends high orders are off"
+        said = (row.gap, f"tooth 0 is {row.tooth_0}", *row.remarks, ends)
+        yield from (f"{row.name}: {text}" for text in said if text)
     yield from (note for note in angles.notes if not note.startswith("warning:"))
     if any(row.orders for row in rows):
         columns = (Column("wheel"), Column("order"), Column("errors add, RMS of the peak", "deg", 3))

@@ -207,7 +207,7 @@ class TrackCommand(Command):
         rotations = rotations_of_wheels(record, toothed, patterns_of(wheels), marks=marks, index=index or "")
         pulses = {name: wheel_pulses(record, name, one) for name, one in marks.items()}
         # A wheel without a gap has no mark of its own, though an index or a pattern may number its teeth.
-        of_wheel = not self.cam or (self.reference.name in toothed and toothed[self.reference.name].missing_teeth > 0)
+        of_wheel = not self.cam or (self.reference.name in toothed and toothed[self.reference.name].shows_tooth_0)
         mark = PhaseMark(pulses.get(index or ""), pulses.get(self.cam or ""), self.offset or 0.0, place, of_wheel)
         return rotations, mark, {name: pulses[name] for name in once}
 

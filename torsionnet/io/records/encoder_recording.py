@@ -20,6 +20,7 @@ from torsionnet.signals.encoder import angle_from_counts, rotation_of
 from torsionnet.signals.pulse_train import holds_pulse_times, pulse_times, refuse_unlikely_unit
 from torsionnet.signals.sample_counts import even_times
 
+
 @dataclass(frozen=True, eq=False)
 class EncoderRotation:
     """Rotation of a shaft from the pulses of an encoder in one channel.

@@ -51,7 +51,7 @@ def rotations_of_wheels(
     faults: list[Fault] = []
     for name, wheel in wheels.items():
         try:
-            mark = wheel.index or (index if index != name and wheel.ratio == 1 and not wheel.missing_teeth else "")
+            mark = wheel.index or (index if index != name and wheel.ratio == 1 and not wheel.shows_tooth_0 else "")
             reading = (marks or {}).get(mark) or counted_reading(wheel)
             pulses = wheel_pulses(record, mark, reading) if mark else None
             pattern = (patterns or {}).get(name)

@@ -9,6 +9,7 @@ import numpy as np
 from torsionnet.core.errors import UsageError
 from torsionnet.core.listing import comma_list
 from torsionnet.signals.pulses import Pulses
+from torsionnet.signals.rotation.stated_pattern import runs_in_words
 
 if TYPE_CHECKING:
     from torsionnet.response.measured.pulse_channel import PulseChannel
@@ -46,13 +47,15 @@ def tooth_after_gap(found: Pulses, wheel: Wheel, name: str) -> tuple[int | None,
         )
     returning = _returning_gaps(found, wheel.teeth)
     fitting = [after for after, missing in returning if missing == wheel.missing_teeth]
+    gaps = runs_in_words(returning, wheel.teeth) if returning else ""
     shown = comma_list([f"of {missing} after pulse {after}" for after, missing in returning], 4) or "none"
     if not wheel.missing_teeth:
         if returning:
             after, missing = returning[0]
+            give = f"missing_teeth: {missing}" if len(returning) == 1 else f"pattern: {gaps}"
             raise UsageError(
                 f"{name}: {missing} pulses are missing in every turn of {wheel.teeth}, first after pulse {after}: give "
-                f"missing_teeth: {missing} if the wheel has a gap there, or another number of teeth"
+                f"{give} if the wheel has a gap there, or another number of teeth"
             )
         return None, ""
     turns = int(found.numbers[-1]) // wheel.teeth
@@ -60,7 +63,7 @@ def tooth_after_gap(found: Pulses, wheel: Wheel, name: str) -> tuple[int | None,
         places = " and ".join(f"after pulse {after} of the record" for after in fitting)
         raise UsageError(
             f"{name}: there are {len(fitting)} gaps of {wheel.missing_teeth} teeth in every turn, {places}: which "
-            "is the gap cannot be told; name the channel of an index pulse (index:), or the number of the tooth"
+            f"is the gap cannot be told; if it has them all, give pattern: {gaps} in place of missing_teeth"
         )
     if not fitting:
         few = f" in the {turns} turns of the record, of which {FEWEST_TURNS} are needed" if turns < FEWEST_TURNS else ""

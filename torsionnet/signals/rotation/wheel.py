@@ -9,7 +9,8 @@ from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, Flag, Text
-from torsionnet.core.errors import Fault
+from torsionnet.core.errors import Fault, UsageError
+from torsionnet.signals.rotation.stated_pattern import ToothPlaces, is_stated, stated_places
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,9 +30,33 @@ class Wheel(Declared):
     missing_teeth: int = entry(Count("teeth that the gap lacks, as 2 of a wheel 60-2", lower=0), 0)
     ratio: float = entry(Value("turns of the reference shaft per turn of the wheel", "1", exclusive=True), 1.0)
     reversed: bool = entry(Flag("whether the wheel turns against the sense of the model"), False)
-    pattern: str = entry(Text("file of its pitch pattern, from the folder of this file"), "")
+    pattern: str = entry(
+        Text("file of its pitch pattern, from the folder of this file; or where its teeth stand: "
+             "4 teeth, 2 missing, 2 teeth, 1 missing; or 0, 80, 180, 270 deg"), "",
+    )  # fmt: skip
 
     def contradictions(self) -> list[Fault]:
         if self.missing_teeth and self.missing_teeth >= self.teeth - 1:
             return [Fault(f"a wheel of {self.teeth} teeth cannot lack {self.missing_teeth}", ("missing_teeth",))]
+        try:
+            stated = self.stated
+        except UsageError as error:
+            return [Fault(str(error), ("pattern",))]
+        if stated and self.missing_teeth:
+            return [Fault("the pattern states the gaps already; leave missing_teeth out", ("missing_teeth",))]
         return []
+
+    @property
+    def stated(self) -> ToothPlaces | None:
+        """Places of the teeth of the wheel where its pattern states them."""
+        return stated_places(self.pattern, self.teeth) if is_stated(self.pattern) else None
+
+    @property
+    def pattern_file(self) -> str:
+        """File of the wheel's pitch pattern; empty where there is none."""
+        return "" if is_stated(self.pattern) else self.pattern
+
+    @property
+    def shows_tooth_0(self) -> bool:
+        """Whether the wheel itself tells which tooth is 0, by its gap or by the pattern stated."""
+        return self.missing_teeth > 0 or self.stated is not None

@@ -123,6 +123,8 @@ def calibrate_wheel(
         raise UsageError("two pickups need the angle between them, to better than half a pitch")
     if any(paired) and not all(paired):
         raise UsageError("give the second pickup in each record, or in none")
+    if wheel.stated:
+        raise UsageError("a calibration needs a wheel of even teeth with one gap at most; its pattern states others")
     orders = order_set(wheel, cycle)
     rotations = _aligned(tests, [_rotation(test, wheel) for test in tests], wheel, angle)
     between = (angle or 0.0) % (2 * np.pi)

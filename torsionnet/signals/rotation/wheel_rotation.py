@@ -13,15 +13,16 @@ from torsionnet.core.errors import UsageError
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.measured.wheel_pattern import WheelPattern
 from torsionnet.response.recording import FloatArray
-from torsionnet.signals.bandlimited import Rotation
+from torsionnet.signals.bandlimited import Rotation, smooth_course
 from torsionnet.signals.pulse_train import refuse_unlikely_unit
-from torsionnet.signals.pulses import repaired_pulses
+from torsionnet.signals.pulses import check_pulses, repaired_pulses
 from torsionnet.signals.rotation.gap_filling import filled_band
 from torsionnet.signals.rotation.pattern_checks import check_pattern
 from torsionnet.signals.rotation.pattern_matching import first_tooth
 from torsionnet.signals.rotation.pulse_deviations import PulseDeviations, seen_deviations
 from torsionnet.signals.rotation.quadrature import DirectedPulses
 from torsionnet.signals.rotation.reversing import ReversingRotation
+from torsionnet.signals.rotation.stated_pattern import ToothPlaces, lobes_in_words, matched_pulses
 from torsionnet.signals.rotation.tooth_zero import tooth_after_gap, tooth_after_index
 from torsionnet.signals.rotation.turning_back import refuse_turning_back
 from torsionnet.signals.rotation.wheel import Wheel
@@ -30,6 +31,8 @@ HALF_WIDTH_DEVIATIONS = 1.96
 """Half width of the 95 % interval of a normal variable over its standard deviation."""
 MOST_LISTED_ORDERS = 6
 """Most orders that a message lists one by one; more are named by the first and the last."""
+FOLLOWED_KNOTS = 8
+"""Knots per turn of the course beside which errors of pulses are seen: it follows low orders, which are vibration."""
 MOST_ALTERNATION = 0.03
 """Pitches by which every second tooth may stand beside the middle of its neighbours: those of a wheel stand within some
 hundredths, flanks of either kind by how much wider teeth are than what is between them."""
@@ -64,6 +67,8 @@ class WheelRotation:
         Whether two tracks showed that the wheel turns backwards all the time.
     repairs : int
         Number of pulses that were left out, or were missing and counted.
+    gap_band : float or None
+        Share of the orders up to half the teeth that gaps leave; by default that of the gap of the wheel.
     """
 
     name: str
@@ -77,6 +82,7 @@ class WheelRotation:
     zero: str = "the tooth of the first pulse"
     backwards: bool = False
     repairs: int = 0
+    gap_band: float | None = None
 
     def angle(self, times: FloatArray) -> FloatArray:
         """Angle of the reference shaft in rad at times in s between first and last pulse, shape (n,).
@@ -130,7 +136,8 @@ class WheelRotation:
     @property
     def highest_order(self) -> float:
         """Highest order of the reference shaft that the teeth tell, with the part that interpolation and gap leave."""
-        return self.alias_order * min(self.rotation.kept_band, filled_band(self.wheel.missing_teeth))
+        gap_band = filled_band(self.wheel.missing_teeth) if self.gap_band is None else self.gap_band
+        return self.alias_order * min(self.rotation.kept_band, gap_band)
 
     def aliased(self, order: float) -> float:
         """Order that an order of the reference shaft reads as, itself up to half the teeth."""
@@ -225,12 +232,15 @@ def wheel_rotation(
         backwards = bool(channel.numbers[-1] < 0)
     else:
         refuse_turning_back(channel.times, channel.name)
+    stated = wheel.stated
     try:
         if not channel.unit_known:
             refuse_unlikely_unit(channel.times, wheel.teeth / wheel.ratio)
+        if stated is not None:
+            return _of_stated(channel, wheel, stated, index, first)
         found = repaired_pulses(channel.times)
     except UsageError as error:
-        raise UsageError(f"{channel.name}: {error}") from None
+        raise UsageError(f"{channel.name}: {error}{lobes_in_words(channel.times, wheel.teeth)}") from None
     after_gap, gap = tooth_after_gap(found, wheel, channel.name) if first is None else (None, "")
     found = replace(found, period=wheel.teeth if wheel.missing_teeth else 0)
     remarks, repairs, zero = found.remarks, len(found.spurious) + found.irregular.total, "the tooth of the first pulse"
@@ -254,13 +264,34 @@ def wheel_rotation(
     if pattern is None and rotation.alternation > MOST_ALTERNATION:
         raise UsageError(
             f"{channel.name}: every second pulse stands {rotation.alternation:.2g} pitches beside the middle of its "
-            "neighbours: are rising and falling flanks both counted? take one kind (edge: rising); if the teeth do "
-            "stand so, calibrate the wheel elsewhere and give its pattern"
+            "neighbours: are rising and falling flanks both counted? take one kind (edge: rising), or give the pattern "
+            f"of the wheel{lobes_in_words(found.times, wheel.teeth)}"
         )
-    deviations = _deviations(channel, wheel, pattern, found.times, found.numbers, rotation, offsets)
+    deviations = _deviations(channel, wheel, pattern, found.times, found.numbers, offsets)
     numbers = found.numbers + first if first else found.numbers
     return WheelRotation(
         channel.name, wheel, found.times, numbers, rotation, remarks, deviations, gap, zero, backwards, repairs
+    )  # fmt: skip
+
+
+def _of_stated(
+    channel: PulseChannel, wheel: Wheel, stated: ToothPlaces, index: PulseChannel | None, first: int | None
+) -> WheelRotation:
+    """Rotation by a wheel whose pattern states where its teeth stand; places without a tooth count as its teeth."""
+    times = check_pulses(channel.times)
+    places, offsets = matched_pulses(times, stated)
+    rotation = Rotation(times, places - places[0], stated.count, offsets)
+    zero = "the first tooth of the pattern"
+    if first is not None:
+        places, zero = places - places[0] + first, "the tooth given"
+    elif index is not None:
+        places = places - places[0] + tooth_after_index(rotation, times, index, stated.count, channel.name)
+        zero = f"the first place at or after a pulse of {index.name}"
+    even = replace(wheel, teeth=stated.count, missing_teeth=stated.widest, pattern="")
+    deviations = _deviations(channel, even, None, times, places, offsets)
+    return WheelRotation(
+        channel.name, even, times, places, rotation, deviations=deviations, zero=zero, gap_band=stated.band,
+        gap=f"pattern of {len(stated.places)} teeth on {stated.count} places",
     )  # fmt: skip
 
 
@@ -297,15 +328,15 @@ def _deviations(
     pattern: WheelPattern | None,
     times: FloatArray,
     numbers: NDArray[np.intp],
-    rotation: Rotation,
     offsets: FloatArray | None,
 ) -> PulseDeviations:
     pitch = 2 * np.pi / wheel.teeth
+    passed = numbers - numbers[0]
+    standing = np.asarray(passed + (0.0 if offsets is None else offsets), dtype=np.float64)
+    course = smooth_course(times, standing, passed, round(wheel.teeth / FOLLOWED_KNOTS))
 
     def read(part: slice) -> tuple[FloatArray, FloatArray]:
-        standing = numbers[part] - numbers[0] + (0.0 if offsets is None else offsets[part])
-        residuals = pitch * (standing - rotation.mean_rotation(times[part]))
-        return residuals, pitch * rotation.mean_rotation(times[part], 1)
+        return pitch * (standing[part] - course(times[part])), pitch * course(times[part], 1)
 
     jitter, places = seen_deviations(read, numbers, wheel.teeth)
     return PulseDeviations(channel.tick, jitter, places, None if pattern is None else _known(pattern))
