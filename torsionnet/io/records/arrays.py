@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from torsionnet.io.foreign.content import (
 )
 from torsionnet.io.records.axes import other_axis
 from torsionnet.io.records.recording_description import with_description
-from torsionnet.io.records.source import FileChannel, Source, is_time, names_a_rate
+from torsionnet.io.records.source import FileChannel, Source, clock_entry, is_time, nearest, structure_of
 from torsionnet.response.recording import FloatArray
 
 MOST_COLUMNS = 256
@@ -29,22 +30,26 @@ MOST_COLUMNS = 256
 
 
 def array_source(arrays: Sequence[StoredArray], blocks: Blocks, stored: str, title: str) -> Source:
-    """Channels and sampling rate in Hz of a recording from named arrays.
+    """Channels, sampling rate in Hz and start in s of a recording from named arrays.
 
-    A number named ``fs`` or the like is the rate, other single numbers are left out.
+    Numbers named ``fs``, ``dt``, ``Tstart`` or the like tell the clock, of a structure that of its fields; other
+    single numbers are left out. ``blocks`` knows the arrays by their place in ``arrays``.
 
-    ``blocks`` knows the arrays by their place in ``arrays``.
+    Raises
+    ------
+    ValueError
+        Such a number is no rate or interval, or two of them contradict each other.
     """
-    channels, places, notes, rate = list[FileChannel](), list[tuple[int, int]](), list[str](), None
+    channels, places, notes, clocks = list[FileChannel](), list[tuple[int, int]](), list[str](), dict[str, _Numbers]()
     for number, item in enumerate(arrays):
         if len(item.shape) > 2 or item.attributes.get(COMPLEX):
             continue
         rows, columns = (*item.shape, 1, 1)[:2]
         if rows == columns == 1 and not stored:
-            is_rate = names_a_rate(item.name)
-            rate = item.value if is_rate else rate
-            what = "was taken for the sampling rate" if is_rate else "is a single number, no channel"
-            notes.append(f"{item.name} {what}")
+            kind = clock_entry(item.name)
+            if kind:
+                clocks.setdefault(structure_of(item.name), {})[kind] = (item.name, float(item.value or 0.0))
+            notes.append(f"{item.name} {_TAKEN[kind]}")
         elif columns > MOST_COLUMNS:
             notes.append(f"{item.name} was left out: {rows} by {columns} numbers are no channels")
         else:
@@ -52,10 +57,40 @@ def array_source(arrays: Sequence[StoredArray], blocks: Blocks, stored: str, tit
                 name = item.name if columns == 1 else f"{item.name}_{column + 1}"
                 channels.append(channel_of(item, len(channels), name, attribute_text(item, *UNIT_NAMES)))
                 places.append((number, column))
+    found = {structure: _rate_and_start(numbers) for structure, numbers in clocks.items()}
+    rate, start = next(iter(found.values())) if len(found) == 1 else (None, 0.0)
+    if len(found) > 1:
+        channels = [_clocked(channel, nearest(channel.name, found)) for channel in channels]
     source = Source(
-        _with_scales(channels, arrays, places), by_column(blocks, places), rate=rate, title=title, notes=tuple(notes)
-    )
+        _with_scales(channels, arrays, places), by_column(blocks, places), rate=rate, start=start, title=title,
+        notes=tuple(notes),
+    )  # fmt: skip
     return with_description(source, stored)
+
+
+_Numbers: TypeAlias = dict[str, tuple[str, float]]
+_TAKEN = {
+    "rate": "was taken for the sampling rate", "interval": "was taken for the sampling interval in s",
+    "start": "was taken for the time of the first sample in s", "": "is a single number, no channel",
+}  # fmt: skip
+SAME_RATE = 1e-6
+"""Relative difference up to which a rate and an interval in one file agree."""
+
+
+def _rate_and_start(numbers: _Numbers) -> tuple[float | None, float]:
+    """Sampling rate in Hz and start in s by the numbers of a file or structure that tell them."""
+    for kind in ("rate", "interval"):
+        name, value = numbers.get(kind, ("", 1.0))
+        if not 0 < value < np.inf:
+            raise ValueError(f"{name} is {value:g}, which is no sampling {kind}")
+    (rated, rate), (spaced, interval) = numbers.get("rate", ("", 0.0)), numbers.get("interval", ("", 0.0))
+    if rate and interval and abs(rate * interval - 1) > SAME_RATE:
+        raise ValueError(f"{rated} says {rate:g} Hz, {spaced} {interval:g} s between samples: {1 / interval:g} Hz")
+    return rate or (1 / interval if interval else None), numbers.get("start", ("", 0.0))[1]
+
+
+def _clocked(channel: FileChannel, clock: tuple[float | None, float] | None) -> FileChannel:
+    return channel if clock is None or channel.rate else replace(channel, rate=clock[0], start=clock[1])
 
 
 def _with_scales(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.errors import Position
@@ -13,9 +14,18 @@ from torsionnet.signals.rotation.pulse_reading import PulseReading
 
 TIME_NAMES = frozenset({"time", "times", "zeit", "tid", "temps", "timestamp", "timestamps", "time stamp", "x-time"})
 """Names of channels that are taken for time stamps in several languages, in lower case."""
-RATE_NAMES = frozenset({"fs", "sampling_rate", "sample_rate", "samplerate", "samplingrate", "abtastrate"})
-"""Names of single numbers in a file that are taken for the sampling rate, in lower case."""
+CLOCK_NAMES = {
+    "rate": frozenset({"fs", "sampling_rate", "sample_rate", "samplerate", "samplingrate", "abtastrate"}),
+    "interval": frozenset({
+        "dt", "ts", "tinterval", "delta_t", "deltat", "sampling_interval", "sample_interval", "samplinginterval",
+        "sampleinterval", "sampling_time", "sample_time", "sampletime", "tsample", "tinc", "xincrement", "abtastintervall",
+    }),
+    "start": frozenset({"tstart", "t0", "tstart0", "start_time", "starttime", "startzeit", "xorigin"}),
+}  # fmt: skip
+"""Names of single numbers in a file that are taken for the sampling rate in Hz, or sampling interval or start in s, in
+lower case."""
 
+T = TypeVar("T")
 NOWHERE = -1
 """Column of a channel without values, for which a file has no array."""
 
@@ -100,7 +110,7 @@ class Source:
 
         Where structures or groups have time stamps each, channels have those of the nearest.
         """
-        named = {_structure(one.name): one for one in reversed(self.channels) if is_time(one) and _has_time_name(one)}
+        named = {structure_of(one.name): one for one in reversed(self.channels) if is_time(one) and _has_time_name(one)}
         if len(named) > 1 or any(channel.rate or channel.clock for channel in self.channels):
             clocks = {
                 *(one.column for one in named.values()),
@@ -108,7 +118,7 @@ class Source:
             }
             rest = [channel for channel in self.channels if channel.column not in clocks]
             own = [
-                one if one.rate or one.clock or one.over else replace(one, clock=_nearest(one.name, named))
+                one if one.rate or one.clock or one.over else replace(one, clock=nearest(one.name, named))
                 for one in rest
             ]
             return replace(self, channels=tuple(own))
@@ -119,15 +129,16 @@ class Source:
         return self
 
 
-def _structure(name: str) -> str:
+def structure_of(name: str) -> str:
+    """Structure that a field of a file is in, empty for one in none."""
     return name.rpartition(".")[0]
 
 
-def _nearest(name: str, clocks: Mapping[str, FileChannel]) -> FileChannel | None:
-    """Time stamps of the structure that a channel is in, or of the nearest around it; None where none has any."""
-    inside = _structure(name)
+def nearest(name: str, clocks: Mapping[str, T]) -> T | None:
+    """Clock of the structure that a channel is in, or of the nearest around it; None where none has any."""
+    inside = structure_of(name)
     while inside and inside not in clocks:
-        inside = _structure(inside)
+        inside = structure_of(inside)
     return clocks.get(inside)
 
 
@@ -151,7 +162,14 @@ def _has_time_name(channel: FileChannel) -> bool:
     return name == "t" or name.casefold() in TIME_NAMES  # T is a torque
 
 
-def names_a_rate(name: str) -> bool:
-    """Whether a number of this name is the sampling rate, such as ``fs``, ``Sample_Rate``, ``d.Time_Sample_Rate``."""
+def clock_entry(name: str) -> str:
+    """What a single number of this name tells of the clock, ``rate``, ``interval`` or ``start``, empty for nothing.
+
+    >>> clock_entry("fs"), clock_entry("d.Time_Sample_Rate"), clock_entry("Tinterval"), clock_entry("Length")
+    ('rate', 'rate', 'interval', '')
+    """
     folded = name.rpartition(".")[2].casefold()
-    return folded in RATE_NAMES or any(folded.endswith(f"_{known}") for known in RATE_NAMES if known != "fs")
+    for kind, names in CLOCK_NAMES.items():
+        if folded in names or any(folded.endswith(f"_{known}") for known in names if len(known) > 2):
+            return kind
+    return ""
