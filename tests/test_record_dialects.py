@@ -141,3 +141,108 @@ class TestTdms:
             ModelError, match=r"500 Hz from 0.5 s \(b\); 1000 Hz from 0 s \(a\); sampling_rate= chooses"
         ):
             self.waves(tmp_path, (0.0, 0.5), (1e-3, 2e-3))
+
+
+VOLTS = np.round(np.random.default_rng(0).normal(size=(50, 2)), 5)
+
+
+def scope(heading, row):
+    return heading + "".join(row(at, *pair) for at, pair in enumerate(VOLTS))
+
+
+SCOPES = {
+    "PicoScope": (scope("Time,Channel A,Channel B\n(ms),(V),(mV)\n\n", lambda at, a, b: f"{at * 0.04 - 1:.8f},{a},{b}\n"),
+                  ("Channel A", "Channel B"), 25e3, -0.001),
+    "PicoScope in German": (scope("Zeit;Kanal A;Kanal B\n(ms);(V);(V)\n\n",
+                                  lambda at, a, b: f"{at * 0.04 - 1:.8f};{a};{b}\n".replace(".", ",")),
+                            ("Kanal A", "Kanal B"), 25e3, -0.001),
+    "PicoScope in whole microseconds": (scope("Time,Channel A,Channel B\n(µs),(V),(V)\n\n", lambda at, a, b: f"{at * 40},{a},{b}\n"),
+                                        ("Channel A", "Channel B"), 25e3, 0.0),
+    "Keysight": (scope("x-axis,1,2\nsecond,Volt,Volt\n", lambda at, a, b: f"{at * 4e-5 - 84.48e-6:.5E},{a:+.5E},{b:+.5E}\n"),
+                 ("1", "2"), 25e3, -84.48e-6),
+    "Rigol DS1000Z": (scope("X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,-5.88E-02,1.00E-04,\n",
+                            lambda at, a, b: f"{at},{a},{b},\n"), ("CH1", "CH2"), 1e4, -0.0588),
+    "Rigol DS1000E": (scope("Time,X(CH1),X(CH2),\nSecond,Volt,Volt,\n", lambda at, a, b: f"{at * 1e-4:.6e},{a},{b},\n"),
+                      ("X(CH1)", "X(CH2)"), 1e4, 0.0),
+    "Rigol MSO5000": (scope("CH1(V),CH2(V),t0 = -25s, tInc = 2e-06s,\n", lambda _, a, b: f"{a},{b},,\n"),
+                      ("CH1", "CH2"), 5e5, -25.0),
+}  # fmt: skip
+
+
+class TestOscilloscopes:
+    @pytest.mark.parametrize("case", SCOPES)
+    def test_names_units_and_clock_are_read(self, tmp_path, case):
+        text, names, rate, start = SCOPES[case]
+        found = read_recording(write(tmp_path, text))
+        assert (found.names, found.times) == (names, None)
+        assert (found.sampling_rate, found.start) == (
+            pytest.approx(rate, rel=1e-12),
+            pytest.approx(start, rel=1e-6, abs=1e-12),
+        )
+        np.testing.assert_array_equal([signal.values for signal in found], VOLTS.T)
+        assert all("in V" in signal.notes[0] or "in mV" in signal.notes[0] for signal in found)
+
+    def test_a_single_channel_below_whole_numbers_is_no_decimal_comma(self, tmp_path):
+        text = "Time,Channel A\n(ms),(N·m)\n\n" + "".join(f"{at},{at % 7}\n" for at in range(50))
+        found = read_recording(write(tmp_path, text))
+        assert (found.sampling_rate, found["Channel A"].quantity, found["Channel A"].values[8]) == (
+            1000.0,
+            "torque",
+            1.0,
+        )
+
+    def test_a_value_beyond_the_range_is_infinite(self, tmp_path):
+        text = "Time,Channel A\n(ms),(V)\n\n" + "".join(f"{at},{'-∞' if at == 7 else 1.5}\n" for at in range(50))
+        assert read_recording(write(tmp_path, text))["Channel A"].values[6:9].tolist() == [1.5, -np.inf, 1.5]
+
+    def test_an_interval_of_zero_is_refused(self, tmp_path):
+        with pytest.raises(ModelError, match="the heading says 0 s between samples"):
+            read_recording(write(tmp_path, SCOPES["Rigol DS1000Z"][0].replace("1.00E-04", "0")))
+
+    def test_a_fault_has_its_place_below_a_blank_line(self, tmp_path):
+        text = SCOPES["PicoScope"][0].replace(f"{VOLTS[3, 1]}\n", "x\n")
+        with pytest.raises(ModelError, match=r'r.csv:7:\d+: error: "x" is not a number'):
+            read_recording(write(tmp_path, text))
+
+
+class TestNumbersThatTellTheClock:
+    """Arrays with a rate, an interval or a start beside them, written by scipy and numpy."""
+
+    @pytest.mark.parametrize(("numbers", "rate", "start"), [
+        ({"Tstart": -0.01, "Tinterval": 4e-5, "Length": 50.0, "Version": "6.14"}, 25e3, -0.01), ({"dt": 0.001}, 1000.0, 0.0),
+        ({"fs": 2048.0, "t0": 3.0}, 2048.0, 3.0), ({"Fs": 1e4, "dt": 1e-4}, 1e4, 0.0), ({"sample_interval": 0.5}, 2.0, 0.0),
+    ])  # fmt: skip
+    @pytest.mark.parametrize("ending", [".mat", ".npz"])
+    def test_by_their_names(self, tmp_path, numbers, rate, start, ending):
+        from scipy.io import savemat
+
+        content, path = (
+            {"A": np.float32(VOLTS[:, :1]), "B": np.float32(VOLTS[:, 1:]), **numbers},
+            tmp_path / f"r{ending}",
+        )
+        savemat(path, content) if ending == ".mat" else np.savez(path, **content)
+        found = read_recording(path)
+        assert (found.names, found.sampling_rate, found.start) == (("A", "B"), pytest.approx(rate, rel=1e-14), start)
+        np.testing.assert_array_equal(found["B"].values, np.float32(VOLTS[:, 1]))
+
+    def test_of_each_structure_its_own(self, tmp_path):
+        from scipy.io import savemat
+
+        savemat(tmp_path / "r.mat", {"a": {"T": VOLTS[:, 0], "dt": 0.001}, "b": {"w": VOLTS[:, 1], "fs": 500.0}})
+        for name, rate in (("a.T", 1000.0), ("b.w", 500.0)):
+            assert (
+                read_recording(tmp_path / "r.mat", names={name: "x"}, quantities={name: "torque"}).sampling_rate == rate
+            )
+        with pytest.raises(ModelError, match="500 Hz"):
+            read_recording(tmp_path / "r.mat")
+
+    @pytest.mark.parametrize(("numbers", "message"), [
+        ({"dt": 0.0}, "dt is 0, which is no sampling interval"), ({"fs": -1.0}, "fs is -1, which is no sampling rate"),
+        ({"fs": 999.0, "dt": 0.001}, "fs says 999 Hz, dt 0.001 s between samples: 1000 Hz"),
+    ])  # fmt: skip
+    def test_that_contradict_are_refused(self, tmp_path, numbers, message):
+        from scipy.io import savemat
+
+        savemat(tmp_path / "r.mat", {"T": VOLTS[:, 0], **numbers})
+        with pytest.raises(ModelError, match=message):
+            read_recording(tmp_path / "r.mat")

@@ -15,7 +15,7 @@ from torsionnet.core.delimited.stamp_formats import is_date, is_stamp
 SEPARATORS = (";", "\t", ",", " ")
 """Characters that may separate cells of a text file, tried in this order; a blank stands for any white space."""
 _NAMES = {";": "semicolon", "\t": "tab", ",": "comma", " ": "white space"}
-_NUMBER = r"[+-]?(?:(?:\d+(?:{0}\d*)?|{0}\d+)(?:[eEdD][+-]?\d+)?|inf(?:inity)?|nan)"
+_NUMBER = r"[+-]?(?:(?:\d+(?:{0}\d*)?|{0}\d+)(?:[eEdD][+-]?\d+)?|inf(?:inity)?|nan|[+-]?∞)"
 """Regular expression of a decimal number; the braces stand for the decimal sign."""
 _NUMBERS = {
     ".": re.compile(_NUMBER.format(r"\."), re.IGNORECASE),
@@ -60,7 +60,7 @@ class Dialect:
         >>> Dialect(";", ",").number("-1,5D+03")
         -1500.0
         """
-        return float(cell.replace(",", ".").upper().replace("D", "E"))
+        return float(cell.replace(",", ".").upper().replace("D", "E").replace("∞", "INF"))
 
     def __str__(self) -> str:
         return (
@@ -105,8 +105,9 @@ def _score(dialect: Dialect, lines: Sequence[str]) -> tuple[int, int, int, bool]
         return 0, 0, 0, False
     width = len(dialect.cells(lines[first]))
     rows = sum(dialect.is_data(line) and len(dialect.cells(line)) == width for line in lines[first:])
+    above = next((line for line in reversed(lines[:first]) if line.strip()), None)
     # A heading of as many cells settles 1,5 (one number, or two), best one of several.
-    like_heading = first > 0 and width == len(dialect.cells(lines[first - 1])) and 3 * rows > len(lines) - first
+    like_heading = above is not None and width == len(dialect.cells(above)) and 3 * rows > len(lines) - first
     return like_heading * (1 + (width > 1)), rows, width, dialect.separator != " "
 
 

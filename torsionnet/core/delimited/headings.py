@@ -32,6 +32,9 @@ _FOLDED = {
     "days": "d",
     "hertz": "Hz",
 }
+ELECTRICAL = frozenset({"v", "mv", "kv", "volt", "volts", "a", "ma", "amp", "ampere", "amps", "w", "watt"})
+"""Units, in lower case, that have no place in mechanics, and by which a row of units is recognised."""
+_ENCLOSED = re.compile(r"\([^()]*\)|\[[^\[\]]*\]")
 _PRODUCT = re.compile(r"(?<=[A-Za-z])\s*[.\-]\s*(?=[A-Za-z])")
 _POWER = re.compile(r"(?<=[A-Za-z])-(?=\d)")
 _SECONDS = re.compile(r"\bsec\b"), re.compile(r"\b(?:s|sec)2\b")
@@ -50,7 +53,7 @@ class Headings:
 
 def headings(dialect: Dialect, above: Sequence[str], width: int) -> Headings:
     """Names and units of ``width`` columns of numbers, read from the lines above the numbers."""
-    rows = [dialect.cells(line) for line in above[-2:]]
+    rows = [dialect.cells(line) for line in [line for line in above if line.strip()][-2:]]
     if len(rows) == 2 and _is_units(rows[1], width) and len(rows[0]) == width:
         units = tuple(cell.strip("[]() ") if cell != "-" else "" for cell in rows[1])
         return Headings(_named(rows[0]), units, 2, ("names and units from two rows of headings",))
@@ -106,8 +109,13 @@ def plain_unit(unit: str) -> str:
 
 
 def _is_units(cells: Sequence[str], width: int) -> bool:
-    filled = [cell.strip("[]() ") for cell in cells if cell.strip("[]()- ")]
-    return len(cells) == width and bool(filled) and 2 * sum(map(is_unit, filled)) >= len(filled)
+    filled = [cell for cell in cells if cell.strip("[]()- ")]
+    # The rows of units of oscilloscopes: (ms),(V) of PicoScope, second,Volt of Keysight and Rigol.
+    known = sum(
+        cell.strip("[]() ").casefold() in ELECTRICAL or is_unit(cell.strip("[]() ")) or bool(_ENCLOSED.fullmatch(cell))
+        for cell in filled
+    )
+    return len(cells) == width and bool(filled) and 2 * known >= len(filled)
 
 
 def _named(names: Sequence[str]) -> tuple[str, ...]:

@@ -18,9 +18,10 @@ CLOCK_NAMES = {
     "rate": frozenset({"fs", "sampling_rate", "sample_rate", "samplerate", "samplingrate", "abtastrate"}),
     "interval": frozenset({
         "dt", "ts", "tinterval", "delta_t", "deltat", "sampling_interval", "sample_interval", "samplinginterval",
-        "sampleinterval", "sampling_time", "sample_time", "sampletime", "tsample", "tinc", "xincrement", "abtastintervall",
+        "sampleinterval", "sampling_time", "sample_time", "sampletime", "tsample", "tinc", "xincrement",
+        "abtastintervall",
     }),
-    "start": frozenset({"tstart", "t0", "tstart0", "start_time", "starttime", "startzeit", "xorigin"}),
+    "start": frozenset({"tstart", "t0", "start_time", "starttime", "startzeit", "xorigin"}),
 }  # fmt: skip
 """Names of single numbers in a file that are taken for the sampling rate in Hz, or sampling interval or start in s, in
 lower case."""
@@ -163,7 +164,7 @@ def _has_time_name(channel: FileChannel) -> bool:
 
 
 def clock_entry(name: str) -> str:
-    """What a single number of this name tells of the clock, ``rate``, ``interval`` or ``start``, empty for nothing.
+    """Entry of the clock that a single number of this name is, ``rate``, ``interval`` or ``start``, empty for none.
 
     >>> clock_entry("fs"), clock_entry("d.Time_Sample_Rate"), clock_entry("Tinterval"), clock_entry("Length")
     ('rate', 'rate', 'interval', '')

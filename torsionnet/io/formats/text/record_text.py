@@ -19,6 +19,7 @@ from torsionnet.io.formats.text.channel_lengths import check_lengths, count_empt
 from torsionnet.io.formats.text.csv_columns import description_in, write_columns
 from torsionnet.io.formats.text.labview_lines import is_labview
 from torsionnet.io.formats.text.labview_text import labview_source
+from torsionnet.io.formats.text.oscilloscopes import ScopeHeading, scope_heading
 from torsionnet.io.records.recording_description import (
     KEY,
     TIME,
@@ -60,18 +61,33 @@ def open_source(path: Path, separator: str | None = None, decimal: str | None = 
             raise ModelError([_no_data(path, lines)], path.name)
         row = dialect.cells(body[first])
         stamped = stamp_columns(row)
-        heading = _headings(dialect, body[:first], len(row), stamped)
+        above = body[: first - next((at for at in range(first) if body[first - 1 - at].strip()), first)]
+        scope = scope_heading(dialect, above, len(row))
+        heading = scope.headings if scope else _headings(dialect, above, len(row), stamped)
         file.seek(0)
         for _ in range(skipped + first):
             file.readline()
         described = description_in(comments, KEY)
-        source = _source(path, file, dialect, heading, skipped + first, lines, stamped, own=described is not None)
-        notes = _notes(dialect, encoding, first - heading.lines, heading)
-        yield with_description(source, described) if described is not None else _with_notes(source, notes)
+        place = Position(path.name, skipped + len(above), 1, 1, above[-1].rstrip()[:200]) if heading.lines else None
+        source = _source(
+            path, file, dialect, heading, (skipped + first, place), lines, stamped, own=described is not None
+        )
+        notes = _notes(dialect, encoding, len(above) - heading.lines, heading)
+        if scope:
+            source = _with_stated_clock(source, scope)
+        yield with_description(source, described) if described is not None else _with_notes(source, notes, scope)
 
 
-def _with_notes(source: Source, notes: tuple[str, ...]) -> Source:
-    found = with_table_clocks(source.with_time_channel())
+def _with_stated_clock(source: Source, scope: ScopeHeading) -> Source:
+    """Source of an oscilloscope's file without its counts of samples, with the clock of its heading."""
+    if not scope.interval > 0:
+        raise ValueError(f"the heading says {scope.interval:g} s between samples; the time between two is positive")
+    channels = tuple(one for one in source.channels[scope.skipped :] if one.name)
+    return replace(source, channels=channels, rate=1 / scope.interval, start=scope.start)
+
+
+def _with_notes(source: Source, notes: tuple[str, ...], scope: ScopeHeading | None) -> Source:
+    found = source if scope else with_table_clocks(source.with_time_channel())
     source.discovered[:0] = notes
     return found
 
@@ -109,7 +125,7 @@ def _source(
     file: io.TextIOWrapper,
     dialect: Dialect,
     heading: Headings,
-    first: int,
+    begin: tuple[int, Position | None],
     lines: Sequence[str],
     stamped: Sequence[tuple[int, ...]],
     *,
@@ -117,7 +133,7 @@ def _source(
 ) -> Source:
     discovered: list[str] = []
     width, start = len(heading.names), file.tell()
-    place = Position(path.name, first, 1, 1, lines[first - 1].rstrip()[:200]) if heading.lines else None
+    first, place = begin
     channels = [
         FileChannel(name, column, unit, position=place)
         for column, (name, unit) in enumerate(zip(heading.names, heading.units, strict=True))
