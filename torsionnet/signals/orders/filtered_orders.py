@@ -109,11 +109,13 @@ def _results(
         speeds = shaft.speed(times)
         mark = zero if number == 0 else PhaseReference(float(shaft.angles[0]), "")
         kept = values[:, mine]
-        wide = np.hypot(widths[:, mine], one.uncertain(orders)[:, None] if number == 0 else 0.0)
+        within = settings.bandwidths(np.outer(orders, speeds / (2 * np.pi)))
+        cycles = np.maximum(speeds / (2 * np.pi * shaft.cycle) / within, 1)
+        seen = np.sqrt(cycles) * widths[:, mine]
+        wide = np.hypot(widths[:, mine], one.uncertain(orders, speeds, seen) if number == 0 else 0.0)
         ranges = half_ranges(kept, orders, shaft.cycle)
         notes = (*shaft.notes, said, *crossing, *one.notes)
-        bandwidths = settings.bandwidths(np.outer(orders, speeds / (2 * np.pi))).mean(axis=1)
-        related = tuple((settings.related_bandwidths / bandwidths).tolist())
+        related = tuple((settings.related_bandwidths / within.mean(axis=1)).tolist())
         if number:
             notes = (*notes, f"orders of {shaft.name}")
         found.append([

@@ -146,11 +146,12 @@ def averaged_orders(
     blocks = list(
         averaged_blocks(one.read, shared, wanted, begins, one.per_cycle, one.transmitted, zero.angle, one.lost)
     )
-    widths = np.hypot(half_widths(blocks), one.uncertain(wanted)[:, None])
+    scattered, counts = half_widths(blocks), np.array([block.count for block in blocks]).T
     values = np.moveaxis(np.array([block.values for block in blocks]), 0, -1)
     bounds = shared.ends[begins]
     times = (bounds[1:] + bounds[:-1]) / 2
     speeds = np.diff(shared.angles[begins]) / np.diff(bounds)
+    widths = np.hypot(scattered, one.uncertain(wanted, speeds, np.sqrt(counts)[:, None] * scattered))
     size = "blocks of whole cycles" if method.step else f"blocks of {method.cycles} cycles"
     said = f"synchronous average over {size} of {mean.cycle} turns, intervals from the scatter between cycles"
     ranges = np.array([block.half_range for block in blocks]).T

@@ -19,6 +19,8 @@ from torsionnet.signals.rotation.wheel_rotation import WHOLE_ORDER, WheelRotatio
 
 SAMPLES_PER_TOOTH = 4
 """Samples in a pitch of a wheel, so that the highest order it holds has eight in a period."""
+VIBRATION_POINTS = 257
+"""Points of two cycles at which the vibration of a wheel is read that moves its teeth to other angles."""
 NORMAL_HALF_WIDTH = 1.96
 """Half width of a 95 % interval in standard deviations."""
 IMAGES = 3
@@ -46,7 +48,8 @@ class Tracked:
     samples : callable
         Times and values of the samples between two times, (n,) and (n_signals, n).
     uncertain : callable
-        Half width that the signal itself leaves in each order, SI, (n_orders,).
+        Half width of what repeats in each order (n_orders,) at speeds in rad/s (n,), SI, (n_orders, n), besides that
+        which the scatter from cycle to cycle shows in a single one.
     lost : callable
         Whether each signal dropped out between neighbours of the times (n + 1,) in s, (n_signals, n), where it can.
     remarks : callable
@@ -61,7 +64,7 @@ class Tracked:
     per_cycle: Callable[[float], int]
     transmitted: Callable[[float], FloatArray]
     samples: Callable[[float, float], tuple[FloatArray, FloatArray]]
-    uncertain: Callable[[FloatArray], FloatArray]
+    uncertain: Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
     notes: tuple[str, ...] = ()
     lost: Callable[[FloatArray], NDArray[np.bool_]] | None = None
     remarks: Callable[[str], tuple[str, ...]] = lambda _: ()
@@ -93,7 +96,7 @@ def of_record(window: RecordWindow, orders: FloatArray) -> Tracked:
         lambda duration: max(int(np.ceil(duration * window.rate)), 8),
         lambda speed: spline_response(orders * speed / (2 * np.pi * window.rate)),
         samples,
-        np.zeros_like,
+        lambda orders, speeds, _: np.zeros((len(orders), len(speeds))),
         lost=window.lost,
         remarks=window.remarks,
     )
@@ -174,8 +177,14 @@ def _of_wheels(parts: tuple[tuple[WheelRotation, float], ...], mean: MeanRotatio
         times = mean.times_at(step * np.arange(np.ceil(first / step), np.floor(last / step) + 1))
         return times, read(times)
 
-    def uncertain(orders: FloatArray) -> FloatArray:
-        return np.sqrt(sum((weight * _of_pattern(wheel, orders)) ** 2 for wheel, weight in parts))
+    def uncertain(orders: FloatArray, speeds: FloatArray, seen: FloatArray) -> FloatArray:
+        places, steps = np.zeros(len(orders)), np.zeros(len(speeds))
+        for wheel, weight in parts:
+            places += (weight * _of_pattern(wheel, orders, mean)) ** 2
+            pulses = (wheel.wheel.teeth - wheel.wheel.missing_teeth) * mean.cycle / wheel.wheel.ratio
+            steps += 2 / pulses * (NORMAL_HALF_WIDTH * weight * wheel.deviations.time * speeds) ** 2
+        # What the times of a cycle's pulses leave in an order and its scatter does not show, every cycle repeats.
+        return np.asarray(np.sqrt(places[:, None] + np.maximum(steps - seen**2, 0)))
 
     remarks = [f"{wheel.name}: {remark}" for wheel, _ in parts for remark in wheel.remarks]
     return Tracked(
@@ -185,16 +194,27 @@ def _of_wheels(parts: tuple[tuple[WheelRotation, float], ...], mean: MeanRotatio
     )  # fmt: skip
 
 
-def _of_pattern(wheel: WheelRotation, orders: FloatArray) -> FloatArray:
+def _of_pattern(wheel: WheelRotation, orders: FloatArray, mean: MeanRotation) -> FloatArray:
     """Half width in rad that errors of a wheel's teeth leave in orders, in the reference shaft's angle.
 
     Places with independent errors of standard deviation sigma, known by a pattern's intervals or seen in the pulses,
-    leave sigma sqrt(2/z) in real and in imaginary part of each whole order of the wheel.
+    leave sigma sqrt(2/z) in real and in imaginary part of each whole order of the wheel. A vibration x moves the teeth
+    to other angles, by p(theta + x) = p + x p': of the order b it takes what p has of the orders v +- b to v, and of
+    all together sigma sqrt(2/z) times the RMS of (v x, x').
     """
     there = wheel.wheel.teeth - wheel.wheel.missing_teeth
     half = NORMAL_HALF_WIDTH * abs(wheel.wheel.ratio) * wheel.deviations.place * np.sqrt(2 / there)
     own = orders * wheel.wheel.ratio
-    return np.where(np.abs(own - np.rint(own)) < WHOLE_ORDER, half, 0.0)
+    middle = mean.angles[len(mean.angles) // 2] + 2 * np.pi * mean.cycle * np.linspace(-1, 1, VIBRATION_POINTS)
+    times = mean.times_at(np.clip(middle, mean.angles[0], mean.angles[-1]))
+    times = times[(times >= wheel.times[0]) & (times <= wheel.times[-1])]
+    if not half or len(times) < VIBRATION_POINTS // 2:
+        return np.where(np.abs(own - np.rint(own)) < WHOLE_ORDER, half, 0.0)
+    turned = mean.angle(times)
+    line = np.polynomial.Polynomial.fit(turned, _sense(wheel) * wheel.angle(times) - turned, 1)
+    vibration = _sense(wheel) * wheel.angle(times) - turned - line(turned)
+    moved = np.hypot(own * vibration.std() / wheel.wheel.ratio, np.gradient(vibration, turned).std())
+    return np.asarray(half * np.where(np.abs(own - np.rint(own)) < WHOLE_ORDER, 1.0, moved))
 
 
 def tracked_values(

@@ -12,6 +12,8 @@ from torsionnet.response.recording import FloatArray
 
 CONFIDENCE = 0.95
 """Confidence of the intervals of a wheel's pitch pattern, as of all measured orders."""
+NORMAL = 10**6
+"""Degrees of freedom of what is known without an estimate."""
 SAME_SPEED = 0.02
 """Relative width of the speeds that count as one: a governed speed wanders less, and steps of a test are wider."""
 
@@ -54,11 +56,14 @@ def speed_groups(speeds: FloatArray) -> NDArray[np.intp]:
     return groups
 
 
-def constant_part(values: ComplexArray, columns: ComplexArray, groups: NDArray[np.intp]) -> ConstantPart:
+def constant_part(
+    values: ComplexArray, columns: ComplexArray, groups: NDArray[np.intp], repeating: FloatArray | None = None
+) -> ConstantPart:
     """Constant part of values (n,) of which the rest is a sum of columns (n, m), each with a complex factor.
 
     The scatter of the means of the groups, of which each is a speed, counts where an F test at 5 % finds it larger than
-    that of single values; else the interval would be too narrow.
+    that of single values; else the interval would be too narrow. ``repeating`` (n,) is a standard deviation of real and
+    imaginary part that all values of a group have in common; where the scatter of the speeds counts, it is in that.
 
     Examples
     --------
@@ -81,15 +86,17 @@ def constant_part(values: ComplexArray, columns: ComplexArray, groups: NDArray[n
         return ConstantPart(complex(factors[0]), np.inf, change, 0.0)
     scatter, spread = np.sqrt(error), _spread(terms, np.ones(len(values)))
     value, between = complex(factors[0]), False
+    places = np.array([terms[groups == group].mean(axis=0) for group in range(len(count))])
     if unknown < len(count) < len(values):
         means = np.array([values[groups == group].mean() for group in range(len(count))])
-        places = np.array([terms[groups == group].mean(axis=0) for group in range(len(count))])
         _, of_speeds, few = _fit(places, means, count.astype(float))
         rest = max(error * freedom - of_speeds * few, 0.0)
         inside = rest / (len(values) - len(count))
         if inside == 0 or of_speeds / inside > _fisher(2 * few, 2 * (len(values) - len(count))):
             error, freedom, between = of_speeds, few, True
     half = student(2 * freedom) * np.sqrt(error / 2) * spread
+    if repeating is not None and not between:
+        half = np.hypot(half, student(NORMAL) * np.sqrt(np.mean(repeating**2)) * _spread(places, np.ones(len(count))))
     return ConstantPart(value, float(half), change, float(scatter), between)
 
 

@@ -16,6 +16,9 @@ from torsionnet.signals.rotation.wheel import Wheel
 
 LEAST_GAIN = 0.05
 """Least gain of two pickups in an order, of 2 at most, as below it errors grow more than twentyfold."""
+RANDOM_SHARE = 0.25
+"""Share of the variance that random steps of a counter leave between windows, below which they repeat with every turn:
+of five windows, one in fifty shows less by chance."""
 NO_VIBRATION, TWO_PICKUPS, CALCULATED = "no vibration there", "two pickups", "calculated orders"
 CONSTANT_TOO = (
     "a rigid response to inertia torques, and a twist below resonance, are constant in angle, too; a second pickup, or "
@@ -62,6 +65,15 @@ class PitchOrder:
     why: str = ""
 
 
+def repeating(once: FloatArray, seen: float) -> FloatArray:
+    """Standard deviation of errors that all windows have in common, from the variance that one period leaves.
+
+    ``seen`` is the variance of one period that the scatter between windows shows; above the share that random errors
+    may leave by chance, all may be random.
+    """
+    return np.sqrt(np.where(seen < RANDOM_SHARE * once, once - seen, 0.0))
+
+
 def pickup_gains(angle: float, orders: ArrayLike) -> FloatArray:
     """Gain 2 sin(o alpha/2) of two pickups at an angle alpha in rad for each order, of which 0 is blind.
 
@@ -96,6 +108,12 @@ class PitchEvidence:
         Poles of the torsional vibration, rad/s.
     widest : float
         Widest half width of an interval that counts as resolved, rad.
+    time : float
+        Standard deviation that the step of a counter leaves in times of pulses, s.
+    periods : float
+        Of the vibration in a window: turns, or cycles where it has orders between whole ones.
+    turns : float
+        Of the wheel in a period.
     """
 
     wheel: Wheel
@@ -107,6 +125,9 @@ class PitchEvidence:
     constant_orders: tuple[float, ...] | None
     poles: ComplexArray
     widest: float
+    time: float = 0.0
+    periods: float = 1.0
+    turns: float = 1.0
 
     def of(self, order: int, shared: bool, first: ComplexArray, second: ComplexArray | None) -> PitchOrder:
         """Order of the pattern from its amplitudes (n_windows,) in rad at both pickups."""
@@ -115,7 +136,7 @@ class PitchEvidence:
         if not shared:
             return self._judged(order, self._alone(-first), NO_VIBRATION, gain)
         if second is not None and gain is not None and self.angle is not None and gain >= LEAST_GAIN:
-            found = self._alone((second - first) / (1 - np.exp(-1j * order * self.angle)))
+            found = self._alone((second - first) / (1 - np.exp(-1j * order * self.angle)), np.sqrt(2) / gain)
             return self._judged(order, found, TWO_PICKUPS, gain)
         if self.calculated is not None:
             if self.calculated.place(relative) is None:
@@ -148,11 +169,21 @@ class PitchEvidence:
             f"scatter is {np.degrees(found.scatter):.2g}; a wider range of speeds, or longer records, help"
         )
 
-    def _alone(self, values: ComplexArray) -> ConstantPart:
-        return self._constant(values, np.empty((len(values), 0), dtype=complex))
+    def _alone(self, values: ComplexArray, factor: float = 1.0) -> ConstantPart:
+        return self._constant(values, np.empty((len(values), 0), dtype=complex), factor)
 
-    def _constant(self, values: ComplexArray, columns: ComplexArray) -> ConstantPart:
-        return constant_part(values, columns, self.groups)
+    def _constant(self, values: ComplexArray, columns: ComplexArray, factor: float = 1.0) -> ConstantPart:
+        """Constant part, with the errors of the pulses' times that return with the vibration at a steady speed.
+
+        A counter's steps do so where a period takes a whole number of them. Such an error is in all windows: what the
+        pulses of one period leave, less what the scatter of the windows, each of several periods, shows of it.
+        """
+        there = self.wheel.teeth - self.wheel.missing_teeth
+        once = factor * np.sqrt(2 / (there * self.turns)) * self.time * self.speeds / self.wheel.ratio
+        inside = [values[self.groups == group] for group in range(self.groups.max() + 1)]
+        spread = sum(float((np.abs(one - one.mean()) ** 2).sum()) for one in inside)
+        seen = self.periods * spread / 2 / max(len(values) - len(inside), 1)
+        return constant_part(values, columns, self.groups, repeating(once**2, seen))
 
     def _shapes(self, relative: float) -> ComplexArray:
         """Vibration under a torque that does not change with speed: of a rigid shaft, and near each pole."""

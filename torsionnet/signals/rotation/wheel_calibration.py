@@ -24,12 +24,13 @@ from torsionnet.signals.rotation.calibration_windows import (
     stacked,
     windows_of_test,
 )
-from torsionnet.signals.rotation.constant_part import constant_part, speed_groups, student
+from torsionnet.signals.rotation.constant_part import NORMAL, constant_part, speed_groups, student
 from torsionnet.signals.rotation.pattern_matching import best_shift
-from torsionnet.signals.rotation.pitch_order import ABOVE, SPEEDS, PitchEvidence, PitchOrder
+from torsionnet.signals.rotation.pitch_order import ABOVE, SPEEDS, PitchEvidence, PitchOrder, repeating
+from torsionnet.signals.rotation.pulse_deviations import UNIFORM_STEPS
 from torsionnet.signals.rotation.reversing import ReversingRotation
 from torsionnet.signals.rotation.wheel import Wheel
-from torsionnet.signals.rotation.wheel_rotation import WheelRotation, wheel_rotation
+from torsionnet.signals.rotation.wheel_rotation import WHOLE_ORDER, WheelRotation, wheel_rotation
 
 WIDEST = np.radians(0.01)
 """Widest half width of an order's interval in rad that counts as resolved: vibration of that size has a phase still."""
@@ -39,6 +40,8 @@ about the vibration in rad times the order, a few hundredths."""
 LOOSE_SHARE = 2e-4
 """Scatter of a tooth from window to window, in pitches, above which the number of teeth is doubted where neither gap
 nor index confirms it: counter and pickup leave some 1e-5, errors of pitch counted over a wrong number 2e-4 and more."""
+GRAIN = 1e-12
+"""Unit in s of which the step of times is a whole multiple where it is sought, far below that of any counter."""
 PASSES = 2
 """Solutions of the windows, the second with the pattern of the first in the mean rotation of each window."""
 
@@ -137,6 +140,10 @@ def calibrate_wheel(
         stack = stacked(found, wheel)
         groups = speed_groups(stack.speeds)
         offset = _offset(stack, groups, positions)
+        steps = max(_time_deviation(one) for one in rotations)
+        broken = np.abs(orders.orders - np.rint(orders.orders)) > WHOLE_ORDER
+        swing = np.abs(amplitudes(stack.first, positions, len(orders.orders))[:, broken]).max(initial=0.0)
+        turns = cycle / wheel.ratio if swing > steps * stack.speeds.max() / wheel.ratio else 1.0
         evidence = PitchEvidence(
             wheel=wheel,
             speeds=stack.speeds,
@@ -147,6 +154,9 @@ def calibrate_wheel(
             constant_orders=None if constant_orders is None else tuple(constant_orders),
             poles=np.asarray(poles, dtype=complex),
             widest=widest,
+            time=steps,
+            periods=orders.revolutions / turns,
+            turns=turns,
         )
         positions, rows = _converged(stack, orders, evidence)
     _refuse_small_range(rows, stack)
@@ -180,6 +190,12 @@ def _rotation(test: WheelTest, wheel: Wheel) -> WheelRotation:
             "records in one sense: cut the record, exchange the tracks, or give the ratio a minus sign"
         )
     return found
+
+
+def _time_deviation(pulses: WheelRotation) -> float:
+    """Standard deviation in s that the step of a counter leaves in times, by themselves where it is not said."""
+    steps = np.rint(np.diff(pulses.times) / GRAIN).astype(np.int64)
+    return float(pulses.deviations.tick or GRAIN * np.gcd.reduce(steps)) / UNIFORM_STEPS
 
 
 def _knows_zero(test: WheelTest, wheel: Wheel) -> bool:
@@ -256,7 +272,7 @@ def _row(
 
 def _beyond(stack: Stack, positions: FloatArray, orders: OrderSet, wheel: Wheel) -> FloatArray:
     """Positions in rad that are missing yet of orders above those of vibration, shape (teeth,), with minus sign."""
-    left, _ = _over_windows(stack, positions)
+    left = _over_windows(stack, positions)[0]
     if wheel.missing_teeth:
         return np.asarray(left)
     lines = np.fft.rfft(left)
@@ -264,15 +280,19 @@ def _beyond(stack: Stack, positions: FloatArray, orders: OrderSet, wheel: Wheel)
     return np.fft.irfft(lines, wheel.teeth)
 
 
-def _over_windows(stack: Stack, positions: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Mean in rad of what is left at each tooth, and half its 95 % interval, (teeth,); 0 where no pulse comes."""
+def _over_windows(stack: Stack, positions: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Mean in rad of what is left at each tooth, half its 95 % interval, and variance in rad^2 of a window, (teeth,).
+
+    Teeth of which no pulse comes have 0.
+    """
     left = np.array([shown.left(positions) for shown in stack.first])
     there = np.isfinite(left)
     count = there.sum(axis=0)
     mean = np.where(there, left, 0.0).sum(axis=0) / np.maximum(count, 1)
     squares = (np.where(there, left - mean, 0.0) ** 2).sum(axis=0)
     freedom = np.maximum(count - 1, 1)
-    return mean, student(freedom) * np.sqrt(squares / freedom / np.maximum(count, 1))
+    variance = squares / freedom
+    return mean, student(freedom) * np.sqrt(variance / np.maximum(count, 1)), variance
 
 
 def _loose(stack: Stack, positions: FloatArray, wheel: Wheel) -> list[str]:
@@ -315,7 +335,10 @@ def _result(
     wheel, teeth, first = evidence.wheel, evidence.wheel.teeth, rotations[0]
     present = np.arange(teeth) < teeth - wheel.missing_teeth
     centred = np.where(present, positions - positions[present].mean(), 0.0)
-    _, scatter = _over_windows(stack, positions)
+    _, scatter, variance = _over_windows(stack, positions)
+    once = np.full(teeth, evidence.time**2 * np.mean((stack.speeds / wheel.ratio) ** 2) / evidence.turns)
+    common = repeating(once, evidence.periods * float(np.mean(variance[present])))
+    scatter = np.hypot(scatter, student(NORMAL) * common / np.sqrt(1 + evidence.groups.max()))
     of_orders = sum(row.half_width**2 for row in rows if row.resolved)
     not_known = sum(abs(row.value) ** 2 for row in rows if not row.resolved)
     widths = np.where(present, np.sqrt(scatter**2 + of_orders + not_known), 0.0)
