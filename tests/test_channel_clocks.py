@@ -97,6 +97,13 @@ class TestTdms:
         assert "left out, as they are no records over time: T (over deg)" in found.notes
         assert "channels.T: error: its values are over deg" in refusal(path, names=["T", "w"])
 
+    def test_channels_without_a_clock_or_a_start_are_said(self, written):
+        started, bare = self.wave("N*m"), {"wf_increment": 1e-3, "unit_string": "rad/s"}
+        found = read_recording(written(("T", torque(TIMES), started), ("w", speed(TIMES), bare)))
+        assert "channels without wf_start_time were taken to begin with the first of the others" in found.notes
+        found = read_recording(written(("T", torque(TIMES), started), ("w", speed(TIMES), {"unit_string": "rad/s"})))
+        assert "w: no clock in the file, taken to be sampled with the others" in found.notes
+
     def test_an_axis_in_ms(self, written):
         found = read_recording(written(("T", TIMES, {**self.wave("N*m", rate=1.0), "wf_xunit_string": "ms"})))
         assert found.sampling_rate == RATE
@@ -171,6 +178,15 @@ class TestMdf:
         found = read_recording(path)
         assert found.names == ("group 1/T", "telemetry/T", "w")
         assert np.array_equal(found["telemetry/T"].values, 2 * found["group 1/T"].values)
+
+    def test_stamps_that_are_off_by_little_are_one_raster(self, written):
+        """Loggers stamp each group by itself: rates and starts differ by what even stamps may be off."""
+        random = np.random.default_rng(1)
+        first, second = (TIMES + random.uniform(-3e-6, 3e-6, 4000) for _ in range(2))
+        path = written(("T", torque(TIMES), first, "N*m", ""), ("w", speed(TIMES), second, "rad/s", ""))
+        found = read_recording(path)
+        assert (len(found), found.times) == (4000, None)
+        assert found.sampling_rate == pytest.approx(RATE, rel=1e-5)
 
     def test_a_master_that_is_an_angle(self, written):
         path = written(("T", torque(TIMES), 0.36 * np.arange(4000), "N*m", ""), master_metadata=("angle", 2))
@@ -374,6 +390,25 @@ class TestMat:
         assert any("counts from 2024-05-03 10:12:08.640 (datenum of Matlab)" in note for note in found.notes)
         assert [len(block) for block in iter_blocks(tmp_path / "r.mat", 4000 / rate, {"T": "torque"})] == [4000, 4000]
 
+    def test_times_named_after_a_channel(self, tmp_path):
+        from scipy.io import savemat
+
+        late = TIMES + 0.25
+        savemat(tmp_path / "r.mat", {"T": torque(TIMES), "t_T": TIMES, "t_w": late, "w": speed(late)})
+        found = read_recording(tmp_path / "r.mat", {"T": "torque", "w": "velocity"})
+        assert (found.names, found.start, len(found)) == (("T", "w"), 0.25, 3750)
+        is_on_one_clock(found)
+
+    def test_other_times_that_nothing_says_anything_of(self, tmp_path):
+        from scipy.io import savemat
+
+        content = {"t": TIMES, "T": torque(TIMES), "t2": TIMES + 0.25, "w": speed(TIMES)}
+        savemat(tmp_path / "r.mat", content)
+        told = "warning: t2 holds other times than t, which was taken for all channels"
+        assert told in read_recording(tmp_path / "r.mat").notes
+        savemat(tmp_path / "r.mat", {**content, "t2": TIMES})
+        assert told not in read_recording(tmp_path / "r.mat").notes
+
     def test_structures_have_their_own_times(self, tmp_path):
         from scipy.io import savemat
 
@@ -416,6 +451,16 @@ class TestTables:
         assert "500 Hz from 0 s (w); 1000 Hz from 0 s (T)" in refusal(path)
         assert len(read_recording(path, names=["w"])) == 2000
         is_on_one_clock(read_recording(path, sampling_rate=1000, resample=True).between(0.5, 3.5), within=2e-3)
+
+    def test_columns_of_dates(self, tmp_path):
+        parquet, arrow = (pytest.importorskip(name) for name in ("pyarrow.parquet", "pyarrow"))
+        first = np.datetime64("2024-05-03T10:12:13.000", "ms") + np.arange(4000)
+        late = (first + 250).astype("datetime64[us]")
+        columns = {"time": first, "T [Nm]": torque(TIMES), "time2": late, "w [rad/s]": speed(TIMES + 0.25)}
+        parquet.write_table(arrow.table(columns), tmp_path / "run.parquet")
+        found = read_recording(tmp_path / "run.parquet")
+        assert (found.start, len(found)) == (0.25, 3750)
+        is_on_one_clock(found)
 
     @pytest.mark.parametrize(
         "other", [{"operating time [h]": 900 + TIMES / 3600}, {"n1 [s]": 1.1 * TIMES}, {"time [ms]": 1000 * TIMES}]

@@ -158,7 +158,8 @@ def test_on_the_command_line_the_error_is_printed(file):
     shown = CliRunner().invoke(app, arguments)
     assert (shown.exit_code, shown.stdout) == (1, "")
     assert "slow/M (100 Hz from 0.5037 s) were not sampled at 1000 Hz; give --resample to interpolate" in shown.stderr
-    shown = CliRunner().invoke(app, [*arguments, "--resample"])
+    assert "--rate chooses one, --resample brings the others to it" in CliRunner().invoke(app, arguments[:-2]).stderr
+    shown = CliRunner().invoke(app, [*arguments[:-2], "--resample"])
     assert shown.exit_code == 0
     assert (
         "note: slow/M: interpolated from 100 to 1000 Hz, band-limited: holds up to 40 Hz with an error" in shown.stderr

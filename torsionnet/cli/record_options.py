@@ -47,7 +47,8 @@ class RecordReading(Arguments):
         "Repeatable.",
     )
     resample: bool = option(
-        "--resample", help="Make uneven time stamps even by splines, and bring channels of other rates to --rate."
+        "--resample",
+        help="Make uneven time stamps even by splines, and bring channels of other rates to --rate, or the highest.",
     )
 
     @property

@@ -58,9 +58,9 @@ def read_recording(
         bits=32)}``. They become ``Recording.pulses``, each of a length of its own; with an entry in ``pulses`` too,
         the angle is made of them.
     resample : bool
-        Bring the channels of other sampling rates or starts to ``sampling_rate``, band-limited, with a note on the
-        error. Without it they are left out, with a note, or refused where they are named; those that begin whole
-        samples apart are cut to the time they share.
+        Bring the channels of other sampling rates or starts to ``sampling_rate``, by default the highest of even ones,
+        band-limited, with a note on the error. Without it they are left out, with a note, or refused where they are
+        named; those that begin whole samples apart are cut to the time they share.
     **dialect : str
         ``separator`` and ``decimal`` of a text file, instead of finding them out.
 

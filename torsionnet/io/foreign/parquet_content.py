@@ -40,7 +40,7 @@ def open_content(path: Path) -> Iterator[Content]:
         resource_limits.check(resource_limits.BYTES_PER_SAMPLE * file.metadata.num_rows * len(schema), path)
         columns = [schema.field(number) for number in range(len(schema))]
         columns = [column for column in columns if _is_numeric(column) or _is_time(column)]
-        zeros = {column.name: _first(file, column.name) for column in columns if _is_time(column)}
+        zeros = _common_zeros({column.name: _first(file, column.name) for column in columns if _is_time(column)})
         arrays = [StoredArray(column.name, (file.metadata.num_rows,), _attributes(column, zeros)) for column in columns]
         blocks = _blocks(file, columns, zeros)
         yield Content(tuple(arrays), blocks, plain_attributes(_decoded(schema.metadata)))
@@ -77,6 +77,14 @@ def _first(file: Any, name: str) -> Any:
         if len(known):
             return known[0]
     return None
+
+
+def _common_zeros(firsts: dict[str, Any]) -> dict[str, Any]:
+    """First entries of columns of times, that of the first column for all of its kind, so that they share a clock."""
+    import pyarrow as pa
+
+    dates = [first for first in firsts.values() if first is not None and pa.types.is_timestamp(first.type)]
+    return {name: dates[0].cast(first.type, safe=False) if first in dates else first for name, first in firsts.items()}
 
 
 def _seconds(column: Any, zero: Any) -> NDArray[Any]:

@@ -42,7 +42,7 @@ def _channel(item: StoredArray, number: int, *, plain: bool) -> FileChannel:
 
 def _zero_notes(items: Sequence[StoredArray]) -> tuple[str, ...]:
     zeros = [(item.name, item.attributes.get(ZERO_ATTRIBUTE)) for item in items]
-    return tuple(f"{name} counts from {zero}, its first entry" for name, zero in zeros if zero)
+    return tuple(f"{name} counts from {zero}, the first entry" for name, zero in zeros if zero)
 
 
 def write(recording: Recording, path: Path) -> None:

@@ -34,6 +34,9 @@ def open_source(path: Path) -> Iterator[Source]:
         title = str(content.attributes.get("name", path.stem))
         start = starts[0] if starts else 0.0
         notes = (f"begins at {start:g} s, its wf_start_offset",) if start and len(set(starts)) == 1 else ()
+        begun = [START_TIME in item.attributes for item in content.arrays if item.attributes.get(INCREMENT)]
+        if any(begun) and not all(begun):
+            notes = (*notes, "channels without wf_start_time were taken to begin with the first of the others")
         rate = rates[0] if rates else None
         source = Source(tuple(channels), content.blocks, rate=rate, start=start, title=title, notes=notes)
         text = str(content.attributes.get(KEY, ""))

@@ -23,6 +23,7 @@ from torsionnet.io.foreign.content import (
 from torsionnet.io.records.axes import other_axis
 from torsionnet.io.records.recording_description import with_description
 from torsionnet.io.records.source import FileChannel, Source, clock_entry, is_time, nearest, structure_of
+from torsionnet.io.records.table_clocks import with_named_clocks
 from torsionnet.response.recording import FloatArray
 
 MOST_COLUMNS = 256
@@ -65,7 +66,8 @@ def array_source(arrays: Sequence[StoredArray], blocks: Blocks, stored: str, tit
         _with_scales(channels, arrays, places), by_column(blocks, places), rate=rate, start=start, title=title,
         notes=tuple(notes),
     )  # fmt: skip
-    return with_description(source, stored)
+    described = with_description(source, stored)
+    return described if stored else with_named_clocks(described)
 
 
 _Numbers: TypeAlias = dict[str, tuple[str, float]]

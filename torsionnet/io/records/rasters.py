@@ -12,15 +12,15 @@ from torsionnet.core.listing import comma_list
 from torsionnet.io.foreign.content import Blocks
 from torsionnet.io.records.axes import seconds_in
 from torsionnet.io.records.channel_choice import ChannelChoice
-from torsionnet.io.records.clock import Clock, clock_in_days, clock_of, order_faults, value_faults
+from torsionnet.io.records.clock import UNIFORM_TOLERANCE, Clock, clock_in_days, clock_of, order_faults, value_faults
 from torsionnet.io.records.source import Source
 from torsionnet.response.recording import FloatArray
 
 EQUAL_RATES = 1e-7
 """Relative difference of sampling rates that are the same, as those of intervals with rounded decimals are."""
-SAME_START, START_STEP = 1e-3, 1e-6
-"""Share of a sampling interval by which channels may begin at different times and count as sampled together, and the
-step in s in which programs write the times at which they began."""
+SAME_START, START_STEP = UNIFORM_TOLERANCE, 1e-6
+"""Share of a sampling interval by which samples of channels may be apart and count as taken together, as even time
+stamps may be off by it, and the step in s in which programs write the times at which channels began."""
 MOST_NAMED = 5
 """Number of channels of one rate that a message names at most, so that it stays short."""
 
@@ -157,8 +157,8 @@ def _span(choice: ChannelChoice, source: Source, rate: float) -> str:
 
 
 def _is_of(choice: ChannelChoice, rate: float) -> bool:
-    own = choice.channel.rate
-    return own is None or abs(own / rate - 1) <= EQUAL_RATES
+    own, count = choice.channel.rate, choice.channel.length or 1
+    return own is None or abs(own / rate - 1) <= max(EQUAL_RATES, SAME_START / count)
 
 
 def listed(choices: Sequence[ChannelChoice], source: Source) -> str:

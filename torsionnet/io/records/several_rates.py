@@ -54,6 +54,10 @@ def choose_rate(source: Source, choices: Sequence[ChannelChoice], options: ReadO
         return RateChoice(_on_clock(source, next(iter(clocks.values()))), list(choices))
     own = own_clocks(source, choices)
     rasters, source = rasters_of(own.choices), replace(source, notes=(*source.notes, *own.notes))
+    unclocked = [choice.channel.name for choice in own.choices if rasters and not choice.channel.rate]
+    if unclocked:
+        note = f"{comma_list(unclocked, MOST_NAMED)}: no clock in the file, taken to be sampled with the others"
+        source = replace(source, notes=(*source.notes, note))
     if own.faults or not rasters:
         return RateChoice(source, own.choices, faults=own.faults)
     given = options.sampling_rate
@@ -61,9 +65,9 @@ def choose_rate(source: Source, choices: Sequence[ChannelChoice], options: ReadO
     if len(rasters) == 1 and not wanted:
         text = f"the file says {listed(own.choices, source)}, {remedy('sampling_rate=', f'{given:g}')} was given"
         return RateChoice(source, own.choices, faults=[Fault(f"{text}; leave it out to take the rate of the file")])
-    if len(rasters) > 1 and (given is None or not wanted):
+    if len(rasters) > 1 and (not wanted or (given is None and not options.resample)):
         return RateChoice(source, own.choices, faults=[_which(rasters, source, given)])
-    raster = max(wanted, key=lambda one: one.is_even)
+    raster = max(wanted, key=lambda one: (one.is_even, one.rate))
     kept, others = in_raster(raster, own.choices)
     if raster.is_even:
         chosen = _together(source, kept, others, raster.rate, options)
@@ -137,7 +141,9 @@ def _which(rasters: Sequence[Raster], source: Source, given: float | None) -> Fa
     said = f"{rate} is none of them" if given else f"{rate} chooses one"
     rates = len({raster.rate for raster in rasters})
     text = f"the channels were sampled at {rates} rate{'s' * (rates > 1)}: {'; '.join(parts)}; {said}"
-    return Fault(f"{text}, {remedy('resample=True')} brings the others to it; or read channels of one rate alone")
+    return Fault(
+        f"{text}, {remedy('resample=True')} brings the others to it, or to the highest; or read those of one rate alone"
+    )
 
 
 @dataclass(frozen=True)

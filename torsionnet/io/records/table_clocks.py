@@ -51,12 +51,41 @@ def with_table_clocks(source: Source) -> Source:
     )
 
 
+def with_named_clocks(source: Source) -> Source:
+    """Source of arrays without order, of which times may be named after a channel, as ``t_T`` with ``T``.
+
+    A warning says where other times than those taken for all channels are in the file, and nothing tells of what.
+    """
+    alone = [one for one in source.channels if not one.clock and not one.rate]
+    clocks = {one.name: time for one in alone for time in alone if time is not one and _is_time_of(time, one)}
+    if clocks:
+        stamps = {time.column for time in clocks.values()}
+        rest = [one for one in source.channels if one.column not in stamps]
+        paired = [replace(one, clock=clocks.get(one.name, one.clock or source.time)) for one in rest]
+        return replace(source, channels=tuple(paired), time=None)
+    if source.time is None:
+        return source
+    doubted = [one for one in alone if (not one.unit or is_time(one)) and _NUMBERED.fullmatch(one.name)]
+    stamps_of = _read(source, [source.time, *doubted]) if doubted else {}
+    first = stamps_of.get(source.time.column, np.empty(0))
+    others = [one.name for one in doubted if one.column in stamps_of and not _same(stamps_of[one.column], first)]
+    text = f"warning: {', '.join(others)} holds other times than {source.time.name}, which was taken for all channels"
+    return replace(source, notes=(*source.notes, *([text] if others else [])))
+
+
 def _is_clock(channel: FileChannel, behind: FileChannel) -> bool:
     """Whether a column is named as time stamps are, alone, with a number, or with the name of the column behind it."""
     if (channel.unit and not is_time(channel)) or is_time(behind):
         return False
-    own = re.sub(rf"[\s_.:-]*{re.escape(behind.name)}[\s_.:-]*", "", channel.name)
-    return bool(_NUMBERED.fullmatch(channel.name.strip()) or _NUMBERED.fullmatch(own))
+    return bool(_NUMBERED.fullmatch(channel.name.strip())) or _is_time_of(channel, behind)
+
+
+def _is_time_of(time: FileChannel, channel: FileChannel) -> bool:
+    """Whether times are named after a channel, as ``t_T``, ``time w`` or ``w.time`` are."""
+    if time.unit and not is_time(time):
+        return False
+    own, count = re.subn(rf"[\s_.:-]+{re.escape(channel.name)}|{re.escape(channel.name)}[\s_.:-]+", "", time.name)
+    return bool(count == 1 and _NUMBERED.fullmatch(own))
 
 
 def _read(source: Source, clocks: Sequence[FileChannel]) -> Mapping[int, FloatArray]:
