@@ -5,6 +5,7 @@ import pytest
 from support.turned_wheels import crossing_angles, position_amplitude, run_up, steady, tracked
 
 import torsionnet as tn
+from torsionnet.core.errors import UsageError
 from torsionnet.identification.wheel_orders import calculated_wheel_orders
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.measured.wheel_pattern import WheelPattern
@@ -118,6 +119,16 @@ class TestEngineOrders:
         amplitude, phase = self.two_pickups(engine_orders, FEW_SPEEDS[1:3], 18)
         assert amplitude < 0.002
         assert phase < 0.5
+
+    @pytest.mark.parametrize("turns", [9, 16])
+    def test_one_window_tells_no_order_and_two_tell_the_pattern(self, engine_orders, turns):
+        """A pattern without its lower orders came out, 0.1 degrees off."""
+        positions, angle = wheel_errors(), np.radians(114)
+        short, long = (engine_test(engine_orders[900], 900, positions, n, angle) for n in (turns, 17))
+        with pytest.raises(UsageError, match=r"one window of 8 revolutions tells no order .* record 17 revolutions"):
+            calibrate_wheel([short], Wheel(teeth=TEETH), angle=angle)
+        found = calibrate_wheel([long], Wheel(teeth=TEETH), angle=angle).pattern
+        assert np.degrees(np.abs(found.positions - positions + positions.mean()).max()) < 1e-3
 
     @pytest.mark.nightly
     def test_two_pickups_at_all_speeds(self, engine_orders):

@@ -160,6 +160,7 @@ def calibrate_wheel(
         )
         positions, rows = _converged(stack, orders, evidence)
     _refuse_small_range(rows, stack)
+    _refuse_single_window(rows, stack, orders.revolutions, widest)
     known = all(_knows_zero(test, wheel) for test in tests)
     return _result(stack, orders, evidence, positions, rows, offset[1], name, rotations, known)
 
@@ -318,6 +319,15 @@ def _refuse_small_range(rows: Sequence[PitchOrder], stack: Stack) -> None:
             f"the range of speeds, {stack.range_text}, is too small for a calibration with one pickup: at one speed "
             "the pattern cannot be told from vibration of whole orders; record several speeds or a run-up, add a "
             "second pickup on the wheel (at 114 degrees it sees orders 1 to 12), or give calculated orders of a model"
+        )
+
+
+def _refuse_single_window(rows: Sequence[PitchOrder], stack: Stack, revolutions: int, widest: float) -> None:
+    """Refuse a test of one window, in which no order has a scatter: only what is above them would be the pattern."""
+    if len(stack.first) == 1 and all(row.half_width > widest for row in rows):
+        raise UsageError(
+            f"one window of {revolutions} revolutions tells no order of the pattern, as its scatter is known from two "
+            f"on; record {2 * revolutions + 1} revolutions or more, or several records"
         )
 
 
