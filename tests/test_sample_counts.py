@@ -95,7 +95,9 @@ class TestFiles:
     def test_few_ticks_are_doubted(self, tmp_path):
         """Which fit into memory: an eighth of a turn in five days."""
         np.savez(tmp_path / "ticks.npz", n1=TICKS[:9])
-        with pytest.raises(ModelError, match="n1: the times of the pulses have no unit: taken for s the shaft turns at"):
+        with pytest.raises(
+            ModelError, match="n1: the times of the pulses have no unit: taken for s the shaft turns at"
+        ):
             read_recording(tmp_path / "ticks.npz", pulses={"n1": 60})
         in_us = tmp_path / "us.npz"
         np.savez(in_us, n1=TICKS[:9] / 80)
