@@ -246,3 +246,52 @@ class TestNumbersThatTellTheClock:
         savemat(tmp_path / "r.mat", {"T": VOLTS[:, 0], **numbers})
         with pytest.raises(ModelError, match=message):
             read_recording(tmp_path / "r.mat")
+
+
+class TestTimeStampsOfTdms:
+    BEGIN = np.datetime64("2024-05-03T10:12:13.000001")
+
+    def write(self, path, *groups):
+        """Groups of time stamps and values, through npTDMS."""
+        from nptdms import ChannelObject, TdmsWriter
+
+        with TdmsWriter(path) as file:
+            for name, microseconds, channel, values in groups:
+                stamps = self.BEGIN + microseconds.astype("timedelta64[us]")
+                unit = {"unit_string": "Nm"}
+                file.write_segment([ChannelObject(name, "Time", stamps), ChannelObject(name, channel, values, unit)])
+
+    def test_are_the_clock_of_their_group(self, tmp_path):
+        self.write(tmp_path / "r.tdms", ("g", np.arange(50) * 500, "T", VOLTS[:, 0]))
+        found = read_recording(tmp_path / "r.tdms")
+        assert (found.names, found.sampling_rate, found.start, found.times) == (("T",), 2000.0, 0.0, None)
+        np.testing.assert_array_equal(found["T"].values, VOLTS[:, 0])
+        assert "Time counts from 2024-05-03T10:12:13.000001 UTC" in found.notes
+
+    def test_uneven_ones_are_kept(self, tmp_path):
+        steps = np.cumsum(np.random.default_rng(1).integers(500, 1500, 50))
+        self.write(tmp_path / "r.tdms", ("g", steps, "T", VOLTS[:, 0]))
+        assert read_recording(tmp_path / "r.tdms").times == pytest.approx((steps - steps[0]) * 1e-6, abs=1e-12)
+
+    def test_of_two_groups_are_two_clocks(self, tmp_path):
+        groups = ("g", np.arange(50) * 500, "T", VOLTS[:, 0]), ("h", np.arange(25) * 1000, "w", VOLTS[:25, 0])
+        self.write(tmp_path / "r.tdms", *groups)
+        for name, rate in (("g/T", 2000.0), ("h/w", 1000.0)):
+            assert read_recording(tmp_path / "r.tdms", names=[name]).sampling_rate == rate
+        with pytest.raises(ModelError, match="sampled at 2 rates"):
+            read_recording(tmp_path / "r.tdms")
+
+
+def test_decimals_of_parquet(tmp_path):
+    from decimal import Decimal
+
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    cells = [Decimal(str(value)) if value > -1 else None for value in VOLTS[:, 0]]
+    columns = {"time": [Decimal(at) / 1000 for at in range(50)], "T [Nm]": cells}
+    table = pa.table({name: pa.array(column, pa.decimal128(12, 5)) for name, column in columns.items()})
+    parquet.write_table(table, tmp_path / "r.parquet")
+    found = read_recording(tmp_path / "r.parquet")
+    assert (found.names, found.sampling_rate) == (("T",), 1000.0)
+    np.testing.assert_array_equal(found["T"].values, [np.nan if cell is None else float(cell) for cell in cells])

@@ -61,7 +61,7 @@ def _is_numeric(column: Any) -> bool:
     from pyarrow import types
 
     kind = column.type
-    return bool(types.is_integer(kind) or types.is_floating(kind) or types.is_boolean(kind))
+    return bool(types.is_integer(kind) or types.is_floating(kind) or types.is_boolean(kind) or types.is_decimal(kind))
 
 
 def _is_time(column: Any) -> bool:

@@ -13,8 +13,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-START_TIME = "wf_start_time"
-"""Waveform property with the time at which a channel began, passed on in s from the earliest in the file."""
+START_TIME, ZERO = "wf_start_time", "zero"
+"""Waveform property with the time at which a channel began, passed on in s from the earliest in the file; attribute of
+time stamps with the first of them, in UTC."""
 
 
 def load() -> None:
@@ -26,7 +27,7 @@ def load() -> None:
 def open_content(path: Path) -> Iterator[Content]:
     """Yield the channels of numbers of a TDMS file with their properties, and ``group`` if there are several.
 
-    Times at which channels began are in s from the earliest.
+    Times at which channels began are in s from the earliest, time stamps from the first, ``zero``.
     """
     import nptdms
     import numpy as np
@@ -34,7 +35,7 @@ def open_content(path: Path) -> Iterator[Content]:
     with path.open("rb") as stream, nptdms.TdmsFile.open(stream, raw_timestamps=True) as file:
         groups = file.groups()
         items = [channel for group in groups for channel in group.channels()]
-        items = [item for item in items if len(item) > 0 and np.dtype(item.dtype).kind in "fiub"]
+        items = [item for item in items if len(item) > 0 and (_is_stamped(item) or np.dtype(item.dtype).kind in "fiub")]
         begins = _begins(items)
         arrays = [
             StoredArray(
@@ -42,7 +43,8 @@ def open_content(path: Path) -> Iterator[Content]:
                 (len(item),),
                 plain_attributes(item.properties)
                 | ({"group": str(item.group_name)} if len(groups) > 1 else {})
-                | ({START_TIME: begins[number]} if number in begins else {}),
+                | ({START_TIME: begins[number]} if number in begins else {})
+                | ({ZERO: _text(item[0])} if _is_stamped(item) else {}),
             )
             for number, item in enumerate(items)
         ]
@@ -63,9 +65,25 @@ def _begins(items: Sequence[Any]) -> dict[int, float]:
     return {number: float(own[0] - second) + (own[1] - fraction) * 2.0**-64 for number, own in known.items()}
 
 
+def _is_stamped(item: Any) -> bool:
+    return bool(item.data_type is not None and item.data_type.__name__ == "TimeStamp")
+
+
+def _text(stamp: Any) -> str:
+    import numpy as np
+
+    return str((stamp.as_datetime64("ns") + np.timedelta64(500, "ns")).astype("datetime64[us]"))  # fractions are cut
+
+
 def _reader(item: Any) -> Slice:
     def read(first: int, last: int) -> NDArray[Any]:
         values: NDArray[Any] = item.read_data(offset=first, length=last - first)
         return values
 
-    return read
+    def stamps(first: int, last: int) -> NDArray[Any]:
+        known: Any = read(first, last)
+        parts = known.second_fractions.astype(float) - float(zero.second_fractions)
+        return (known.seconds - zero.seconds) + parts * 2.0**-64  # type: ignore[no-any-return]
+
+    zero: Any = item[0] if _is_stamped(item) else None
+    return read if zero is None else stamps

@@ -20,6 +20,8 @@ GROUP, INCREMENT, OFFSET = "recording", "wf_increment", "wf_start_offset"
 """Name of the group written, and the waveform properties with the sampling interval and the start, both in s."""
 AXIS_UNIT, AXIS_NAME, START_TIME = "wf_xunit_string", "wf_xname", "wf_start_time"
 """Waveform properties with unit and name of the axis, and with the time at which a channel began."""
+ZERO = "zero"
+"""Attribute of a channel of time stamps with the first of them, from which the seconds count."""
 PIECE = 1 << 20
 """Samples of a TDMS segment that is written, few enough to fit into memory, enough for npTDMS to be quick."""
 
@@ -28,26 +30,46 @@ PIECE = 1 << 20
 def open_source(path: Path) -> Iterator[Source]:
     """Yield the channels of a TDMS file, with sampling rate (Hz) and start (s) from the waveform properties."""
     with open_foreign(path, "tdms") as content:
-        channels = [_channel(item, number) for number, item in enumerate(content.arrays)]
+        items = content.arrays
+        every = [_channel(item, number) for number, item in enumerate(items)]
+        stamps = {_group(item): one for item, one in zip(items, every, strict=True) if ZERO in item.attributes}
+        channels = [
+            one if one.rate or one.over else replace(one, clock=_clock(stamps.get(_group(item)), one))
+            for item, one in zip(items, every, strict=True)
+            if ZERO not in item.attributes
+        ]
         rates = [channel.rate for channel in channels if channel.rate]
         starts = [channel.start for channel in channels if channel.start is not None]
         title = str(content.attributes.get("name", path.stem))
         start = starts[0] if starts else 0.0
-        notes = (f"begins at {start:g} s, its wf_start_offset",) if start and len(set(starts)) == 1 else ()
-        begun = [START_TIME in item.attributes for item in content.arrays if item.attributes.get(INCREMENT)]
+        notes = [f"begins at {start:g} s, its wf_start_offset"] if start and len(set(starts)) == 1 else []
+        begun = [START_TIME in item.attributes for item in items if item.attributes.get(INCREMENT)]
         if any(begun) and not all(begun):
-            notes = (*notes, "channels without wf_start_time were taken to begin with the first of the others")
+            notes.append("channels without wf_start_time were taken to begin with the first of the others")
         rate = rates[0] if rates else None
-        source = Source(tuple(channels), content.blocks, rate=rate, start=start, title=title, notes=notes)
+        zeros = [attribute_text(item, ZERO) for item in items if ZERO in item.attributes]
+        notes += [f"{one.name} counts from {zero} UTC" for one, zero in zip(stamps.values(), zeros, strict=False)]
+        source = Source(tuple(channels), content.blocks, rate=rate, start=start, title=title, notes=tuple(notes))
         text = str(content.attributes.get(KEY, ""))
-        yield with_description(source, text) if text or not rates else source
+        yield with_description(source, text) if text or not (rates or stamps) else source
+
+
+def _group(item: StoredArray) -> str:
+    return attribute_text(item, "group")
+
+
+def _clock(stamps: FileChannel | None, channel: FileChannel) -> FileChannel | None:
+    """Time stamps of the group that a channel is in, where there is one for each of its samples."""
+    return stamps if stamps and stamps.length == channel.length else None
 
 
 def _channel(item: StoredArray, number: int) -> FileChannel:
-    group = attribute_text(item, "group")
+    group = _group(item)
     unit = attribute_text(item, "unit_string", "NI_UnitDescription")
     found = channel_of(item, number, f"{group}/{item.name}" if "group" in item.attributes else item.name, unit)
     interval, offset, begun = (float(item.attributes.get(key) or 0.0) for key in (INCREMENT, OFFSET, START_TIME))
+    if ZERO in item.attributes:
+        return replace(found, unit="s")
     axis = attribute_text(item, AXIS_UNIT)
     over = other_axis(axis, attribute_text(item, AXIS_NAME))
     if over or not interval:
