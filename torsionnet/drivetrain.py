@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from torsionnet.response.loop_margins import LoopMargins
     from torsionnet.response.margin_rules import MarginRule
     from torsionnet.response.motion.motion_start import MotionStart
-    from torsionnet.response.recording import Recording
+    from torsionnet.response.recording import Recording, Signal
     from torsionnet.solve.responses.grid import Adaptive
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
@@ -196,15 +196,16 @@ class Drivetrain(RunningMachinery, AttributeHints):
     def simulate(
         self,
         outputs: Channels | None = None,
-        inputs: Mapping[str, ArrayLike] | None = None,
+        inputs: Mapping[str, ArrayLike | Signal] | None = None,
         sampling_rate: float | None = None,
         *,
+        between: str | Mapping[str, str] | None = None,
         start: str | MotionStart | None = None,
         scenario: str | Scenario | Mapping[str, Any] | None = None,
         duration: float | None = None,
         check: bool = False,
     ) -> Recording:
-        """Motion and torques over time, exact for input torques that are linear between samples.
+        """Motion and torques over time, exact for torques that are straight, held or band-limited between samples.
 
         Laws of motion, as of clearances and friction, act in full: the result has their events and an energy balance.
 
@@ -213,9 +214,12 @@ class Drivetrain(RunningMachinery, AttributeHints):
         outputs : str, Sensor or sequence of these
             As for :meth:`frequency_response`; in a scenario the model's sensors unless others are named.
         inputs : mapping
-            Name of an input or node -> (n,) torques in N m. That on a node is called ``torque on NODE`` in the result.
+            Name of an input or node -> (n,) torques in N m, or a :class:`~torsionnet.signals.Signal`. That on a node is
+            called ``torque on NODE`` in the result.
         sampling_rate : float
             Hz; in a scenario instead of what that says.
+        between : {"straight", "held", "band_limited"}, or mapping of these by input, optional
+            Course of the torques between samples; by default that of a signal, and straight lines between numbers.
         start : str or MotionStart, optional
             ``"rest"``, ``"operating_point"``, in balance with the torques at the first sample and mean torques on other
             nodes, or angles and speeds of nodes at the first sample. Default: rest, or what the scenario says.
@@ -254,8 +258,8 @@ class Drivetrain(RunningMachinery, AttributeHints):
         if scenario is not None:
             from torsionnet.solve.motion.scenario_run import run_scenario
 
-            if inputs is not None:
-                raise UsageError("a scenario brings its own torques; leave out inputs, or the scenario")
+            if inputs is not None or between is not None:
+                raise UsageError("a scenario brings its own torques; leave out inputs and between, or the scenario")
             return run_scenario(
                 self, scenario, outputs, start=start, sampling_rate=sampling_rate, duration=duration, check=check
             )
@@ -263,7 +267,8 @@ class Drivetrain(RunningMachinery, AttributeHints):
 
         if outputs is None or inputs is None or sampling_rate is None:
             raise UsageError("a simulation needs outputs, inputs and a sampling rate, or a scenario")
-        return simulate(self, outputs, inputs, sampling_rate, start or "rest", duration=duration, check=check)
+        begin = start or "rest"
+        return simulate(self, outputs, inputs, sampling_rate, begin, duration=duration, check=check, between=between)
 
     def modes(
         self,

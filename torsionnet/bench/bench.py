@@ -22,6 +22,7 @@ from torsionnet.model.bench import Plan, ToothedWheel
 from torsionnet.model.bench.bench_checks import check_plan, sensor_of
 from torsionnet.model.bench.plan import Sensing
 from torsionnet.model.channels import Sensor
+from torsionnet.response.measured.between_samples import Between
 from torsionnet.response.measured.pulse_channel import PULSE_TIMES
 from torsionnet.response.recording import Recording, Signal
 from torsionnet.response.table import Column, Table
@@ -161,7 +162,7 @@ class Bench(NotebookResult):
         )
         torque = replace(moved[self.drive], values=self.exciter_output.torque)
         read = zip(sensors, moved.signals[1:], self._equilibrium(mean), strict=True)
-        signals = (Signal(name, signal.quantity, signal.values + rest) for name, signal, rest in read)
+        signals = (replace(signal, name=name, values=signal.values + rest) for name, signal, rest in read)
         return replace(moved, signals=(torque, *signals))
 
     def _equilibrium(self, mean: float) -> list[float]:
@@ -194,7 +195,9 @@ class Bench(NotebookResult):
         number = self.plan.seed if seed is None else seed
         begin = [number, *self.drivetrain.configuration.encode()]
         generators = np.random.default_rng(begin).spawn(len(self.plan.channels))
-        set_point = Signal(f"{self.drive}_set", "torque", self.exciter_output.set_point)
+        # An exciter with a lag follows a set-point that is held; one without has its torque, which runs straight.
+        between: Between = "held" if self.plan.exciter.bandwidth else "straight"
+        set_point = Signal(f"{self.drive}_set", "torque", self.exciter_output.set_point, between=between)
         channels = tuple(
             recorded_signal(self.truth[name], part, self.plan.acquisition, rng)
             for (name, part), rng in zip(self.plan.channels.items(), generators, strict=True)

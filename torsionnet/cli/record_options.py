@@ -46,6 +46,11 @@ class RecordReading(Arguments):
         help="A channel of encoder pulses, or of their times, and its steps per revolution: it becomes an angle. "
         "Repeatable.",
     )
+    courses: tuple[tuple[str, str], ...] = option(
+        "--between-samples",
+        type=PairOption("CHANNEL", "COURSE", "T_M=held"),
+        help="Its course between samples: held, straight or band_limited. Repeatable.",
+    )
     resample: bool = option(
         "--resample",
         help="Make uneven time stamps even by splines, and bring channels of other rates to --rate, or the highest.",
@@ -60,6 +65,7 @@ class RecordReading(Arguments):
             "units": dict(self.units),
             "sampling_rate": self.rate,
             **({"pulses": dict(self.pulses)} if self.pulses else {}),
+            **({"between": dict(self.courses)} if self.courses else {}),
             **{key: value for key, value in dialect.items() if value is not None},
         }
 

@@ -64,6 +64,8 @@ class CauseFit:
     def ended(self) -> bool:
         """Whether the fit drove the freed value without bound, so that the cause explains nothing."""
         mine = [name.partition("[")[0] == self.cause.unknown for name in self.problem.names]
+        if not any(mine):
+            return False
         begin, value = float(np.mean(self.problem.start[mine])), float(np.mean(self.values[mine]))
         return begin > 0 and abs(value / begin) >= RANGE_END_FACTOR * SEARCH_RANGE_FACTOR
 

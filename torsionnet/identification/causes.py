@@ -1,4 +1,4 @@
-"""Usual causes of a misfit as additional unknowns of a fit (delay, gain, kind of damping, misfire, another value)."""
+"""Usual causes of a misfit as additional unknowns of a fit (delay, gain, kind of damping, another value and so on)."""
 
 from __future__ import annotations
 
@@ -12,10 +12,13 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.identification.fit_problem import FitProblem, lay_out_problem
+from torsionnet.identification.residuals.measurement import Measurement
+from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.unknown_parameter import Unknown
 from torsionnet.model.elements import Damper, Element, Gear, HystereticSpring, Spring
 from torsionnet.model.excitations.engine_entries import EngineEntries
 from torsionnet.model.excitations.excitation_numbers import numbers_by_name
+from torsionnet.response.measured.between_samples import NOTED_EFFECT, WAYS, Between
 
 AnySpring: TypeAlias = Spring | HystereticSpring
 Change: TypeAlias = Callable[[AssembledModel], AssembledModel]
@@ -28,6 +31,8 @@ REPLACED_FIELDS = {"hysteretic": "damping", "viscous": "loss_factor", "ratio": "
 
 CHANNEL_CAUSES = ("delay", "gain", "reference_angle")
 """Names of the causes of a misfit that are unknowns of a measuring channel."""
+BETWEEN = "between"
+"""Kind, and name of the unknown, of a cause that is another course of the input between samples."""
 
 
 @dataclass(frozen=True)
@@ -36,28 +41,36 @@ class Cause:
 
     Attributes
     ----------
-    kind : {"delay", "gain", "reference_angle", "hysteretic", "viscous", "ratio", "value", "misfire", "gas_torque"}
+    kind : {"delay", "gain", "reference_angle", "hysteretic", "viscous", "ratio", "value", "misfire", "gas_torque",
+        "between"}
     unknown : str
-        Name of the additional unknown: ``I_2``, ``dmf.loss_factor``, ``delay``, ``engine.misfire_share.4``.
+        Name of the additional unknown: ``I_2``, ``dmf.loss_factor``, ``delay``, ``engine.misfire_share.4``. A course
+        between samples frees none.
     element : str
         Name of the element whose kind of damping, or whose ratio made by teeth, is changed.
     part : str
         Part of a machine that the cause is in: ``cylinder 4 of engine``.
+    between : str
+        Course of the input between samples, held, straight or band_limited, in place of that supposed.
     """
 
     kind: str
     unknown: str
     element: str = ""
     part: str = ""
+    between: str = ""
 
     @property
     def is_of_channel(self) -> bool:
-        """Whether the cause is a delay, gain or reference angle of the output's measuring channel."""
-        return self.unknown in CHANNEL_CAUSES
+        """Whether the cause is in a measuring channel: a delay, gain or reference angle, a course between samples."""
+        return self.unknown in (*CHANNEL_CAUSES, BETWEEN)
 
-    def place(self, outputs: str) -> str:
-        """Name of what the cause is in: outputs of a channel's cause, a value, an element, a cylinder."""
-        return outputs if self.is_of_channel else self.unknown if self.is_value else self.part or self.element
+    def place(self, problem: FitProblem) -> str:
+        """Name of what the cause is in: outputs or inputs of a channel's cause, a value, an element, a cylinder."""
+        if not self.is_of_channel:
+            return self.unknown if self.is_value else self.part or self.element
+        tests = [block.measurement for block in problem.blocks]
+        return " and ".join(dict.fromkeys(one.input if self.between else one.output for one in tests))
 
     @property
     def is_value(self) -> bool:
@@ -75,7 +88,17 @@ def possible_causes(problem: FitProblem) -> tuple[Cause, ...]:
     listed = [*_values(rigs[0]), *_ratios(rigs[0]), *_dampings(rigs[0])]
     if any(block.line_orders is not None for block in problem.blocks):
         listed += [*_misfires(rigs[0]), *_amplitudes(rigs[0], has_phases=has_phases)]
-    return (*channel, *(cause for cause in listed if cause.unknown not in problem.unknowns))
+    courses = [Cause(BETWEEN, BETWEEN, between=way) for way in WAYS if any(_runs_otherwise(way, problem))]
+    return (*channel, *courses, *(cause for cause in listed if cause.unknown not in problem.unknowns))
+
+
+def _runs_otherwise(between: Between, problem: FitProblem) -> Iterator[bool]:
+    """Whether each input that drives would act otherwise with that course between samples, by more than 1 %."""
+    for block in problem.blocks:
+        if block.course is not None and block.is_driven:
+            top = block.frequencies[-1:]
+            shares = replace(block.course, between=between).share(top) / block.course.share(top)
+            yield bool(np.abs(shares - 1).max() > NOTED_EFFECT)
 
 
 def _values(rig: AssembledModel) -> Iterator[Cause]:
@@ -172,7 +195,7 @@ def with_causes(problem: FitProblem, causes: Sequence[Cause], values: FloatArray
     """
     more = [cause.unknown for cause in causes if not cause.is_of_channel]
     gone = {f"{cause.element}.{REPLACED_FIELDS[cause.kind]}" for cause in causes if cause.element and instead}
-    flags: dict[str, Any] = {cause.unknown: True for cause in causes if cause.is_of_channel}
+    flags: dict[str, Any] = {cause.unknown: cause.between or True for cause in causes if cause.is_of_channel}
     unknowns = {
         **{name: one for name, one in problem.unknowns.items() if name not in gone},
         **{name: Unknown() for name in more},
@@ -189,7 +212,7 @@ def with_causes(problem: FitProblem, causes: Sequence[Cause], values: FloatArray
     rigs = {id(block.response.drivetrain): block.response.drivetrain for block in problem.blocks}
     rigs = {key: changed(rig) for key, rig in rigs.items()}
     blocks = [
-        block.with_model(rigs[id(block.response.drivetrain)], replace(block.measurement, **flags), tuple(unknowns))
+        block.with_model(rigs[id(block.response.drivetrain)], _flagged(block, flags), tuple(unknowns))
         for block in problem.blocks
     ]
     found = lay_out_problem(problem.blocks[0].response.drivetrain, blocks, unknowns, known)
@@ -199,6 +222,12 @@ def with_causes(problem: FitProblem, causes: Sequence[Cause], values: FloatArray
     kept = {name: unknown for name, unknown in unknowns.items() if name not in idle}
     blocks = [block.with_model(block.response.drivetrain, block.measurement, tuple(kept)) for block in blocks]
     return lay_out_problem(problem.blocks[0].response.drivetrain, blocks, kept, known)
+
+
+def _flagged(block: MeasurementBlock, flags: Mapping[str, Any]) -> Measurement:
+    """Measurement with the causes of its channel; only an input with samples that drives has a course between them."""
+    runs = block.course is not None and block.is_driven
+    return replace(block.measurement, **{name: flag for name, flag in flags.items() if runs or name != BETWEEN})
 
 
 def _acts(problem: FitProblem, name: str) -> bool:

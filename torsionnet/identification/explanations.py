@@ -16,7 +16,7 @@ from torsionnet.identification.cause_fits import (
     sum_of_squares,
     under_own_noise,
 )
-from torsionnet.identification.causes import Cause, possible_causes, with_causes
+from torsionnet.identification.causes import BETWEEN, Cause, possible_causes, with_causes
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.fit_search import LeastSquaresSolution
 from torsionnet.identification.lack_of_fit import Explanation, misfits
@@ -38,8 +38,8 @@ def explanations(problem: FitProblem, values: FloatArray, solve: Solve, errors: 
     """Explanations of the misfit of a fit, the best first, with others about as good; empty if none removes most."""
     whole = sum_of_squares(problem, values)
     starts = starts_of_causes(problem, values)
-    # A reference angle is found from afar, which a linear step does not show.
-    turned = [cause for cause in possible_causes(problem) if cause.kind == "reference_angle"]
+    # No linear step shows a reference angle, which is found from afar, nor a course between samples, which jumps.
+    turned = [cause for cause in possible_causes(problem) if cause.kind in ("reference_angle", BETWEEN)]
     first = list(dict.fromkeys([*turned, *(cause for start in starts for cause in _promising(problem, start))]))
     tried = fit_causes(problem, first, starts, solve, whole)
     good = explaining_fits(tried, whole)
@@ -52,7 +52,7 @@ def explanations(problem: FitProblem, values: FloatArray, solve: Solve, errors: 
 
 def _promising(problem: FitProblem, values: FloatArray) -> list[Cause]:
     """Causes of a misfit that a linear step predicts to reduce it most, the best first."""
-    causes = list(possible_causes(problem))
+    causes = [cause for cause in possible_causes(problem) if cause.kind != BETWEEN]
     wide = with_causes(problem, causes, values, instead=False)
     residuals, slopes = _residuals_by_configuration(wide, problem.names)
     own = [wide.names.index(name) for name in problem.names]
@@ -94,17 +94,17 @@ def _explained(one: CauseFit, left: float, solve: Solve, errors: Errors) -> Expl
     cause, tried = one.cause, one.problem
     found = under_own_noise(one, solve)
     at = found.x
-    outputs = dict.fromkeys(block.measurement.output for block in tried.blocks)
     before = tried.start[tried.names.index(cause.unknown)] if cause.is_value else None
     return Explanation(
         kind=cause.kind,
-        of=cause.place(" and ".join(outputs)),
+        of=cause.place(tried),
         unknown=cause.unknown,
         values=dict(zip(tried.names, at.tolist(), strict=True)),
         standard_errors=errors(tried, found),
         before=None if before is None else float(before),
         complete=not any(one.rejected for one in misfits(tried, at)),
         left=left,
+        between=cause.between,
     )
 
 

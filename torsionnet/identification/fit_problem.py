@@ -103,6 +103,8 @@ class FitProblem:
             for block, place in zip(self.blocks, self.unknown_indices, strict=True)
             if isinstance(block, RecordBlock)
         ]
+        for block, mine in records:
+            block.choose_start(mine)
         for sensors in dict.fromkeys(block.sensors for block, _ in records):
             alike = [(block, mine) for block, mine in records if block.sensors == sensors]
             found = zip(*(block.unexplained(mine) for block, mine in alike), strict=True)

@@ -61,7 +61,8 @@ class Explanation:
 
     Attributes
     ----------
-    kind : {"delay", "gain", "reference_angle", "hysteretic", "viscous", "ratio", "value", "misfire", "gas_torque"}
+    kind : {"delay", "gain", "reference_angle", "hysteretic", "viscous", "ratio", "value", "misfire", "gas_torque",
+        "between"}
     of : str
         The signal that is late, too large or turned, the element with another kind of damping, the value set free, or
         the cylinder that misfires.
@@ -73,6 +74,8 @@ class Explanation:
         Whether nothing but noise is left.
     left : float
         Sum of squares left over that of the fit.
+    between : str
+        Course of the signal between samples with which the model would fit; empty for other kinds.
     """
 
     kind: str
@@ -83,6 +86,7 @@ class Explanation:
     before: float | None
     complete: bool
     left: float
+    between: str = ""
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ ADVICE_BY_CAUSE = {
     "gas_torque": "look at its injection, or find the factor along",
     "ratio": "look for other teeth, or correct the ratio",
     "value": "free it too, or correct it",
+    "between": "say so by between, in the signal or in the measurement",
 }
 INTERVALS_WITHHELD = "Intervals are withheld"
 MOST_EXPLANATIONS_LISTED = 3
@@ -50,17 +51,21 @@ def lack_of_fit_sentences(lack: LackOfFit | None) -> Iterator[str]:
 
 def _what(one: Explanation) -> str:
     found = [value for name, value in one.values.items() if name.partition("[")[0] == one.unknown]
-    return cause_in_words(one.kind, one.of, sum(found) / len(found), one.before)
+    return cause_in_words(one.kind, one.of, sum(found) / max(len(found), 1), one.before, one.between)
 
 
-def cause_in_words(kind: str, of: str, value: float, before: float | None) -> str:
+def cause_in_words(kind: str, of: str, value: float, before: float | None, between: str = "") -> str:
     """Description in words of a cause of a misfit with the value that it would need.
 
     >>> cause_in_words("gain", "n_out", 0.7767, None), cause_in_words("ratio", "stage.ratio", 2.33, 3.0)
     ('a gain of 0.7767 in n_out', 'stage.ratio = 2.33 instead of 3')
     >>> cause_in_words("gain", "theta_1", -1.002, None)
     'a gain of -1.002 in theta_1 (a channel is reversed)'
+    >>> cause_in_words("between", "T_M", float("nan"), None, "band_limited")
+    'T_M band-limited between samples'
     """
+    if between:
+        return f"{of} {between.replace('_', '-')} between samples"
     if kind == "delay":
         return f"a delay of {1e3 * value:.3g} ms in {of}"
     if kind == "gain":

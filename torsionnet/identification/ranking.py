@@ -44,7 +44,8 @@ class RankedCause:
 
     Attributes
     ----------
-    kind : {"delay", "gain", "reference_angle", "hysteretic", "viscous", "ratio", "value", "misfire", "gas_torque"}
+    kind : {"delay", "gain", "reference_angle", "hysteretic", "viscous", "ratio", "value", "misfire", "gas_torque",
+        "between"}
     of : str
         The value, the signals of a gain, delay or reference angle, the element with another kind of damping, or the
         cylinder that misfires.
@@ -60,6 +61,8 @@ class RankedCause:
         Share of the sum of the squared weighted residuals that is left.
     explains : bool
         Whether little is left, and not much more than by the best cause.
+    between : str
+        Course of the input between samples instead of a value freed, which is then NaN; empty for other kinds.
     """
 
     kind: str
@@ -70,6 +73,7 @@ class RankedCause:
     misfit: float
     left: float
     explains: bool
+    between: str = ""
 
     @property
     def factor(self) -> float | None:
@@ -79,7 +83,7 @@ class RankedCause:
         return self.value / self.before if self.before else None
 
     def __str__(self) -> str:
-        return cause_in_words(self.kind, self.of, self.value, self.before)
+        return cause_in_words(self.kind, self.of, self.value, self.before, self.between)
 
 
 @dataclass(frozen=True, repr=False)
@@ -119,7 +123,17 @@ class Ranking(NotebookResult):
         rows = []
         for one in self.causes:
             what = f"{one.kind.replace('_', ' ')} of {one.of}" if one.unknown in CHANNEL_CAUSES else one.unknown
-            rows.append((what, one.before, one.value, one.factor, 100 * one.misfit, "yes" if one.explains else "no"))
+            what = f"{one.of} between samples" if one.between else what
+            rows.append(
+                (
+                    what,
+                    one.before,
+                    one.between.replace("_", "-") or one.value,
+                    one.factor,
+                    100 * one.misfit,
+                    "yes" if one.explains else "no",
+                )
+            )
         note = f"misfit {100 * self.misfit:.3g} % (RMS of model minus test over test) with nothing freed"
         return Table("What would explain the misfit", columns, tuple(rows), (self.verdict, note))
 
@@ -134,9 +148,10 @@ def rank_causes(
 ) -> Ranking:
     """Ranking of the causes of a misfit, each value freed alone, by the misfit that is left.
 
-    Tried are a gain and a delay of the outputs' channels, every inertia, stiffness, damping and ratio of the model, the
-    frequencies of tuned dampers, and the other kind of damping of its springs; for measured orders also the angle of
-    their reference, a misfire of each cylinder, and amplitudes and phases of propellers and other given torques.
+    Tried are a gain and a delay of the outputs' channels, other courses of the inputs between samples, every inertia,
+    stiffness, damping and ratio of the model, the frequencies of tuned dampers, and the other kind of damping of its
+    springs; for measured orders also the angle of their reference, a misfire of each cylinder, and amplitudes and
+    phases of propellers and other given torques.
 
     Parameters
     ----------
@@ -224,16 +239,18 @@ def _fits_at_zero(one: CauseFit, places: list[int]) -> bool:
 
 def _ranked(one: CauseFit, whole: float, *, explains: bool) -> RankedCause:
     mine = [place for place, name in enumerate(one.problem.names) if name.partition("[")[0] == one.cause.unknown]
-    cause, value = one.cause, 0.0 if _fits_at_zero(one, mine) else float(np.mean(one.values[mine]))
-    begin = float(np.mean(one.problem.start[mine]))
-    outputs = " and ".join(dict.fromkeys(block.measurement.output for block in one.problem.blocks))
+    cause, value, begin = one.cause, float("nan"), 0.0
+    if mine:
+        value = 0.0 if _fits_at_zero(one, mine) else float(np.mean(one.values[mine]))
+        begin = float(np.mean(one.problem.start[mine]))
     return RankedCause(
         kind=cause.kind,
-        of=cause.place(outputs),
+        of=cause.place(one.problem),
         unknown=cause.unknown,
         before=begin if cause.is_value else None,
         value=value,
         misfit=_without_rounding(one.misfit),
         left=one.sum_of_squares / whole if whole else 0.0,
         explains=explains,
+        between=cause.between,
     )

@@ -11,7 +11,7 @@ from typing import Any
 from torsionnet.core.errors import Fault, ModelError, UsageError
 from torsionnet.core.remedies import remedy
 from torsionnet.io.formats.registry import FORMATS, format_of, reading
-from torsionnet.io.records.assembling import recordings, with_given_clock
+from torsionnet.io.records.assembling import recordings, with_given_clock, with_given_courses
 from torsionnet.io.records.channel_choice import choose
 from torsionnet.io.records.encoder_recording import encoder_recording
 from torsionnet.io.records.read_options import ReadOptions
@@ -31,6 +31,7 @@ def read_recording(
     pulse_readings: Mapping[str, PulseReading] | None = None,
     *,
     resample: bool = False,
+    between: Mapping[str, str] | None = None,
     **dialect: str,
 ) -> Recording:
     r"""Read a recording from a file, its values converted to SI, and what was assumed in its notes.
@@ -61,6 +62,9 @@ def read_recording(
         Bring the channels of other sampling rates or starts to ``sampling_rate``, by default the highest of even ones,
         band-limited, with a note on the error. Without it they are left out, with a note, or refused where they are
         named; those that begin whole samples apart are cut to the time they share.
+    between : mapping, optional
+        Course of channels between samples, ``{"T_M": "held"}`` for the output of a converter, ``"straight"`` for a
+        torque that was simulated so; without it, and where the file does not say it, ``"band_limited"``.
     **dialect : str
         ``separator`` and ``decimal`` of a text file, instead of finding them out.
 
@@ -83,7 +87,7 @@ def read_recording(
     '"time" was taken for the time stamps'
     """
     options = ReadOptions(
-        names, quantities or {}, units or {}, sampling_rate, pulses or {}, pulse_readings or {}, resample
+        names, quantities or {}, units or {}, sampling_rate, pulses or {}, pulse_readings or {}, resample, between or {}
     )
     found = list(_read(Path(path), options, None, dialect))
     if len(found) > 1:
@@ -116,6 +120,7 @@ def iter_blocks(
     pulse_readings: Mapping[str, PulseReading] | None = None,
     *,
     resample: bool = False,
+    between: Mapping[str, str] | None = None,
     **dialect: str,
 ) -> Iterator[Recording]:
     """Yield recordings of ``seconds`` each in SI, one after the other, from a large file that is never read as a whole.
@@ -127,7 +132,9 @@ def iter_blocks(
     """
     if not seconds > 0:
         raise UsageError(f"blocks must last a positive number of seconds, got {seconds}")
-    options = ReadOptions(names, quantities or {}, units or {}, sampling_rate, {}, pulse_readings or {}, resample)
+    options = ReadOptions(
+        names, quantities or {}, units or {}, sampling_rate, {}, pulse_readings or {}, resample, between or {}
+    )
     return _read(Path(path), options, seconds, dialect)
 
 
@@ -150,6 +157,7 @@ def _read(
     with _opened(path, dialect) as found:
         read = with_readings(found, options.readings, options.units, path.name)
         source, options = with_given_clock(read, options)
+        source = with_given_courses(source, options.between, path.name)
         if options.pulses:
             record = encoder_recording(source, options, path.name)
             if source.seams:

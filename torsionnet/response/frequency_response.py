@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
@@ -14,6 +14,7 @@ from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.notebook import NotebookResult
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.estimation import Estimation
+from torsionnet.response.measured.between_samples import BetweenSamples
 from torsionnet.response.table import Column, Table
 
 if TYPE_CHECKING:
@@ -34,6 +35,8 @@ KINDS_BY_UNIT = {"rad": "receptance", "rad/s": "mobility", "rad/s^2": "acceleran
 class Channel:
     """Signal of a frequency response with name and SI unit (rad, rad/s, rad/s^2 or N*m).
 
+    Of a response estimated from samples ``course`` is that between them, for which it was corrected.
+
     Examples
     --------
     >>> import torsionnet as tn
@@ -43,6 +46,7 @@ class Channel:
 
     name: str
     unit: str
+    course: BetweenSamples | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

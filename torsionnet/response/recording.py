@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.notebook import NotebookResult
+from torsionnet.response.measured.between_samples import Between, BetweenSamples, check_between
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.motion.energy_balance import EnergyBalance
 from torsionnet.response.motion.motion_event import MotionEvent
@@ -47,17 +48,36 @@ class Signal:
         Values in the SI unit of the quantity.
     notes : tuple of str
         Origin and processing of the values.
+    between : {"band_limited", "straight", "held"}
+        Course between samples: nothing above half the sampling rate, straight lines, or each value held until the next.
+        Fits and estimates take a torque that drives as it says.
+    course_rate : float, optional
+        Sampling rate in Hz that ``between`` speaks of, where the signal has been brought to another one since.
     """
 
     name: str
     quantity: str
     values: FloatArray
     notes: tuple[str, ...] = ()
+    between: Between = "band_limited"
+    course_rate: float | None = None
+
+    def __post_init__(self) -> None:
+        check_between(self.between)
 
     @property
     def unit(self) -> str:
         """SI unit of the values of a signal; empty where the quantity is not known."""
         return QUANTITY_UNITS.get(self.quantity, "")
+
+    def course(self, rate: float) -> BetweenSamples:
+        """Course of the signal between samples of a record at a rate in Hz."""
+        return BetweenSamples(self.between, self.course_rate or rate)
+
+    def at_other_rate(self, values: FloatArray, rate: float) -> Signal:
+        """Signal with the values at other times, which were at a rate in Hz before."""
+        kept = None if self.between == "band_limited" else self.course_rate or rate
+        return replace(self, values=values, course_rate=kept)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

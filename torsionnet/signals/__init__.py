@@ -6,6 +6,7 @@ from torsionnet.core.lazy_imports import lazy_exports
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
+        "BetweenSamples": "torsionnet.response.measured.between_samples",
         "BurstRandom": "torsionnet.signals.excitation",
         "CalculatedOrders": "torsionnet.signals.rotation.calculated_orders",
         "ClockDrift": "torsionnet.signals.rotation.clock_drift",

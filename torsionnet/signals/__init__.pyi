@@ -11,6 +11,7 @@ from torsionnet.io.recording_files import iter_blocks as iter_blocks
 from torsionnet.io.recording_files import read_recording as read_recording
 from torsionnet.io.recording_files import write_recording as write_recording
 from torsionnet.io.wheel_files import read_wheels as read_wheels
+from torsionnet.response.measured.between_samples import BetweenSamples as BetweenSamples
 from torsionnet.response.measured.pulse_channel import PulseChannel as PulseChannel
 from torsionnet.response.measured.wheel_pattern import WheelPattern as WheelPattern
 from torsionnet.response.recording import Recording as Recording
@@ -87,6 +88,7 @@ from torsionnet.signals.welch import PAPER as PAPER
 from torsionnet.signals.welch import Welch as Welch
 
 __all__ = [
+    "BetweenSamples",
     "BurstRandom",
     "CalculatedOrders",
     "ClockDrift",

@@ -130,7 +130,9 @@ class _Stream:
         self.pending = self.pending[:, count * self.factor :]
         start = self.first.start + self.done * self.factor / self.first.sampling_rate
         self.done += count
-        template = replace(self.first, sampling_rate=self.first.sampling_rate / self.factor, start=start)
+        rate, signals = self.first.sampling_rate / self.factor, self.first.signals
+        signals = tuple(one.at_other_rate(one.values, self.first.sampling_rate) for one in signals)
+        template = replace(self.first, signals=signals, sampling_rate=rate, start=start)
         yield _with_values(template, values).with_notes(self._note())
 
     def _note(self) -> str:

@@ -13,6 +13,7 @@ import torsionnet.signals.transfer_matrices as transfer_matrices
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.estimation import Estimation
+from torsionnet.response.measured.between_samples import course_remark
 from torsionnet.response.recording import FloatArray, Recording
 from torsionnet.signals.advice import peak_warnings
 from torsionnet.signals.averaging_data import averaging_data, with_record
@@ -22,6 +23,7 @@ from torsionnet.signals.resolution import ResolutionWatch, with_resolution_limit
 from torsionnet.signals.spectra import cross_spectra
 from torsionnet.signals.spectral_matrix import ComplexArray, CrossSpectra
 from torsionnet.signals.welch import Welch
+from torsionnet.signals.window_lag import aligned, lag_warnings
 
 Estimator: TypeAlias = Literal["H1", "H2", "Hv", "Hs", "Hr"]
 Names: TypeAlias = str | Sequence[str]
@@ -42,6 +44,8 @@ def estimate(
     noise_ratio: float | None = None,
     reference: Names = (),
     band: tuple[float, float] | None = None,
+    *,
+    align: bool = False,
 ) -> FrequencyResponse:
     """Frequency response with coherence estimated from a recording or from averaged spectra.
 
@@ -66,11 +70,16 @@ def estimate(
         as many as there are inputs, or more.
     band : (float, float), optional
         Lowest and highest frequency in Hz that are kept and judged; all by default.
+    align : bool
+        Move the output to earlier times by its lag behind the input before windows cut both, of which they would lose a
+        share, and put the phase of the lag back: the dead time of a plant remains in the response.
 
     Returns
     -------
     FrequencyResponse
-        Its coherence is the ordinary one, of each output with each input alone.
+        Its coherence is the ordinary one, of each output with each input alone. An input that is held or straight
+        between samples, as its signal says, is taken as such; what folds back from above half the rate remains, which a
+        fit allows for.
 
     Examples
     --------
@@ -82,6 +91,16 @@ def estimate(
     ('rad/(N*m)', 0.01, 1.0)
     """
     outputs, inputs, references = _listed(output), _listed(input), _listed(reference)
+    if align:
+        if not isinstance(measured, Recording) or len(outputs) != 1 or len(inputs) != 1:
+            raise UsageError("signals are aligned in one record in memory, an output and an input at a time")
+        moved, lag = aligned(measured.select(dict.fromkeys((*outputs, *inputs, *references))), outputs[0], inputs[0])
+        found = estimate(moved, outputs, inputs, estimator, settings, noise_ratio, references, band)
+        turned = found.values * np.exp(-2j * np.pi * found.frequencies * lag)[:, None, None]
+        note = f"{outputs[0]} {1e3 * lag:g} ms earlier where windows cut the record; the phase of the lag is put back"
+        # The record, which has the lag, would contradict a response without its loss.
+        kept = None if found.estimation is None else replace(found.estimation, record=None)
+        return replace(found, values=turned, notes=(*found.notes, note), estimation=kept)
     watch = ResolutionWatch(outputs, inputs[0], (settings or Welch()).seconds) if inputs else None
     spectra, records = _spectra(measured, (*outputs, *inputs, *references), settings, watch)
     asked = estimator or ("Hr" if references else spectra.settings.estimator) or "H1"
@@ -92,11 +111,14 @@ def estimate(
         values = transfer_matrices.hr(spectra.between(references, inputs), spectra.between(references, outputs))
     else:
         values = _values(chosen, s_xx, s_xy, s_yy, noise_ratio)
+    driving = [spectra.channels[i] for i in spectra.indices(inputs)]
+    # The vibration of a torque that is held or straight is less than that of its samples.
+    shares = np.stack([one.course.share(spectra.frequencies) for one in driving if one.course], axis=1)
     response = FrequencyResponse(
         frequencies=spectra.frequencies,
-        values=values,
+        values=values / shares[:, None, :],
         outputs=tuple(spectra.channels[i] for i in spectra.indices(outputs)),
-        inputs=tuple(spectra.channels[i] for i in spectra.indices(inputs)),
+        inputs=tuple(driving),
         title=spectra.title,
         coherence=transfer_matrices.ordinary_coherence(s_xx, s_xy, s_yy),
         notes=(*spectra.notes, _provenance(chosen, spectra, noise_ratio, references)),
@@ -105,10 +127,14 @@ def estimate(
     low, high = band or (0.0, np.inf)
     response = with_resolution_limit(response, watch, spectra.settings.decimation, high) if watch else response
     response = response.between(low, high)
-    found = peak_warnings(response, 1 / spectra.settings.seconds, judge_coherence=len(inputs) == 1)
+    peaks = peak_warnings(response, 1 / spectra.settings.seconds, judge_coherence=len(inputs) == 1)
     inside = (spectra.frequencies >= low) & (spectra.frequencies <= high)
     warnings = (*_spectra_warnings(spectra, s_xx, inside), *_reference_warnings(spectra, inputs, references))
-    return replace(response, notes=(*response.notes, *warnings, *found))
+    top = float(response.frequencies[-1]) if len(response.frequencies) else 0.0
+    courses = [(one.name, one.course) for one in driving if one.course and not one.course.is_band_limited]
+    remarks = filter(None, (course_remark(*one, top) for one in courses))
+    lags = lag_warnings(records[1], outputs, inputs[0], spectra.settings) if records and len(inputs) == 1 else []
+    return replace(response, notes=(*response.notes, *remarks, *lags, *warnings, *peaks))
 
 
 def multiple_coherence(spectra: CrossSpectra, output: Names, input: Names) -> FloatArray:

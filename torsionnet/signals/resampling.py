@@ -152,7 +152,7 @@ def resampled(recording: Recording, rate: float | None = None, *, bridge_gaps: b
     _check(recording, new, bridge_gaps)
     time = recording.time
     even = even_times(float(time[0]), float(time[-1]), new, len(time), "samples")
-    signals = tuple(_resampled(signal, time, even) for signal in recording)
+    signals = tuple(_resampled(signal, recording, even) for signal in recording)
     error = max((spline_error(signal.values) for signal in signals), default=0.0)
     note = (
         f"resampled to {new:g} Hz by cubic splines, with errors up to about {100 * error:.2g} % of the rms of a signal"
@@ -160,10 +160,11 @@ def resampled(recording: Recording, rate: float | None = None, *, bridge_gaps: b
     return replace(recording, signals=signals, sampling_rate=new, start=float(time[0]), times=None).with_notes(note)
 
 
-def _resampled(signal: Signal, time: FloatArray, even: FloatArray) -> Signal:
+def _resampled(signal: Signal, recording: Recording, even: FloatArray) -> Signal:
     from scipy.interpolate import CubicSpline
 
-    return replace(signal, values=np.asarray(CubicSpline(time, signal.values)(even), dtype=float))
+    values = CubicSpline(recording.time, signal.values)(even)
+    return signal.at_other_rate(np.asarray(values, dtype=float), recording.sampling_rate)
 
 
 def _check(recording: Recording, rate: float, bridge_gaps: bool) -> None:

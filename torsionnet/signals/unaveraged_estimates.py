@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError
 from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.response.measured.between_samples import course_remark
 from torsionnet.response.recording import FloatArray, Recording
 from torsionnet.signals.detrending import Trend, without_trend
 from torsionnet.signals.record_blocks import check_processable, stacked
@@ -106,12 +107,16 @@ def _sines(recording: Recording, step: Step, settling: float) -> ComplexArray:
 
 
 def _response(recording: Recording, frequencies: FloatArray, lines: ComplexArray, note: str) -> FrequencyResponse:
-    *outputs, into = (Channel(signal.name, signal.unit) for signal in recording)
+    courses = (signal.course(recording.sampling_rate) for signal in recording)
+    *outputs, into = (Channel(one.name, one.unit, course) for one, course in zip(recording, courses, strict=True))
+    assert into.course is not None
+    driven = lines[:, -1] * into.course.share(frequencies)
+    remark = "" if into.course.is_band_limited else course_remark(into.name, into.course, float(frequencies.max()))
     return FrequencyResponse(
         frequencies=frequencies,
-        values=np.asarray(lines[:, :-1, None] / lines[:, -1:, None], dtype=np.complex128),
+        values=np.asarray(lines[:, :-1, None] / driven[:, None, None], dtype=np.complex128),
         outputs=tuple(outputs),
         inputs=(into,),
         title=recording.title,
-        notes=(*recording.notes, note),
+        notes=(*recording.notes, note, *filter(None, [remark])),
     )

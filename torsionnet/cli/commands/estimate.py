@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.cli.command import TABLE, Answer, click_command
+from torsionnet.cli.declarations import option
 from torsionnet.cli.options import ANGLE, HIGHEST_FREQUENCY, file_option
 from torsionnet.cli.record_options import Averaging, EstimateArguments, Estimator, RecordReading
 from torsionnet.cli.terminal import print_warnings
@@ -31,6 +32,9 @@ class EstimateCommand(EstimateArguments):
 
     stop: float | None = HIGHEST_FREQUENCY
     angle: str = ANGLE
+    align: bool = option(
+        "--align", help="Move the output by its lag before windows cut the record, and put the phase of the lag back."
+    )
     output_file: str | None = file_option("Write the response: UFF58, MAT, NPZ or CSV.", RESPONSE_ENDINGS)
 
     def answer(self) -> Answer:
@@ -46,6 +50,7 @@ class EstimateCommand(EstimateArguments):
             self.averaging,
             self.estimator,
             (self.start, self.stop),
+            align=self.align,
         )
         conventions = Conventions(angle=self.angle)
         return Answer(
@@ -65,6 +70,8 @@ def estimate_record(
     averaging: Averaging,
     estimator: Estimator,
     band: tuple[float, float | None],
+    *,
+    align: bool = False,
 ) -> FrequencyResponse:
     """Frequency response estimated from a record in a band in Hz; its warnings go to stderr."""
     from torsionnet.cli.progress import progress
@@ -77,7 +84,7 @@ def estimate_record(
         named = (*outputs, *inputs, *references)
         measured = averaging.suited(load_record(record, reading, named, settings.seconds, advance, tests=True))
         limits = (band[0], float("inf") if band[1] is None else band[1])
-        response = estimate(measured, outputs, inputs, chosen, settings, reference=references, band=limits)
+        response = estimate(measured, outputs, inputs, chosen, settings, reference=references, band=limits, align=align)
     print_warnings(response.notes)
     return response
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from torsionnet.core.errors import UsageError
 from torsionnet.response import FrequencyResponse
+from torsionnet.response.measured.between_samples import check_between
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.order_comparison import MeasuredOrder
 from torsionnet.response.recording import Recording
@@ -62,6 +63,9 @@ class Measurement:
         Lowest and highest speed of the reference shaft in rad/s at which orders are compared.
     speed_of : str, optional
         Node of the shaft of which the test's orders and speeds are; by default that of the model's speeds.
+    between : {"held", "straight", "band_limited"}, optional
+        Course of the input between its samples, in place of what the data say; where another torque drives, as the
+        motor's ahead of a torque meter, the course of that one.
     reference_angle : bool, optional
         Whether the angle is found along by which the test's reference comes after the zero of the model's angle of
         rotation, rad.
@@ -87,6 +91,7 @@ class Measurement:
     speeds: tuple[float, float] | None = None
     speed_of: str = ""
     reference_angle: bool = False
+    between: str | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.data, Recording | FrequencyResponse):
@@ -95,6 +100,8 @@ class Measurement:
             raise UsageError(f"{', '.join(wrong)} {'belong' if len(wrong) > 1 else 'belongs'} to measured orders")
         elif not (self.output and self.input):
             raise UsageError("name the output and the input of a record or response")
+        if self.between:
+            check_between(self.between)
         for low, high in (*([self.band] if self.band else ()), *self.excluded):
             if not (np.isfinite(low) and low >= 0 and high > low):
                 raise UsageError(f"a band goes from a frequency >= 0 to a higher one, in Hz, got {low}, {high}")
@@ -121,7 +128,7 @@ class Measurement:
             object.__setattr__(self, "data", listed)
         if not self.output:
             raise UsageError("name the output of the model that the orders were measured at")
-        if self.input or self.model_input or self.excitation:
+        if self.input or self.model_input or self.excitation or self.between:
             raise UsageError("orders have no input: the excitations of the model cause them; leave input out")
         if self.settings or self.settling or self.reference:
             raise UsageError("settings, settling and reference belong to records; these are orders")

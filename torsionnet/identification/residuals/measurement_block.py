@@ -21,7 +21,9 @@ from torsionnet.identification.orders.parametric_orders import parameters_of_dri
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.noise import Noise, noise_between_lines
 from torsionnet.identification.residuals.residual_forms import Form, residuals_in_form
+from torsionnet.identification.residuals.sampled_response import between_samples
 from torsionnet.response import FrequencyResponse
+from torsionnet.response.measured.between_samples import BetweenSamples, check_between, course_remark
 from torsionnet.solve.sensitivity import Evaluation, parametric_response
 
 
@@ -171,7 +173,10 @@ class MeasurementBlock(ABC):
     @property
     def remark(self) -> str:
         """Note on assumptions about the measurement for the notes of a fit, empty if there are none."""
-        return ""
+        if self.course is None or (self.course.is_band_limited and not self.is_driven):
+            return ""
+        found = course_remark(self.measurement.input, self.course, float(self.frequencies.max()))
+        return f"{self.measurement.label}: {found}" if found else ""
 
     def measured_noise(self, values: FloatArray) -> Noise | None:
         """Noise variance of each line (n_b,) over that which the weights suppose, without errors of the model.
@@ -210,10 +215,30 @@ class MeasurementBlock(ABC):
         found.measurement = measurement
         output, into = measurement.model_output or measurement.output, measurement.model_input or measurement.input
         names = parameters_of_drivetrain(rig, parameters)
-        found.response = parametric_response(
-            rig, output, into, old.frequencies, names, excitation=measurement.excitation
-        )
+        plain = parametric_response(rig, output, into, old.frequencies, names, excitation=measurement.excitation)
+        found.response = between_samples(plain, found.course, found.corrected_course)
         return found
+
+    @property
+    def stated_course(self) -> BetweenSamples | None:
+        """Course of the input between its samples as the data state it; None where they have no samples."""
+        return None
+
+    @property
+    def corrected_course(self) -> BetweenSamples | None:
+        """Course for which the values of the test were corrected when they were estimated; None without correction."""
+        return None
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether the input drives the model, and is not a reading of what another torque causes."""
+        return (self.measurement.model_input or self.measurement.input) not in self.response.drivetrain.sensors
+
+    @property
+    def course(self) -> BetweenSamples | None:
+        """Course of the input between its samples as the measurement states it, else as the data do."""
+        stated, asked = self.stated_course, self.measurement.between
+        return replace(stated, between=check_between(asked)) if stated and asked else stated
 
     @property
     def extra(self) -> tuple[str, ...]:

@@ -19,6 +19,7 @@ from torsionnet.identification.residuals.memory_demand import MOST_BYTES, check_
 from torsionnet.identification.residuals.record_block import RecordBlock
 from torsionnet.identification.residuals.residual_forms import Form
 from torsionnet.identification.residuals.response_block import ResponseBlock, lowest_settled_frequency
+from torsionnet.identification.residuals.sampled_response import between_samples
 from torsionnet.identification.residuals.sensor_steps import SensorSteps, find_sensor_steps
 from torsionnet.identification.residuals.smoothing import smoothing
 from torsionnet.identification.residuals.windowed_estimate import WindowedEstimate, windowed_estimate
@@ -64,7 +65,16 @@ def _of_record(
     units = tuple(Channel(name, data[name].unit) for name in names)
     response = _response(rig, measurement, windowed.fine, parameters, (units[0], units[1]))
     steps = find_sensor_steps(data, *names, settings.decimation)
-    return RecordBlock(measurement, response, windowed, kept, steps, form=form)
+    return _between_samples(RecordBlock(measurement, response, windowed, kept, steps, form=form), response)
+
+
+def _between_samples(block: MeasurementBlock, response: ParametricResponse) -> MeasurementBlock:
+    """Residuals against the response of the model between the samples of the data."""
+    if block.measurement.between and block.course is None:
+        text = "between is for records, and for responses estimated here, which know their sampling rate"
+        raise UsageError(f"{block.measurement.label}: {text}")
+    block.response = between_samples(response, block.course, block.corrected_course)
+    return block
 
 
 def _of_response(
@@ -77,11 +87,13 @@ def _of_response(
     if remembered is not None:
         windowed, kept, steps = remembered
         response = _response(rig, measurement, windowed.fine, parameters, ends)
-        given = np.asarray(chosen.values[:, 0, 0])
-        return RecordBlock(measurement, response, windowed, kept, steps, form=form, estimated_lines=given)
+        course = windowed.record[windowed.input].course(windowed.record.sampling_rate)
+        given = np.asarray(chosen.values[:, 0, 0]) * course.share(chosen.frequencies)  # as before its correction
+        block = RecordBlock(measurement, response, windowed, kept, steps, form=form, estimated_lines=given)
+        return _between_samples(block, response)
     smooth = smoothing(chosen.frequencies, chosen.estimation) if chosen.estimation else None
     response = _response(rig, measurement, smooth.fine if smooth else chosen.frequencies, parameters, ends)
-    return ResponseBlock(measurement, response, chosen, smooth, form=form)
+    return _between_samples(ResponseBlock(measurement, response, chosen, smooth, form=form), response)
 
 
 def default_settings(record: Recording, band: tuple[float, float] | None = None) -> Welch:

@@ -14,10 +14,14 @@ from torsionnet.identification.residuals.residual_forms import covariance_in_for
 from torsionnet.identification.residuals.sensor_steps import REST_POSITIONS, SensorSteps
 from torsionnet.identification.residuals.unexcited_windows import unexcited_windows
 from torsionnet.identification.residuals.windowed_estimate import WindowedEstimate
+from torsionnet.response.measured.between_samples import BetweenSamples
 
 MOST_NOISE_RATIO = 100.0
 """Largest noise power of excited windows over that of unexcited ones, as a larger residual that does not follow the
 input from window to window is the error of a model with other resonances."""
+
+CLEARLY_LESS = 0.9
+"""Share of the unexplained power that may be left where a record is taken to begin with a sudden torque."""
 
 
 @dataclass(eq=False)
@@ -45,6 +49,11 @@ class RecordBlock(MeasurementBlock):
     def __post_init__(self) -> None:
         self.covariance = self._part(self.windowed.output_covariance())
         self.step_errors = np.zeros((REST_POSITIONS, len(self.covariance)))
+
+    @property
+    def stated_course(self) -> BetweenSamples:
+        record = self.windowed.record
+        return record[self.windowed.input].course(record.sampling_rate)
 
     @property
     def description(self) -> str:
@@ -98,6 +107,26 @@ class RecordBlock(MeasurementBlock):
     def sensors(self) -> tuple[str, str, float]:
         """Names of output and input, and sampling rate in Hz; records where all are equal share their noise level."""
         return self.windowed.output, self.windowed.input, self.windowed.record.sampling_rate
+
+    def choose_start(self, values: FloatArray) -> None:
+        """Take the input's first value as sudden where that explains the output better than a long action."""
+        if not self.windowed.suddenly and self.course is not None:
+            G, _ = self._distorted(values, self.windowed.fine)
+            sudden = self.windowed.begun_suddenly(self.course)
+            left, before = (one.unexplained(G)[self.kept].sum() for one in (sudden, self.windowed))
+            if left < CLEARLY_LESS * before:
+                self.windowed = sudden
+
+    @property
+    def remark(self) -> str:
+        found = super().remark
+        if self.windowed.suddenly:
+            name, record = self.windowed.input, self.windowed.record
+            begins = (
+                f"{record[name].values[0]:.4g} {record[name].unit} of {name} act from the first sample on, not before"
+            )
+            found = "; ".join(filter(None, (f"{self.measurement.label}: {begins}", found)))
+        return found
 
     def unexplained(self, values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Residual power, squared response and power of step errors at each line, (n_b,), over unit white noise."""

@@ -21,6 +21,7 @@ from torsionnet.identification.residuals.noise_sources import sensor_noise_power
 from torsionnet.identification.residuals.residual_forms import covariance_in_form, errors_in_form, parts
 from torsionnet.identification.residuals.smoothing import SMOOTHING_ERROR_SHARE, Smoothing
 from torsionnet.response import FrequencyResponse
+from torsionnet.response.measured.between_samples import BetweenSamples
 
 STATED_ERROR_CERTAINTY = 1e6
 """Number of independent values attributed to the stated error of a response, so large that the error counts as
@@ -83,6 +84,14 @@ class ResponseBlock(MeasurementBlock):
     @property
     def frequencies(self) -> FloatArray:
         return self.data.frequencies
+
+    @property
+    def stated_course(self) -> BetweenSamples | None:
+        return self.data.inputs[0].course
+
+    @property
+    def corrected_course(self) -> BetweenSamples | None:
+        return self.stated_course
 
     @property
     def measured(self) -> ComplexArray:
@@ -163,7 +172,8 @@ class ResponseBlock(MeasurementBlock):
         cut = 0.0 if self.measurement.band or self.smoothing is None else lowest_settled_frequency(self.data)
         if cut:
             found.append(f"is used from {cut:.3g} Hz, as a sweep passed what is below within the first window")
-        return f"{self.measurement.label} {'; '.join(found)}" if found else ""
+        said = f"{self.measurement.label} {'; '.join(found)}" if found else ""
+        return "; ".join(filter(None, (said, super().remark)))
 
     def measured_noise(self, values: FloatArray) -> Noise | None:
         if self.measurement.error is None:

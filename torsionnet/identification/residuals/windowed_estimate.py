@@ -16,6 +16,7 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.identification.residuals.instrument import Instrument, without_background
 from torsionnet.identification.residuals.segments import SegmentRows, Segments
+from torsionnet.response.measured.between_samples import BetweenSamples
 from torsionnet.response.recording import Recording
 from torsionnet.signals.decimation import decimate
 from torsionnet.signals.record_blocks import check_processable
@@ -47,6 +48,8 @@ class WindowedEstimate:
         Sum over the segments of input times instrument.
     background : (n_b,) bool array
         Whether squared noise of the instrument is in that sum.
+    suddenly : bool
+        Whether the first value of the input acts from its sample on, and nothing before; else it has acted for long.
     """
 
     frequencies: FloatArray
@@ -60,6 +63,21 @@ class WindowedEstimate:
     instrument: Instrument
     power: ComplexArray
     background: NDArray[np.bool_]
+    suddenly: bool = False
+
+    def begun_suddenly(self, course: BetweenSamples) -> WindowedEstimate:
+        """Estimate of the same record, which begins at rest, with an input that is there at once."""
+        first = float(self.record[self.input].values[0])
+        turns = 2j * np.pi * self.fine / self.record.sampling_rate
+        # Spectrum of as many samples of one, by the sum of a geometric series, and of none before.
+        constant = (1 - np.exp(-turns * self.rows.count)) / (1 - np.exp(-turns))
+        drive = self.drive + first * constant
+        if course.between == "straight":
+            # Nothing rises to the first sample: half of its triangle, (1 + t/h) before it, is left out.
+            x = 2j * np.pi * self.fine / course.rate
+            rise = (1 / x - (1 - np.exp(-x)) / x**2).conj()
+            drive = drive - first * rise / course.share(self.fine)
+        return replace(self, drive=drive, suddenly=True)
 
     def predicted(self, G: ComplexArray) -> ComplexArray:
         """Estimates of a response (n_b,) or (n_b, n_p) from outputs that G (n_f,) or (n_f, n_p) predicts."""
@@ -91,6 +109,7 @@ class WindowedEstimate:
     def residual_and_prediction(self, G: ComplexArray) -> tuple[FloatArray, FloatArray]:
         """Output measured minus that predicted by G (n_f,), and that predicted, each (n,), in the output's unit."""
         predicted = self._passed(G)
+        predicted = predicted - predicted[0] if self.suddenly else predicted
         return _from_rest(self.record, self.output) - predicted, predicted
 
     @property

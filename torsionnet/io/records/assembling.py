@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from torsionnet.core.delimited.headings import plain_unit
-from torsionnet.core.errors import Fault, ModelError
+from torsionnet.core.errors import Fault, ModelError, UsageError, unknown_name
 from torsionnet.core.number_range import LARGEST_SIZE
 from torsionnet.core.remedies import remedy
 from torsionnet.io.records.axes import seconds_in
@@ -30,6 +30,7 @@ from torsionnet.io.records.read_options import ReadOptions
 from torsionnet.io.records.several_rates import choose_rate, read_others, shares_time, with_others
 from torsionnet.io.records.source import Source, is_time
 from torsionnet.io.records.stored_pulses import names_of_signals, rate_of, stored_pulses, with_pulses
+from torsionnet.response.measured.between_samples import Between, check_between
 from torsionnet.response.recording import FloatArray, Recording, Signal, is_rate
 
 
@@ -44,6 +45,32 @@ def with_given_clock(source: Source, options: ReadOptions) -> tuple[Source, Read
             left = {other: word for other, word in options.units.items() if other != name}
             return replace(source, channels=others, time=channel), replace(options, units=left)
     return source, options
+
+
+def with_given_courses(source: Source, between: Mapping[str, str], file: str) -> Source:
+    """Source whose channels run between samples as the caller says by name.
+
+    Raises
+    ------
+    ModelError
+        There is no such channel, or no such course.
+    """
+    names, faults = [channel.name for channel in source.channels], list[Fault]()
+    courses = dict[str, Between]()
+    for name, given in between.items():
+        try:
+            courses[name] = check_between(given)
+        except UsageError as error:
+            faults.append(Fault(str(error), ("channels", name)))
+        if name not in names:
+            faults.append(unknown_name("channel", name, names, ("channels",)))
+    if faults:
+        raise ModelError(faults, file)
+    channels = (
+        replace(channel, between=courses[channel.name], course_rate=None) if channel.name in courses else channel
+        for channel in source.channels
+    )
+    return replace(source, channels=tuple(channels))
 
 
 def recordings(source: Source, options: ReadOptions, file: str, seconds: float | None = None) -> Iterator[Recording]:
@@ -195,4 +222,5 @@ def _size_faults(signal: Signal) -> list[Fault]:
 def _signal(choice: ChannelChoice, values: FloatArray) -> Signal:
     with np.errstate(over="ignore"):
         scaled = values if choice.factor == 1.0 else values * choice.factor
-    return Signal(choice.name, choice.quantity, np.asanyarray(scaled, dtype=float), choice.notes)
+    found, channel = np.asanyarray(scaled, dtype=float), choice.channel
+    return Signal(choice.name, choice.quantity, found, choice.notes, channel.between, channel.course_rate)

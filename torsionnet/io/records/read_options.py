@@ -10,7 +10,7 @@ from torsionnet.signals.rotation.pulse_reading import PulseReading
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """Options of the caller for reading a recording (names, quantities, units, sampling rate in Hz, encoder pulses)."""
+    """Options of the caller for reading a recording (names, units, sampling rate in Hz, encoder pulses and so on)."""
 
     names: Sequence[str] | Mapping[str, str] | None = None
     quantities: Mapping[str, str] = field(default_factory=dict)
@@ -19,3 +19,4 @@ class ReadOptions:
     pulses: Mapping[str, float] = field(default_factory=dict)
     readings: Mapping[str, PulseReading] = field(default_factory=dict)
     resample: bool = False
+    between: Mapping[str, str] = field(default_factory=dict)

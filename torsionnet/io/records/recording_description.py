@@ -11,8 +11,9 @@ from typing import Any
 from torsionnet.core.errors import UsageError
 from torsionnet.core.plain_names import free_name
 from torsionnet.io.records.source import NOWHERE, FileChannel, Source, StoredPulses
+from torsionnet.response.measured.between_samples import Between, check_between
 from torsionnet.response.measured.pulse_channel import PULSE_TIMES
-from torsionnet.response.recording import QUANTITY_UNITS, FloatArray, Recording
+from torsionnet.response.recording import QUANTITY_UNITS, FloatArray, Recording, Signal
 
 KEY = "torsionnet_recording"
 """Name under which the description of a recording stands in a file."""
@@ -32,7 +33,7 @@ def recording_json(recording: Recording, keys: Sequence[str] | None = None, *, w
     """
     named = list(keys or channel_names(recording))
     signals = [
-        {"key": key, "name": signal.name, "quantity": signal.quantity, "notes": list(signal.notes)}
+        {"key": key, "name": signal.name, "quantity": signal.quantity, "notes": list(signal.notes), **_course(signal)}
         for key, signal in zip(named, recording, strict=False)
     ]
     pulses = [
@@ -51,6 +52,13 @@ def recording_json(recording: Recording, keys: Sequence[str] | None = None, *, w
         **({"pulses": pulses} if pulses else {}),
     }
     return json.dumps(data)
+
+
+def _course(signal: Signal) -> dict[str, Any]:
+    """Course of a signal between samples as plain values; band-limited ones keep the bytes they had before it."""
+    if signal.between == "band_limited":
+        return {}
+    return {"between": signal.between, **({"course_rate": signal.course_rate} if signal.course_rate else {})}
 
 
 @dataclass(frozen=True)
@@ -129,10 +137,19 @@ def _channel(source: Source, entry: dict[str, Any]) -> FileChannel:
         quantity=quantity,
         unit=QUANTITY_UNITS.get(quantity, ""),
         notes=tuple(map(str, entry["notes"])),
+        between=_known_course(entry),
+        course_rate=float(entry["course_rate"]) if "course_rate" in entry else None,
         rate=None,
         start=None,
         clock=None,
     )
+
+
+def _known_course(entry: dict[str, Any]) -> Between:
+    try:
+        return check_between(entry.get("between", "band_limited"))
+    except UsageError as error:
+        raise TypeError(str(error)) from None
 
 
 def _named(source: Source, key: str) -> FileChannel:

@@ -234,10 +234,8 @@ def with_others(
     ]
     made = [
         Signal(
-            choice.name, choice.quantity,
-            choice.factor * interpolated_at(own.values, own.rate, own.start, times, new),
-            (*choice.notes, loss),
-        )
+            choice.name, choice.quantity, own.values, (*choice.notes, loss), choice.channel.between
+        ).at_other_rate(choice.factor * interpolated_at(own.values, own.rate, own.start, times, new), own.rate)
         for choice, own, loss in zip(others, samples, losses, strict=True)
     ]  # fmt: skip
     kept = [replace(signal, values=signal.values[inside]) for signal in record]

@@ -10,6 +10,7 @@ from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.errors import Position
 from torsionnet.core.units import DIMENSIONS, UnitError, parse_unit
 from torsionnet.io.foreign.content import Blocks
+from torsionnet.response.measured.between_samples import Between
 from torsionnet.signals.rotation.pulse_reading import PulseReading
 
 TIME_NAMES = frozenset({"time", "times", "zeit", "tid", "temps", "timestamp", "timestamps", "time stamp", "x-time"})
@@ -39,7 +40,7 @@ class FileChannel:
     ``start`` (s) are those of the channel alone, where the file has them for each, or ``clock`` is the channel of its
     time stamps; ``over`` is the unit or name of its axis where that is no time. ``implied`` has the factor to SI by
     quantity where the file has units for all channels, for those without one of their own. Time stamps count from
-    ``zero``.
+    ``zero``. ``between`` and ``course_rate`` are those of a :class:`~torsionnet.response.recording.Signal`.
     """
 
     name: str
@@ -55,6 +56,8 @@ class FileChannel:
     over: str = ""
     implied: Mapping[str, float] = field(default_factory=dict)
     zero: float = 0.0
+    between: Between = "band_limited"
+    course_rate: float | None = None
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,10 @@ from collections.abc import Collection, Iterable
 from pathlib import Path
 from typing import Any
 
-from torsionnet.core.errors import Fault, ModelError
+from torsionnet.core.errors import Fault, ModelError, UsageError
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.estimation import read_estimation
+from torsionnet.response.measured.between_samples import BetweenSamples, check_between
 
 KEY = "torsionnet_frequency_response"
 """Name under which the description of a frequency response stands in a file."""
@@ -22,8 +23,8 @@ _LIMIT = re.compile(r"usable up to (\S+) Hz")
 def description(response: FrequencyResponse) -> str:
     """JSON text of names, units, title and notes of a frequency response."""
     data: dict[str, Any] = {
-        "outputs": [[channel.name, channel.unit] for channel in response.outputs],
-        "inputs": [[channel.name, channel.unit] for channel in response.inputs],
+        "outputs": [_entries(channel) for channel in response.outputs],
+        "inputs": [_entries(channel) for channel in response.inputs],
         "title": response.title,
         "notes": list(response.notes),
     }
@@ -34,6 +35,21 @@ def description(response: FrequencyResponse) -> str:
     if not response.has_phase:
         data["has_phase"] = False
     return json.dumps(data)
+
+
+def _entries(channel: Channel) -> list[str | float]:
+    """Name and unit of a channel, with its course and rate in Hz unless that is band-limited, as it always was once."""
+    course = channel.course
+    return [
+        channel.name,
+        channel.unit,
+        *([] if course is None or course.is_band_limited else [course.between, course.rate]),
+    ]
+
+
+def _channel(name: object, unit: object, between: object = None, rate: Any = None) -> Channel:
+    course = None if between is None else BetweenSamples(check_between(str(between)), float(rate))
+    return Channel(str(name), str(unit), course)
 
 
 def arrays(response: FrequencyResponse) -> dict[str, Any]:
@@ -60,7 +76,7 @@ def parse_description(text: str) -> dict[str, Any]:
     """
     try:
         data = json.loads(text)
-        sides = {side: tuple(Channel(str(n), str(u)) for n, u in data[side]) for side in ("outputs", "inputs")}
+        sides = {side: tuple(_channel(*entries) for entries in data[side]) for side in ("outputs", "inputs")}
         limit = data.get("usable_up_to")
         return {
             **sides,
@@ -70,7 +86,7 @@ def parse_description(text: str) -> dict[str, Any]:
             "notes": tuple(map(str, data["notes"])),
             "has_phase": bool(data.get("has_phase", True)),
         }
-    except (json.JSONDecodeError, KeyError, TypeError, ValueError) as error:
+    except (json.JSONDecodeError, KeyError, TypeError, ValueError, UsageError) as error:
         raise ValueError(
             f"the description of the response in the file is damaged ({type(error).__name__}: {error})"
         ) from error

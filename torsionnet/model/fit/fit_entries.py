@@ -56,7 +56,7 @@ class FitMeasurement(Declared):
     form: ClassVar[str] = "{record: FILE, output: ..., input: ...}"
     SOURCES: ClassVar[tuple[str, ...]] = ("record", "response", "orders")
     NOT_OF_ORDERS: ClassVar[tuple[str, ...]] = (
-        "input", "model_input", "excitation", "reference", "settling", "pulses",
+        "input", "model_input", "excitation", "reference", "settling", "pulses", "between",
     )  # fmt: skip
     ONLY_OF_ORDERS: ClassVar[tuple[str, ...]] = ("orders_used", "speeds", "speed_of", "reference_angle")
 
@@ -96,6 +96,11 @@ class FitMeasurement(Declared):
         ),
         None,
     )
+    between: str | None = entry(
+        OneOf("course of the input between its samples, instead of what its file says",
+            ("held", "straight", "band_limited")),
+        None,
+    )  # fmt: skip
 
     @classmethod
     def key_faults(cls, raw: Mapping[Any, Any], name: str = "") -> list[Fault]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from cmath import exp
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -100,11 +101,7 @@ class TimeHistory:
 
     def piece_at(self, time: float) -> HistoryPiece:
         """Piece that holds from a time in s on."""
-        found = self.pieces[0]
-        for piece in self.pieces[1:]:
-            if piece.start <= time:
-                found = piece
-        return found
+        return self.pieces[max(0, bisect_right(self.pieces, time, key=lambda piece: piece.start) - 1)]
 
     def times(self, factor: float) -> TimeHistory:
         """History of ``factor`` times the values."""
@@ -142,6 +139,13 @@ def first_sample(start: float, rate: float) -> int:
     (100, 101)
     """
     return max(0, ceil(start * rate - SAMPLE_SLACK))
+
+
+def held_course(values: FloatArray, rate: float) -> TimeHistory:
+    """History of values at ``rate`` Hz from 0 s, each of which holds until the next."""
+    listed = values.tolist()
+    new = [number for number, value in enumerate(listed) if not number or value != listed[number - 1]]
+    return TimeHistory(tuple(HistoryPiece(number / rate, listed[number]) for number in new))
 
 
 def constant(value: float) -> TimeHistory:

@@ -12,12 +12,12 @@ from numpy.typing import ArrayLike
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.model.scenarios.time_history import SAMPLE_SLACK, TimeHistory
-from torsionnet.response.recording import is_rate
+from torsionnet.response.recording import Signal, is_rate
 from torsionnet.solve.motion.driving import Driving
 from torsionnet.solve.motion.smooth_laws import Scale
-from torsionnet.solve.running.simulate import sampled_torques
+from torsionnet.solve.running.torque_courses import torque_courses
 
-Torque: TypeAlias = ArrayLike | TimeHistory
+Torque: TypeAlias = ArrayLike | Signal | TimeHistory
 
 MOST_SAMPLES = 20_000_000
 """Most samples of a duration, some hundred MB for each output."""
@@ -40,7 +40,8 @@ def require_request(inputs: Mapping[str, Torque], rate: float, duration: float |
     if duration * rate > MOST_SAMPLES:
         text = f"{duration:g} s at {rate:g} Hz are more than {MOST_SAMPLES} samples"
         raise UsageError(f"{text}; give a lower rate or a shorter duration")
-    lengths = {len(np.atleast_1d(one)) for one in inputs.values() if not isinstance(one, TimeHistory)}
+    listed = [one.values if isinstance(one, Signal) else one for one in inputs.values()]
+    lengths = {len(np.atleast_1d(one)) for one in listed if not isinstance(one, TimeHistory)}
     _one_length({*lengths, sample_count(duration, rate)})
 
 
@@ -60,7 +61,7 @@ def driving_of(
         Unlike lengths, numbers that are not finite, or histories without a duration.
     """
     listed = {name: one for name, one in inputs.items() if not isinstance(one, TimeHistory)}
-    arrays = dict(zip(listed, sampled_torques(listed), strict=True)) if listed or not inputs else {}
+    arrays = dict(zip(listed, torque_courses(listed).samples, strict=True)) if listed or not inputs else {}
     lengths = {len(one) for one in arrays.values()}
     if duration is not None:
         lengths.add(sample_count(duration, rate))

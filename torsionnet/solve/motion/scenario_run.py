@@ -32,6 +32,7 @@ from torsionnet.solve.motion.steady_start import nodes_of
 from torsionnet.solve.running.exact_courses import exact_response
 from torsionnet.solve.running.mean_response import mean_response, reason_undetermined
 from torsionnet.solve.running.simulate import driven_request, motion_signals, read_notes, response_over_time
+from torsionnet.solve.running.torque_courses import torque_courses
 
 SAMPLES_PER_PERIOD, FEWEST_SAMPLES = 100, 1000
 """Samples in a period of the highest vibration, between which peaks are at most 0.05 % of that vibration higher, and
@@ -187,7 +188,7 @@ def _linear(
     if _is_sampled(drivetrain):
         if offsets is None:
             raise UsageError("with delays or laws over frequency the torques at the start must be in balance")
-        changes = np.array([one.samples(rate, count) for one in histories])
+        changes = torque_courses({name: one.samples(rate, count) for name, one in zip(names, histories, strict=True)})
         motion = response_over_time(drivetrain, request, changes, rate)
         notes += ["torques run straight between samples", *read_notes(drivetrain, rate)]
     else:

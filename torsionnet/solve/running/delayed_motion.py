@@ -13,10 +13,9 @@ import warnings
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import TorsionnetWarning, UsageError
 from torsionnet.solve.dynamic_stiffness.action_states import LawStates, refuse_delayed_acceleration, undelayed_states
 from torsionnet.solve.dynamic_stiffness.state_space import (
@@ -26,6 +25,7 @@ from torsionnet.solve.dynamic_stiffness.state_space import (
     output_matrices,
 )
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
+from torsionnet.solve.running.torque_courses import TorqueCourses, first_order_hold
 
 MOST_TIME_STEPS = 400_000
 """Most time steps of all passes of a simulation with delays together, which bounds its duration since steps run one by
@@ -56,7 +56,7 @@ class DelayedForm:
 
 
 def delayed_response(
-    drivetrain: AssembledModel, request: TransferRequest, torques: FloatArray, sampling_rate: float
+    drivetrain: AssembledModel, request: TransferRequest, torques: TorqueCourses, sampling_rate: float
 ) -> FloatArray:
     """Readings (n_out, n) in SI units over time under torques (n_in, n) in N m, with delayed controllers.
 
@@ -65,7 +65,7 @@ def delayed_response(
     UsageError
         The delays are too short against the time asked for, or a law has no motion over time.
     """
-    form, h, n = _form(drivetrain, request), 1 / sampling_rate, torques.shape[1]
+    form, h, n = _form(drivetrain, request), 1 / sampling_rate, torques.samples.shape[1]
     fineness = max(1, math.ceil(FEWEST_STEPS_PER_DELAY * h / form.delays.min()))
     used = 3 * fineness * n
     if used > MOST_TIME_STEPS:
@@ -127,12 +127,13 @@ def _sensed(law: LawStates, form: StateSpaceForm) -> tuple[FloatArray, FloatArra
     return y, direct, y @ form.A, y @ form.B
 
 
-def _stepped(form: DelayedForm, torques: FloatArray, h: float, fineness: int) -> FloatArray:
+def _stepped(form: DelayedForm, torques: TorqueCourses, h: float, fineness: int) -> FloatArray:
     """Readings (n_out, n) in SI units at the samples, with ``fineness`` time steps from each to the next."""
-    n_in, n = torques.shape
+    n_in, n = torques.samples.shape
     count, step = (n - 1) * fineness + 1, h / fineness
-    places = np.arange(count) / fineness
-    drive = np.array([np.interp(places, np.arange(n), one) for one in torques])
+    inside = torques.within(np.arange(fineness + 1) / fineness)
+    drive = np.hstack([inside[:, :, :-1].reshape(n_in, -1), torques.samples[:, -1:]])
+    ends = inside[:, :, 1:].reshape(n_in, -1).T
     passage, before, after = (part.real for part in first_order_hold(form.A, form.B, step))
     weights = [_Between(delay / step) for delay in form.delays]
     x, found = np.zeros(len(form.A)), np.zeros((count, len(form.delays)))
@@ -142,7 +143,8 @@ def _stepped(form: DelayedForm, torques: FloatArray, h: float, fineness: int) ->
         for number, one in enumerate(weights):
             u[point, n_in + number] = one.read(found[:, number], point)
         if point:
-            x = passage @ x + before @ u[point - 1] + after @ u[point]
+            end = np.concatenate([ends[point - 1], u[point, n_in:]])
+            x = passage @ x + before @ u[point - 1] + after @ end
         found[point] = form.E @ x + form.F @ u[point]
         if point % fineness == 0:
             states[point // fineness] = x
@@ -177,16 +179,3 @@ def _lagrange(x: float) -> FloatArray:
         -x * (x - 1) * (x - 3) / 2,
         x * (x - 1) * (x - 2) / 6,
     ])  # fmt: skip
-
-
-def first_order_hold(
-    A: FloatArray | ComplexArray, B: FloatArray | ComplexArray, h: float
-) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-    """Matrices exp(A h), G_0 and G_1 by which a state steps on by h seconds, under torques linear in between."""
-    n, n_in = B.shape
-    whole = np.zeros((n + 2 * n_in, n + 2 * n_in), dtype=complex)
-    whole[:n, :n], whole[:n, n : n + n_in] = A * h, B * h
-    whole[n : n + n_in, n + n_in :] = np.eye(n_in)
-    power = np.asarray(scipy.linalg.expm(whole), dtype=np.complex128)
-    after = power[:n, n + n_in :]
-    return power[:n, :n], power[:n, n : n + n_in] - after, after

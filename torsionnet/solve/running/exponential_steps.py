@@ -94,7 +94,9 @@ class SteppedForm:
         swing = (np.arange(n)[:, None] + gauss_points(nodes)) / n - 0.5
         swing_at = np.linspace(-0.5, 0.5, n + 1)
         stepping = [(part, part.is_diagonal) for part in self.parts]
-        steps = [_Steps(part, diagonal, *_weights(part.T, h, nodes, diagonal=diagonal)) for part, diagonal in stepping]
+        steps = [
+            _Steps(part, diagonal, *step_weights(part.T, h, nodes, diagonal=diagonal)) for part, diagonal in stepping
+        ]
         driven = np.concatenate([torques, torques * swing]) if self.change[1].any() else torques
         found = _sum(one.run(start, driven, slice(0, len(driven)), n_x) for one in steps)
         own, more = slice(2 * n_in, 2 * n_in + rank), found
@@ -193,7 +195,7 @@ def gauss_points(count: int) -> FloatArray:
     return np.asarray((np.polynomial.legendre.leggauss(count)[0] + 1) / 2)
 
 
-def _weights(T: ComplexArray, h: float, count: int, *, diagonal: bool) -> tuple[ComplexArray, ComplexArray]:
+def step_weights(T: ComplexArray, h: float, count: int, *, diagonal: bool) -> tuple[ComplexArray, ComplexArray]:
     """Matrix exp(T h), and weights in s of the torques at the Gauss points; of a diagonal T the diagonals alone.
 
     The shapes are (n, n) and (count, n, n), or (n,) and (count, n).

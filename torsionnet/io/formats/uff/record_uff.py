@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -32,6 +33,7 @@ from torsionnet.io.records.axes import other_axis, seconds_in
 from torsionnet.io.records.clock import clock_of
 from torsionnet.io.records.quantities import quantity_of_dimension
 from torsionnet.io.records.source import FileChannel, Source
+from torsionnet.response.measured.between_samples import check_between
 from torsionnet.response.recording import Recording, Signal
 
 
@@ -73,6 +75,10 @@ def _channel(
     )
     if not label and code in UNITS and abs(direction) in ROTATIONS:
         found = replace(found, quantity=quantity_of_dimension(parse_unit(UNITS[code]).dimension) or None)
+    course = _COURSE.search(text_in(entries, "id2"))
+    if course is not None:
+        rate = float(course[2]) if course[2] else None
+        found = replace(found, between=check_between(course[1]), course_rate=rate)
     if over:
         return found
     key = tuple(entries.get(name) for name in ("abscissa_min", "abscissa_inc", "num_pts", "abscissa_axis_units_lab"))
@@ -101,6 +107,9 @@ def _written_rate(entries: Mapping[str, Any]) -> float | None:
     return None
 
 
+_COURSE = re.compile(r"; (held|straight) between samples(?: at (\S+) Hz)?$")
+
+
 def write(recording: Recording, path: Path) -> None:
     """Write a universal file of one binary dataset 58 in SI for every signal of a recording.
 
@@ -110,7 +119,9 @@ def write(recording: Recording, path: Path) -> None:
 
 
 def _dataset(recording: Recording, signal: Signal, number: int) -> dict[str, Any]:
-    lines = [signal.name, signal.quantity, f"sampling rate {recording.sampling_rate!r} Hz", recording.title,
+    at = f" at {signal.course_rate!r} Hz" if signal.course_rate else ""
+    runs = "" if signal.between == "band_limited" else f"; {signal.between} between samples{at}"
+    lines = [signal.name, f"{signal.quantity}{runs}", f"sampling rate {recording.sampling_rate!r} Hz", recording.title,
              next(iter(recording.notes), "")]  # fmt: skip
     return function_dataset(
         lines, func_type=TIME_RESPONSE, rsp_node=number, rsp_dir=0, ref_node=0, ref_dir=0,
