@@ -2,6 +2,7 @@
 
 python -m benchmarks.interval_coverage [SEEDS] [PATTERN]    # 60 seeds of all cases, or of those whose name has PATTERN
 python -m benchmarks.interval_coverage [SEEDS] response     # 200 seeds of responses without coherence
+python -m benchmarks.interval_coverage 200 "between samples"   # torques held, straight, band-limited
 
 Of the AMT two gears are fitted together, II and IV. Fits are made from records, from responses estimated of them, and
 from such responses as a file would give them back, without the record; with a noisy torque meter by Hr with the

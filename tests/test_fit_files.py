@@ -124,7 +124,7 @@ class TestPlan:
 
 MEASUREMENT = (
     "record, response, orders, output, input, configuration, model_output, model_input, excitation, band, excluded, delay, gain, "
-    "reference, settling, error, orders_used, speeds, speed_of, reference_angle, pulses"
+    "reference, settling, error, orders_used, speeds, speed_of, reference_angle, pulses, between"
 )
 FAULTS = [
     ("torsionnet: 1", "torsionnet: 2", "torsionnet: is the version of the format, 1 for this release; this is format 2"),
