@@ -194,7 +194,9 @@ def test_noise_of_unknown_size_is_that_of_the_lines(noise, level, residual):
     values, errors = least_squares(test, exact if noise == "relative" else np.ones(len(f)))
     found, stated = np.array(list(fit.values.values())), np.array(list(fit.standard_errors.values()))
     np.testing.assert_array_less(np.abs(found - values), 0.35 * errors)
-    np.testing.assert_allclose(stated, errors, rtol=0.25)
+    ratios = stated / errors  # a relative part is never quite ruled out, which counts at the peak, for the damping
+    assert (ratios > 0.8).all()
+    assert (ratios < 1.4).all()
     assert fit.verdicts == ()
     assert fit.correlation[0, 1] > 0.95  # k and J move together, and are known to a per cent all the same
 
@@ -222,7 +224,9 @@ def test_intervals_of_responses_without_coherence_hold_the_truth(lines, noise):
     values, errors, inside = (np.array([run[part] for run in runs]) for part in range(3))
     assert np.isfinite(errors).mean() > 0.95
     assert (np.mean(inside, axis=0) > 0.88).all()
-    np.testing.assert_allclose(np.median(errors, axis=0) / values.std(axis=0, ddof=1), 1, atol=0.3)
+    ratios = np.median(errors, axis=0) / values.std(axis=0, ddof=1)
+    assert (ratios > 0.75).all()
+    assert (ratios < 1.6).all()
 
 
 # Magnitudes alone

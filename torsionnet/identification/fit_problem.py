@@ -118,6 +118,13 @@ class FitProblem:
                 block.take_sources(mine, *sources)
         self.clear_cache()
 
+    def forget_noise(self) -> None:
+        """Weigh responses of unknown noise by their measured magnitudes, as before anything was learnt."""
+        for block in self.blocks:
+            if isinstance(block, ResponseBlock) and block.noise_is_unknown:
+                block.forget_noise()
+        self.clear_cache()
+
     def learn_from_residuals(self, values: FloatArray, trust: FloatArray) -> None:
         """Weigh responses that say nothing of their noise by what a model that fits leaves of them.
 

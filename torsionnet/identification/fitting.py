@@ -27,6 +27,7 @@ from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.residual_forms import FORMS
 from torsionnet.identification.stepwise_search import stepwise_optimum
 from torsionnet.identification.unknown_parameter import Unknown, read_unknowns
+from torsionnet.identification.verdict_words import relative_misfits
 
 Loss: TypeAlias = Literal["linear", "soft_l1", "huber", "cauchy"]
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
@@ -37,6 +38,8 @@ SETTLED_CHANGE = 1e-3
 LINE_NOISE_ROUNDS, SETTLED_BY_LINES = 12, 1e-6
 """Times that a fit of responses estimates their noise again at most, and the relative change of all fitted values
 below which it does not: responses are quickly calculated, and their first weights are far from their noise."""
+MISSED_SHARE = 0.5
+"""RMS of model minus test over RMS of the test above which lines are compared by their magnitudes, too."""
 IDLE_EFFECT = 1e-10
 """Effect of a parameter on the response, over the response in standard deviations, below which it is rounding and the
 parameter does not act."""
@@ -130,6 +133,10 @@ def best_optimum(problem: FitProblem, loss: str, starts: int = 1, seed: int = 0)
 def _judge_fit(model: Drivetrain, problem: FitProblem, best: LeastSquaresSolution, loss: Loss) -> Fit:
     """Result of a fit, weighed by measured noise and with explanations of the misfit if the model does not fit."""
     lack = LackOfFit(misfits(problem, best.x, loss_weights(problem.residuals(best.x), loss, best.scale)))
+    if not lack.rejected and problem.has_unknown_noise and relative_misfits(problem, best.x).max() > MISSED_SHARE:
+        # A response that is missed altogether jumps at its peaks as noise would; its logarithm does not.
+        problem.forget_noise()
+        lack = LackOfFit(misfits(problem, best.x))
     if not lack.rejected:
         if problem.has_unknown_noise:
 

@@ -49,6 +49,10 @@ class ResponseBlock(MeasurementBlock):
     magnitude: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
+        self.forget_noise()
+
+    def forget_noise(self) -> None:
+        """Weigh lines by what the test says of its noise, or by its magnitudes."""
         self.noise = line_noise(self.data, self.measurement.error)
         self.magnitude = np.abs(self.measured)
 
