@@ -1,5 +1,7 @@
 """Every channel of a file has a clock of its own: rate, start and axis as the library of the format writes them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -178,6 +180,7 @@ class TestMdf:
         found = read_recording(path)
         assert found.names == ("group 1/T", "telemetry/T", "w")
         assert np.array_equal(found["telemetry/T"].values, 2 * found["group 1/T"].values)
+        assert 'no channel is named "T"; there are group 1/T, telemetry/T' in refusal(path, names=["T"])
 
     def test_stamps_that_are_off_by_little_are_one_raster(self, written):
         """Loggers stamp each group by itself: rates and starts differ by what even stamps may be off."""
@@ -409,15 +412,17 @@ class TestMat:
         savemat(tmp_path / "r.mat", {**content, "t2": TIMES})
         assert told not in read_recording(tmp_path / "r.mat").notes
 
-    def test_structures_have_their_own_times(self, tmp_path):
+    @pytest.mark.parametrize("stamps", [lambda times: times, lambda times: 739375.5 + times / 86400])
+    def test_structures_have_their_own_times(self, tmp_path, stamps):
+        """Times in s, and in days of one calendar, of which the resolution is 10 us."""
         from scipy.io import savemat
 
         late = TIMES + 0.25
-        content = {"a": {"time": TIMES, "T": torque(TIMES)}, "b": {"time": late, "w": speed(late)}}
+        content = {"a": {"time": stamps(TIMES), "T": torque(TIMES)}, "b": {"time": stamps(late), "w": speed(late)}}
         savemat(tmp_path / "r.mat", content)
         found = read_recording(tmp_path / "r.mat", {"a.T": "torque", "b.w": "velocity"})
-        assert (found.start, len(found)) == (0.25, 3750)
-        is_on_one_clock(found, "a.T", "b.w")
+        assert (found.start, len(found)) == (pytest.approx(0.25, abs=2e-5), 3750)
+        is_on_one_clock(replace(found, start=0.25), "a.T", "b.w")
 
 
 class TestTables:

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from torsionnet.core.errors import Fault, unknown_name
+from torsionnet.core.listing import comma_list
 from torsionnet.core.remedies import remedy
 from torsionnet.core.units import UnitError
 from torsionnet.io.records.quantities import factor_to_si, likely_quantity, quantity_of
@@ -35,7 +36,7 @@ def choose(
     known = {channel.name: channel for channel in reversed(source.channels)}
     asked = list(names) if names is not None else []
     faults = [
-        unknown_name("channel", name, known, ("channels",))
+        unknown_name("channel", name, known, ("channels",), rest=_of_groups(name, known))
         for name in dict.fromkeys([*asked, *quantities, *units])
         if name not in known
     ]
@@ -56,6 +57,12 @@ def choose(
     if not channels and not faults:
         faults.append(Fault("there is no channel of numbers in the file"))
     return choices, faults
+
+
+def _of_groups(name: str, known: Iterable[str]) -> str:
+    """Text on the channels of several groups or places that have this name."""
+    alike = [other for other in known if other.rpartition("/")[2] == name or other.startswith(f"{name} ")]
+    return f"there are {comma_list(sorted(alike))}" if alike else ""
 
 
 def _choice(
