@@ -59,7 +59,9 @@ def record_lines(response: FrequencyResponse, lines: Lines, poles: ComplexArray,
     frequencies = np.fft.rfftfreq(len(record) - 2 * ends, 1 / record.sampling_rate)
     band = np.abs(lines.s[[0, -1]]) / (2 * np.pi)
     inside = (frequencies >= band[0] * (1 - 1e-9)) & (frequencies <= band[1] * (1 + 1e-9))
-    drive = np.fft.rfft(record[inputs[0]].values[kept])[inside]
+    torque = record[inputs[0]]
+    course = torque.course(record.sampling_rate).share(frequencies[inside])
+    drive = np.fft.rfft(torque.values[kept])[inside] * course
     values = np.stack([np.fft.rfft(record[name].values[kept])[inside] for name in names], axis=1)[:, :, None]
     if not np.count_nonzero(drive) or not np.abs(values).max(axis=(0, 2)).all():
         return "a signal of its record stands still"
