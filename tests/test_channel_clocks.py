@@ -334,6 +334,10 @@ class TestHdf5:
             "values of -32768 are missing, as NaN",
         )
 
+    def test_a_factor_that_is_not_one_number(self, written):
+        path = written(T=(TIMES, {"unit": "N*m", "fs": RATE, "scale_factor": np.array([0.5, 2.0])}))
+        assert 'dataset "/T" has a scale_factor or add_offset that is not one number' in refusal(path)
+
     def test_a_gain_that_may_be_meant_either_way_is_said(self, written):
         path = written(T=(torque(TIMES), {"unit": "N*m", "fs": RATE, "gain": 2.0, "scale": 1.0}))
         assert read_recording(path)["T"].notes == ("warning: not applied, as nothing says how: its attribute gain (2)",)

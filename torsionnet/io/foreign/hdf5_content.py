@@ -159,13 +159,17 @@ def _reader(item: Any, *, across: bool) -> Slice:
 
     given = {key: _single(item.attrs[key]) for key in (SCALE, OFFSET, *FILLS) if key in item.attrs}
     fills = [given[key] for key in FILLS if key in given]
+    try:
+        scale, offset = float(given.get(SCALE, 1.0)), float(given.get(OFFSET, 0.0))
+    except (TypeError, ValueError):
+        raise ForeignFileError(f'dataset "{item.name}" has a {SCALE} or {OFFSET} that is not one number') from None
 
     def unpacked(values: NDArray[Any]) -> NDArray[Any]:
         if not given:
             return values
         found = np.array(values, dtype=float)
         found[np.isin(values, fills)] = np.nan
-        return found * float(given.get(SCALE, 1.0)) + float(given.get(OFFSET, 0.0))
+        return found * scale + offset
 
     def read(first: int, last: int) -> NDArray[Any]:
         if item.ndim == 0:

@@ -98,10 +98,11 @@ def _sampled(source: Source, options: ReadOptions, file: str, seconds: float | N
     every, whole, source, choices = choices, source, chosen.source, chosen.together
     # Channels of several rates differ in length: one of the two is said.
     faults += chosen.faults or length_faults(source, choices)
-    if not chosen.faults and (choices or not any(one.rate or one.clock or one.over for one in source.channels)):
+    has_axes = any(one.rate or one.clock or one.over for one in source.channels)
+    if not chosen.faults and (choices or not has_axes):
         faults += _rate_faults(source, options)
     if faults:
-        raise ModelError([*faults, *([Fault(source.hint, (), "note")] if source.hint else [])], file)
+        raise ModelError([*faults, *([Fault(source.hint, (), "note")] if source.hint and not has_axes else [])], file)
     source = _with_rate_note(source, options)
     others = read_others(whole, chosen, file)
     rate, done, begin = options.sampling_rate or source.rate, 0, 0.0
