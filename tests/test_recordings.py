@@ -31,7 +31,7 @@ LABELS = {ending: form.label for form in FORMATS if form.open_source for ending 
 def test_every_format_is_tested():
     """Here, in tests/test_foreign_files.py if a library reads it in a process of its own, and by fuzzing."""
     assert {LABELS[ending] for ending in ENDINGS} == set(LABELS.values()), "add an ending to ENDINGS in this file"
-    own = {"text", "NPZ", "MDF"}  # asammdf is in no group of the tests
+    own = {"text", "NPZ", "MDF"}  # asammdf takes a second to be imported in each process
     assert {LABELS[ending] for ending in CHILD_ENDINGS} == set(LABELS.values()) - own, (
         "add it to CHILD_ENDINGS, or to `own` here if no library reads it"
     )
