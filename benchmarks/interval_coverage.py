@@ -3,6 +3,7 @@
 python -m benchmarks.interval_coverage [SEEDS] [PATTERN]    # 60 seeds of all cases, or of those whose name has PATTERN
 python -m benchmarks.interval_coverage [SEEDS] response     # 200 seeds of responses without coherence
 python -m benchmarks.interval_coverage 200 "between samples"   # torques held, straight, band-limited
+python -m benchmarks.interval_coverage [SEEDS] modes        # 200 draws; or of orders, patterns, run-ups
 
 Of the AMT two gears are fitted together, II and IV. Fits are made from records, from responses estimated of them, and
 from such responses as a file would give them back, without the record; with a noisy torque meter by Hr with the
@@ -14,6 +15,9 @@ proportion to the magnitude; intervals that are withheld are counted apart.
 
 "Between samples" are two masses at 200 Hz whose torque is held, straight or band-limited between samples: the records
 are those of scipy's own discretisation, not of `simulate`.
+
+Identified modes, half orders of a wheel, orders of pitch patterns and damping of run-ups are drawn anew for each seed
+(`benchmarks/_interval_draws.py`).
 """
 
 from __future__ import annotations
@@ -32,6 +36,7 @@ from typing import Any
 import numpy as np
 
 import torsionnet as tn
+from benchmarks._interval_draws import DRAWS, covered, drawn_row
 from benchmarks._sizes import ARGUMENTS, sized
 from torsionnet.bench import Acquisition, Encoder, Exciter, Plan, Transducer
 from torsionnet.signals import LinearChirp, Welch, estimate
@@ -264,6 +269,17 @@ def responses(seeds: int) -> None:
             print(row, ratios, "|", flush=True)
 
 
+def drawn(seeds: int, names: list[str]) -> None:
+    """Print the coverage of intervals of machines that are drawn anew for each seed."""
+    print("| drawn | draws | intervals | withheld | hold the truth | error over its scale |")
+    print("|---|---|---|---|---|---|")
+    with ProcessPoolExecutor(os.cpu_count()) as pool:
+        parts = [range(first, min(first + AT_ONCE, seeds)) for first in range(0, seeds, AT_ONCE)]
+        for name in names:
+            shares = pool.map(covered, [name] * len(parts), parts)
+            print(drawn_row(name, [one for share in shares for one in share]), flush=True)
+
+
 def main(seeds: int, pattern: str) -> None:
     began = time.perf_counter()
     chosen = [Case(*both) for both in product(RIGS, SENSORS) if pattern in f"{both[0]}, {both[1]}"]
@@ -294,5 +310,7 @@ if __name__ == "__main__":
     PATTERN = ARGUMENTS[1] if len(ARGUMENTS) > 1 else sized("", "DMF, meter")
     if PATTERN in ("", "response"):
         responses(int(ARGUMENTS[0]) if ARGUMENTS else RESPONSE_SEEDS)
-    if PATTERN != "response":
+    if PATTERN in ("", *DRAWS):
+        drawn(int(ARGUMENTS[0]) if ARGUMENTS else RESPONSE_SEEDS, [name for name in DRAWS if PATTERN in ("", name)])
+    if PATTERN not in ("response", *DRAWS):
         main(int(ARGUMENTS[0]) if ARGUMENTS else SEEDS, PATTERN)

@@ -69,12 +69,12 @@ def assert_modes(found, A, sigmas=4.0):
 
 
 class TestWindowsDoNotMatter:
-    @pytest.mark.parametrize("seconds", [2, pytest.param(60, marks=pytest.mark.slow)])
-    def test_two_strongly_damped_modes(self, seconds):
+    @pytest.mark.parametrize(("seconds", "duration"), [(2, 20), pytest.param(60, 120, marks=pytest.mark.slow)])
+    def test_two_strongly_damped_modes(self, seconds, duration):
         plant = chain(*TWO_INERTIAS)
-        found = modes_of(simulated(plant, 120, noise=1e-5), seconds)
+        found = modes_of(simulated(plant, duration, noise=1e-5), seconds)
         assert_modes(found, plant[0])
-        assert found.frequency_errors[0] < 1e-5
+        assert found.frequency_errors[0] < 1e-4
         assert found.by_record
 
     def test_one_light_mode_in_short_windows(self):
