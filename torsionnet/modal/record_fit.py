@@ -24,7 +24,7 @@ from torsionnet.signals.decimation import FILTER_HALF_LENGTH
 
 ONE_RECORD = ("H1", "H2")
 """Estimators of one input whose noise, in the fit to the record, may be left to the outputs."""
-LEAST_HIGHEST_ORDER, MORE_ORDERS = 12, 4
+LEAST_HIGHEST_ORDER, MORE_ORDERS = 12, 8
 """Highest order of the polynomials at least fitted to a record, and orders beyond those of the poles that its estimate
 shows, as windows hide modes, or beyond the best one."""
 ENOUGH = 1e-8
