@@ -238,7 +238,9 @@ def _installed(ending: str) -> bool:
 
 
 RECORDS = [
-    ending for ending in (".csv", ".npz", ".mat", ".h5", ".tdms", ".uff", ".parquet", ".mf4") if _installed(ending)
+    ending
+    for ending in (".csv", ".npz", ".mat", ".h5", ".tdms", ".uff", ".parquet", ".mf4", ".wav")
+    if _installed(ending)
 ]
 RESPONSES = [ending for ending in (".csv", ".npz", ".mat", ".uff") if _installed(ending)]
 KINDS = {

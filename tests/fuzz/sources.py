@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import wave
 from functools import cache
 from pathlib import Path
 
@@ -145,6 +146,11 @@ X_Value\tM\tphi\tComment
 @cache
 def records(folder: Path, ending: str) -> tuple[bytes, ...]:
     """Records of one format, with several forms where it has them."""
+    if ending == ".wav":  # read only
+        with wave.open(str(folder / "r.wav"), "wb") as file:
+            file.setparams((2, 2, 1000, 60, "NONE", ""))
+            file.writeframes(np.int16(1000 * record(120)["T_T"].values).tobytes())
+        return ((folder / "r.wav").read_bytes(),)
     found = [written(folder, ending, 60).read_bytes()]
     if ending == ".mat":
         from scipy.io import savemat
@@ -161,6 +167,8 @@ def records(folder: Path, ending: str) -> tuple[bytes, ...]:
             b"# rig\nzeit\tphi / deg\n0.00\t1.5\n0.01\t2.5\n0.02\t2.6\n",
             b"time;M [Nm]\n03.05.2024 23:59:59,99;1,0\n04.05.2024 00:00:00,00;2,5\n04.05.2024 00:00:00,01;2,5\n",
             LABVIEW,
+            b"Time,Channel A\n(ms),(V)\n\n0.0,1.0\n0.1,2.5\n0.2,2.6\n",
+            b"X,CH1,Start,Increment,\nSequence,Volt,-1E-03,1E-04,\n0,1.5,,\n1,2.5,,\n2,2.6,,\n",
         ]
     return tuple(found)
 

@@ -202,7 +202,8 @@ def write_recording(recording: Recording, path: str | os.PathLike[str]) -> None:
     """
     target = Path(path)
     form = format_of(target, "recording")
-    assert form.write is not None
+    if form.write is None:
+        raise UsageError(f'"{target.name}": {form.label} files are read only; write .npz, .h5 or .csv')
     if recording.pulses and not form.holds_pulses:
         names = ", ".join(channel.name for channel in recording.pulses)
         endings = ", ".join(other.endings[0] for other in FORMATS if other.holds_pulses)

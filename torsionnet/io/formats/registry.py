@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Literal
 
 from torsionnet.core.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean
-from torsionnet.io.formats import hdf5, mat, mdf, npz, parquet, tdms
+from torsionnet.io.formats import hdf5, mat, mdf, npz, parquet, tdms, wav
 from torsionnet.io.formats.text import record_text, response_text
 from torsionnet.io.formats.uff import record_uff, response_uff
 from torsionnet.io.records.source import Source
@@ -60,8 +60,22 @@ FORMATS = (
     Format("HDF5", (".h5", ".hdf5", ".hdf"), hdf5.open_source, hdf5.write, holds_pulses=True),
     Format("Parquet", (".parquet", ".pq"), parquet.open_source, parquet.write),
     Format("MDF", (".mf4", ".mdf"), mdf.open_source, mdf.write, holds_pulses=True),
+    Format("WAV", (".wav",), wav.open_source),
 )
 """File formats of recordings and frequency responses, with endings, reading and writing functions."""
+EXPORTS = {
+    (".d7d", ".d7z", ".dxd", ".dxz"): ("a file of Dewesoft", "as Matlab (.mat), UFF (.unv) or text"),
+    (".bin",): ("a file of catman or of another program", "in catman as MDF4 (.mf4), Matlab (.mat) or ASCII"),
+    (".psdata",): ("a file of PicoScope", "as CSV or Matlab (.mat)"),
+    (".wfm", ".isf"): ("a file of an oscilloscope", "as CSV"),
+    (".tdm", ".tdx"): ("a file of DIAdem", "as TDMS"),
+    (".lms", ".ldsf", ".tsw"): ("a file of Simcenter Testlab", "as Matlab (.mat) or UFF (.unv)"),
+    (".raw", ".famos"): ("a file of imc FAMOS", "as MDF4 (.mf4), Matlab (.mat) or ASCII"),
+    (".dmd", ".oxd"): ("a file of OXYGEN of Dewetron or of OROS", "as MDF4 (.mf4), Matlab (.mat) or UFF (.unv)"),
+    (".rpc", ".rsp"): ("an RPC file", "as UFF (.unv), Matlab (.mat) or text"),
+    (".xlsx", ".xls", ".xlsm", ".ods"): ("a spreadsheet", "as CSV"),
+}
+"""Files of programs that are not read, by their endings, with what they are and the export to make."""
 
 
 def format_of(path: Path, what: Holding) -> Format:
@@ -72,6 +86,9 @@ def format_of(path: Path, what: Holding) -> Format:
     known = {ending: form for form in FORMATS if form.holds(what) for ending in form.endings}
     ending = path.suffix.lower()
     if ending not in known:
+        for endings, (kind, export) in EXPORTS.items():
+            if ending in endings:
+                raise UsageError(f'"{path.name}" is {kind}, which is not read here; export it there {export}')
         text = f'"{path.name}" has no ending of a {what}{did_you_mean(ending, known)}; expected one of '
         raise UsageError(text.replace("?;", "?") + ", ".join(known))
     return known[ending]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +26,20 @@ GENERAL, TIME_AXIS, FREQUENCY_AXIS = 1, 17, 18
 """Codes of data types in dataset 58 of values in general, and of an abscissa of times and of frequencies."""
 ABSCISSAE = {8: "a displacement", TIME_AXIS: "time", FREQUENCY_AXIS: "frequency", 19: "a speed in rpm", 20: "an order"}
 """Words for the codes of data types that the abscissa of a dataset 58 has."""
+FUNCTIONS = {
+    0: "functions of no known kind", TIME_RESPONSE: "records over time", 2: "auto spectra", 3: "cross spectra",
+    FRF: "frequency responses", TRANSMISSIBILITY: "transmissibilities", COHERENCE: "coherences",
+    7: "auto correlations", 8: "cross correlations", 9: "power spectral densities", 10: "energy spectral densities",
+    12: "spectra", 17: "orbits", 18: "mode indicator functions", 24: "shock response spectra",
+}  # fmt: skip
+"""Words for the types of functions in dataset 58."""
+CONTENTS = {
+    15: "nodes of a mesh", 781: "nodes of a mesh", 2411: "nodes of a mesh", 71: "elements of a mesh",
+    780: "elements of a mesh", 2412: "elements of a mesh", 82: "lines of a mesh", 2431: "lines of a mesh",
+    18: "coordinate systems", 2420: "coordinate systems", 55: "mode shapes or results at nodes",
+    2414: "mode shapes or results at nodes", 2400: "a header", 2429: "groups of nodes", 2467: "groups of nodes",
+}  # fmt: skip
+"""Words for what datasets of universal files hold, by their types; headers and units are left out."""
 ID_LINE_WIDTH = 80
 """Most characters of an ID line in dataset 58."""
 PAIR_SEPARATOR = " / "
@@ -81,6 +96,24 @@ def function_dataset(lines: Iterable[str], **entries: Any) -> dict[str, Any]:
     """Entries of a binary dataset 58 in double precision, with its five lines of text."""
     texts = {f"id{at}": " ".join(line.split())[:ID_LINE_WIDTH] or "NONE" for at, line in enumerate(lines, 1)}
     return {**_UNUSED, "type": FUNCTION_DATASET, "binary": 1, "load_case_id": 0, **texts, **entries}
+
+
+def contents_of(sets: Sequence[Mapping[str, Any]]) -> str:
+    """Words for what the datasets of a universal file hold.
+
+    >>> contents_of([{"type": 164}, {"type": 15}, {"type": 58, "func_type": 9}, {"type": 58, "func_type": 9}])
+    'nodes of a mesh (data set 15) and 2 power spectral densities (58)'
+    """
+    counts = Counter[tuple[int, str]]()
+    for item in sets:
+        kind = int(item.get("type") or 0)
+        if kind == FUNCTION_DATASET:
+            counts[kind, FUNCTIONS.get(int(item.get("func_type") or 0), FUNCTIONS[0])] += 1
+        elif kind in CONTENTS:
+            counts[kind, CONTENTS[kind]] = 0
+    words = [f"{count} {words} ({kind})" if count else f"{words} ({kind})" for (kind, words), count in counts.items()]
+    listed = " and ".join(filter(None, [", ".join(words[:-1]), *words[-1:]])) or "neither records nor responses"
+    return listed.replace(" (", " (data set ", 1)
 
 
 def text_in(entries: Mapping[str, Any], key: str) -> str:

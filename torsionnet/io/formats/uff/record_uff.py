@@ -15,7 +15,9 @@ from torsionnet.core.units import parse_unit
 from torsionnet.io.foreign import Content, StoredArray
 from torsionnet.io.formats.extras import open_foreign
 from torsionnet.io.formats.uff.datasets import (
+    FRF,
     FUNCTION_DATASET,
+    FUNCTIONS,
     GENERAL,
     ROTATIONS,
     TIME_AXIS,
@@ -23,6 +25,7 @@ from torsionnet.io.formats.uff.datasets import (
     UNITS,
     FileUnits,
     abscissa_over,
+    contents_of,
     function_dataset,
     text_in,
     units_of_datasets,
@@ -44,8 +47,9 @@ def open_source(path: Path) -> Iterator[Source]:
         sets = content.arrays[::2]
         numbers = [at for at, item in enumerate(sets) if _is_time_response(item)]
         if not numbers:
-            yield Source((), content.blocks)
-            return
+            held = contents_of([item.attributes for item in sets])
+            read = "; fit and report read frequency responses" if FUNCTIONS[FRF] in held else ""
+            raise ValueError(f"the file holds {held}, no record over time{read}; export time histories (58, type 1)")
         first, units = sets[numbers[0]].attributes, units_of_datasets([item.attributes for item in sets])
         clocks = dict[Hashable, FileChannel]()
         channels = [_channel(sets[at], at, content, clocks, units[at]) for at in numbers]

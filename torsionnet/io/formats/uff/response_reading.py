@@ -23,6 +23,7 @@ from torsionnet.io.formats.uff.datasets import (
     UNITS,
     FileUnits,
     abscissa_over,
+    contents_of,
     text_in,
     units_of_datasets,
 )
@@ -47,7 +48,8 @@ def response_of_datasets(sets: Sequence[dict[str, Any]], path: Path) -> Frequenc
     numbered = [(number, item) for number, item in enumerate(sets, 1) if item.get("type") == FUNCTION_DATASET]
     functions = [(number, item) for number, item in numbered if item["func_type"] in (FRF, TRANSMISSIBILITY)]
     if not functions:
-        text = "there is no frequency response (dataset 58 with function type 4) in the file; export transfer functions"
+        text = "there is no frequency response (dataset 58 with function type 4) in the file; it holds "
+        text += f"{contents_of(sets)}; export transfer functions"
         raise ModelError([Fault(text)], path.name)
     first, units, faults = functions[0][1], units_of_datasets(sets), list[Fault]()
     matrix = ResponseMatrix(np.empty(0))
