@@ -237,7 +237,7 @@ class TestNumbersThatTellTheClock:
             read_recording(tmp_path / "r.mat")
 
     @pytest.mark.parametrize(("numbers", "message"), [
-        ({"dt": 0.0}, "dt is 0, which is no sampling interval"), ({"fs": -1.0}, "fs is -1, which is no sampling rate"),
+        ({"dt": 0.0}, "a sampling rate of inf Hz, which no recorder has"), ({"fs": -1.0}, "a sampling rate of -1 Hz, which no recorder has"),
         ({"fs": 999.0, "dt": 0.001}, "fs says 999 Hz, dt 0.001 s between samples: 1000 Hz"),
     ])  # fmt: skip
     def test_that_contradict_are_refused(self, tmp_path, numbers, message):

@@ -249,10 +249,11 @@ class TestIntervals:
     def test_means_of_teeth_are_of_the_windows_in_which_they_come(self):
         left = np.array([[0.1, 0.2, np.nan, 0.4], [0.3, np.nan, np.nan, 0.1], [0.2, np.nan, np.nan, np.nan]])
         windows = [SimpleNamespace(left=lambda _, row=row: row) for row in left]
-        mean, half = _over_windows(SimpleNamespace(first=windows), np.zeros(4))
+        mean, half, variance = _over_windows(SimpleNamespace(first=windows), np.zeros(4))
         assert mean == pytest.approx([0.2, 0.2, 0, 0.25])
         low, high = scipy.stats.t.interval(0.95, [2, 1], scale=scipy.stats.sem(left[:, [0, 3]], nan_policy="omit"))
         assert half == pytest.approx([(high[0] - low[0]) / 2, 0, 0, (high[1] - low[1]) / 2])
+        assert variance == pytest.approx([0.01, 0, 0, 0.045])
 
     def test_intervals_of_orders_and_teeth_cover_95_percent(self):
         """40 wheels, 10 orders, real and imaginary part; two pickups at two speeds, jitter of 5 microseconds."""

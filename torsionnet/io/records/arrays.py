@@ -81,14 +81,13 @@ SAME_RATE = 1e-6
 
 def _rate_and_start(numbers: _Numbers) -> tuple[float | None, float]:
     """Sampling rate in Hz and start in s by the numbers of a file or structure that tell them."""
-    for kind in ("rate", "interval"):
-        name, value = numbers.get(kind, ("", 1.0))
-        if not 0 < value < np.inf:
-            raise ValueError(f"{name} is {value:g}, which is no sampling {kind}")
-    (rated, rate), (spaced, interval) = numbers.get("rate", ("", 0.0)), numbers.get("interval", ("", 0.0))
-    if rate and interval and abs(rate * interval - 1) > SAME_RATE:
-        raise ValueError(f"{rated} says {rate:g} Hz, {spaced} {interval:g} s between samples: {1 / interval:g} Hz")
-    return rate or (1 / interval if interval else None), numbers.get("start", ("", 0.0))[1]
+    spaced, interval = numbers.get("interval", ("", 1.0))
+    # A rate that nothing has is refused later, unless another one is given.
+    of_interval = 1 / interval if interval else np.inf
+    rated, rate = numbers.get("rate", ("", of_interval if spaced else None))
+    if rate and rated and spaced and abs(rate * interval - 1) > SAME_RATE:
+        raise ValueError(f"{rated} says {rate:g} Hz, {spaced} {interval:g} s between samples: {of_interval:g} Hz")
+    return rate, numbers.get("start", ("", 0.0))[1]
 
 
 def _clocked(channel: FileChannel, clock: tuple[float | None, float] | None) -> FileChannel:
