@@ -216,6 +216,7 @@ ROUNDED = {
     "6 decimals": (digits(".6f", 25.6e3), 25.6e3, 1.0),
     "6 decimals at an odd rate": (digits(".6f", 25.6e3 + 0.37), 25.6e3 + 0.37, 1.0),
     "3 decimals of ms": (digits(".3f", 25.6), 25.6e3, 1e-3),
+    "few": (digits(".6f", 25.6e3, count=20), 25.6e3, 1.0),
     "cut, not rounded": (np.floor(np.arange(3000) / 25.6e3 * 1e6) / 1e6, 25.6e3, 1.0),
     "ties": (digits(".5f", 12.8e3, start=99.5), 12.8e3, 1.0),
     "an interval in round figures": (digits(".5f", 1 / 3.5e-5, start=5), 1 / 3.5e-5, 1.0),

@@ -15,10 +15,10 @@ A pressure may be that of a gas, so stress is not among them.
 """
 _USUAL_NAMES = {
     "angle": re.compile(
-        r"(?i)(phi|theta|alpha|beta|gamma|psi|varphi|ang(le)?|winkel|twist|enc(oder)?|pos(ition)?)(?![a-z])"
+        r"(?:a|(?i:phi|theta|alpha|beta|gamma|psi|varphi|φ|θ|ang(?:le)?|winkel|twist|enc(?:oder)?|pos(?:ition)?))(?![^\W\d_])"
     ),
-    "velocity": re.compile(r"(?i)(w|omega|n|rpm|speed|drehzahl|vel(ocity)?|tacho)(?![a-z])"),
-    "acceleration": re.compile(r"(?i)(a|acc(eleration)?|eps(ilon)?|domega)(?![a-z])"),
+    "velocity": re.compile(r"(?:w|n|(?i:omega|ω|rpm|speed|drehzahl|vel(?:ocity)?|tacho))(?![^\W\d_])"),
+    "acceleration": re.compile(r"(?i:acc(?:eleration)?|eps(?:ilon)?|domega)(?![^\W\d_])"),
 }
 """Beginnings of the names that channels of a quantity usually have."""
 _ANGULAR = re.compile("|".join([*sorted(ANGLES), "°"]))

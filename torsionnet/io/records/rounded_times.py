@@ -11,6 +11,8 @@ from torsionnet.response.recording import FloatArray
 
 MOST_DIGITS = 13
 """Most decimals or significant digits that are looked for in time stamps, as double precision has few more."""
+PLAIN_DIGITS = 4
+"""Most digits of a plain sampling rate or interval, as 25.6 kHz and 0.2 ms have, which are preferred to others."""
 LOOKED_AT = 64
 """Number of time stamps whose digits are looked at first, as those of all take long."""
 MOST_STEPS = 60
@@ -111,10 +113,12 @@ def _end(low: FloatArray, high: FloatArray, interval: float, way: int) -> float 
 
 
 def _plainest(low: FloatArray, high: FloatArray, ends: tuple[float, float], scale: float) -> float:
-    """Rate in Hz of an interval between its ends that has, or whose rate has, the fewest digits."""
+    """Rate in Hz of an interval between its ends that is, or whose interval is, a number of few digits."""
     middle = (ends[0] + ends[1]) / 2 * scale
-    for digits in range(1, MOST_DIGITS):
-        for rate in (float(f"{1 / middle:.{digits}g}"), 1 / float(f"{middle:.{digits}g}")):
+    # Few time stamps allow many rates; recorders rather have plain rates than plain intervals.
+    for digits in (range(1, PLAIN_DIGITS + 1), range(PLAIN_DIGITS + 1, MOST_DIGITS)):
+        rates = [float(f"{1 / middle:.{count}g}") for count in digits]
+        for rate in (*rates, *(1 / float(f"{middle:.{count}g}") for count in digits)):
             interval = 1 / (rate * scale)
             lines = np.arange(len(low)) * interval if ends[0] <= interval <= ends[1] else None
             if lines is not None and np.max(low - lines) <= np.min(high - lines):
