@@ -47,7 +47,9 @@ class TestTdms:
         return write
 
     def wave(self, unit, begun=0.0, rate=RATE, **more):
-        known = {"wf_start_time": np.datetime64("2024-05-03T10:12:13.000000") + round(1e6 * begun)}
+        known = {
+            "wf_start_time": np.datetime64("2024-05-03T10:12:13.000000") + np.timedelta64(round(1e6 * begun), "us")
+        }
         return {"wf_increment": 1 / rate, "unit_string": unit, **known, **more}
 
     @pytest.mark.parametrize(("begun", "offset"), [(0.25, 0.0), (3.0, 0.0), (-0.75, 0.0), (0.5, 0.1)])
@@ -463,8 +465,8 @@ class TestTables:
 
     def test_columns_of_dates(self, tmp_path):
         parquet, arrow = (pytest.importorskip(name) for name in ("pyarrow.parquet", "pyarrow"))
-        first = np.datetime64("2024-05-03T10:12:13.000", "ms") + np.arange(4000)
-        late = (first + 250).astype("datetime64[us]")
+        first = np.datetime64("2024-05-03T10:12:13.000", "ms") + np.arange(4000).astype("timedelta64[ms]")
+        late = (first + np.timedelta64(250, "ms")).astype("datetime64[us]")
         columns = {"time": first, "T [Nm]": torque(TIMES), "time2": late, "w [rad/s]": speed(TIMES + 0.25)}
         parquet.write_table(arrow.table(columns), tmp_path / "run.parquet")
         found = read_recording(tmp_path / "run.parquet")
