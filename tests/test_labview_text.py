@@ -202,6 +202,11 @@ class TestBlocksAfterTriggers:
         expected = (over / under)[1 : 1 + len(found["real"])]
         assert np.array(found["real"]) + 1j * np.array(found["imag"]) == pytest.approx(expected, rel=1e-9)
 
+    def test_are_kept_apart_without_delta_x_too(self, tmp_path):
+        text = "".join(one for one in (HEADED + rows(RANDOM)).splitlines(True) if not one.startswith("Delta_X"))
+        blocks = list(iter_blocks(write(tmp_path, text), 1.0, sampling_rate=500.0))
+        assert [(len(block), block.start, block.sampling_rate) for block in blocks] == [(20, 0.0, 500.0)] * 3
+
     def test_packets_whose_times_go_on_are_one_record(self, tmp_path):
         text = (HEADED + rows(RANDOM, np.arange(60) * 0.001)).replace("X_Columns\tNo", "X_Columns\tOne")
         found = read_recording(write(tmp_path, text))
