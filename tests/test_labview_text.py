@@ -199,6 +199,7 @@ class TestBlocksAfterTriggers:
         settings = ["--seconds", "0.01", "--overlap", "0.5", "--json"]
         result = run("estimate", write(tmp_path, TRIGGERED[case]), "--input", "Torque", "--output", "Angle", *settings)
         (found,) = json.loads(result.stdout)["responses"]
+        assert "note: 3 blocks that do not follow each other, as after a trigger" in result.stderr
         expected = (over / under)[1 : 1 + len(found["real"])]
         assert np.array(found["real"]) + 1j * np.array(found["imag"]) == pytest.approx(expected, rel=1e-9)
 
@@ -241,6 +242,7 @@ HOSTILE = {
     "no Delta_X": (FILE + segment(Delta_X=[]), "nothing in the file tells the sampling rate"),
     "two Delta_X": (FILE + segment(Delta_X=["0.001", "0.002"]), r"r.lvm:21:15: error: channels have Delta_X of 0.001 and 0.002 s"),
     "two X0": (FILE + segment(X0=["0", "0.5"]), "channels have X0 of 0 and 0.5 s: they were not sampled together"),
+    "two Time": (FILE + segment(Time=["10:12:13.001", "10:12:13.251"]), r"r.lvm:17:19: error: channels began at 10:12:13.001 and 10:12:13.251, as Time says"),
     "Channels": (FILE + segment(Channels=["3"]), r"r.lvm:23:1: error: the row of names has 2 channels, Channels in line 14 says 3"),
     "Channels as text": (FILE + segment(Channels=["two"]), 'Channels: "two" is not a number'),
     "Samples beyond all": (FILE + segment(Samples=["1e999"]), 'Samples: "1e999" is not a number up to'),

@@ -77,7 +77,7 @@ def _checked_tests(
     found: Sequence[Recording], reading: RecordReading, path: str, window: float, advance: Callable[[float], None]
 ) -> list[Recording]:
     """Checked blocks of a file that do not follow each other; that each has few windows is no fault."""
-    _tell_notes(found[0])
+    _tell_notes(found[-1])  # how many blocks there are is known at the end
     records = [_even(record, reading, path) for record in found]
     for record in records:
         faults = check_recording(record, window)

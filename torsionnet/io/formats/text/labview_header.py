@@ -20,6 +20,7 @@ from torsionnet.io.formats.text.labview_lines import (
     HeadedLines,
     line_error,
 )
+from torsionnet.io.records.clock import UNIFORM_TOLERANCE
 
 LARGEST_NUMBER = 1e15
 """Largest number that the header of a recording may hold, as larger ones are damage."""
@@ -140,6 +141,14 @@ def _segment(file: str, dialect: Dialect, entries: Mapping[str, _Entry], heading
             text = f"channels have {what} of {found[0][1]:g} and {odd[1]:g} s: they were not sampled together"
             position = entries[what].place(file, dialect.separator, odd[0])
             faults.append(Fault(f"{text}; save them in files of their own", position=position))
+    near = UNIFORM_TOLERANCE * (intervals[0][1] if intervals else 0.0)
+    clocks = _cells(entries, "Time", len(columns))
+    passed = [(_clock(cell) or 0.0) - (_clock(clocks[0]) or 0.0) if cell else 0.0 for cell in clocks]
+    late = next((at for at, seconds in enumerate(passed) if abs(seconds) > near), None)
+    if late is not None:
+        text = f"channels began at {clocks[0]} and {clocks[late]}, as Time says: they were not sampled together"
+        position = entries["Time"].place(file, dialect.separator, late + 1)
+        faults.append(Fault(f"{text}; save them in files of their own", position=position))
     samples = [int(value) for _, value in _numbers(entries.get("Samples"), "Samples", file, dialect, faults)]
     if faults:
         raise ModelError(faults, file)
