@@ -281,6 +281,45 @@ class TestTimeStampsOfTdms:
         with pytest.raises(ModelError, match="sampled at 2 rates"):
             read_recording(tmp_path / "r.tdms")
 
+    def is_later_by_5_samples(self, path):
+        found = read_recording(path)
+        assert (set(found.names), found.sampling_rate, found.start) == ({"g/T", "h/w"}, 2000.0, pytest.approx(0.0025))
+        np.testing.assert_array_equal(found["g/T"].values, VOLTS[5:, 0])
+        np.testing.assert_array_equal(found["h/w"].values, VOLTS[:45, 1])
+
+    def test_of_a_group_that_begins_later(self, tmp_path):
+        groups = ("g", np.arange(50) * 500, "T", VOLTS[:, 0]), ("h", np.arange(50) * 500 + 2500, "w", VOLTS[:, 1])
+        for order in (groups, groups[::-1]):
+            self.write(tmp_path / "r.tdms", *order)
+            self.is_later_by_5_samples(tmp_path / "r.tdms")
+
+    @pytest.mark.parametrize("first", ["stamps", "waveform"])
+    def test_beside_a_waveform_that_begins_at_another_time(self, tmp_path, first):
+        from nptdms import ChannelObject, TdmsWriter
+
+        stamped, even = (("g", "T", 0), ("h", "w", 1)) if first == "stamps" else (("h", "w", 1), ("g", "T", 0))
+        stamps, begun = (self.BEGIN + np.timedelta64(late, "us") for late in (2500 * stamped[2], 2500 * even[2]))
+        with TdmsWriter(tmp_path / "r.tdms") as file:
+            file.write_segment([
+                ChannelObject(stamped[0], "Time", stamps + (np.arange(50) * 500).astype("m8[us]")),
+                ChannelObject(*stamped[:2], VOLTS[:, stamped[2]]),
+                ChannelObject(*even[:2], VOLTS[:, even[2]], {"wf_increment": 0.0005, "wf_start_time": begun}),
+            ])  # fmt: skip
+        self.is_later_by_5_samples(tmp_path / "r.tdms")
+
+    @pytest.mark.parametrize(("unit", "scale"), [("s", 1.0), ("ms", 1000.0), ("", 1.0)])
+    def test_numbers_are_the_clock_of_their_group_too(self, tmp_path, unit, scale):
+        from nptdms import ChannelObject, TdmsWriter
+
+        with TdmsWriter(tmp_path / "r.tdms") as file:
+            for at, (name, channel, kind) in enumerate((("g", "T", "Nm"), ("h", "w", "rad/s"))):
+                times = (np.arange(50) + 5 * at) * 0.0005 * scale
+                file.write_segment([
+                    ChannelObject(name, "Time", times, {"unit_string": unit}),
+                    ChannelObject(name, channel, VOLTS[:, at], {"unit_string": kind}),
+                ])  # fmt: skip
+        self.is_later_by_5_samples(tmp_path / "r.tdms")
+
 
 def test_decimals_of_parquet(tmp_path):
     from decimal import Decimal

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.io.foreign.content import Content, Slice, StoredArray, plain_attributes, sliced_blocks
+from torsionnet.io.foreign.content import Content, Plain, Slice, StoredArray, plain_attributes, sliced_blocks
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 START_TIME, ZERO = "wf_start_time", "zero"
 """Waveform property with the time at which a channel began, passed on in s from the earliest in the file; attribute of
-time stamps with the first of them, in UTC."""
+time stamps with that earliest time, in UTC."""
 
 
 def load() -> None:
@@ -27,7 +27,7 @@ def load() -> None:
 def open_content(path: Path) -> Iterator[Content]:
     """Yield the channels of numbers of a TDMS file with their properties, and ``group`` if there are several.
 
-    Times at which channels began are in s from the earliest, time stamps from the first, ``zero``.
+    Times at which channels began, and time stamps, are in s from the earliest of both, ``zero``.
     """
     import nptdms
     import numpy as np
@@ -36,33 +36,50 @@ def open_content(path: Path) -> Iterator[Content]:
         groups = file.groups()
         items = [channel for group in groups for channel in group.channels()]
         items = [item for item in items if len(item) > 0 and (_is_stamped(item) or np.dtype(item.dtype).kind in "fiub")]
-        begins = _begins(items)
+        begun = _begun(items)
+        zero = min(begun.values(), key=_instant, default=None)
         arrays = [
             StoredArray(
                 str(item.name),
                 (len(item),),
                 plain_attributes(item.properties)
                 | ({"group": str(item.group_name)} if len(groups) > 1 else {})
-                | ({START_TIME: begins[number]} if number in begins else {})
-                | ({ZERO: _text(item[0])} if _is_stamped(item) else {}),
+                | _origin(item, begun.get(number), zero),
             )
             for number, item in enumerate(items)
         ]
-        blocks = sliced_blocks([_reader(item) for item in items], [item.length for item in arrays])
+        blocks = sliced_blocks([_reader(item, zero) for item in items], [item.length for item in arrays])
         yield Content(tuple(arrays), blocks, plain_attributes(file.properties))
 
 
-def _begins(items: Sequence[Any]) -> dict[int, float]:
-    """Times in s at which channels began, by their number, from the earliest; LabVIEW writes 0 where it knows none."""
-    stamps = {number: item.properties.get(START_TIME) for number, item in enumerate(items)}
-    known = {
-        number: (one.seconds, one.second_fractions) for number, one in stamps.items() if getattr(one, "seconds", 0)
+def _begun(items: Sequence[Any]) -> dict[int, Any]:
+    """Times at which channels began, and first time stamps, by number; LabVIEW writes 0 where it knows none."""
+    times = {
+        number: item[0] if _is_stamped(item) else item.properties.get(START_TIME) for number, item in enumerate(items)
     }
-    if not known:
-        return {}
-    # Whole seconds first, as a double has too few digits for the fractions of a second since 1904.
-    second, fraction = min(known.values())
-    return {number: float(own[0] - second) + (own[1] - fraction) * 2.0**-64 for number, own in known.items()}
+    return {number: time for number, time in times.items() if getattr(time, "seconds", 0)}
+
+
+def _instant(time: Any) -> tuple[int, int]:
+    return int(time.seconds), int(time.second_fractions)
+
+
+def _origin(item: Any, begun: Any, zero: Any) -> dict[str, Plain]:
+    """Start of a channel in s from ``zero``, of time stamps ``zero`` itself; empty where none is known."""
+    if _is_stamped(item):
+        return {ZERO: _text(item[0] if zero is None else zero)}
+    return {} if begun is None else {START_TIME: float(_seconds_between(begun, zero))}
+
+
+def _seconds_between(time: Any, zero: Any) -> Any:
+    """Seconds from ``zero`` to a time, or to an array of times.
+
+    Whole seconds first, as a double has too few digits for the fractions of a second since 1904.
+    """
+    import numpy as np
+
+    parts = np.asarray(time.second_fractions, dtype=float) - float(zero.second_fractions)
+    return np.asarray(time.seconds, dtype=np.int64) - int(zero.seconds) + parts * 2.0**-64
 
 
 def _is_stamped(item: Any) -> bool:
@@ -75,15 +92,12 @@ def _text(stamp: Any) -> str:
     return str((stamp.as_datetime64("ns") + np.timedelta64(500, "ns")).astype("datetime64[us]"))  # fractions are cut
 
 
-def _reader(item: Any) -> Slice:
+def _reader(item: Any, zero: Any) -> Slice:
     def read(first: int, last: int) -> NDArray[Any]:
         values: NDArray[Any] = item.read_data(offset=first, length=last - first)
         return values
 
     def stamps(first: int, last: int) -> NDArray[Any]:
-        known: Any = read(first, last)
-        parts = known.second_fractions.astype(float) - float(zero.second_fractions)
-        return (known.seconds - zero.seconds) + parts * 2.0**-64  # type: ignore[no-any-return]
+        return _seconds_between(read(first, last), item[0] if zero is None else zero)  # type: ignore[no-any-return]
 
-    zero: Any = item[0] if _is_stamped(item) else None
-    return read if zero is None else stamps
+    return stamps if _is_stamped(item) else read

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from torsionnet.io.formats.extras import import_extra, open_foreign
 from torsionnet.io.records.arrays import attribute_text, channel_of
 from torsionnet.io.records.axes import other_axis, seconds_in
 from torsionnet.io.records.recording_description import KEY, recording_json, saved_columns, with_description
-from torsionnet.io.records.source import FileChannel, Source
+from torsionnet.io.records.source import FileChannel, Source, is_time
 from torsionnet.response.recording import Recording
 
 GROUP, INCREMENT, OFFSET = "recording", "wf_increment", "wf_start_offset"
@@ -32,23 +32,26 @@ def open_source(path: Path) -> Iterator[Source]:
     with open_foreign(path, "tdms") as content:
         items = content.arrays
         every = [_channel(item, number) for number, item in enumerate(items)]
-        stamps = {_group(item): one for item, one in zip(items, every, strict=True) if ZERO in item.attributes}
+        stamps = _stamps(items, every)
+        clocks = {one.column for one in stamps.values()}
         channels = [
             one if one.rate or one.over else replace(one, clock=_clock(stamps.get(_group(item)), one))
             for item, one in zip(items, every, strict=True)
-            if ZERO not in item.attributes
+            if ZERO not in item.attributes and one.column not in clocks
         ]
         rates = [channel.rate for channel in channels if channel.rate]
         starts = [channel.start for channel in channels if channel.start is not None]
         title = str(content.attributes.get("name", path.stem))
         start = starts[0] if starts else 0.0
-        notes = [f"begins at {start:g} s, its wf_start_offset"] if start and len(set(starts)) == 1 else []
+        notes = (
+            [f"begins at {start:g} s, its wf_start_offset"] if start and len(set(starts)) == 1 and not stamps else []
+        )
         begun = [START_TIME in item.attributes for item in items if item.attributes.get(INCREMENT)]
         if any(begun) and not all(begun):
             notes.append("channels without wf_start_time were taken to begin with the first of the others")
         rate = rates[0] if rates else None
-        zeros = [attribute_text(item, ZERO) for item in items if ZERO in item.attributes]
-        notes += [f"{one.name} counts from {zero} UTC" for one, zero in zip(stamps.values(), zeros, strict=False)]
+        zeros = [(one.name, attribute_text(items[one.column], ZERO)) for one in stamps.values()]
+        notes += [f"{name} counts from {zero} UTC" for name, zero in zeros if zero]
         source = Source(tuple(channels), content.blocks, rate=rate, start=start, title=title, notes=tuple(notes))
         text = str(content.attributes.get(KEY, ""))
         yield with_description(source, text) if text or not (rates or stamps) else source
@@ -56,6 +59,18 @@ def open_source(path: Path) -> Iterator[Source]:
 
 def _group(item: StoredArray) -> str:
     return attribute_text(item, "group")
+
+
+def _stamps(items: Sequence[StoredArray], every: Sequence[FileChannel]) -> dict[str, FileChannel]:
+    """Channel of time stamps of every group, the first of them; of numbers where several groups have such a channel."""
+    dated, numbers = dict[str, FileChannel](), dict[str, FileChannel]()
+    for item, one in zip(items, every, strict=True):
+        named = replace(one, name=item.name)
+        if ZERO in item.attributes:
+            dated.setdefault(_group(item), one)
+        elif is_time(named) and is_time(replace(named, unit="")) and not one.rate:
+            numbers.setdefault(_group(item), one)
+    return {**numbers, **dated} if len({*numbers, *dated}) > 1 else dated
 
 
 def _clock(stamps: FileChannel | None, channel: FileChannel) -> FileChannel | None:
@@ -72,7 +87,7 @@ def _channel(item: StoredArray, number: int) -> FileChannel:
         return replace(found, unit="s")
     axis = attribute_text(item, AXIS_UNIT)
     over = other_axis(axis, attribute_text(item, AXIS_NAME))
-    if over or not interval:
+    if over or not 0 < abs(interval) < float("inf"):
         return replace(found, over=over if interval else "")
     seconds = seconds_in(axis)
     return replace(found, rate=1 / (interval * seconds), start=begun + offset * seconds)
