@@ -246,6 +246,12 @@ class TestRounded:
         assert (found.sampling_rate, found.start, found.times) == (1000.0, 0.0, None)
         assert any("rounded (single precision)" in note for note in found.notes)
 
+    @pytest.mark.parametrize("interval", [3e-4, 7e-5, 3.0, 1.1])
+    def test_stamps_that_are_even_are_no_rounded_ones(self, tmp_path, interval):
+        found = read_recording(write(tmp_path, [f"{at * interval:.7g}" for at in range(3000)]))
+        assert found.sampling_rate == pytest.approx(1 / interval, rel=1e-12)
+        assert found.times is None
+
     def test_equal_ones_need_others_finer_than_the_sampling(self):
         assert rounded_grid(digits(".3g", 200.0)).rate == 200.0
         assert rounded_grid(digits(".2f", 200.0)) is None

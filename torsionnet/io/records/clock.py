@@ -16,6 +16,8 @@ from torsionnet.response.recording import FloatArray
 
 UNIFORM_TOLERANCE = 0.01
 """Share of a sampling interval by which uniform time stamps may be off, as rounded decimals are."""
+EXACT_TIMES = 4 * float(np.finfo(float).eps)
+"""Share of the largest time stamp by which even ones are off because of the arithmetic alone."""
 SAME_RATE_TOLERANCE = 1e-3
 """Relative difference up to which a given sampling rate agrees with the time stamps, which may be rounded."""
 SAME_INTERVAL_TOLERANCE = 5e-3
@@ -163,8 +165,11 @@ def clock_of(stamps: FloatArray, rate: float | None, *, stamped: bool = False, s
     if stamped or not span > 0:
         return Clock(rate or mean, start, times)
     even = start + np.arange(len(times)) / mean
-    is_uniform = float(np.max(np.abs(times - even))) * mean <= UNIFORM_TOLERANCE
-    grid = None if is_uniform and _rounded(mean) != mean else rounded_grid(stamps, scale)
+    off = float(np.max(np.abs(times - even)))
+    is_uniform = off * mean <= UNIFORM_TOLERANCE
+    # Stamps that are even to the last bit were not rounded, such as whole multiples of 3 s.
+    is_exact = off <= EXACT_TIMES * float(np.max(np.abs(times)))
+    grid = None if is_exact or (is_uniform and _rounded(mean) != mean) else rounded_grid(stamps, scale)
     if not is_uniform and grid is None:
         return Clock(rate or mean, start, times)
     known = rate if rate and abs(rate / mean - 1) < SAME_RATE_TOLERANCE else grid.rate if grid else _rounded(mean)
