@@ -1,5 +1,6 @@
 """Every channel of a file has a clock of its own: rate, start and axis as the library of the format writes them."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -257,6 +258,10 @@ class TestUff:
         found = read_recording(path)
         assert (found.sampling_rate, found.duration) == (RATE, 4.0)
 
+    def test_an_abscissa_named_as_no_time(self, written):
+        axis = {"abscissa_axis_lab": "Order", "abscissa_spec_data_type": 0}
+        assert "over Order" in refusal(written(self.function("T", torque(TIMES), TIMES, "N*m", "NONE", **axis)))
+
     @pytest.mark.parametrize("axis", ["rev", "rad/s", "rpm"])
     def test_an_abscissa_that_is_no_time(self, written, axis):
         assert f"its values are over {axis}, no record over time" in refusal(
@@ -336,6 +341,12 @@ class TestHdf5:
             "values of -32768 are missing, as NaN",
         )
 
+    def test_a_fill_value_of_zero_is_said(self, written):
+        path = written(T=(np.arange(-5, 5), {"units": "N*m", "fs": RATE, "_FillValue": 0}))
+        found = read_recording(path)["T"]
+        assert np.flatnonzero(np.isnan(found.values)).tolist() == [5]
+        assert found.notes == ("values of 0 are missing, as NaN",)
+
     def test_a_factor_that_is_not_one_number(self, written):
         path = written(T=(TIMES, {"unit": "N*m", "fs": RATE, "scale_factor": np.array([0.5, 2.0])}))
         assert 'dataset "/T" has a scale_factor or add_offset that is not one number' in refusal(path)
@@ -370,6 +381,68 @@ class TestHdf5:
         assert (found.start, len(found)) == (0.0, 3750)
         is_on_one_clock(found)
 
+    FILE = {"fs": RATE}, {"dt": 1 / RATE, "t0": -1.0}, {"sampling_rate": np.array([RATE])}
+
+    @pytest.mark.parametrize("of_file", FILE)
+    @pytest.mark.parametrize("own", [{}, {"t0": 0.25}, {"fs": RATE, "t0": 0.25}, {"dt": 1 / RATE, "start": 0.25}])
+    def test_attributes_of_the_file_hold_where_a_dataset_has_none(self, written, of_file, own):
+        import h5py
+
+        begin = of_file.get("t0", 0.0)
+        late = own.get("t0", own.get("start", begin))
+        path = written(T=(torque(TIMES + begin), {"unit": "N*m"}), w=(speed(TIMES + late), {"unit": "rad/s", **own}))
+        with h5py.File(path, "a") as file:
+            file.attrs.update(of_file)
+        found = read_recording(path)
+        assert (found.sampling_rate, found.start) == (RATE, late)
+        is_on_one_clock(found)
+
+    def test_a_rate_of_a_dataset_beside_that_of_the_file(self, written):
+        import h5py
+
+        path = written(T=(torque(TIMES), {"unit": "N*m"}), w=(speed(TIMES * 2), {"unit": "rad/s", "fs": RATE / 2}))
+        with h5py.File(path, "a") as file:
+            file.attrs["fs"] = RATE
+        assert "500 Hz from 0 s (w); 1000 Hz from 0 s (T)" in refusal(path)
+
+    @pytest.mark.parametrize("texts", [
+        ("2024-05-03T10:12:13", "2024-05-03T10:12:13.250"), ("2024-05-03 10:12:13.75Z", "2024-05-03 12:12:14+02:00"),
+    ])  # fmt: skip
+    def test_dates_at_which_datasets_begin(self, written, texts):
+        first, second = ({"fs": RATE, "start_time": text} for text in texts)
+        path = written(
+            T=(torque(TIMES), {"unit": "N*m", **first}), w=(speed(TIMES + 0.25), {"unit": "rad/s", **second})
+        )
+        found = read_recording(path)
+        assert (found.start, len(found)) == (0.25, 3750)
+        is_on_one_clock(found)
+
+    def test_times_of_a_group_say_more_than_its_rate(self, written):
+        import h5py
+
+        late = TIMES + 0.25
+        path = written(
+            a__time=(TIMES, {}), a__T=(torque(TIMES), {"unit": "N*m"}),
+            b__time=(late, {}), b__w=(speed(late), {"unit": "rad/s"}),
+        )  # fmt: skip
+        with h5py.File(path, "a") as file:
+            for name in "ab":
+                file[name].attrs["fs"] = RATE
+        found = read_recording(path)
+        assert found.start == 0.25
+        is_on_one_clock(found, "a.T", "b.w")
+
+    def test_a_rate_that_the_times_contradict(self, written):
+        path = written(T=(torque(TIMES), {"unit": "N*m"}), time=(TIMES, {}), fs=(np.array(500.0), {}))
+        found = read_recording(path)
+        assert found.sampling_rate == RATE
+        said = "warning: the file has a sampling rate of 500 Hz; that of its time stamps was taken, 1000 Hz"
+        assert said in found.notes
+
+    @pytest.mark.parametrize("numbers", [{"fs": RATE, "dt": 0.002}, {"sampling_rate": 500.0, "dt": 1 / RATE}])
+    def test_a_rate_and_an_interval_that_contradict_each_other(self, written, numbers):
+        assert re.search(r"of T says \d+ Hz, dt of T 0.00\d s between", refusal(written(T=(torque(TIMES), numbers))))
+
     @pytest.mark.parametrize(("unit", "text"), [("degrees", "over degrees"), ("seconds since 2024-05-03", "")])
     def test_dimension_scales(self, tmp_path, unit, text):
         h5py = pytest.importorskip("h5py")
@@ -380,7 +453,8 @@ class TestHdf5:
             file.create_dataset("T", data=torque(TIMES)).attrs["units"] = "N*m"
             file["T"].dims[0].attach_scale(file["x"])
         if text:
-            assert text in refusal(path, names=["T"])
+            for names in (None, ["T"]):
+                assert f"channels.T: error: its values are {text}" in refusal(path, names=names)
         else:
             assert read_recording(path, names=["T"]).sampling_rate == RATE
 
@@ -398,6 +472,19 @@ class TestMat:
         assert (found.start, found.times) == (0.0, None)
         assert any("counts from 2024-05-03 10:12:08.640 (datenum of Matlab)" in note for note in found.notes)
         assert [len(block) for block in iter_blocks(tmp_path / "r.mat", 4000 / rate, {"T": "torque"})] == [4000, 4000]
+
+    @pytest.mark.parametrize("late", [0.25, 0.0])
+    def test_times_of_each_channel_as_dewesoft_writes_them(self, tmp_path, late):
+        from scipy.io import savemat
+
+        content = {
+            "Sample_rate": RATE, "Data1_T": torque(TIMES), "Data1_time_T": TIMES,
+            "Data1_w": speed(TIMES + late), "Data1_time_w": TIMES + late,
+        }  # fmt: skip
+        savemat(tmp_path / "run.mat", content)
+        found = read_recording(tmp_path / "run.mat")
+        assert (found.names, found.start) == (("Data1_T", "Data1_w"), late)
+        is_on_one_clock(found, "Data1_T", "Data1_w")
 
     def test_times_named_after_a_channel(self, tmp_path):
         from scipy.io import savemat
@@ -448,7 +535,10 @@ class TestTables:
 
         return write
 
-    @pytest.mark.parametrize(("first", "second"), [("time", "time 2"), ("t_T", "t_w"), ("Zeit1 [s]", "Zeit2 [s]")])
+    @pytest.mark.parametrize(("first", "second"), [
+        ("time", "time 2"), ("t_T", "t_w"), ("Zeit1 [s]", "Zeit2 [s]"),
+        ("Zeit  1 - Standardmessrate [s]", "Zeit  2 - langsam [s]"),
+    ])  # fmt: skip
     def test_columns_have_the_times_to_their_left(self, written, first, second):
         late = TIMES + 0.25
         path = written(**{first: TIMES, "T [Nm]": torque(TIMES), second: late, "w [rad/s]": speed(late)})

@@ -156,6 +156,8 @@ SCOPES = {
     "PicoScope in German": (scope("Zeit;Kanal A;Kanal B\n(ms);(V);(V)\n\n",
                                   lambda at, a, b: f"{at * 0.04 - 1:.8f};{a};{b}\n".replace(".", ",")),
                             ("Kanal A", "Kanal B"), 25e3, -0.001),
+    "PicoScope saved again by a spreadsheet": (scope("Time,Channel A,Channel B\n(ms),(V),(mV)\n,,\n", lambda at, a, b: f"{at * 0.04 - 1:.8f},{a},{b}\n"),
+                                               ("Channel A", "Channel B"), 25e3, -0.001),
     "PicoScope in whole microseconds": (scope("Time,Channel A,Channel B\n(µs),(V),(V)\n\n", lambda at, a, b: f"{at * 40},{a},{b}\n"),
                                         ("Channel A", "Channel B"), 25e3, 0.0),
     "Keysight": (scope("x-axis,1,2\nsecond,Volt,Volt\n", lambda at, a, b: f"{at * 4e-5 - 84.48e-6:.5E},{a:+.5E},{b:+.5E}\n"),

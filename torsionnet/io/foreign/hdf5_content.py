@@ -95,7 +95,7 @@ def _attributes(item: Any) -> dict[str, Plain]:
     found: dict[str, Any] = {}
     for name in item.attrs:
         with contextlib.suppress(TypeError):
-            found[name] = item.attrs[name]
+            found[name] = _single(item.attrs[name])
     return plain_attributes(found)
 
 
@@ -135,6 +135,8 @@ def _stored(name: str, item: Any, transposed: bool) -> StoredArray:
     shape = (columns, rows) if _is_across(item, transposed) else (rows, columns)
     above = plain_attributes({key: _single(item.parent.attrs[key]) for key in CLOCK_NAMES if key in item.parent.attrs})
     given = plain_attributes({key: _single(item.attrs[key]) for key in ATTRIBUTES if key in item.attrs})
+    for names in ((*RATE_NAMES, *INTERVAL_NAMES), START_NAMES):
+        above = above if given.keys().isdisjoint(names) else {key: above[key] for key in above.keys() - {*names}}
     given = ({} if item.parent.name == "/" else above) | given | _scale_of_times(item)
     value = float(item[()].ravel()[0]) if shape == (1, 1) else None
     return StoredArray(name.replace("/", "."), shape, given, value)

@@ -18,8 +18,6 @@ from torsionnet.response.recording import Recording
 
 CHUNK_LENGTH = 65536
 """Samples of a chunk of an HDF5 dataset, 0.5 MB, so that parts of a long recording can be read without the rest."""
-RATE_ATTRIBUTES = ("sampling_rate", "fs", "sample_rate")
-"""Attributes of an HDF5 file in which programs keep the sampling rate in Hz."""
 
 
 @contextlib.contextmanager
@@ -29,9 +27,8 @@ def open_source(path: Path) -> Iterator[Source]:
         text = str(content.attributes.get(KEY, ""))
         known = None if text else structured_source(content.arrays, content.blocks, content.attributes, path.stem)
         hint = "" if text else unknown_structures(content.arrays)
-        source = known or replace(array_source(content.arrays, content.blocks, text, path.stem), hint=hint)
-        rates = [float(content.attributes[name] or 0) for name in RATE_ATTRIBUTES if name in content.attributes]
-        yield source if source.rate or not rates else replace(source, rate=rates[0])
+        given = content.arrays, content.blocks, text, path.stem, content.attributes
+        yield known or replace(array_source(*given), hint=hint)
 
 
 def write(recording: Recording, path: Path) -> None:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from datetime import UTC, datetime
 from typing import TypeAlias
 
 import numpy as np
@@ -19,6 +20,7 @@ from torsionnet.io.foreign.content import (
     START_NAMES,
     UNIT_NAMES,
     Blocks,
+    Plain,
 )
 from torsionnet.io.records.axes import other_axis
 from torsionnet.io.records.recording_description import with_description
@@ -30,11 +32,18 @@ MOST_COLUMNS = 256
 """Most columns of an array that are taken for channels, as more make a picture, or a matrix of something else."""
 
 
-def array_source(arrays: Sequence[StoredArray], blocks: Blocks, stored: str, title: str) -> Source:
+def array_source(
+    arrays: Sequence[StoredArray],
+    blocks: Blocks,
+    stored: str,
+    title: str,
+    attributes: Mapping[str, Plain] | None = None,
+) -> Source:
     """Channels, sampling rate in Hz and start in s of a recording from named arrays.
 
     Numbers named ``fs``, ``dt``, ``Tstart`` or the like tell the clock, of a structure that of its fields; other
-    single numbers are left out. ``blocks`` knows the arrays by their place in ``arrays``.
+    single numbers are left out. ``attributes`` are those of the file, which may tell it, too. ``blocks`` knows the
+    arrays by their place in ``arrays``.
 
     Raises
     ------
@@ -42,6 +51,10 @@ def array_source(arrays: Sequence[StoredArray], blocks: Blocks, stored: str, tit
         Such a number is no rate or interval, or two of them contradict each other.
     """
     channels, places, notes, clocks = list[FileChannel](), list[tuple[int, int]](), list[str](), dict[str, _Numbers]()
+    arrays = _with_starts_in_seconds(arrays)
+    of_file = {} if stored else _clock_numbers(StoredArray("", (), attributes or {}))
+    if of_file:
+        clocks[""] = of_file
     for number, item in enumerate(arrays):
         if len(item.shape) > 2 or item.attributes.get(COMPLEX):
             continue
@@ -67,7 +80,23 @@ def array_source(arrays: Sequence[StoredArray], blocks: Blocks, stored: str, tit
         notes=tuple(notes),
     )  # fmt: skip
     described = with_description(source, stored)
-    return described if stored else with_named_clocks(described)
+    return described if stored else _with_clock_of_file(with_named_clocks(described))
+
+
+def _with_starts_in_seconds(arrays: Sequence[StoredArray]) -> list[StoredArray]:
+    """Arrays whose attribute of a start, where it is a date and time (ISO 8601), is in s from the earliest of them."""
+    begun = dict[int, datetime]()
+    for number, item in enumerate(arrays):
+        with contextlib.suppress(ValueError):
+            begin = datetime.fromisoformat(attribute_text(item, *START_NAMES))
+            begun[number] = begin if begin.tzinfo else begin.replace(tzinfo=UTC)
+    first = min(begun.values(), default=None)
+    return [
+        replace(item, attributes={**item.attributes, START_NAMES[0]: (begun[number] - first).total_seconds()})
+        if first and number in begun
+        else item
+        for number, item in enumerate(arrays)
+    ]
 
 
 _Numbers: TypeAlias = dict[str, tuple[str, float]]
@@ -90,6 +119,20 @@ def _rate_and_start(numbers: _Numbers) -> tuple[float | None, float]:
     return rate, numbers.get("start", ("", 0.0))[1]
 
 
+def _with_clock_of_file(source: Source) -> Source:
+    """Source whose channels without a clock have that of the file, where others have a rate or start of their own."""
+    own = any(channel.rate or channel.clock or channel.start is not None for channel in source.channels)
+    if not own or source.time is not None or not source.rate:
+        return source
+    clocked = (
+        channel
+        if channel.rate or channel.clock or channel.over
+        else replace(channel, rate=source.rate, start=source.start if channel.start is None else channel.start)
+        for channel in source.channels
+    )
+    return replace(source, channels=tuple(clocked))
+
+
 def _clocked(channel: FileChannel, clock: tuple[float | None, float] | None) -> FileChannel:
     return channel if clock is None or channel.rate else replace(channel, rate=clock[0], start=clock[1])
 
@@ -99,13 +142,14 @@ def _with_scales(
 ) -> tuple[FileChannel, ...]:
     """Channels with the dimension scales that their arrays name: time stamps, or what they are over instead."""
     named = {channel.name: channel for channel in channels}
-    found = []
+    found, others = list[FileChannel](), dict[str, str]()
     for channel, (number, _) in zip(channels, places, strict=True):
         scale = named.get(attribute_text(arrays[number], "clock"))
         over = other_axis(scale.unit, scale.name) if scale else ""
         clock = scale if scale and not over and is_time(scale) else None
         found.append(replace(channel, clock=clock, over=over))
-    return tuple(found)
+        others |= {scale.name: over} if scale and over else {}
+    return tuple(replace(channel, over=others.get(channel.name, channel.over)) for channel in found)
 
 
 def by_column(blocks: Blocks, places: Sequence[tuple[int, int]]) -> Blocks:
@@ -127,19 +171,29 @@ def _column(block: FloatArray, column: int) -> FloatArray:
 
 def channel_of(item: StoredArray, number: int, name: str, unit: str) -> FileChannel:
     """Channel of an array in a file, with the quantity, rate and start that the array has as attributes."""
-    rate, interval, start = (_number_of(item, *names) for names in (RATE_NAMES, INTERVAL_NAMES, START_NAMES))
-    rate = rate or (1 / interval if interval else 0.0)
+    numbers = _clock_numbers(item)
+    rate, start = _rate_and_start(numbers)
     quantity = attribute_text(item, "quantity") or None
     own = FileChannel(name, number, unit, quantity, item.length, notes=_packing_notes(item))
-    return replace(own, rate=rate, start=start or 0.0) if rate > 0 else own
+    if rate and 0 < rate < np.inf:
+        return replace(own, rate=rate, start=start)
+    return replace(own, start=start) if "start" in numbers else own
+
+
+def _clock_numbers(item: StoredArray) -> _Numbers:
+    """Numbers that tell a clock among the attributes of an array in a file, with their names."""
+    kinds = {"rate": RATE_NAMES, "interval": INTERVAL_NAMES, "start": START_NAMES}
+    found = ((kind, name, _number_of(item, name)) for kind, names in kinds.items() for name in reversed(names))
+    whose = f" of {item.name}" if item.name else ""
+    return {kind: (f"{name}{whose}", number) for kind, name, number in found if number is not None}
 
 
 def _number_of(item: StoredArray, *names: str) -> float | None:
     """Finite number of the first of these attributes that an array in a file has, None where it has none."""
     for name in names:
-        with contextlib.suppress(TypeError, ValueError):
-            number = float(item.attributes.get(name) or 0.0)
-            if number and np.isfinite(number):
+        with contextlib.suppress(KeyError, TypeError, ValueError):
+            number = float(item.attributes[name])  # type: ignore[arg-type]
+            if np.isfinite(number):
                 return number
     return None
 
@@ -148,9 +202,13 @@ def _packing_notes(item: StoredArray) -> tuple[str, ...]:
     """Notes on what was done to the values of an array that is packed into whole numbers."""
     scale, offset = _number_of(item, "scale_factor"), _number_of(item, "add_offset")
     packed = f"multiplied by {scale or 1:g}, then {offset or 0:g} added, as the file says"
-    fills = [f"{number:g}" for name in ("_FillValue", "missing_value") if (number := _number_of(item, name))]
+    fills = [
+        f"{number:g}" for name in ("_FillValue", "missing_value") if (number := _number_of(item, name)) is not None
+    ]
     missing = f"values of {', '.join(dict.fromkeys(fills))} are missing, as NaN"
-    unused = [f"{name} ({number:g})" for name in FACTOR_NAMES if (number := _number_of(item, name)) not in (None, 1.0)]
+    unused = [
+        f"{name} ({number:g})" for name in FACTOR_NAMES if (number := _number_of(item, name)) not in (None, 0.0, 1.0)
+    ]
     doubt = f"warning: not applied, as nothing says how: its attribute {', '.join(unused)}"
     return (*([packed] if scale or offset else []), *([missing] if fills else []), *([doubt] if unused else []))
 

@@ -196,6 +196,9 @@ def _clock(
     if not source.stamped:
         source.discovered.extend(() if done else time_unit_warnings(times, source))
         source.discovered.extend(filter(None, [clock.note]))
+        if source.rate and abs(source.rate / clock.rate - 1) >= SAME_RATE_TOLERANCE:
+            text = f"warning: the file has a sampling rate of {source.rate:g} Hz; that of its time stamps was taken, "
+            source.discovered.append(f"{text}{clock.rate:g} Hz")
     return clock
 
 

@@ -17,7 +17,7 @@ from torsionnet.response.recording import FloatArray
 UNIFORM_TOLERANCE = 0.01
 """Share of a sampling interval by which uniform time stamps may be off, as rounded decimals are."""
 EXACT_TIMES = 4 * float(np.finfo(float).eps)
-"""Share of the largest time stamp by which even ones are off because of the arithmetic alone."""
+"""Share of their span by which even time stamps are off because of the arithmetic alone."""
 SAME_RATE_TOLERANCE = 1e-3
 """Relative difference up to which a given sampling rate agrees with the time stamps, which may be rounded."""
 SAME_INTERVAL_TOLERANCE = 5e-3
@@ -168,7 +168,7 @@ def clock_of(stamps: FloatArray, rate: float | None, *, stamped: bool = False, s
     off = float(np.max(np.abs(times - even)))
     is_uniform = off * mean <= UNIFORM_TOLERANCE
     # Stamps that are even to the last bit were not rounded, such as whole multiples of 3 s.
-    is_exact = off <= EXACT_TIMES * float(np.max(np.abs(times)))
+    is_exact = off <= EXACT_TIMES * span
     grid = None if is_exact or (is_uniform and _rounded(mean) != mean) else rounded_grid(stamps, scale)
     if not is_uniform and grid is None:
         return Clock(rate or mean, start, times)

@@ -121,16 +121,21 @@ class Source:
                 *(one.clock.column for one in self.channels if one.clock),
             }
             rest = [channel for channel in self.channels if channel.column not in clocks]
-            own = [
-                one if one.rate or one.clock or one.over else replace(one, clock=nearest(one.name, named))
-                for one in rest
-            ]
+            own = [one if one.clock or one.over else _timed(one, named) for one in rest]
             return replace(self, channels=tuple(own))
         for channel in self.channels:
             if is_time(channel):
                 others = tuple(other for other in self.channels if other is not channel)
                 return replace(self, channels=others, time=channel, notes=(*self.notes, time_note(channel)))
         return self
+
+
+def _timed(channel: FileChannel, named: Mapping[str, FileChannel]) -> FileChannel:
+    """Channel with the time stamps of the nearest structure; one with a rate has those of its own, which say more."""
+    stamps = named.get(structure_of(channel.name)) if channel.rate else nearest(channel.name, named)
+    if channel.rate and (stamps is None or channel.start or stamps.length != channel.length):
+        return channel
+    return replace(channel, rate=None, start=None, clock=stamps)
 
 
 def structure_of(name: str) -> str:

@@ -15,8 +15,11 @@ from torsionnet.io.records.axes import seconds_in
 from torsionnet.io.records.source import TIME_NAMES, FileChannel, Source, is_time, time_note
 from torsionnet.response.recording import FloatArray
 
-_NUMBERED = re.compile(rf"(?:t|(?i:{'|'.join(map(re.escape, sorted(TIME_NAMES)))}))[\s_.:-]*\d*")
-"""Pattern of the name of a column of times, which may have a number; T is a torque."""
+_TIME = rf"(?:t|(?i:{'|'.join(map(re.escape, sorted(TIME_NAMES)))}))"
+_NUMBERED = re.compile(rf"{_TIME}[\s_.:-]*(?:\d+\s+-\s.*|\d*)")
+"""Pattern of the name of a column of times, which may have a number, and words behind it; T is a torque."""
+_WITHIN = re.compile(rf"(.*[\s_.:-]){_TIME}[\s_.:-]+(.+)")
+"""Pattern of the name of times that have the name of their channel around them, as ``Data1_time_T``."""
 
 
 def with_table_clocks(source: Source) -> Source:
@@ -81,9 +84,12 @@ def _is_clock(channel: FileChannel, behind: FileChannel) -> bool:
 
 
 def _is_time_of(time: FileChannel, channel: FileChannel) -> bool:
-    """Whether times are named after a channel, as ``t_T``, ``time w`` or ``w.time`` are."""
+    """Whether times are named after a channel, as ``t_T``, ``time w``, ``w.time`` or ``Data1_time_T`` are."""
     if time.unit and not is_time(time):
         return False
+    within = _WITHIN.fullmatch(time.name)
+    if within and f"{within[1]}{within[2]}" == channel.name:
+        return True
     own, count = re.subn(rf"[\s_.:-]+{re.escape(channel.name)}|{re.escape(channel.name)}[\s_.:-]+", "", time.name)
     return bool(count == 1 and _NUMBERED.fullmatch(own))
 

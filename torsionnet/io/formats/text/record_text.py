@@ -61,7 +61,7 @@ def open_source(path: Path, separator: str | None = None, decimal: str | None = 
             raise ModelError([_no_data(path, lines)], path.name)
         row = dialect.cells(body[first])
         stamped = stamp_columns(row)
-        above = body[: first - next((at for at in range(first) if body[first - 1 - at].strip()), first)]
+        above = body[: first - next((at for at in range(first) if any(dialect.cells(body[first - 1 - at]))), first)]
         scope = scope_heading(dialect, above, len(row))
         heading = scope.headings if scope else _headings(dialect, above, len(row), stamped)
         file.seek(0)

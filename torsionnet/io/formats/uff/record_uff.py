@@ -73,7 +73,7 @@ def _channel(
     label, entries = text_in(item.attributes, "ordinate_axis_units_lab"), item.attributes
     code, direction = (int(entries.get(key) or 0) for key in ("ordinate_spec_data_type", "rsp_dir"))
     unit = text_in(entries, "abscissa_axis_units_lab")
-    over = other_axis(unit) or abscissa_over(entries, TIME_AXIS)
+    over = other_axis(unit, text_in(entries, "abscissa_axis_lab")) or abscissa_over(entries, TIME_AXIS)
     found = FileChannel(
         text_in(entries, "id1") or _place(item), 2 * at, label, length=item.length, over=over, implied=units.factors
     )
