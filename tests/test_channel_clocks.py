@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.command_line import run
 
 from torsionnet.core.errors import ModelError
 from torsionnet.signals import iter_blocks, read_recording
@@ -116,6 +117,65 @@ class TestTdms:
     def test_a_rate_other_than_that_of_the_file(self, written):
         path = written(("T", TIMES, self.wave("N*m")))
         assert "the file says T (1000 Hz from 0 s), sampling_rate=2000 was given" in refusal(path, sampling_rate=2000)
+
+
+class TestPulsesBesideOtherRates:
+    """The signal of 12 teeth at 5 kHz beside a torque of 1 kHz that began 50 ms later, and one of 500 Hz."""
+
+    FAST = np.arange(20000) / 5000
+
+    def angle(self, times):
+        """Angle in rad of the shaft, at 600 rpm with a vibration by which a shift of the clock shows."""
+        return 2 * np.pi * 10 * times + 0.5 * np.sin(2 * np.pi * times)
+
+    @pytest.fixture
+    def file(self, tmp_path):
+        nptdms = pytest.importorskip("nptdms")
+        begin = np.datetime64("2024-05-03T10:12:13.000000")
+        teeth = 5.0 * ((self.angle(self.FAST) * 12 / 2 / np.pi) % 1 < 0.5)
+        late, slow = TIMES[:3950] + 0.05, np.arange(2000) / 500
+        wave = {"unit_string": "N*m", "wf_start_time": begin}
+        with nptdms.TdmsWriter(str(tmp_path / "run.tdms")) as writer:
+            writer.write_segment([
+                nptdms.ChannelObject("g", "p", teeth, {**wave, "unit_string": "V", "wf_increment": 1 / 5000}),
+                nptdms.ChannelObject(
+                    "g", "T", torque(late), {**wave, "wf_increment": 0.001, "wf_start_time": begin + np.timedelta64(50, "ms")}
+                ),
+                nptdms.ChannelObject("g", "x", torque(slow), {**wave, "wf_increment": 0.002}),
+            ])  # fmt: skip
+        return tmp_path / "run.tdms"
+
+    def is_right(self, found, angle):
+        assert np.abs(found["T"].values - torque(found.time)).max() < 2e-3
+        assert np.ptp(found[angle].values - self.angle(found.time)) < 3 * 2 * np.pi * 10 / 5000
+
+    def test_a_rate_chosen_for_the_others_is_none_of_the_teeth(self, file):
+        assert "500 Hz from 0 s (x); 1000 Hz from 0.05 s (T)" in refusal(file, pulses={"p": 12})
+        for chosen in ({"sampling_rate": 1000}, {"sampling_rate": 1000, "resample": True}, {"names": ["T", "p"]}):
+            found = read_recording(file, pulses={"p": 12}, **chosen)
+            assert (found.sampling_rate, "x" in found.names) == (1000, "resample" in chosen)
+            self.is_right(found.between(0.1, 3.9), "p")
+
+    def test_angle_keeps_a_channel_of_another_rate_resampled(self, file, tmp_path):
+        given = "angle", file, "--pulses", "p=12", "--channel", "T"
+        refused = run(*given, code=1).stderr
+        assert "sampled at 2 rates: 1000 Hz from 0.05 s (T); 5000 Hz from 0 s (p)" in refused
+        assert "--resample brings the others to it" in refused
+        run(*given, "--resample", "-o", tmp_path / "angle.npz")
+        found = read_recording(tmp_path / "angle.npz")
+        assert any("T: interpolated from 1000 to 5000 Hz" in note for note in found.notes)
+        self.is_right(found.between(0.5, 3.5), "p angle")
+
+    def test_angle_makes_uneven_time_stamps_even(self, tmp_path):
+        stamps = np.round(TIMES + 1e-4 * np.sin(np.arange(4000)), 6)
+        pulses = np.arange(480) / 120 + 0.001
+        np.savez(tmp_path / "run.npz", t=stamps, T=torque(stamps), p=pulses)
+        given = ["--pulses", "p=12", "--channel", "T", "--quantity", "T=torque"]
+        for option in ([], ["--resample"]):
+            run("angle", tmp_path / "run.npz", *given, "-o", tmp_path / "angle.npz", *option)
+            found = read_recording(tmp_path / "angle.npz")
+            assert (found.times is None) == bool(option)
+            assert any("by cubic splines" in note for note in found.notes) == bool(option)
 
 
 class TestMdf:

@@ -66,6 +66,7 @@ class RecordReading(Arguments):
             "sampling_rate": self.rate,
             **({"pulses": dict(self.pulses)} if self.pulses else {}),
             **({"between": dict(self.courses)} if self.courses else {}),
+            **({"resample": True} if self.resample else {}),
             **{key: value for key, value in dialect.items() if value is not None},
         }
 

@@ -43,7 +43,7 @@ def load_record(
     if large_records.is_large_record(path) and not has_pulses:
         return _checked_blocks(path, reading, wanted, window, advance, span, tests=tests)
     read: Callable[..., Recording | list[Recording]] = read_tests if tests and not has_pulses else read_recording
-    found = read(path, names=wanted, resample=reading.resample, **reading.arguments)
+    found = read(path, names=wanted, **reading.arguments)
     if isinstance(found, list) and len(found) > 1:
         return _checked_tests(found, reading, path, window, advance)
     record = found[0] if isinstance(found, list) else found
@@ -99,7 +99,7 @@ def _checked_blocks(
     """Checked blocks of a large file of signals, one after the other; a short last block is not reported as a fault."""
     message("note", f"{path} is large: read in blocks of {large_records.BLOCK_SECONDS:g} s")
     end: float | None = None
-    for block in large_records.blocks_of_record(path, names=names, resample=reading.resample, **reading.arguments):
+    for block in large_records.blocks_of_record(path, names=names, **reading.arguments):
         if span is not None and span.delays:
             raise UsageError(f"{path} is read in blocks, across which no delay can be taken out; cut the record first")
         if not tests and end is not None and abs(block.start - end) * block.sampling_rate > SAME_CLOCK:

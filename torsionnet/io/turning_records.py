@@ -11,6 +11,7 @@ import numpy as np
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.io.recording_files import pulse_names, read_recording
 from torsionnet.response.recording import Recording
+from torsionnet.signals.resampling import resampled
 from torsionnet.signals.rotation.pulse_reading import PulseReading
 from torsionnet.signals.rotation.wheel_channel import WheelChannel, counted_reading
 
@@ -79,8 +80,8 @@ def read_turning_record(
         left = {name: one for name, one in stamped.items() if name not in others}
         try:
             found = _read(path, names, given, [*sampled, *others], left, reading)
-        except ModelError:
-            raise error from None
+        except ModelError as second:
+            raise (error if {*others} & _channels(second.faults) else second) from None
         if any(np.mean(np.diff(found[name].values) > 0) >= MOSTLY_RISING for name in others):
             raise
         return found
@@ -95,9 +96,10 @@ def _read(
     reading: Mapping[str, Any],
 ) -> Recording:
     as_in_file = dict.fromkeys(sampled, "")
-    return read_recording(
+    found = read_recording(
         path, names=names, quantities={**as_in_file, **quantities}, pulse_readings=stamped, **reading
     )  # fmt: skip
+    return resampled(found) if reading.get("resample") and found.times is not None else found
 
 
 def _channels(faults: Iterable[Fault]) -> set[str]:

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from torsionnet.core.remedies import remedy
 from torsionnet.response.recording import Recording, Signal
 from torsionnet.signals.welch import Welch
 
@@ -73,7 +74,7 @@ def lag_warnings(record: Recording, outputs: tuple[str, ...], input: str, settin
                 f"they lose {100 * (1 - kept):.0f} % of |{output}/{input}|, and the coherence is at most {kept**2:.2f}"
             )
             text = f"warning: {behind}, windows last {settings.seconds:g} s: {lost}"
-            found.append(f"{text}; take longer windows, or align the signals (align)")
+            found.append(f"{text}; take longer windows, or align the signals ({remedy('align=True')})")
     return found
 
 

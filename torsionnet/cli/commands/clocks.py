@@ -104,7 +104,7 @@ class ClocksCommand(Command):
         from torsionnet.cli.records import checked_record
         from torsionnet.io.recording_files import read_recording
 
-        record = read_recording(path, names=[name], resample=self.reading.resample, **self.reading.arguments)
+        record = read_recording(path, names=[name], **self.reading.arguments)
         return checked_record(record, self.reading, path)
 
 

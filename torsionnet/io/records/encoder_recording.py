@@ -108,7 +108,9 @@ def _turning(source: Source, channel: FileChannel, options: ReadOptions, file: s
         else:
             alone = replace(channel, unit="", quantity="", notes=())
             rest = replace(source, channels=(alone,), time=_clock(source, options))
-            shape = next(recordings(rest, ReadOptions(sampling_rate=options.sampling_rate), file))
+            # A rate that is chosen for the other channels is none of this one, if it has its own.
+            rate = None if channel.rate or channel.clock else options.sampling_rate
+            shape = next(recordings(rest, ReadOptions(sampling_rate=rate), file))
             stamps = pulse_times(shape.signals[0].values, shape.time)
         if stamped and not unit:
             refuse_unlikely_unit(stamps, steps)
