@@ -606,6 +606,23 @@ class TestTables:
         assert (found.names, found.start, len(found)) == (("T", "w"), 0.25, 3750)
         is_on_one_clock(found)
 
+    def test_units_of_several_columns_of_times_may_be_given(self, written):
+        late = TIMES + 0.25
+        path = written(**{"t1": 1000 * TIMES, "T [Nm]": torque(TIMES), "t2": late / 60, "w [rad/s]": speed(late)})
+        found = read_recording(path, units={"t1": "ms", "t2": "min", "w": "rad/s"})
+        assert (found.sampling_rate, found.start) == (pytest.approx(RATE, rel=1e-9), pytest.approx(0.25, rel=1e-9))
+        is_on_one_clock(found, within=1e-6)
+        assert read_recording(path, names=["T"], units={"t1": "ms"}).sampling_rate == RATE
+        assert re.search(r"the values of T are over deg|channels.T: error: its values are over deg",
+                         refusal(path, units={"t1": "deg", "t2": "min"}, names=["T", "w"]))  # fmt: skip
+
+    def test_times_without_a_unit_that_make_1_hz_are_doubted(self, written):
+        path = written(**{"t1": 1000 * TIMES, "T [Nm]": torque(TIMES), "t2": 1000 * TIMES + 250, "w [rad/s]": TIMES})
+        said = "has no unit and was taken for s: sampled at 1 Hz for 3999 s; if it is in ms, or counts ticks, give"
+        assert [
+            name for name in ("t1", "t2", "T") if any(f"{name} {said}" in note for note in read_recording(path).notes)
+        ] == ["t1", "t2"]
+
     def test_columns_of_two_rates(self, written):
         slow = np.arange(2000) / 500
         path = written(**{"t": TIMES, "T [Nm]": torque(TIMES), "t2": slow, "w [rad/s]": speed(slow)})

@@ -11,7 +11,7 @@ from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.errors import Fault, ModelError, UsageError, unknown_name
 from torsionnet.core.number_range import LARGEST_SIZE
 from torsionnet.core.remedies import remedy
-from torsionnet.io.records.axes import seconds_in
+from torsionnet.io.records.axes import other_axis, seconds_in
 from torsionnet.io.records.channel_choice import ChannelChoice, choose, length_faults
 from torsionnet.io.records.clock import (
     SAME_RATE_TOLERANCE,
@@ -28,14 +28,23 @@ from torsionnet.io.records.clock import (
 )
 from torsionnet.io.records.read_options import ReadOptions
 from torsionnet.io.records.several_rates import choose_rate, read_others, shares_time, with_others
-from torsionnet.io.records.source import Source, is_time
+from torsionnet.io.records.source import FileChannel, Source, is_time
 from torsionnet.io.records.stored_pulses import names_of_signals, rate_of, stored_pulses, with_pulses
 from torsionnet.response.measured.between_samples import Between, check_between
 from torsionnet.response.recording import FloatArray, Recording, Signal, is_rate
 
 
 def with_given_clock(source: Source, options: ReadOptions) -> tuple[Source, ReadOptions]:
-    """Source whose time stamps are the channel that the caller gives a unit of time, and the options left over."""
+    """Source whose time stamps are the channel that the caller gives a unit of time, and the options left over.
+
+    A unit of time stamps that only some channels have stays with these channels.
+    """
+    clocks = {channel.clock.name for channel in source.channels if channel.clock}
+    own = {name: plain_unit(unit) for name, unit in options.units.items() if name in clocks}
+    if own:
+        left = {name: unit for name, unit in options.units.items() if name not in own}
+        channels = tuple(_with_unit_of_clock(channel, own) for channel in source.channels)
+        source, options = replace(source, channels=channels), replace(options, units=left)
     every = source.every
     for name, unit in options.units.items():
         channel = replace(every[name], unit=plain_unit(unit)) if name in every else None
@@ -45,6 +54,14 @@ def with_given_clock(source: Source, options: ReadOptions) -> tuple[Source, Read
             left = {other: word for other, word in options.units.items() if other != name}
             return replace(source, channels=others, time=channel), replace(options, units=left)
     return source, options
+
+
+def _with_unit_of_clock(channel: FileChannel, units: Mapping[str, str]) -> FileChannel:
+    clock = channel.clock
+    if clock is None or clock.name not in units:
+        return channel
+    over = other_axis(units[clock.name])
+    return replace(channel, clock=None if over else replace(clock, unit=units[clock.name]), over=over)
 
 
 def with_given_courses(source: Source, between: Mapping[str, str], file: str) -> Source:

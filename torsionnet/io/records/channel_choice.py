@@ -46,7 +46,8 @@ def choose(
         channels = [channel for channel in channels if not channel.over]  # left out, with a note
     for channel in channels:
         if channel.over:
-            text = f"its values are over {channel.over}, no record over time; export it over time"
+            whose = f"the values of {channel.name}" if channel.position else "its values"  # a place hides the path
+            text = f"{whose} are over {channel.over}, no record over time; export it over time"
             faults.append(Fault(text, ("channels", channel.name), position=channel.position))
             continue
         try:

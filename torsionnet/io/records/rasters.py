@@ -12,7 +12,15 @@ from torsionnet.core.listing import comma_list
 from torsionnet.io.foreign.content import Blocks
 from torsionnet.io.records.axes import seconds_in
 from torsionnet.io.records.channel_choice import ChannelChoice
-from torsionnet.io.records.clock import UNIFORM_TOLERANCE, Clock, clock_in_days, clock_of, order_faults, value_faults
+from torsionnet.io.records.clock import (
+    UNIFORM_TOLERANCE,
+    Clock,
+    clock_in_days,
+    clock_of,
+    order_faults,
+    time_unit_warnings,
+    value_faults,
+)
 from torsionnet.io.records.source import Source
 from torsionnet.response.recording import FloatArray
 
@@ -66,6 +74,7 @@ def own_clocks(source: Source, choices: Sequence[ChannelChoice]) -> OwnClocks:
         even[column] = replace(own, start=own.start - origin * scale, times=stamps[column] if uneven else None)
         faults += wrong or (order_faults(stamps[column], timed_by) if uneven else [])
         notes += filter(None, [said, own.note and f"{clock.name}: {own.note}"])
+        notes += () if wrong or faults else time_unit_warnings(stamps[column], timed_by)
     if faults:
         return OwnClocks(list(choices), stamps, faults)
     # Equal stamps in two columns are one raster.
