@@ -113,6 +113,12 @@ class TestWindowsDoNotMatter:
         cut = replace(whole, signals=tuple(replace(one, values=one.values[3000:9000]) for one in whole))
         assert_modes(modes_of(cut, 2), plant[0])
 
+    def test_a_strongly_damped_mode_that_hides_behind_another(self):
+        """Its share is 1 % and the noise as large: too little for the BIC, yet the damping of the other is 10 sigma off."""
+        A, torque = modal((4, 0.2), (5.5, 0.45))
+        record = simulated((A, torque * [1, 1, 1, 0.01]), 40, noise=0.01, excitation="noise")
+        assert_modes(modes_of(record, 2), A)
+
     @pytest.mark.slow
     def test_standard_errors_are_those_of_many_records(self):
         plant = modal((3.4, 0.23), (12.8, 0.02))

@@ -13,6 +13,8 @@ from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines
 TRANSIENT_POWERS = np.array([-2, -1, 0, 1, 2])
 """Powers of s, besides the free decay of each mode, by which a record that neither begins nor ends at rest differs from
 a periodic one: drift below, and what sampling folds of a decay above."""
+SMALLEST_PART = 1e-8
+"""Part of a mode's contribution that no other explains, below which it is rounding."""
 LARGEST_LOGARITHM = 30.0
 """Logarithm of a denominator coefficient, for lines scaled to 1 rad/s, beyond which a fit no longer depends on it."""
 
@@ -83,6 +85,38 @@ class Projection:
             real = np.vstack([change.real, change.imag])
             blocks.append(-(real - basis @ (basis.T @ real)))
         return np.vstack(blocks)
+
+    def gains(self, logarithms: FloatArray, factors: FloatArray) -> FloatArray:
+        """Fall of the squares of the residuals with one more mode each, over their mean, to first order, (n,).
+
+        The score test: chi-squared of two unknowns for each pair and its transient, where there is no such mode.
+
+        Parameters
+        ----------
+        logarithms : (n_coefficients,) array
+            Solution of the problem.
+        factors : (n, 2) array
+            Coefficients (b, c) of the factor s^2 + b s + c of each mode.
+        """
+        from scipy.linalg import block_diag
+
+        pairs, known = self._pairs(logarithms), np.linalg.qr(self.jacobian(logarithms))[0]
+        left = np.concatenate([residual for _, residual, _ in pairs])
+        gains = []
+        for factor in factors:
+            value = np.polyval([1.0, *factor], self.lines.s)
+            columns, blocks = np.stack([1 / value, self.lines.s / value], axis=1), []
+            for (o, i), (scale, _, (basis, _)) in zip(np.ndindex(*self.lines.values.shape[1:]), pairs, strict=True):
+                scales = [scale] if self.lines.drive is None else [scale, self.lines.weights[:, o, i]]
+                design = np.hstack([each[:, None] * columns for each in scales])
+                real = np.vstack([design.real, design.imag])
+                real /= np.linalg.norm(real, axis=0)
+                blocks.append(real - basis @ (basis.T @ real))
+            more = block_diag(*blocks)
+            more -= known @ (known.T @ more)
+            directions, sizes, _ = np.linalg.svd(more, full_matrices=False)
+            gains.append(np.sum((directions[:, sizes > SMALLEST_PART].T @ left) ** 2))
+        return np.asarray(np.array(gains) * (len(left) / (left @ left)))
 
     def _pairs(self, logarithms: FloatArray) -> list[tuple[ComplexArray, FloatArray, tuple[FloatArray, FloatArray]]]:
         """Weight times s^p at the lines, residuals, and orthonormal basis with residues, by transfer function."""

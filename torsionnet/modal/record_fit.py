@@ -16,7 +16,7 @@ from torsionnet.modal.matrix_fraction import largest_order, poles_of_orders
 from torsionnet.modal.projection import Projection, coefficients_of
 from torsionnet.modal.refinement import RefinedPoles, factors_of, minimised, refine, reweighted, roots_of
 from torsionnet.modal.residues import Expansion, expand
-from torsionnet.modal.schwarz_criterion import BicCriterion, pole_count
+from torsionnet.modal.schwarz_criterion import BicCriterion, line_correlation, pole_count
 from torsionnet.modal.settings import Settings
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines
 from torsionnet.response import FrequencyResponse
@@ -29,6 +29,11 @@ LEAST_HIGHEST_ORDER, MORE_ORDERS = 12, 8
 shows, as windows hide modes, or beyond the best one."""
 ENOUGH = 1e-8
 """Relative change of the squares below which a fit ends that only decides which poles are worth their unknowns."""
+HIDDEN_FREQUENCIES, HIDDEN_DAMPINGS = 12, (0.2, 0.4, 0.7)
+"""Natural frequencies over the band, and damping ratios, at which hidden modes are sought: orders show light ones."""
+LEAST_GAIN = 22.0
+"""Fall of the residuals' squares over their mean with which a hidden mode counts: by chance, in one of 1000 records
+(chi-squared of four unknowns, five independent places)."""
 PASSES = 2
 """Choices of the order, the second with the noise that the first leaves at each line."""
 
@@ -102,7 +107,7 @@ def _chosen(lines: Lines, start: ComplexArray, settings: Settings) -> ComplexArr
         place = int(np.argmin(values))
         best = candidates[place]
         scaled = reweighted(scaled, left[place])
-    return _without_useless(scaled, best, settings) * scale
+    return _with_hidden(scaled, _without_useless(scaled, best, settings), settings, highest) * scale
 
 
 def _without_useless(lines: Lines, poles: ComplexArray, settings: Settings) -> ComplexArray:
@@ -116,6 +121,26 @@ def _without_useless(lines: Lines, poles: ComplexArray, settings: Settings) -> C
         if criterion.value(over, pole_count(fewer)) >= criterion.value(left, pole_count(poles)):
             break
         poles, left = fewer, over
+    return poles
+
+
+def _with_hidden(lines: Lines, poles: ComplexArray, settings: Settings, highest: int) -> ComplexArray:
+    """Poles, and strongly damped ones beside them that the residuals show, though not clearly enough for the BIC.
+
+    Without them the standard errors of the others would not cover what they make of the part of a hidden mode.
+    """
+    low, high = np.abs(lines.s[[0, -1]])
+    tried = [(w, z) for w in np.geomspace(low, high, HIDDEN_FREQUENCIES) for z in HIDDEN_DAMPINGS]
+    factors = np.array([(2 * z * w, w**2) for w, z in tried])
+    while pole_count(poles) + 2 <= highest:
+        sizes, coefficients = factors_of(poles)
+        problem = Projection(lines, sizes, settings)
+        gains = problem.gains(np.log(coefficients), factors)
+        same = line_correlation(problem.complex_residuals(np.log(coefficients)))
+        if gains.max() * (1 - same) / (1 + same) < LEAST_GAIN:
+            break
+        hidden, _ = roots_of((2,), factors[int(np.argmax(gains))])
+        poles, _ = _fitted(lines, np.append(poles, hidden), settings)
     return poles
 
 
