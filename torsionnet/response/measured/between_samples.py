@@ -54,7 +54,7 @@ class BetweenSamples:
     Examples
     --------
     >>> BetweenSamples("straight", 200.0).share(np.array([30.0])).real.round(4).tolist()
-    [0.9277]
+    [0.9281]
     """
 
     between: Between
