@@ -243,7 +243,7 @@ class TestMdf:
         found = read_recording(path)
         assert found.names == ("group 1/T", "telemetry/T", "w")
         assert np.array_equal(found["telemetry/T"].values, 2 * found["group 1/T"].values)
-        assert 'no channel is named "T"; there are group 1/T, telemetry/T' in refusal(path, names=["T"])
+        assert 'no channel is named "T"; the file has group 1/T, telemetry/T' in refusal(path, names=["T"])
 
     def test_stamps_that_are_off_by_little_are_one_raster(self, written):
         """Loggers stamp each group by itself: rates and starts differ by what even stamps may be off."""

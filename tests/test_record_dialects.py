@@ -323,6 +323,59 @@ class TestTimeStampsOfTdms:
         self.is_later_by_5_samples(tmp_path / "r.tdms")
 
 
+class TestWhatIsNoColumnOfNumbers:
+    def hdf5(self, path):
+        import h5py
+
+        with h5py.File(path, "w") as file:
+            file.attrs["fs"] = 1000.0
+            file["w"], file["T"] = VOLTS[:, 1], VOLTS[:, 0].reshape(-1, 1, 1)
+            file["table"] = np.zeros(5, dtype=[("t", "f8"), ("T", "f8")])
+            file["comment"] = "a text"
+
+    def npz(self, path):
+        table = np.zeros(5, dtype=[("t", "f8"), ("T", "f8")])
+        np.savez(path, fs=1000.0, w=VOLTS[:, 1], T=VOLTS[:, 0].reshape(-1, 1, 1), table=table)
+
+    def parquet(self, path):
+        import pyarrow as pa
+        from pyarrow import parquet
+
+        columns = {"time": np.arange(50) / 1000, "w": VOLTS[:, 1], "T": list(VOLTS), "table": ["a text"] * 50}
+        parquet.write_table(pa.table({name: pa.array(values) for name, values in columns.items()}), path)
+
+    @pytest.mark.parametrize(("write", "ending"), [("hdf5", ".h5"), ("npz", ".npz"), ("parquet", ".parquet")])
+    def test_is_named(self, tmp_path, write, ending):
+        path = tmp_path / f"r{ending}"
+        getattr(self, write)(path)
+        found = read_recording(path)
+        assert (found.names, found.sampling_rate) == (("w",), 1000.0)
+        (said,) = [note for note in found.notes if "left out" in note]
+        assert said in {f"left out, as no column of numbers: {names}" for names in ("T, table", "table, T")}
+        with pytest.raises(ModelError) as caught:
+            read_recording(path, names=["T"])
+        assert 'no channel is named "T"; the file has w\n' in str(caught.value)
+        assert f"note: {said}\n1 error in" in str(caught.value)
+
+    def test_in_mat_files(self, tmp_path):
+        from scipy.io import savemat
+
+        content = {"fs": 1000.0, "w": VOLTS[:, 1], "T": VOLTS[:, 0].reshape(-1, 1, 1), "z": VOLTS[:9, 0] + 1j}
+        savemat(tmp_path / "r.mat", {**content, "empty": np.zeros((0, 0)), "cells": np.array(["a", "b"], dtype=object)})
+        notes = read_recording(tmp_path / "r.mat").notes
+        assert [note for note in notes if "left out" in note] == [
+            "T was left out: 50 by 1 by 1 numbers are no channels", "z was left out: complex numbers are no channels",
+            "left out, as no column of numbers: cells",
+        ]  # fmt: skip
+
+    def test_no_rate_is_asked_for_where_there_is_nothing(self, tmp_path):
+        np.savez(tmp_path / "r.npz", table=np.zeros(5, dtype=[("t", "f8"), ("T", "f8")]))
+        with pytest.raises(
+            ModelError, match=r"there is no channel of numbers in the file\nnote: left out, .* table\n1 err"
+        ):
+            read_recording(tmp_path / "r.npz")
+
+
 def test_decimals_of_parquet(tmp_path):
     from decimal import Decimal
 

@@ -281,6 +281,15 @@ class TestRounded:
         found = read_recording(write(tmp_path, stamps))
         assert found.times == pytest.approx([float(stamp) for stamp in stamps], abs=1e-15)
 
+    def test_a_gap_is_no_matter_of_arguments_on_the_command_line(self, tmp_path):
+        at = np.delete(np.arange(3000), np.s_[1000:1300])
+        path = write(tmp_path, [f"{time:.6f}" for time in at / 25.6e3])
+        given = "--input", "T", "--output", "phi", "--seconds", "0.01"
+        assert "1 gap in the time stamps" in run("estimate", path, *given, code=1).stderr
+        said = run("estimate", path, *given, "--resample", code=2).stderr
+        assert "cannot resample across 1 gaps" in said
+        assert "bridge_gaps" not in said
+
     def test_estimates_as_exact_ones_do(self, tmp_path):
         random = np.random.default_rng(0)
         torque, angle = random.normal(size=(2, 60_000))

@@ -18,7 +18,7 @@ OPTIONS = {
     "sampling_rate=": "--rate", "resample=True": "--resample", "resampled()": "--resample", "quantities=": "--quantity",
     "units=": "--unit", "separator=": "--separator", "decimal=": "--decimal", "angle_from_pulses()": "--pulses",
     "unwrapped()": "counting the angle on", "iter_blocks()": "torsionnet estimate",
-    "align=True": "torsionnet estimate --align",
+    "align=True": "torsionnet estimate --align", "bridge_gaps=True": "a record without them",
 }  # fmt: skip
 """Options, and other words, for arguments and functions of Python in messages."""
 

@@ -157,7 +157,7 @@ class ModelError(TorsionnetError, ValueError):
         return type(self), (self.faults, self.title)
 
     def _text(self) -> str:
-        count = len(self.faults)
+        count = sum(fault.severity != "note" for fault in self.faults)
         total = f"{count} error{'s' if count != 1 else ''} in {self.title}. {self.outcome}"
         return "\n".join([*(str(fault) for fault in self.faults), total])
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.remedies import remedy
 from torsionnet.response.recording import FloatArray, Recording, Signal
 from torsionnet.signals.sample_counts import even_times
 from torsionnet.signals.timing import gaps
@@ -182,6 +183,5 @@ def _check(recording: Recording, rate: float, bridge_gaps: bool) -> None:
     found = gaps(recording.time)
     if len(found) and not bridge_gaps:
         where = ", ".join(f"{recording.time[at]:.6g} s" for at in found[:3])
-        raise UsageError(
-            f"cannot resample across {len(found)} gaps (after {where}); cut the record there, or take bridge_gaps=True"
-        )
+        text = f"cannot resample across {len(found)} gaps (after {where}); cut the record there, or take "
+        raise UsageError(f"{text}{remedy('bridge_gaps=True')}")

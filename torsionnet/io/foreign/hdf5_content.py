@@ -60,7 +60,8 @@ def open_content(path: Path) -> Iterator[Content]:
         readers = [_reader(item, across=_is_across(item, matlab)) for _, item in kept]
         texts = dict(_texts(file, found)) if matlab else {}
         blocks = sliced_blocks(readers, [item.length for item in arrays])
-        yield Content(tuple(arrays), blocks, texts | _attributes(file))
+        others = [name.replace("/", ".") for name, item in found if _is_other(name, item)]
+        yield Content(tuple(arrays), blocks, texts | _attributes(file), tuple(others))
 
 
 def _datasets(file: Any) -> list[tuple[str, Any]]:
@@ -123,6 +124,14 @@ def _is_channel(name: str, item: Any) -> bool:
     text = item.attrs.get(CLASS, b"double") in (b"char", b"cell", "char", "cell")
     known = item.dtype.kind in "fiub" and item.shape is not None and 0 <= item.ndim <= 2
     return bool(not text and not name.startswith("#") and known)
+
+
+def _is_other(name: str, item: Any) -> bool:
+    """Whether a dataset holds numbers, but no columns of them: a table of fields, complex ones, or a picture."""
+    text = item.attrs.get(CLASS, b"double") in (b"char", b"cell", "char", "cell")
+    return bool(
+        item.dtype.kind in "fiubcV" and item.size and not text and not name.startswith("#")
+    ) and not _is_channel(name, item)
 
 
 def _is_across(item: Any, transposed: bool) -> bool:

@@ -38,12 +38,13 @@ def open_content(path: Path) -> Iterator[Content]:
     with ParquetFile(path) as file:
         schema = file.schema_arrow
         resource_limits.check(resource_limits.BYTES_PER_SAMPLE * file.metadata.num_rows * len(schema), path)
-        columns = [schema.field(number) for number in range(len(schema))]
-        columns = [column for column in columns if _is_numeric(column) or _is_time(column)]
+        every = [schema.field(number) for number in range(len(schema))]
+        columns = [column for column in every if _is_numeric(column) or _is_time(column)]
+        others = tuple(column.name for column in every if column not in columns)
         zeros = _common_zeros({column.name: _first(file, column.name) for column in columns if _is_time(column)})
         arrays = [StoredArray(column.name, (file.metadata.num_rows,), _attributes(column, zeros)) for column in columns]
         blocks = _blocks(file, columns, zeros)
-        yield Content(tuple(arrays), blocks, plain_attributes(_decoded(schema.metadata)))
+        yield Content(tuple(arrays), blocks, plain_attributes(_decoded(schema.metadata)), others)
 
 
 def _decoded(metadata: Any) -> dict[str, str]:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from torsionnet.core.atomic import write_bytes
 from torsionnet.io.formats.extras import import_extra, open_foreign
-from torsionnet.io.records.arrays import array_source
+from torsionnet.io.records.arrays import array_source, with_left_out
 from torsionnet.io.records.exported_structures import structured_source, unknown_structures
 from torsionnet.io.records.recording_description import KEY, channel_names, plain_keys, recording_json, saved_columns
 from torsionnet.io.records.source import Source
@@ -28,7 +28,7 @@ def open_source(path: Path) -> Iterator[Source]:
         known = None if text else structured_source(content.arrays, content.blocks, content.attributes, path.stem)
         hint = "" if text else unknown_structures(content.arrays)
         given = content.arrays, content.blocks, text, path.stem, content.attributes
-        yield known or replace(array_source(*given), hint=hint)
+        yield known or with_left_out(replace(array_source(*given), hint=hint), content.others)
 
 
 def write(recording: Recording, path: Path) -> None:

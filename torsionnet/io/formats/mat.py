@@ -20,7 +20,7 @@ from torsionnet.io.foreign import Content
 from torsionnet.io.foreign.content import COMPLEX, ROW
 from torsionnet.io.formats import hdf5
 from torsionnet.io.formats.extras import open_foreign
-from torsionnet.io.records.arrays import array_source
+from torsionnet.io.records.arrays import array_source, with_left_out
 from torsionnet.io.records.exported_structures import structured_source, unknown_structures
 from torsionnet.io.records.recording_description import (
     KEY,
@@ -63,7 +63,8 @@ def open_source(path: Path) -> Iterator[Source]:
         if response and not _has_record(content, response[0]):
             names = ", ".join(content.arrays[number].name for number in (response[0], *response[1]))
             raise ValueError(f"{names} are a frequency response, no record over time; fit and report read responses")
-        yield known or replace(array_source(content.arrays, content.blocks, text, path.stem), hint=hint)
+        source = known or replace(array_source(content.arrays, content.blocks, text, path.stem), hint=hint)
+        yield with_left_out(source, content.others)
 
 
 def _has_record(content: Content, axis: int) -> bool:

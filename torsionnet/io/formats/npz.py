@@ -19,7 +19,7 @@ from torsionnet.core.atomic import atomic_replacement
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.io.foreign import ForeignFileError, resource_limits
 from torsionnet.io.foreign.content import Slice, StoredArray, sliced_blocks
-from torsionnet.io.records.arrays import array_source
+from torsionnet.io.records.arrays import array_source, with_left_out
 from torsionnet.io.records.recording_description import KEY, recording_json, saved_columns
 from torsionnet.io.records.source import Source
 from torsionnet.io.responses import response_description
@@ -56,7 +56,8 @@ def open_source(path: Path) -> Iterator[Source]:
         found = [_member(archive, name, header, members) for name, header in headers.items() if name != KEY]
         kept = [pair for pair in found if pair]
         blocks = sliced_blocks([read for _, read in kept], [member.length for member, _ in kept])
-        yield array_source([member for member, _ in kept], blocks, text, path.stem)
+        left = [name for name, pair in zip((one for one in headers if one != KEY), found, strict=True) if not pair]
+        yield with_left_out(array_source([member for member, _ in kept], blocks, text, path.stem), left)
 
 
 def _member(

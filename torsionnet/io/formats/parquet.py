@@ -12,7 +12,7 @@ from torsionnet.core.atomic import atomic_replacement
 from torsionnet.core.delimited.headings import split_heading
 from torsionnet.io.foreign import StoredArray
 from torsionnet.io.formats.extras import import_extra, open_foreign
-from torsionnet.io.records.arrays import channel_of
+from torsionnet.io.records.arrays import channel_of, with_left_out
 from torsionnet.io.records.recording_description import KEY, recording_json, saved_columns, with_description
 from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.io.records.table_clocks import with_table_clocks
@@ -31,7 +31,10 @@ def open_source(path: Path) -> Iterator[Source]:
         text = str(content.attributes.get(KEY, ""))
         channels = [_channel(item, number, plain=bool(text)) for number, item in enumerate(content.arrays)]
         source = Source(tuple(channels), content.blocks, title=path.stem, notes=_zero_notes(content.arrays))
-        yield with_description(source, text) if text else with_table_clocks(source.with_time_channel())
+        if text:
+            yield with_description(source, text)
+        else:
+            yield with_left_out(with_table_clocks(source.with_time_channel()), content.others)
 
 
 def _channel(item: StoredArray, number: int, *, plain: bool) -> FileChannel:

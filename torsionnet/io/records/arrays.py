@@ -10,6 +10,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from torsionnet.core.listing import comma_list
 from torsionnet.core.plain_names import free_name
 from torsionnet.io.foreign import StoredArray
 from torsionnet.io.foreign.content import (
@@ -28,6 +29,8 @@ from torsionnet.io.records.source import FileChannel, Source, clock_entry, is_ti
 from torsionnet.io.records.table_clocks import with_named_clocks
 from torsionnet.response.recording import FloatArray
 
+MOST_LEFT_OUT = 5
+"""Number of things left out that a note names at most, so that it stays short."""
 MOST_COLUMNS = 256
 """Most columns of an array that are taken for channels, as more make a picture, or a matrix of something else."""
 
@@ -57,6 +60,8 @@ def array_source(
         clocks[""] = of_file
     for number, item in enumerate(arrays):
         if len(item.shape) > 2 or item.attributes.get(COMPLEX):
+            kind = " by ".join(map(str, item.shape)) if len(item.shape) > 2 else "complex"
+            notes.append(f"{item.name} was left out: {kind} numbers are no channels")
             continue
         rows, columns = (*item.shape, 1, 1)[:2]
         if rows == columns == 1 and not stored:
@@ -97,6 +102,14 @@ def _with_starts_in_seconds(arrays: Sequence[StoredArray]) -> list[StoredArray]:
         else item
         for number, item in enumerate(arrays)
     ]
+
+
+def with_left_out(source: Source, names: Sequence[str]) -> Source:
+    """Source with a note on what else is in the file, and is no column of numbers."""
+    if not names:
+        return source
+    text = f"left out, as no column of numbers: {comma_list(list(names), MOST_LEFT_OUT)}"
+    return replace(source, notes=(*source.notes, text), hint="; ".join(filter(None, [source.hint, text])))
 
 
 _Numbers: TypeAlias = dict[str, tuple[str, float]]

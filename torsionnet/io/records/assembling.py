@@ -116,7 +116,7 @@ def _sampled(source: Source, options: ReadOptions, file: str, seconds: float | N
     # Channels of several rates differ in length: one of the two is said.
     faults += chosen.faults or length_faults(source, choices)
     has_axes = any(one.rate or one.clock or one.over for one in source.channels)
-    if not chosen.faults and (choices or not has_axes):
+    if not chosen.faults and (choices or (source.channels and not has_axes)):
         faults += _rate_faults(source, options)
     if faults:
         raise ModelError([*faults, *([Fault(source.hint, (), "note")] if source.hint and not has_axes else [])], file)

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from torsionnet.core.errors import Fault, unknown_name
+from torsionnet.core.errors import Fault, nearest, unknown_name
 from torsionnet.core.listing import comma_list
 from torsionnet.core.remedies import remedy
 from torsionnet.core.units import UnitError
 from torsionnet.io.records.quantities import factor_to_si, likely_quantity, quantity_of
 from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.response.recording import QUANTITY_UNITS
+
+MOST_LISTED = 10
+"""Number of channels of a file that a message lists at most."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +39,7 @@ def choose(
     known = {channel.name: channel for channel in reversed(source.channels)}
     asked = list(names) if names is not None else []
     faults = [
-        unknown_name("channel", name, known, ("channels",), rest=_of_groups(name, known))
+        unknown_name("channel", name, known, ("channels",), rest=_there_are(name, known))
         for name in dict.fromkeys([*asked, *quantities, *units])
         if name not in known
     ]
@@ -60,10 +63,12 @@ def choose(
     return choices, faults
 
 
-def _of_groups(name: str, known: Iterable[str]) -> str:
-    """Text on the channels of several groups or places that have this name."""
+def _there_are(name: str, known: Collection[str]) -> str:
+    """Text on the channels of several groups or places that have this name, or on all where none is like it."""
     alike = [other for other in known if other.rpartition("/")[2] == name or other.startswith(f"{name} ")]
-    return f"there are {comma_list(sorted(alike))}" if alike else ""
+    others = [] if nearest(name, known) else list(known)[::-1]
+    listed = comma_list(sorted(alike) or others, MOST_LISTED, none="none of numbers")
+    return f"the file has {listed}" if alike or others or not known else ""
 
 
 def _choice(
