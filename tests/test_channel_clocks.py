@@ -328,6 +328,13 @@ class TestUff:
             written(self.function("T", torque(TIMES), TIMES, "N*m", axis))
         )
 
+    def test_spectra_beside_records_are_named(self, written):
+        spectrum = self.function("T", np.arange(9.0), np.arange(9.0), "N*m", "Hz", 2)
+        record = self.function("T", torque(TIMES), TIMES, "N*m")
+        assert not any("left out" in note for note in read_recording(written(record)).notes)
+        notes = read_recording(written(spectrum, spectrum)).notes
+        assert "left out, as no records over time: 2 auto spectra (data set 58)" in notes
+
     def test_equal_names(self, written):
         first = self.function("Time response", torque(TIMES), TIMES, "N*m")
         second = {**self.function("Time response", speed(TIMES), TIMES, "rad/s"), "rsp_node": 2}

@@ -139,6 +139,19 @@ class TestPulse:
         assert (found.names, found.sampling_rate) == (("Torque", "Speed"), rate)
         np.testing.assert_allclose(found["Speed"].values, np.cos(TIMES) * np.pi / 30)
 
+    @pytest.mark.parametrize("names", [("Time", "Time"), ("Time  1 - default sample rate", "Time  2 - slow")])
+    def test_channels_of_times_hold_for_those_behind_them(self, tmp_path, version, names):
+        content, channels = self.content("2000"), ((TIMES, np.sin(TIMES)), (TIMES + 0.1, np.cos(TIMES)))
+        for number, (name, pair) in enumerate(zip(names, channels, strict=True)):
+            for place, (values, kind, unit) in enumerate(zip(pair, (name, "TS"[number]), ("s", "Nm"), strict=True), 1):
+                content[f"Channel_{2 * number + place}_Header"] = {"SignalName": kind, "Unit": unit}
+                content[f"Channel_{2 * number + place}_Data"] = values
+        found = read_recording(saved(tmp_path, content, version))
+        assert (found.names, found.sampling_rate) == (("T", "S"), 2000.0)
+        assert found.start == pytest.approx(0.1)
+        np.testing.assert_array_equal(found["T"].values, np.sin(TIMES)[200:])
+        np.testing.assert_array_equal(found["S"].values, np.cos(TIMES)[:200])
+
     def test_no_rate(self, tmp_path, version):
         text = message(saved(tmp_path, self.content("unknown"), version))
         assert 'File_Header has the SampleFrequency "unknown", which is no rate in Hz' in text

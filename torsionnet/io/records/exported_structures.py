@@ -3,7 +3,7 @@
 Testlab: a structure for each channel, or for several of one block, with ``x_values`` (start_value, increment,
 number_of_values) and ``y_values`` (values, and in quantity a label, which is the unit, and the factor to SI), and names
 in ``function_record``. PULSE: ``File_Header`` with SampleFrequency, and for each channel ``Channel_1_Data`` and
-``Channel_1_Header`` with SignalName and Unit.
+``Channel_1_Header`` with SignalName and Unit; channels of times hold for those behind them.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from torsionnet.io.foreign.content import COMPLEX, Blocks, Plain
 from torsionnet.io.records.arrays import by_column
 from torsionnet.io.records.axes import other_axis, seconds_in
 from torsionnet.io.records.source import FileChannel, Source
+from torsionnet.io.records.table_clocks import with_table_clocks
 
 VALUES, ABSCISSA = ".y_values.values", ".x_values"
 """Ends of the names of a Testlab structure's values, and of what tells their times."""
@@ -76,7 +77,8 @@ def structured_source(
     rates = [channel.rate for channel in renamed if channel.rate]
     starts = [channel.start for channel in renamed if channel.start is not None]
     rate, start = rates[0] if rates else None, starts[0] if starts else 0.0
-    return Source(renamed, by_column(blocks, places), rate=rate, start=start, title=title, notes=tuple(notes))
+    source = Source(renamed, by_column(blocks, places), rate=rate, start=start, title=title, notes=tuple(notes))
+    return with_table_clocks(source).with_time_channel()
 
 
 def unknown_structures(arrays: Sequence[StoredArray]) -> str:

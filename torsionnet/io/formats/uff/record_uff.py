@@ -56,9 +56,11 @@ def open_source(path: Path) -> Iterator[Source]:
         longer = [f"{one.name} {_place(sets[at])}" for one, at in zip(channels, numbers, strict=True)]
         names = told_apart([one.name for one in channels], longer)
         named = [replace(one, name=name) for one, name in zip(channels, names, strict=True)]
+        others = [item.attributes for at, item in enumerate(sets) if at not in numbers and item.length]
+        left = f"left out, as no records over time: {contents_of(others)}" if others else ""
         yield Source(
             tuple(named), content.blocks, rate=_written_rate(first), title=text_in(first, "id4") or path.stem,
-            notes=tuple(filter(None, [text_in(first, "id5")])), stamped=_written_rate(first) is not None,
+            notes=tuple(filter(None, [text_in(first, "id5"), left])), stamped=_written_rate(first) is not None,
         )  # fmt: skip
 
 
