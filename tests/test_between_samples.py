@@ -167,7 +167,7 @@ def two_masses(**values):
         ],
         parameters=values,
         inputs={"T": {"torque": "n1"}},
-        sensors={"a": {"angle": "n1"}, "w": {"velocity": "n1"}},
+        sensors={"a": {"angle": "n1"}, "w": {"velocity": "n1"}, "m": {"torque": "s1"}},
     )
 
 
@@ -184,13 +184,15 @@ def true_record(way, phase=-90.0):
     damping = np.array([[0.3 + c_1, -c_1], [-c_1, c_1 + c_2]])
     A = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.linalg.solve(M, stiff), -np.linalg.solve(M, damping)]])
     B = np.array([[0], [0], [1 / 0.23], [0]])
-    system = A, B, np.eye(4)[[0, 2]], np.zeros((2, 1))
+    meter = [[460, -460, c_1, -c_1]]
+    system = A, B, np.vstack([np.eye(4)[[0, 2]], meter]), np.zeros((3, 1))
 
     def swept(time):
         return 5 * chirp(time, 0.3, 30, 30, phi=phase) * np.sin(np.pi * np.minimum(1, (30 - time) * 2) / 2) ** 2
 
     motion = true_motion(system, 200.0, 6000, swept, way)
-    signals = (Signal("a", "angle", motion[:, 0]), Signal("w", "velocity", motion[:, 1]))
+    motions = {"a": "angle", "w": "velocity", "m": "torque"}
+    signals = [Signal(name, what, motion[:, i]) for i, (name, what) in enumerate(motions.items())]
     return Recording((Signal("T", "torque", swept(np.arange(6000) / 200), between=way), *signals), 200.0)
 
 
@@ -275,6 +277,24 @@ def test_a_fit_with_a_wrong_course_says_so():
     assert "T straight between samples would explain it" in fit.verdicts[0]
     right = tn.identify(WRONG, replace(test, between="straight"), list(TRUE))
     assert np.abs(distances(right)).max() < 4
+
+
+def test_a_meter_reads_what_a_held_torque_causes():
+    """Images of that torque are in the meter's samples, too: the record or the measurement says what drives it."""
+    record = noisy(true_record("held"), 4, 1e-5)
+    test = tn.Measurement(record, "a", "m", band=(0.5, 28))
+    found = tn.identify(WRONG, test, list(TRUE))
+    assert np.abs(distances(found)).max() < 4
+    assert "what drives m is held between samples" in " ".join(found.notes)
+    alone = replace(test, data=record.select(["a", "m"]), between="held")
+    assert tn.identify(WRONG, alone, list(TRUE)).values == pytest.approx(found.values, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_the_course_of_what_drives_a_meter_is_a_cause():
+    test = tn.Measurement(true_record("held").select(["a", "m"]), "a", "m", band=(0.5, 28))
+    ranking = tn.identification.rank_causes(two_masses(**TRUE), test)
+    assert ranking.verdict == "only what drives m held between samples explains the misfit"
 
 
 def test_a_course_is_for_samples():

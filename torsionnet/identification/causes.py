@@ -69,8 +69,9 @@ class Cause:
         """Name of what the cause is in: outputs or inputs of a channel's cause, a value, an element, a cylinder."""
         if not self.is_of_channel:
             return self.unknown if self.is_value else self.part or self.element
-        tests = [block.measurement for block in problem.blocks]
-        return " and ".join(dict.fromkeys(one.input if self.between else one.output for one in tests))
+        return " and ".join(
+            dict.fromkeys(one.driving if self.between else one.measurement.output for one in problem.blocks)
+        )
 
     @property
     def is_value(self) -> bool:
@@ -93,9 +94,9 @@ def possible_causes(problem: FitProblem) -> tuple[Cause, ...]:
 
 
 def _runs_otherwise(between: Between, problem: FitProblem) -> Iterator[bool]:
-    """Whether each input that drives would act otherwise with that course between samples, by more than 1 %."""
+    """Whether what drives would act otherwise with that course between samples, by more than 1 %."""
     for block in problem.blocks:
-        if block.course is not None and block.is_driven:
+        if block.course is not None:
             top = block.frequencies[-1:]
             shares = replace(block.course, between=between).share(top) / block.course.share(top)
             yield bool(np.abs(shares - 1).max() > NOTED_EFFECT)
@@ -225,8 +226,8 @@ def with_causes(problem: FitProblem, causes: Sequence[Cause], values: FloatArray
 
 
 def _flagged(block: MeasurementBlock, flags: Mapping[str, Any]) -> Measurement:
-    """Measurement with the causes of its channel; only an input with samples that drives has a course between them."""
-    runs = block.course is not None and block.is_driven
+    """Measurement with the causes of its channel; only an input with samples has a course between them."""
+    runs = block.course is not None
     return replace(block.measurement, **{name: flag for name, flag in flags.items() if runs or name != BETWEEN})
 
 

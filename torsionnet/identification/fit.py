@@ -20,7 +20,7 @@ from torsionnet.identification.lack_of_fit_words import lack_of_fit_sentences
 from torsionnet.identification.noise_bias import noise_bias
 from torsionnet.identification.parameter_quantity import ParameterQuantity, parameter_quantity
 from torsionnet.identification.profile import profile_interval
-from torsionnet.identification.stepwise_search import large_misfit_warnings
+from torsionnet.identification.stepwise_search import misfit_warnings
 from torsionnet.identification.verdict_words import NO_SCATTER, has_no_scatter, is_rounding_alone, verdicts
 from torsionnet.model.motion_balance.law_network import following_elements
 
@@ -118,7 +118,7 @@ def make_fit(
     names, moved = problem.names, noise_bias(problem, values)
     sentences = verdicts(problem, values, errors, correlation, directions[lost], moved, limits)
     rejected = lack is not None and lack.rejected
-    warnings = () if rejected else (NO_SCATTER,) if silent else large_misfit_warnings(problem, values)
+    warnings = () if rejected else (NO_SCATTER,) if silent else misfit_warnings(problem, values, loss)
     withheld = np.inf if rejected or silent else 0.0
     return Fit(
         values=dict(zip(names, values.tolist(), strict=True)),

@@ -122,7 +122,9 @@ def best_optimum(problem: FitProblem, loss: str, starts: int = 1, seed: int = 0)
     """Best optimum of a fit from several start values, weighed by the noise that it leaves itself."""
     begun = _starts_and_reversed(problem, starts, seed)
     best, start = min(((local_optimum(problem, start, loss), start) for start in begun), key=lambda pair: pair[0].cost)
-    best = stepwise_optimum(problem, best, start, loss)
+    # Steps from the start that was given must not be missed where another one, drawn at random, led further at once.
+    for first in [start] if start is begun[0] else [start, begun[0]]:
+        best = stepwise_optimum(problem, best, first, loss)
     if problem.has_records:
         return _settled(problem, best, loss, problem.learn_noise, NOISE_ROUNDS, SETTLED_CHANGE)
     if problem.has_unknown_noise:

@@ -7,6 +7,8 @@ peaks near enough, one after the other.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import scipy
 
@@ -27,6 +29,8 @@ SUSPICIOUS_MISFIT = 0.02
 WARNED_MISFIT, LEAST_IMPROVEMENT = 0.1, 1e-6
 """Relative RMS misfit above which a response of unknown noise is warned of, and least relative improvement of the cost
 by which another optimum is taken."""
+OUTLYING_LINE = 6.0
+"""Misfit of a single line over its noise above which it is warned of; noise leaves more in 2 of 1e8 lines."""
 
 
 def stepwise_optimum(
@@ -78,15 +82,29 @@ def _with_lines(problem: FitProblem, start: FloatArray, share: float) -> FloatAr
     return np.asarray(found.x)
 
 
-def large_misfit_warnings(problem: FitProblem, values: FloatArray) -> tuple[str, ...]:
-    """Warning for each response of unknown noise that the model misses by far, as it may have other peaks."""
+def misfit_warnings(problem: FitProblem, values: FloatArray, loss: str) -> Iterator[str]:
+    """Warning for each response of unknown noise that the model misses by far, or in single lines.
+
+    It may have other peaks. A robust loss leaves outlying lines alone.
+    """
     misfits = relative_misfits(problem, values)
-    return tuple(
-        f"{block.measurement.label}: the model is off by {100 * misfit:.2g} % of the response (RMS), and nothing says "
-        "that this is noise: it may have other peaks than the test; try starts=10, or an error or a coherence"
-        for block, place, misfit in zip(problem.blocks, problem.unknown_indices, misfits, strict=True)
-        if misfit > WARNED_MISFIT and block.noise_is_unknown and _has_peaks(block.predicted(values[place])[0])
-    )
+    for block, place, misfit in zip(problem.blocks, problem.unknown_indices, misfits, strict=True):
+        if not block.noise_is_unknown:
+            continue
+        label = block.measurement.label
+        if misfit > WARNED_MISFIT and _has_peaks(block.predicted(values[place])[0]):
+            yield (
+                f"{label}: the model is off by {100 * misfit:.2g} % of the response (RMS), and nothing says "
+                "that this is noise: it may have other peaks than the test; try starts=10, or an error or a coherence"
+            )
+        off = np.linalg.norm(block.residuals(values[place])[0].reshape(block.parts, -1), axis=0)
+        worst = int(off.argmax())
+        if loss == "linear" and off[worst] > OUTLYING_LINE:
+            yield (
+                f"{label}: the line at {block.frequencies[worst]:.4g} Hz is off by {off[worst]:.2g} times its noise: "
+                "a narrow peak of the test may lie beside that of the model, or the noise is of another kind than "
+                "equal in all lines or in proportion to them; try other start values, an error or a robust loss"
+            )
 
 
 def _has_peaks(response: ComplexArray) -> bool:

@@ -175,7 +175,7 @@ class MeasurementBlock(ABC):
         """Note on assumptions about the measurement for the notes of a fit, empty if there are none."""
         if self.course is None or (self.course.is_band_limited and not self.is_driven):
             return ""
-        found = course_remark(self.measurement.input, self.course, float(self.frequencies.max()))
+        found = course_remark(self.driving, self.course, float(self.frequencies.max()))
         return f"{self.measurement.label}: {found}" if found else ""
 
     def measured_noise(self, values: FloatArray) -> Noise | None:
@@ -233,6 +233,11 @@ class MeasurementBlock(ABC):
     def is_driven(self) -> bool:
         """Whether the input drives the model, and is not a reading of what another torque causes."""
         return (self.measurement.model_input or self.measurement.input) not in self.response.drivetrain.sensors
+
+    @property
+    def driving(self) -> str:
+        """Words for the torque whose course between samples counts: the input, or what causes its reading."""
+        return self.measurement.input if self.is_driven else f"what drives {self.measurement.input}"
 
     @property
     def course(self) -> BetweenSamples | None:

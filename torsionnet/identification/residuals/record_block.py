@@ -15,6 +15,7 @@ from torsionnet.identification.residuals.sensor_steps import REST_POSITIONS, Sen
 from torsionnet.identification.residuals.unexcited_windows import unexcited_windows
 from torsionnet.identification.residuals.windowed_estimate import WindowedEstimate
 from torsionnet.response.measured.between_samples import BetweenSamples
+from torsionnet.response.recording import Recording
 
 MOST_NOISE_RATIO = 100.0
 """Largest noise power of excited windows over that of unexcited ones, as a larger residual that does not follow the
@@ -52,8 +53,11 @@ class RecordBlock(MeasurementBlock):
 
     @property
     def stated_course(self) -> BetweenSamples:
-        record = self.windowed.record
-        return record[self.windowed.input].course(record.sampling_rate)
+        record, name = self.windowed.record, self.windowed.input
+        whole, drives = self.measurement.data, [*self.response.drivetrain.inputs]
+        if isinstance(whole, Recording) and not self.is_driven and len(drives) == 1 and drives[0] in whole.names:
+            record, name = whole, drives[0]  # as simulate writes it beside the torque that a meter reads
+        return record[name].course(record.sampling_rate)
 
     @property
     def description(self) -> str:
