@@ -42,6 +42,17 @@ class TestWav:
         blocks = list(iter_blocks(tmp_path / "r.wav", 20 / 51_200))
         np.testing.assert_array_equal(np.concatenate([block["channel_2"].values for block in blocks]), numbers[:, 1])
 
+    @pytest.mark.parametrize("notes", [b"x" * 8000, b"how to set the fmt of files", b""])
+    def test_notes_of_a_recorder_before_the_format(self, tmp_path, notes):
+        """A chunk ``bext``, as in Broadcast WAV files."""
+        numbers = RANDOM.integers(-(2**23), 2**23, (50, 2))
+        write_wav(tmp_path / "r.wav", numbers, 3)
+        whole, padded = (tmp_path / "r.wav").read_bytes(), notes + b"\0" * (len(notes) % 2)
+        body = b"WAVEbext" + len(notes).to_bytes(4, "little") + padded + whole[12:]
+        (tmp_path / "r.wav").write_bytes(b"RIFF" + len(body).to_bytes(4, "little") + body)
+        found = read_recording(tmp_path / "r.wav")
+        np.testing.assert_array_equal([signal.values for signal in found], numbers.T)
+
     def test_numbers_with_a_decimal_point(self, tmp_path):
         from scipy.io import wavfile
 

@@ -7,7 +7,7 @@ import io
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -34,7 +34,7 @@ def open_source(path: Path) -> Iterator[Source]:
         warnings.simplefilter("error", wavfile.WavFileWarning)
         warnings.filterwarnings("ignore", "Chunk", wavfile.WavFileWarning)  # notes of recorders, passed over
         rate, values = read(io.BytesIO(image))
-    bits = _bits(image[:4096])
+    bits = _bits(image)
     columns = values.reshape(len(values), -1)
     scaled = columns / 2.0 ** SHIFTED_BITS.get(bits, 0)
     channels = tuple(
@@ -57,7 +57,11 @@ def _notes(values: Any, bits: int) -> tuple[str, ...]:
     return (f"whole numbers of {bits} bits, full scale is {half}{zero}",)
 
 
-def _bits(start: bytes) -> int:
-    """Bits of a sample, as the entry ``fmt`` of the header says."""
-    at = start.index(b"fmt ") + 8 + 14
-    return int.from_bytes(start[at : at + 2], "big" if start.startswith(b"RIFX") else "little")
+def _bits(image: bytes) -> int:
+    """Bits of a sample, as the chunk ``fmt`` says; recorders may write long chunks of notes before it."""
+    order: Literal["big", "little"] = "big" if image.startswith(b"RIFX") else "little"
+    at = 12
+    while image[at : at + 4] != b"fmt ":
+        size = int.from_bytes(image[at + 4 : at + 8], order)
+        at += 8 + size + size % 2  # chunks begin at even places
+    return int.from_bytes(image[at + 22 : at + 24], order)
