@@ -6,8 +6,11 @@ from support.command_line import run
 from support.report_blocks import blocks, of, rows
 
 import torsionnet as tn
+from torsionnet.model.report.report_plan import ReportPlan
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import TableBlock
+from torsionnet.report.measured_orders import MeasuredFile
+from torsionnet.report.report_request import ReportRequest
 
 RPM = np.pi / 30
 PLANT = """torsionnet: 1
@@ -45,6 +48,14 @@ def tables(report, words=""):
 
 def headings(one):
     return [str(column.text) for column in one.columns]
+
+
+def test_a_range_without_a_peak_or_rated_speed_is_planned_where_it_vibrates_most():
+    text = PLANT.replace("range: 300..900 rpm, step: 5 rpm, rated: 800 rpm", "range: 850..900 rpm, step: 5 rpm")
+    (table,) = tables(make_report(tn.loads(text), sections=["measurement_plan"], date=None), "strain gauges")
+    ((rpm, what, order, _, size, *_),) = rows(table)
+    assert (float(rpm), what, order) == (850, "Largest half range", "4")
+    assert float(size) == pytest.approx(torque(850), rel=1e-3)
 
 
 def record(folder, name="test.csv", factor=1.1, unit="N*m", speeds=range(300, 901, 10), order=4, scale=1.0):
@@ -151,6 +162,14 @@ def test_command_refuses_what_it_would_ignore(folder):
     assert "--section measurement_plan" in text.replace("\n  ", " ")
     run(*arguments, "--section", "measurement_plan")
     assert "10.0" in (folder / "x.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(("sections", "wanted"), [((), True), (("schematic",), False)])
+def test_measured_orders_bring_their_section_unless_others_are_chosen(folder, sections, wanted):
+    files = (MeasuredFile(record(folder), "rough", "T"),)
+    rig = ReportPlan(kind="rig", sections=sections)
+    assert ReportRequest(rig, measured=files).wants("measurement_plan") is wanted
+    assert not ReportRequest(rig).wants("measurement_plan")
 
 
 def test_wrong_sensor_is_told_with_its_place():

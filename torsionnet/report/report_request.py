@@ -70,7 +70,9 @@ class ReportRequest:
             "study": bool(self.studies),
             "simplified": self.plan.simplify is not None or "simplified" in chosen,
         }
-        return if_given.get(section, section in chosen if chosen else self.is_of_kind(section) or self.plan.appendix)
+        needed = section == "measurement_plan" and bool(self.measured)
+        by_kind = self.is_of_kind(section) or self.plan.appendix or needed
+        return if_given.get(section, section in chosen if chosen else by_kind)
 
     def is_of_kind(self, section: str) -> bool:
         """Whether a section belongs to the kind of document that the report is."""

@@ -120,7 +120,7 @@ def _of_condition(
     reference = ""
     for place, run in runs.items():
         reference, name = run.reference, run.outputs[0].name
-        speeds = merged_speeds([*critical_peaks(run), *_fixed_speeds(subject, case, run)])
+        speeds = merged_speeds([*critical_peaks(run), *_fixed_speeds(subject, case, run)]) or (_largest(run),)
         at = _at(case, place, speeds, run.reference)
         measured = [order for one in tests.get(name, ()) for order in one.orders]
         blocks.append(_table(subject, case, place, at, speeds, measured))
@@ -238,6 +238,11 @@ def _run(case: Case, place: MeasuringPlace) -> OrderResponse | None:
         return case.drivetrain.order_response(place.name, refine=True)
     except UsageError:
         return None
+
+
+def _largest(run: OrderResponse) -> PlannedSpeed:
+    """Speed of the largest vibration at a place, for a range of speeds that nothing else marks."""
+    return PlannedSpeed(float(run.speeds[run.half_range[:, 0].argmax()]), "largest half range")
 
 
 def _fixed_speeds(subject: ReportData, case: Case, run: OrderResponse) -> Iterator[PlannedSpeed]:
