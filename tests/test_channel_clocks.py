@@ -69,6 +69,16 @@ class TestTdms:
         blocks = list(iter_blocks(path, 0.1))
         assert np.array_equal(np.concatenate([block["w"].values for block in blocks]), found["w"].values)
 
+    def test_a_large_file_tells_its_notes_once(self, written, monkeypatch):
+        from torsionnet.io import large_records
+
+        path = written(("T", torque(TIMES), self.wave("N*m")), ("w", speed(TIMES + 0.25), self.wave("rad/s", 0.25)))
+        monkeypatch.setattr(large_records, "LARGE_FILE", 1000)
+        monkeypatch.setattr(large_records, "BLOCK_SECONDS", 1.5)
+        found = run("estimate", path, "--input", "T", "--output", "w", "--seconds", "0.5")
+        assert "read in blocks of 1.5 s" in found.stderr
+        assert found.stderr.count("note: cut to where all channels were recorded, from 0.25 to 3.999 s") == 1
+
     def test_a_start_of_its_own_is_that_of_a_channel_read_alone(self, written):
         path = written(("T", torque(TIMES), self.wave("N*m")), ("w", speed(TIMES), self.wave("rad/s", 0.25)))
         assert read_recording(path, names=["w"]).start == 0.25

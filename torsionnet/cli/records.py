@@ -99,12 +99,14 @@ def _checked_blocks(
     """Checked blocks of a large file of signals, one after the other; a short last block is not reported as a fault."""
     message("note", f"{path} is large: read in blocks of {large_records.BLOCK_SECONDS:g} s")
     end: float | None = None
+    told: Recording | None = None
     for block in large_records.blocks_of_record(path, names=names, **reading.arguments):
         if span is not None and span.delays:
             raise UsageError(f"{path} is read in blocks, across which no delay can be taken out; cut the record first")
         if not tests and end is not None and abs(block.start - end) * block.sampling_rate > SAME_CLOCK:
             raise UsageError(f"{path} holds blocks that do not follow each other; save each in a file of its own")
-        end = block.start + block.duration
+        _tell_notes(block, told)
+        end, told = block.start + block.duration, block
         kept = block if span is None else block.between(span.start, span.stop)
         if not len(kept):
             advance(block.duration)
