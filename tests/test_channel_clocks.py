@@ -232,6 +232,13 @@ class TestMdf:
         assert (found.start, len(found)) == (begun, 4000 - round(1000 * begun))
         is_on_one_clock(found)
 
+    def test_single_samples_beside_records(self, written):
+        gear = ("gear", np.array([3.0]), TIMES[:1], "", "")
+        found = read_recording(written(("T", torque(TIMES), TIMES, "N*m", ""), gear))
+        assert (found.names, found.sampling_rate) == (("T",), RATE)
+        assert "left out, as they are single samples: gear" in found.notes
+        assert "one sample does not tell the sampling rate" in refusal(written(gear))
+
     def test_uneven_stamps(self, written):
         """A bus sends about every 10 ms; its channels are read by themselves, or through splines to the even raster."""
         uneven = np.sort(np.arange(400) / 100 + np.random.default_rng(1).uniform(-2e-3, 2e-3, 400))

@@ -49,6 +49,16 @@ def choose_rate(source: Source, choices: Sequence[ChannelChoice], options: ReadO
     source = _without_other_axes(source, options)
     if source.time is not None:
         return RateChoice(source, list(choices))
+    single = [choice for choice in choices if choice.channel.clock and choice.channel.clock.length == 1]
+    if options.names is None and 0 < len(single) < len(choices):
+        names = comma_list([choice.channel.name for choice in single], MOST_NAMED)
+        source = replace(source, notes=(*source.notes, f"left out, as they are single samples: {names}"))
+        choices = [choice for choice in choices if choice not in single]
+    single = [choice for choice in choices if choice.channel.clock and choice.channel.clock.length == 1]
+    if options.names is None and 0 < len(single) < len(choices):
+        names = comma_list([choice.channel.name for choice in single], MOST_NAMED)
+        source = replace(source, notes=(*source.notes, f"left out, as they are single samples: {names}"))
+        choices = [choice for choice in choices if choice not in single]
     clocks = {choice.channel.clock.column: choice.channel.clock for choice in choices if choice.channel.clock}
     if len(clocks) == 1 and all(choice.channel.clock for choice in choices):
         return RateChoice(_on_clock(source, next(iter(clocks.values()))), list(choices))
