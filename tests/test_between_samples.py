@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from support.command_line import run
 
 import torsionnet as tn
 from torsionnet.core.errors import ModelError, UsageError
@@ -319,10 +320,36 @@ def test_windows_lose_a_lag(share):
     back = estimate(record, "a", "T", settings=settings, align=True)
     assert back.values[:, 0, 0] == pytest.approx(np.exp(-2j * np.pi * back.frequencies * late / 200), abs=0.02)
     assert not any("lags" in note for note in back.notes)
+    assert f"a {5 * late:g} ms earlier where" in back.notes[-1]
+    assert f"T {5 * late:g} ms later where" in estimate(record, "T", "a", settings=settings, align=True).notes[-1]
     with pytest.raises(UsageError, match="an output and an input at a time"):
         estimate(record, ["a", "T"], "T", align=True)
 
 
+def test_comparisons_align_as_they_advise(tmp_path):
+    record = true_record("straight")
+    late = replace(record["w"], values=np.concatenate([np.zeros(80), record["w"].values[:-80]]))
+    tn.io.write_recording(record.with_signals(late), tmp_path / "late.npz")
+    (tmp_path / "rig.yaml").write_text(two_masses(**TRUE).to_yaml())
+    told = [
+        "compare",
+        tmp_path / "late.npz",
+        tmp_path / "rig.yaml",
+        "--output",
+        "w",
+        "--input",
+        "T",
+        "--from",
+        2,
+        "--to",
+        28,
+    ]
+    assert "or align the signals" in run(*told).stderr
+    assert "lags" not in run(*told, "--align").stderr
+
+
 def test_resonances_are_no_lag():
     for way, output in (("straight", "a"), ("straight", "w")):
-        assert not any("lags" in note for note in estimate(true_record(way), output, "T").notes)
+        found = estimate(true_record(way), output, "T", align=True)
+        assert not any("lags" in note for note in found.notes)
+        assert found.notes[-1] == f"no clear lag of {output}: nothing is moved"

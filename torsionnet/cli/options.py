@@ -188,6 +188,9 @@ FREQUENCY_UNIT = option(
 ANGLE = option("--angle", type=click.Choice(["rad", "deg"]), default="rad", show_default=True, help="Unit of angles.")
 LOWEST_FREQUENCY = option("--from", default=0.0, help="Lowest frequency in Hz.")
 HIGHEST_FREQUENCY = option("--to", help="Highest frequency in Hz.")
+ALIGN = option(
+    "--align", help="Move the output by its lag before windows cut the record, and put the phase of the lag back."
+)
 EXCITATION = option("--excitation", metavar="INPUT", help="What drives the drivetrain then, if it has several inputs.")
 
 

@@ -96,8 +96,11 @@ def estimate(
             raise UsageError("signals are aligned in one record in memory, an output and an input at a time")
         moved, lag = aligned(measured.select(dict.fromkeys((*outputs, *inputs, *references))), outputs[0], inputs[0])
         found = estimate(moved, outputs, inputs, estimator, settings, noise_ratio, references, band)
+        if not lag:
+            return replace(found, notes=(*found.notes, f"no clear lag of {outputs[0]}: nothing is moved"))
         turned = found.values * np.exp(-2j * np.pi * found.frequencies * lag)[:, None, None]
-        note = f"{outputs[0]} {1e3 * lag:g} ms earlier where windows cut the record; the phase of the lag is put back"
+        moves = f"{1e3 * abs(lag):g} ms {'earlier' if lag > 0 else 'later'}"
+        note = f"{outputs[0]} {moves} where windows cut the record; the phase of the lag is put back"
         # The record, which has the lag, would contradict a response without its loss.
         kept = None if found.estimation is None else replace(found.estimation, record=None)
         return replace(found, values=turned, notes=(*found.notes, note), estimation=kept)

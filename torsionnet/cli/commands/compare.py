@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from torsionnet.cli.cases import ModelCommand
 from torsionnet.cli.command import TABLE, Answer, click_command
 from torsionnet.cli.declarations import option
-from torsionnet.cli.options import ANGLE, HIGHEST_FREQUENCY, LOWEST_FREQUENCY
+from torsionnet.cli.options import ALIGN, ANGLE, HIGHEST_FREQUENCY, LOWEST_FREQUENCY
 from torsionnet.cli.record_options import Averaging, Estimator, RecordCommand
 
 if TYPE_CHECKING:
@@ -42,6 +42,7 @@ class CompareCommand(ModelCommand, RecordCommand):
     start: float = LOWEST_FREQUENCY
     stop: float | None = HIGHEST_FREQUENCY
     angle: str = ANGLE
+    align: bool = ALIGN
 
     def answer(self) -> Answer:
         from torsionnet.cli.commands.estimate import estimate_record
@@ -53,7 +54,14 @@ class CompareCommand(ModelCommand, RecordCommand):
         case = self.cases()[0]
         band = (self.start, self.stop)
         test = estimate_record(
-            self.record, self.reading, (self.sensor,), (self.into,), self.averaging, self.estimator, band
+            self.record,
+            self.reading,
+            (self.sensor,),
+            (self.into,),
+            self.averaging,
+            self.estimator,
+            band,
+            align=self.align,
         )
         names = (self.model_output or self.sensor, self.model_input or self.into)
         calculated = _calculated(case.drivetrain, test, *names, self.excitation)

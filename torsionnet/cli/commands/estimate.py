@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.cli.command import TABLE, Answer, click_command
-from torsionnet.cli.declarations import option
-from torsionnet.cli.options import ANGLE, HIGHEST_FREQUENCY, file_option
+from torsionnet.cli.options import ALIGN, ANGLE, HIGHEST_FREQUENCY, file_option
 from torsionnet.cli.record_options import Averaging, EstimateArguments, Estimator, RecordReading
 from torsionnet.cli.terminal import print_warnings
 
@@ -32,9 +31,7 @@ class EstimateCommand(EstimateArguments):
 
     stop: float | None = HIGHEST_FREQUENCY
     angle: str = ANGLE
-    align: bool = option(
-        "--align", help="Move the output by its lag before windows cut the record, and put the phase of the lag back."
-    )
+    align: bool = ALIGN
     output_file: str | None = file_option("Write the response: UFF58, MAT, NPZ or CSV.", RESPONSE_ENDINGS)
 
     def answer(self) -> Answer:
