@@ -57,7 +57,7 @@ def coloured(rng: np.random.Generator, count: int, share: float) -> NDArray[np.f
 
 
 def modes(seed: int) -> list[float]:
-    """One to five modes of 1.5 to 18 Hz and 0.2 to 50 %, windows of 1 to 60 s, noise of any size and colour."""
+    """One to five modes of 1.5 to 18 Hz and 0.2 to 50 %, windows of 1 to 20 s, noise of any size, colour and place."""
     from scipy.signal import butter, chirp, sosfilt
 
     rng = np.random.default_rng(seed)
@@ -71,9 +71,12 @@ def modes(seed: int) -> list[float]:
     torque = chirp(t, 0.3, duration, 30) if seed % 2 else sosfilt(low, 5 * rng.standard_normal(len(t)))
     poles = 2 * np.pi * f * (-zeta + 1j * np.sqrt(1 - zeta**2))
     angle = passed(torque, poles.tolist(), 1 / (RATE * FINE))[::FINE]
-    angle = angle + 10 ** rng.uniform(-5, -1.5) * angle.std() * coloured(rng, len(angle), float(rng.choice([0, 0.9])))
-    record = Recording((Signal("T", "torque", torque[::FINE]), Signal("y", "angle", angle)), RATE)
-    settings = Welch(seconds=float(rng.choice([1, 2, 5, 20])))
+    level, colour, seconds = 10 ** rng.uniform(-5, -1.5), float(rng.choice([0, 0.9])), float(rng.choice([1, 2, 5, 20]))
+    pair = [torque[::FINE], angle]
+    for place in ((1,), (0,), (0, 1))[seed // 2 % 3]:  # noise on the angle, on the torque, or on both
+        pair[place] = pair[place] + level * pair[place].std() * coloured(rng, len(angle), colour)
+    record = Recording((Signal("T", "torque", pair[0]), Signal("y", "angle", pair[1])), RATE)
+    settings = Welch(seconds=seconds)
     found = identify_modes(estimate(record, "y", "T", settings=settings).between(0.5, 20))
     scores: list[float] = []
     for own, damping in zip(f, zeta, strict=True):

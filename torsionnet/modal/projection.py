@@ -53,6 +53,15 @@ class Projection:
         parts = self.residuals(logarithms).reshape(outputs, inputs, 2, -1)
         return np.asarray((parts[:, :, 0] + 1j * parts[:, :, 1]).transpose(2, 0, 1))
 
+    def responses(self, logarithms: FloatArray) -> ComplexArray:
+        """Transfer functions of the fit at its lines, without the transients of a record, (n_f, n_out, n_in)."""
+        lines = self.lines
+        columns = np.hstack([self._modes(coefficients_of(logarithms)), lines.s[:, None] ** self._end_powers])
+        found = np.empty(lines.values.shape, dtype=complex)
+        for (o, i), (_, _, (_, solution)) in zip(np.ndindex(*found.shape[1:]), self._pairs(logarithms), strict=True):
+            found[:, o, i] = lines.s ** lines.powers[o, i] * (columns @ solution[: columns.shape[1]])
+        return found
+
     def without_transients(self, logarithms: FloatArray) -> Lines:
         """Lines of the responses behind a record, without transients and the higher residual terms of the fit.
 

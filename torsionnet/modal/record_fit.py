@@ -3,7 +3,7 @@
 The windows of an estimate widen peaks, so that a mode comes as two or with too much damping, and no number of averages
 helps. The lines of the whole record have no such error once the free decays at its ends are unknowns of the fit (R.
 Pintelon and J. Schoukens, System Identification, 2nd ed., chapters 6 and 9): ``Y = s^p H X + T``, T with the poles of
-H. Noise counts as noise on the outputs.
+H. Noise on the input counts as noise on the outputs that the response has shaped.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from torsionnet.response import FrequencyResponse
 from torsionnet.signals.decimation import FILTER_HALF_LENGTH
 
 ONE_RECORD = ("H1", "H2")
-"""Estimators of one input whose noise, in the fit to the record, may be left to the outputs."""
+"""Estimators of one input for which the fit to the record stands, as they need no other statement on the noise."""
 LEAST_HIGHEST_ORDER, MORE_ORDERS = 12, 8
 """Highest order of the polynomials at least fitted to a record, and orders beyond those of the poles that its estimate
 shows, as windows hide modes, or beyond the best one."""
@@ -106,8 +106,16 @@ def _chosen(lines: Lines, start: ComplexArray, settings: Settings) -> ComplexArr
                 break
         place = int(np.argmin(values))
         best = candidates[place]
-        scaled = reweighted(scaled, left[place])
-    return _with_hidden(scaled, _without_useless(scaled, best, settings), settings, highest) * scale
+        scaled = _with_noise_of(scaled, best, settings)
+    while len(fewer := _without_useless(scaled, best, settings)) < len(best):
+        best, scaled = fewer, _with_noise_of(scaled, fewer, settings)  # what useless poles took is noise, too
+    return _with_hidden(scaled, fewer, settings, highest) * scale
+
+
+def _with_noise_of(lines: Lines, poles: ComplexArray, settings: Settings) -> Lines:
+    """Copy of the lines with weights by the noise that given poles with their best residues leave."""
+    sizes, coefficients = factors_of(poles)
+    return reweighted(Projection(lines, sizes, settings), np.log(coefficients))
 
 
 def _without_useless(lines: Lines, poles: ComplexArray, settings: Settings) -> ComplexArray:

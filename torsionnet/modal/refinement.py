@@ -22,6 +22,10 @@ LARGEST_CORRELATION = 0.95
 """Largest correlation of residuals at neighbouring lines that is assumed, as at 1 standard errors would be infinite."""
 NOISE_SHARE, FEWEST_NEIGHBOURS, MOST_NEIGHBOURS = 40, 10, 100
 """Share of the lines of a record (1/40), with limits, that the noise at each line is the mean of on either side."""
+INPUT_SHARES = np.logspace(0, 8, 17)
+"""Noise that comes from the input over that of the output, at the largest response, that are tried."""
+CLEAR_LIKELIHOOD = 5.0
+"""Gain of the logarithm of the likelihood from which noise is put on the input."""
 ROUNDS = 2
 """Number of fits in a refinement, the second with weights from the residuals of the first, as more change them
 little."""
@@ -62,7 +66,7 @@ def refine(lines: Lines, poles: ComplexArray, settings: Settings) -> RefinedPole
         logarithms, converged = minimised(problem, start)
         start = coefficients_of(logarithms)
         left = problem.complex_residuals(logarithms)
-        scaled = reweighted(scaled, left)
+        scaled = reweighted(problem, logarithms)
     covariance = _covariance(Projection(scaled, sizes, settings), logarithms, left)
     roots, slopes = roots_of(sizes, start)
     frequency, damping = _errors(roots, slopes, covariance)
@@ -120,21 +124,40 @@ def roots_of(sizes: tuple[int, ...], coefficients: FloatArray) -> tuple[ComplexA
     return np.array(poles, dtype=complex), np.array(slopes).reshape(len(poles), len(coefficients))
 
 
-def reweighted(lines: Lines, left: ComplexArray) -> Lines:
-    """Copy of the lines with weights that give each transfer function's residuals a mean square of 1.
+def reweighted(problem: Projection, logarithms: FloatArray) -> Lines:
+    """Copy of the lines with weights that give the residuals of each transfer function a mean square of 1.
 
     The lines of a record are many: there the mean is over the neighbours of each line, and noise may have any colour.
     """
+    lines, left = problem.lines, problem.complex_residuals(logarithms)
     squares = np.abs(left) ** 2
     if lines.drive is None:
         size = np.sqrt(np.mean(squares, axis=0))
     else:
-        around = np.ones(2 * int(np.clip(len(left) / NOISE_SHARE, FEWEST_NEIGHBOURS, MOST_NEIGHBOURS)) + 1)
-        counts = np.convolve(np.ones(len(left)), around, "same")
-        sums = np.apply_along_axis(np.convolve, 0, squares, around, "same")
-        size = np.sqrt(sums / counts[:, None, None])
+        passed = np.abs(problem.responses(logarithms) * lines.weights) ** 2
+        size = np.empty(left.shape)
+        for place in np.ndindex(*left.shape[1:]):
+            at = (slice(None), *place)
+            size[at] = np.sqrt(_variance(squares[at], passed[at]))
     floor = SMALLEST_VALUE * np.sqrt(np.mean(np.abs(lines.weights * lines.values) ** 2, axis=0))
     return replace(lines, weights=lines.weights / np.maximum(size, floor))
+
+
+def _variance(squares: FloatArray, passed: FloatArray) -> FloatArray:
+    """Variance of the noise at each line of a record from squares of residuals, the mean over its neighbours, (n_f,).
+
+    Noise on the input is as large as the squares of the response, ``passed``, and differs much between neighbours at a
+    narrow peak: its share is the most likely one.
+    """
+    reach = int(np.clip(len(squares) / NOISE_SHARE, FEWEST_NEIGHBOURS, MOST_NEIGHBOURS))
+    around = np.ones(2 * reach + 1)
+    counts = np.convolve(np.ones(len(squares)), around, "same")
+    tiny = np.finfo(float).tiny
+    shapes = [np.ones(len(squares)), *(1 + share * passed / max(passed.max(), tiny) for share in INPUT_SHARES)]
+    variances: list[FloatArray] = [shape * np.convolve(squares / shape, around, "same") / counts for shape in shapes]
+    unlikely = [float(np.sum(np.log(each + tiny) + squares / (each + tiny))) for each in variances]
+    place = int(np.argmin(unlikely))
+    return variances[place if unlikely[place] < unlikely[0] - CLEAR_LIKELIHOOD else 0]
 
 
 def _covariance(problem: Projection, point: FloatArray, left: ComplexArray) -> FloatArray:
