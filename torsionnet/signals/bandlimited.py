@@ -20,6 +20,7 @@ element, Proc. ISCAS (1988) 2641.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterator, Sequence
 from functools import cache
 from typing import Any
@@ -51,9 +52,9 @@ END_PULSES = 20
 an order's amplitude at the end, and by 0.02 % behind them."""
 SPLINE_DEGREE = 7
 """Degree of the splines of the mean rotation, so smooth that their knots leave nothing in high orders."""
-CONVERGED_STEPS, LEAST_REDUCTION = 1e-10, 0.97
-"""Error in encoder steps below which the interpolation has converged, and the factor by which each iteration must
-reduce it, as otherwise it would never converge."""
+CONVERGED_STEPS, LEAST_REDUCTION, REDUCED_OVER = 1e-10, 0.75, 10
+"""Error in encoder steps below which the interpolation has converged, and the factor by which so many iterations must
+reduce it, as otherwise it would never converge; from one to the next it may rise, as at gaps and ends."""
 VALUES_PER_CHUNK = 2**13
 """Number of values that are interpolated together, as their windows of 81 samples then stay in the cache."""
 SPLINE_POINTS, SPLINE_MARGIN = 2**17, 64
@@ -226,7 +227,8 @@ def _values_at_whole_numbers(
     values follow from those around. On either side they go on reflected, shape (n + 2 KERNEL_HALF_LENGTH,). With the
     time in s around which they do not converge, None if they do.
     """
-    wide, left, before = np.empty(len(places) + 2 * KERNEL_HALF_LENGTH), np.empty(len(places)), np.inf
+    wide, left = np.empty(len(places) + 2 * KERNEL_HALF_LENGTH), np.empty(len(places))
+    before: deque[float] = deque([np.inf], maxlen=REDUCED_OVER)
     found = wide[KERNEL_HALF_LENGTH:-KERNEL_HALF_LENGTH]
     for part in _chunks(len(places)):
         found[part] = _read_at(places, beyond, part)
@@ -243,9 +245,9 @@ def _values_at_whole_numbers(
         if size < CONVERGED_STEPS:
             _reflect(wide)
             return wide, None
-        if size > LEAST_REDUCTION * before:
+        if size > max(before) * (LEAST_REDUCTION if len(before) == REDUCED_OVER else 1):
             return wide, float(times[worst])
-        before = size
+        before.append(size)
 
 
 def _read_at(places: FloatArray, beyond: FloatArray | None, part: slice) -> FloatArray:
