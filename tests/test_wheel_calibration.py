@@ -162,6 +162,19 @@ class TestEngineOrders:
         assert amplitude < 0.001
         assert phase < 0.5
 
+    def test_two_pickups_of_a_wheel_with_a_gap_on_a_strongly_vibrating_shaft(self):
+        """Intervals of 2.5 degrees of order 4 swing as lost pulses make them, at either pickup."""
+        positions = wheel_errors(teeth=36)
+        positions -= positions[:34].mean()
+        passed = [
+            crossing_angles([4], [2.5 * DEGREE], positions, 19, pickup=at * DEGREE, missing=2, first=first)
+            for at, first in ((0, 36), (114, 25))
+        ]
+        pickups = [PulseChannel(name, steady(phi, 900 * RPM)) for name, phi in zip("AB", passed, strict=True)]
+        found = calibrate_wheel([WheelTest(*pickups)], Wheel(teeth=36, missing_teeth=2), angle=114 * DEGREE)
+        assert np.abs(found.pattern.positions - positions)[:34].max() < 1e-5 * DEGREE
+        assert not found.pattern.unresolved
+
     def test_with_one_pickup_whole_orders_keep_the_pattern_and_half_orders_do_not(self, engine_orders):
         positions = wheel_errors(eccentric=0.048)
         assert abs(position_amplitude(positions, 1)) / DEGREE == pytest.approx(0.048)

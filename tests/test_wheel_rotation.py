@@ -73,6 +73,25 @@ class TestOrders:
             inside = np.linspace(*found.settled, 20_000)
             assert np.abs(np.diff(found.angle(inside) - angle(inside))).max() < 2e-3 * size
 
+    @pytest.mark.parametrize(
+        ("teeth", "order", "degrees", "phase", "first"),
+        [
+            (60, 10, 2.97, 1.9, 0),
+            (60, 12, 3.0, 2.1, 2),
+            (60, 12, 3.0, 2.1, 8),
+            (64, 12, 2.75, 5.6, 6),
+            (72, 10, 2.74, 3.1, 0),
+        ],
+    )
+    def test_the_strongest_vibration_is_right_between_the_pulses_too(self, teeth, order, degrees, phase, first):
+        """The error of the iteration rises now and then before it falls: it falls all the same."""
+        _, angle = shaft(700 * RPM, {order: np.radians(degrees) * np.exp(1j * phase)})
+        times = pulses(angle, teeth, turns=9)[first:]
+        found = wheel_rotation(PulseChannel("n1", times), Wheel(teeth=teeth))
+        inside = np.linspace(times[teeth], times[-teeth], 3000)
+        away = found.angle(inside) - angle(inside)
+        assert np.abs(away - away.mean()).max() < 1e-3 * np.radians(degrees)
+
     def test_both_flanks_of_teeth_nearly_as_wide_as_gaps(self):
         _, angle = shaft(1500 * RPM, {6: TENTH})
         channel = PulseChannel("n1", pulses(angle, 120, positions=np.tile([0.0, 0.1], 60) * 2 * np.pi / 120))
@@ -105,6 +124,34 @@ class TestOrders:
         assert found.highest_order == pytest.approx(teeth / 3)
         at = inner(found)
         assert abs(order_of(found.angle(at) - mean(at), mean(at), order) / (TENTH * 1j) - 1) < limit
+
+    @pytest.mark.parametrize(
+        ("teeth", "missing", "order", "degrees"),
+        [(60, 2, 3, 3.0), (60, 2, 6, 2.9), (60, 1, 8, 2.0), (120, 2, 12, 1.2), (36, 2, 4, 3.0), (36, 2, 12, 0.3)],
+    )
+    def test_strong_vibration_of_a_wheel_with_a_gap(self, teeth, missing, order, degrees):
+        """Intervals swing as much as at a lost pulse; from any tooth on, to any tooth, also one beside the gap."""
+        size, wheel = np.radians(degrees) * np.exp(2j), Wheel(teeth=teeth, missing_teeth=missing)
+        mean, angle = shaft(1200 * RPM, {order: size})
+        every = pulses(angle, teeth, turns=14, missing=missing)
+        for begin, end in ((0, 1), (3, 2), (teeth - missing - 1, teeth - missing - 1), (10, teeth // 2)):
+            found = wheel_rotation(PulseChannel("n1", every[begin:-end]), wheel)
+            at = np.linspace(found.times[60], found.times[-60], 5000)
+            assert abs(order_of(found.angle(at) - mean(at), mean(at), order) - size) < 2e-3 * abs(size)
+            assert beyond_whole_turns(found.angle(at) - angle(at)).mean() == pytest.approx(0, abs=1e-4)  # by tooth 0
+            left_out = len(every) - begin - end - len(found.times)
+            assert [text.split(":")[0] for text in found.remarks] == (
+                [f"{left_out} pulses at the ends left out"] if left_out else []
+            )
+            counted = wheel_rotation(PulseChannel("n1", every[begin:-end]), wheel, first=begin)
+            np.testing.assert_allclose(beyond_whole_turns(counted.angle(at) - angle(at)).mean(), 0, atol=1e-4)
+
+    def test_a_lost_pulse_beside_strong_vibration_and_a_gap_is_refused(self):
+        _, angle = shaft(1200 * RPM, {6: np.radians(2.9)})
+        every = pulses(angle, missing=2)
+        for times, teeth, missing in ((np.delete(every, 900), 60, 2), (every, 60, 1), (every, 59, 1)):
+            with pytest.raises(UsageError, match=r"cut the record there|pulses are missing every|no gap of"):
+                wheel_rotation(PulseChannel("n1", times), Wheel(teeth=teeth, missing_teeth=missing))
 
     def test_speed_is_the_derivative_of_the_angle(self):
         _, angle = shaft(1500 * RPM, {6: TENTH, 12: TENTH / 2j})
@@ -139,6 +186,8 @@ class TestOrders:
 
 GAPS = "16 teeth, 2 missing, 10 teeth, 2 missing, 4 teeth, 2 missing"
 GAPS_AT = np.flatnonzero(~np.isin(np.arange(36), [16, 17, 28, 29, 34, 35])) * 10.0
+TWO_GAPS = "20 teeth, 1 missing, 38 teeth, 1 missing"
+TWO_GAPS_AT = np.flatnonzero(~np.isin(np.arange(60), [20, 59])) * 6.0
 LOBES = "0, 80, 180, 270 deg"
 
 
@@ -152,7 +201,7 @@ class TestStatedPatterns:
     @pytest.mark.parametrize(
         ("teeth", "pattern", "degrees", "order", "size", "highest"),
         [
-            (36, GAPS, GAPS_AT, 4, 0.5, 6), (36, GAPS, GAPS_AT, 6, 0.3, 6),
+            (36, GAPS, GAPS_AT, 4, 0.5, 6), (36, GAPS, GAPS_AT, 6, 0.3, 6), (60, TWO_GAPS, TWO_GAPS_AT, 9, 1.0, 10),
             (4, LOBES, [0, 80, 180, 270], 1.5, 0.5, 5 / 3),
             (7, "0, 15, 60, 120, 180, 240, 300 deg", [0, 15, 60, 120, 180, 240, 300], 1.5, 0.5, 3),
         ],

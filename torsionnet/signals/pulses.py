@@ -99,7 +99,7 @@ class Pulses:
     @property
     def irregular(self) -> MissingPulses:
         """Missing pulses of the encoder without those of missing teeth of its wheel."""
-        if not self.period:
+        if not self.period or not self.missing.total:
             return self.missing
         phase = self.numbers[self.missing.after] % self.period
         phases, often = np.unique(phase, return_counts=True)
@@ -170,7 +170,7 @@ def repaired_pulses(times: ArrayLike, steps_per_revolution: float = 0.0) -> Puls
             return as_they_are
         raise
     if found.missing.total + len(found.spurious) and beyond < MOST_BEYOND_BAND:
-        repaired = _rotation_beyond_band(found.times, found.numbers, steps_per_revolution or USUAL_STEPS)
+        repaired = rotation_beyond_band(found.times, found.numbers, steps_per_revolution or USUAL_STEPS)
         if beyond <= repaired:
             return as_they_are
     lost = found.irregular
@@ -191,10 +191,11 @@ def _beyond_band_as_they_are(times: FloatArray, steps: float) -> float:
     swings = np.abs(np.diff(intervals)) > np.log(SWING)
     if swings.sum() <= SWING_SHARE * len(times):
         return np.inf
-    return _rotation_beyond_band(times, np.arange(len(times)), steps)
+    return rotation_beyond_band(times, np.arange(len(times)), steps)
 
 
-def _rotation_beyond_band(times: FloatArray, numbers: NDArray[np.intp], steps: float) -> float:
+def rotation_beyond_band(times: FloatArray, numbers: NDArray[np.intp], steps: float) -> float:
+    """RMS in steps of what pulses with these numbers leave beyond the band kept; inf where they cannot be followed."""
     from torsionnet.signals.bandlimited import Rotation
 
     try:

@@ -15,6 +15,7 @@ from torsionnet.response.frequency_response import ComplexArray
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.pulses import repaired_pulses
+from torsionnet.signals.rotation.tooth_zero import pulses_by_gap
 from torsionnet.signals.rotation.wheel import Wheel
 from torsionnet.signals.rotation.wheel_windows import Shown, Window, first_window, second_shown, spans
 
@@ -141,7 +142,10 @@ def windows_of_test(
     try:
         found = repaired_pulses(second.times, teeth if wheel.missing_teeth else 0)
     except UsageError as error:
-        raise UsageError(f"{second.name}: {error}") from None
+        by_gap = pulses_by_gap(second.times, wheel) if wheel.missing_teeth else None
+        if by_gap is None:
+            raise UsageError(f"{second.name}: {error}") from None
+        found = by_gap
     stamps = found.times
     shown = []
     for window in windows:

@@ -153,10 +153,11 @@ def matched_pulses(times: FloatArray, teeth: ToothPlaces) -> tuple[NDArray[np.in
     if len(compared) < 2 * count:
         raise UsageError(f"{len(times)} pulses are too few to match a pattern of {count} teeth")
     tooth = np.arange(len(compared))
-    scatter = np.array([np.abs(np.diff(compared - steps[(tooth + first) % count])).mean() for first in range(count)])
+    changes = np.array([np.abs(np.diff(compared - steps[(tooth + first) % count])) for first in range(count)])
+    scatter, fitting = changes.mean(axis=1), (changes.max(axis=1) <= np.log(LARGEST_CHANGE)).sum()
     first = int(scatter.argmin())
     own, others = scatter[first], np.delete(scatter, first)
-    if others.min() < LEAST_LEAD * own:
+    if others.min() < LEAST_LEAD * own and fitting != 1:
         raise UsageError(
             f"the pulses do not tell which tooth of the pattern comes first: intervals over those of the teeth "
             f"scatter by {100 * own:.2g} % with tooth {first} and {100 * others.min():.2g} % with another; is it the "

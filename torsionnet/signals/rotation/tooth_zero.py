@@ -8,8 +8,9 @@ import numpy as np
 
 from torsionnet.core.errors import UsageError
 from torsionnet.core.listing import comma_list
-from torsionnet.signals.pulses import Pulses
-from torsionnet.signals.rotation.stated_pattern import runs_in_words
+from torsionnet.signals.pulses import MOST_BEYOND_BAND, MissingPulses, Pulses, check_pulses, rotation_beyond_band
+from torsionnet.signals.rotation.gap_filling import NEIGHBOURS
+from torsionnet.signals.rotation.stated_pattern import ToothPlaces, matched_pulses, runs_in_words
 
 if TYPE_CHECKING:
     from torsionnet.response.measured.pulse_channel import PulseChannel
@@ -83,6 +84,28 @@ def _returning_gaps(found: Pulses, teeth: int) -> list[tuple[int, int]]:
     turns = found.numbers[-1] / teeth
     returning = pairs[often >= max(FEWEST_TURNS, RETURNING_SHARE * (turns - 1))]
     return [(phase, missing) for phase, missing in returning.tolist()]
+
+
+def pulses_by_gap(times: FloatArray, wheel: Wheel) -> Pulses | None:
+    """Pulses numbered by the gap that a wheel states, where vibration makes intervals as uneven as lost pulses do.
+
+    Those at the ends beyond a gap that too few pulses surround to fill it are left out. None where a pulse is lost or
+    too many, or the gap is another one.
+    """
+    stamps, teeth = check_pulses(times), np.arange(wheel.teeth - wheel.missing_teeth)
+    try:
+        numbers, _ = matched_pulses(stamps, ToothPlaces(wheel.teeth, teeth, np.zeros(len(teeth))))
+    except UsageError:
+        return None
+    after = np.flatnonzero(np.diff(numbers) > 1) + 1
+    begin = int(after[0]) if after[0] < NEIGHBOURS else 0
+    end = int(after[-1]) if after[-1] > len(stamps) - NEIGHBOURS else len(stamps)
+    stamps, numbers = stamps[begin:end], numbers[begin:end] - numbers[begin]
+    if rotation_beyond_band(stamps, numbers, wheel.teeth) >= MOST_BEYOND_BAND:
+        return None
+    after, none = np.flatnonzero(np.diff(numbers) > 1), np.empty(0, np.intp)
+    missing = MissingPulses(after, np.diff(numbers)[after] - 1)
+    return Pulses(stamps, numbers, none, missing, np.empty(0), wheel.teeth)
 
 
 def tooth_after_index(rotation: Rotation, times: FloatArray, index: PulseChannel, teeth: int, name: str) -> int:

@@ -9,13 +9,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.errors import UsageError
+from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.measured.wheel_pattern import WheelPattern
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.bandlimited import Rotation, smooth_course
 from torsionnet.signals.pulse_train import refuse_unlikely_unit
-from torsionnet.signals.pulses import check_pulses, repaired_pulses
+from torsionnet.signals.pulses import Pulses, check_pulses, repaired_pulses
 from torsionnet.signals.rotation.gap_filling import filled_band
 from torsionnet.signals.rotation.pattern_checks import check_pattern
 from torsionnet.signals.rotation.pattern_matching import first_tooth
@@ -23,7 +23,7 @@ from torsionnet.signals.rotation.pulse_deviations import PulseDeviations, seen_d
 from torsionnet.signals.rotation.quadrature import DirectedPulses
 from torsionnet.signals.rotation.reversing import ReversingRotation
 from torsionnet.signals.rotation.stated_pattern import ToothPlaces, lobes_in_words, matched_pulses
-from torsionnet.signals.rotation.tooth_zero import tooth_after_gap, tooth_after_index
+from torsionnet.signals.rotation.tooth_zero import pulses_by_gap, tooth_after_gap, tooth_after_index
 from torsionnet.signals.rotation.turning_back import refuse_turning_back
 from torsionnet.signals.rotation.wheel import Wheel
 
@@ -238,9 +238,50 @@ def wheel_rotation(
             refuse_unlikely_unit(channel.times, wheel.teeth / wheel.ratio)
         if stated is not None:
             return _of_stated(channel, wheel, stated, index, first)
-        found = repaired_pulses(channel.times)
     except UsageError as error:
-        raise UsageError(f"{channel.name}: {error}{lobes_in_words(channel.times, wheel.teeth)}") from None
+        raise _named(error, channel, wheel) from None
+    by_gap: Pulses | None = None
+    try:
+        found = _repaired(channel, wheel)
+        result = _of_pulses(found, channel, wheel, pattern, index, first, backwards)
+        if wheel.missing_teeth and (result.repairs or len(found.missing.after) < found.numbers[-1] // wheel.teeth):
+            by_gap = pulses_by_gap(channel.times, wheel)  # which lets vibration not pass for lost pulses
+        if by_gap is None:
+            return result
+    except (UsageError, SolveError):
+        by_gap = pulses_by_gap(channel.times, wheel) if wheel.missing_teeth else None
+        if by_gap is None:
+            raise
+    skipped = int(np.searchsorted(channel.times, by_gap.times[0]))
+    if first is not None and skipped:
+        first += skipped + wheel.missing_teeth
+    result = _of_pulses(by_gap, channel, wheel, pattern, index, first, backwards)
+    beyond = len(channel.times) - len(by_gap.times)
+    remark = f"{beyond} pulses at the ends left out: too few beyond the gap to fill it"
+    return replace(result, remarks=(*result.remarks, remark)) if beyond else result
+
+
+def _named(error: UsageError, channel: PulseChannel, wheel: Wheel) -> UsageError:
+    return UsageError(f"{channel.name}: {error}{lobes_in_words(channel.times, wheel.teeth)}")
+
+
+def _repaired(channel: PulseChannel, wheel: Wheel) -> Pulses:
+    try:
+        return repaired_pulses(channel.times)
+    except UsageError as error:
+        raise _named(error, channel, wheel) from None
+
+
+def _of_pulses(
+    found: Pulses,
+    channel: PulseChannel,
+    wheel: Wheel,
+    pattern: WheelPattern | None,
+    index: PulseChannel | None,
+    first: int | None,
+    backwards: bool,
+) -> WheelRotation:
+    """Rotation by numbered pulses of a wheel of even pitch, or with its pitch pattern removed."""
     after_gap, gap = tooth_after_gap(found, wheel, channel.name) if first is None else (None, "")
     found = replace(found, period=wheel.teeth if wheel.missing_teeth else 0)
     remarks, repairs, zero = found.remarks, len(found.spurious) + found.irregular.total, "the tooth of the first pulse"
