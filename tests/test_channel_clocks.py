@@ -456,6 +456,18 @@ class TestHdf5:
         found = read_recording(path, sampling_rate=1000, resample=True).between(0.75, 2.75)
         is_on_one_clock(found, "fast.T", "slow.w", within=2e-3)
 
+    def test_coarse_times_of_groups_take_the_rate_that_is_given(self, written):
+        times = np.arange(4000) / 4000
+        path = written(
+            a__time=(np.round(times, 3), {}), a__T=(torque(times), {"unit": "N*m"}),
+            b__time=(np.round(times + 0.25, 3), {}), b__w=(speed(times + 0.25), {"unit": "rad/s"}),
+        )  # fmt: skip
+        assert "channels.b.time: error: 2999 of 4000 time stamps in b.time equal the one before" in refusal(path)
+        found = read_recording(path, sampling_rate=4000)
+        assert (found.sampling_rate, found.start) == (4000, 0.25)
+        is_on_one_clock(found, "a.T", "b.w")
+        assert "channels.a.time: error: the time stamps do not fit" in refusal(path, sampling_rate=4100)
+
     def test_datasets_with_a_rate_and_a_start(self, written):
         path = written(
             T=(torque(TIMES), {"unit": "N*m", "fs": RATE}),

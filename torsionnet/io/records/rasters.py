@@ -17,6 +17,8 @@ from torsionnet.io.records.clock import (
     Clock,
     clock_in_days,
     clock_of,
+    coarse_clock,
+    is_coarse,
     order_faults,
     time_unit_warnings,
     value_faults,
@@ -56,8 +58,11 @@ class OwnClocks:
     notes: tuple[str, ...] = ()
 
 
-def own_clocks(source: Source, choices: Sequence[ChannelChoice]) -> OwnClocks:
-    """Read the time stamps of channels that have some of their own; of even ones rate and start are kept."""
+def own_clocks(source: Source, choices: Sequence[ChannelChoice], rate: float | None = None) -> OwnClocks:
+    """Read the time stamps of channels that have some of their own; of even ones rate and start are kept.
+
+    The sampling ``rate`` in Hz, if given, is that of stamps coarser than the sampling.
+    """
     clocks = {choice.channel.clock.column: choice.channel.clock for choice in choices if choice.channel.clock}
     raw = {column: next(source.blocks([column], 0), [np.empty(0)])[0] for column in clocks}
     stamps, even, faults, notes = dict[int, FloatArray](), dict[int, Clock](), list[Fault](), list[str]()
@@ -69,10 +74,15 @@ def own_clocks(source: Source, choices: Sequence[ChannelChoice]) -> OwnClocks:
         stamps[column] = (raw[column] - origin) * scale
         timed_by = replace(source, time=clock)
         wrong = value_faults(stamps[column], timed_by)
-        own = Clock(1.0, 0.0) if wrong else clock_of(raw[column], None, scale=scale)
+        is_coarser = bool(rate) and not wrong and is_coarse(stamps[column])
+        if is_coarser:
+            own, wrong = _coarse_clock(stamps[column], rate or 1.0, float(raw[column][0] * scale), clock.name)
+        else:
+            own = Clock(1.0, 0.0) if wrong else clock_of(raw[column], None, scale=scale)
         uneven = own.times is not None
         even[column] = replace(own, start=own.start - origin * scale, times=stamps[column] if uneven else None)
         faults += wrong or (order_faults(stamps[column], timed_by) if uneven else [])
+        notes += [f"warning: {clock.name} is coarser than the sampling: the rate given was taken"] * is_coarser
         notes += filter(None, [said, own.note and f"{clock.name}: {own.note}"])
         notes += () if wrong or faults else time_unit_warnings(stamps[column], timed_by)
     if faults:
@@ -89,6 +99,11 @@ def own_clocks(source: Source, choices: Sequence[ChannelChoice]) -> OwnClocks:
         return replace(choice, channel=channel)
 
     return OwnClocks([timed(choice) for choice in choices], stamps, notes=tuple(notes))
+
+
+def _coarse_clock(stamps: FloatArray, rate: float, begin: float, name: str) -> tuple[Clock, list[Fault]]:
+    found = coarse_clock(stamps, rate, begin)
+    return (Clock(rate, begin), [replace(found, path=("channels", name))]) if isinstance(found, Fault) else (found, [])
 
 
 def rasters_of(choices: Sequence[ChannelChoice]) -> list[Raster]:

@@ -62,7 +62,7 @@ def choose_rate(source: Source, choices: Sequence[ChannelChoice], options: ReadO
     clocks = {choice.channel.clock.column: choice.channel.clock for choice in choices if choice.channel.clock}
     if len(clocks) == 1 and all(choice.channel.clock for choice in choices):
         return RateChoice(_on_clock(source, next(iter(clocks.values()))), list(choices))
-    own = own_clocks(source, choices)
+    own = own_clocks(source, choices, options.sampling_rate)
     rasters, source = rasters_of(own.choices), replace(source, notes=(*source.notes, *own.notes))
     unclocked = [choice.channel.name for choice in own.choices if rasters and not choice.channel.rate]
     if unclocked:
