@@ -436,8 +436,10 @@ class TestHdf5:
         assert 'dataset "/T" has a scale_factor or add_offset that is not one number' in refusal(path)
 
     def test_a_gain_that_may_be_meant_either_way_is_said(self, written):
-        path = written(T=(torque(TIMES), {"unit": "N*m", "fs": RATE, "gain": 2.0, "scale": 1.0}))
-        assert read_recording(path)["T"].notes == ("warning: not applied, as nothing says how: its attribute gain (2)",)
+        attributes = {"unit": "N*m", "fs": RATE, "gain": 2.0, "scale": 1.0, "offset": 1.0, "bias": 0.0}
+        path = written(T=(torque(TIMES), attributes))
+        said = "warning: not applied, as nothing says how: its attributes gain (2), offset (1)"
+        assert read_recording(path)["T"].notes == (said,)
 
     def test_a_rate_other_than_that_of_the_file_is_taken_with_a_warning(self, written):
         path = written(T=(torque(TIMES), {"unit": "N*m"}), fs=(np.array(RATE), {}))

@@ -22,6 +22,8 @@ START_NAMES = ("start", "start_time", "start_offset", "t0")
 """Attributes under which programs keep the time of the first sample of an array in s."""
 FACTOR_NAMES = ("scale", "gain", "slope", "factor", "sensitivity", "calibration")
 """Attributes under which programs keep a factor of the values of an array, or its inverse: nothing says which."""
+OFFSET_NAMES = ("offset", "zero_offset", "bias")
+"""Attributes under which programs keep what is to be added to the values of an array, or was taken off them."""
 
 Plain: TypeAlias = str | float | bool | None
 Slice: TypeAlias = "Callable[[int, int], NDArray[Any]]"

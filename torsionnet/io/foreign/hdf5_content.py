@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from torsionnet.io.foreign.content import (
     FACTOR_NAMES,
     INTERVAL_NAMES,
+    OFFSET_NAMES,
     RATE_NAMES,
     START_NAMES,
     UNIT_NAMES,
@@ -29,7 +30,7 @@ SCALE, OFFSET, FILLS = "scale_factor", "add_offset", ("_FillValue", "missing_val
 """Attributes of datasets whose values are packed (CF conventions): multiplied, then added to, but for missing ones."""
 CLOCK_NAMES = (*RATE_NAMES, *INTERVAL_NAMES, *START_NAMES)
 """Attributes of a dataset, or of a group for its datasets, that tell the times of the samples."""
-ATTRIBUTES = (*UNIT_NAMES, *CLOCK_NAMES, "quantity", SCALE, OFFSET, *FILLS, *FACTOR_NAMES)
+ATTRIBUTES = (*UNIT_NAMES, *CLOCK_NAMES, "quantity", SCALE, OFFSET, *FILLS, *FACTOR_NAMES, *OFFSET_NAMES)
 """Attributes of HDF5 datasets that are passed on to the reading process."""
 NO_SCALE = "This is a netCDF dimension"
 """Beginning of the name of a dimension scale that netCDF writes for a dimension without coordinates."""

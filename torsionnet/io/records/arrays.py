@@ -17,6 +17,7 @@ from torsionnet.io.foreign.content import (
     COMPLEX,
     FACTOR_NAMES,
     INTERVAL_NAMES,
+    OFFSET_NAMES,
     RATE_NAMES,
     START_NAMES,
     UNIT_NAMES,
@@ -219,10 +220,9 @@ def _packing_notes(item: StoredArray) -> tuple[str, ...]:
         f"{number:g}" for name in ("_FillValue", "missing_value") if (number := _number_of(item, name)) is not None
     ]
     missing = f"values of {', '.join(dict.fromkeys(fills))} are missing, as NaN"
-    unused = [
-        f"{name} ({number:g})" for name in FACTOR_NAMES if (number := _number_of(item, name)) not in (None, 0.0, 1.0)
-    ]
-    doubt = f"warning: not applied, as nothing says how: its attribute {', '.join(unused)}"
+    plain = {name: (None, 0.0, 1.0) for name in FACTOR_NAMES} | {name: (None, 0.0) for name in OFFSET_NAMES}
+    unused = [f"{name} ({number:g})" for name, none in plain.items() if (number := _number_of(item, name)) not in none]
+    doubt = f"warning: not applied, as nothing says how: its attribute{'s' * (len(unused) > 1)} {', '.join(unused)}"
     return (*([packed] if scale or offset else []), *([missing] if fills else []), *([doubt] if unused else []))
 
 
