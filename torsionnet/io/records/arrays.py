@@ -220,7 +220,7 @@ def _packing_notes(item: StoredArray) -> tuple[str, ...]:
         f"{number:g}" for name in ("_FillValue", "missing_value") if (number := _number_of(item, name)) is not None
     ]
     missing = f"values of {', '.join(dict.fromkeys(fills))} are missing, as NaN"
-    plain = {name: (None, 0.0, 1.0) for name in FACTOR_NAMES} | {name: (None, 0.0) for name in OFFSET_NAMES}
+    plain = dict.fromkeys(FACTOR_NAMES, (None, 0.0, 1.0)) | dict.fromkeys(OFFSET_NAMES, (None, 0.0))
     unused = [f"{name} ({number:g})" for name, none in plain.items() if (number := _number_of(item, name)) not in none]
     doubt = f"warning: not applied, as nothing says how: its attribute{'s' * (len(unused) > 1)} {', '.join(unused)}"
     return (*([packed] if scale or offset else []), *([missing] if fills else []), *([doubt] if unused else []))
