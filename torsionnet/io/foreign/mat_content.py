@@ -56,7 +56,7 @@ def open_content(path: Path) -> Iterator[Content]:
         found = list(_members(name, value))
         arrays += [(key, *_column(numbers)) for key, numbers in found if numbers.dtype.kind != "U"]
         texts |= {key: "".join(text.ravel()[:1]) for key, text in found if text.dtype.kind == "U"}
-        others += [name] if not found and getattr(value, "size", 0) else []
+        others += [name] if not found and int(getattr(value, "size", 0)) else []
     yield memory_content(arrays, texts, others)
 
 
