@@ -1,5 +1,6 @@
 """Rotation of a shaft from the teeth of a wheel: how orders read, which tooth is which, what is refused."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -234,8 +235,38 @@ class TestStatedPatterns:
         channel = PulseChannel("n1", seen_at(angle, np.flatnonzero(np.arange(60) % 6) * 6.0))
         with pytest.raises(
             UsageError, match=r"1 pulses are missing in every turn of 60, .* pattern: 5 teeth, 1 missing, "
-        ):
+        ) as refused:
             wheel_rotation(channel, Wheel(teeth=60))
+        told = re.search(r"pattern: ([^:]*) if the wheel", str(refused.value))[1]
+        wheel = Wheel(teeth=60, pattern=told)
+        found = wheel_rotation(channel, wheel)
+        at = inner(found)
+        assert np.ptp(found.angle(at) - angle(at)) < 1e-3 * TENTH
+        # The pattern returns ten times a turn: any of its first teeth may be tooth 0.
+        assert found.zero == "one of the 10 first teeth of the pattern"
+        assert not wheel.shows_tooth_0
+
+    def test_a_pattern_of_even_teeth_is_that_of_a_plain_wheel(self):
+        _, angle = shaft(1200 * RPM, {1: TENTH})
+        even = Wheel(teeth=4, pattern="0, 90, 180, 270 deg")
+        times = seen_at(angle, [0, 90, 180, 270])
+        np.testing.assert_array_equal(
+            wheel_rotation(PulseChannel("n1", times), even).angle(times),
+            wheel_rotation(PulseChannel("n1", times), Wheel(teeth=4)).angle(times),
+        )
+        with pytest.raises(UsageError, match="every second pulse stands"):
+            wheel_rotation(PulseChannel("n1", seen_at(angle, [0, 80, 180, 270])), even)
+
+    @pytest.mark.parametrize(
+        "text", ["0, 80, 180, 270", "0 80 180 270 deg", "0°, 80°, 180°, 270°", "0, 80..5, 270 deg"]
+    )
+    def test_words_that_are_nearly_a_pattern_are_no_name_of_a_file(self, text):
+        faults = [str(fault) for fault in WheelChannel.read({"teeth": 4, "pattern": text})[1]]
+        assert faults == [
+            f"pattern: error: {text!r} is neither runs of teeth, as '16 teeth, 2 missing, 10 teeth, 2 missing', nor "
+            "angles, as '0, 80, 180, 270 deg'"
+        ]
+        assert Wheel(teeth=4, pattern="4_teeth.yaml").pattern_file == "4_teeth.yaml"
 
     def test_what_does_not_follow_the_pattern_is_refused(self):
         _, angle = shaft(1200 * RPM)

@@ -35,7 +35,7 @@ class TeethOption(EntryType):
         name, equals, text = (part.strip() for part in value.partition("="))
         numbers = [part.strip() for part in text.split("-", 1)] if equals else []
         if not (name and all(part.isdecimal() for part in numbers)):
-            self.fail(f'expected {self.name}, as n1=60, or n1=60-2 with a gap of two, got "{value}"', param, ctx)
+            self.fail(f'expected {self.name}, as n1=60, n1=60-2 (several gaps: --pattern), got "{value}"', param, ctx)
         return NamedWheel(name, "-".join(numbers))
 
 

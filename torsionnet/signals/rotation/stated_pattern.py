@@ -19,7 +19,10 @@ from torsionnet.response.recording import FloatArray
 from torsionnet.signals.rotation.gap_filling import filled_band
 
 _RUNS = re.compile(r"\d+ (teeth|tooth|missing)(, *\d+ (teeth|tooth|missing))+")
-_ANGLES = re.compile(r"[\d.]+(, *[\d.]+)+ *deg")
+_ANGLES = re.compile(r"(\d+\.?\d*)(, *\d+\.?\d*)+ *deg")
+_NUMBERS_AND_WORDS = re.compile(
+    r"[\d.]+ *([,;°]|\s|teeth|tooth|missing|deg)([\d.,;°\s]|teeth|tooth|missing|deg(rees)?)*"
+)
 MOST_PLACES, NEAREST_PLACE = 720, 0.2
 """Most even places of a turn on which uneven edges are put, and how near to its place an edge has to be, in places."""
 COMPARED_TURNS = 8
@@ -59,6 +62,13 @@ class ToothPlaces:
         return int(np.diff(self.places, append=self.places[0] + self.count).max()) - 1
 
     @property
+    def repeats(self) -> int:
+        """Times that the pattern comes in a turn; from two on it does not tell which tooth is the first."""
+        steps = np.diff(self.places + self.offsets, append=self.places[0] + self.offsets[0] + self.count)
+        times = (n for n in range(len(steps), 1, -1) if len(steps) % n == 0)
+        return next((n for n in times if np.allclose(np.roll(steps, len(steps) // n), steps, rtol=0, atol=1e-6)), 1)
+
+    @property
     def band(self) -> float:
         """Share of half the places up to which the teeth tell orders."""
         if len(self.places) < MOSTLY_THERE * self.count:
@@ -68,8 +78,8 @@ class ToothPlaces:
 
 
 def is_stated(text: str) -> bool:
-    """Whether the words of a pattern state the teeth themselves, and are not the name of a file."""
-    return bool(_RUNS.fullmatch(text.strip()) or _ANGLES.fullmatch(text.strip()))
+    """Whether the words of a pattern state the teeth themselves, well or not, and are not the name of a file."""
+    return bool(_NUMBERS_AND_WORDS.fullmatch(text.strip()))
 
 
 def stated_places(text: str, teeth: int) -> ToothPlaces:
@@ -78,7 +88,7 @@ def stated_places(text: str, teeth: int) -> ToothPlaces:
     Raises
     ------
     UsageError
-        Another number of teeth than that of the wheel, or angles that do not rise within a turn.
+        Other words, another number of teeth than that of the wheel, or angles that do not rise within a turn.
 
     Examples
     --------
@@ -97,6 +107,11 @@ def stated_places(text: str, teeth: int) -> ToothPlaces:
             )
         places = np.flatnonzero(there)
         return ToothPlaces(teeth, places, np.zeros(len(places)))
+    if not _ANGLES.fullmatch(text.strip()):
+        raise UsageError(
+            f"{text!r} is neither runs of teeth, as '16 teeth, 2 missing, 10 teeth, 2 missing', nor angles, as "
+            "'0, 80, 180, 270 deg'"
+        )
     turns = np.array([float(angle) for angle in re.findall(r"[\d.]+", text)]) / 360
     if len(turns) != teeth or (np.diff(turns) <= 0).any() or turns[-1] - turns[0] >= 1:
         raise UsageError(f"the pattern has {len(turns)} angles, for {teeth} teeth; they have to rise within one turn")
@@ -153,11 +168,13 @@ def matched_pulses(times: FloatArray, teeth: ToothPlaces) -> tuple[NDArray[np.in
     if len(compared) < 2 * count:
         raise UsageError(f"{len(times)} pulses are too few to match a pattern of {count} teeth")
     tooth = np.arange(len(compared))
-    changes = np.array([np.abs(np.diff(compared - steps[(tooth + first) % count])) for first in range(count)])
-    scatter, fitting = changes.mean(axis=1), (changes.max(axis=1) <= np.log(LARGEST_CHANGE)).sum()
+    firsts = range(count // teeth.repeats)
+    changes = (np.abs(np.diff(compared - steps[(tooth + first) % count])) for first in firsts)
+    scatter, largest = np.array([(change.mean(), change.max()) for change in changes]).T
     first = int(scatter.argmin())
     own, others = scatter[first], np.delete(scatter, first)
-    if others.min() < LEAST_LEAD * own and fitting != 1:
+    fitting = (largest <= np.log(LARGEST_CHANGE)).sum()
+    if fitting != 1 and others.min(initial=np.inf) < LEAST_LEAD * own:
         raise UsageError(
             f"the pulses do not tell which tooth of the pattern comes first: intervals over those of the teeth "
             f"scatter by {100 * own:.2g} % with tooth {first} and {100 * others.min():.2g} % with another; is it the "

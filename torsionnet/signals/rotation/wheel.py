@@ -48,8 +48,9 @@ class Wheel(Declared):
 
     @property
     def stated(self) -> ToothPlaces | None:
-        """Places of the teeth of the wheel where its pattern states them."""
-        return stated_places(self.pattern, self.teeth) if is_stated(self.pattern) else None
+        """Places of the teeth of the wheel where its pattern states them and they are not even."""
+        places = stated_places(self.pattern, self.teeth) if is_stated(self.pattern) else None
+        return None if places is None or places.repeats == places.count else places
 
     @property
     def pattern_file(self) -> str:
@@ -59,4 +60,5 @@ class Wheel(Declared):
     @property
     def shows_tooth_0(self) -> bool:
         """Whether the wheel itself tells which tooth is 0, by its gap or by the pattern stated."""
-        return self.missing_teeth > 0 or self.stated is not None
+        stated = self.stated
+        return self.missing_teeth > 0 or (stated is not None and stated.repeats == 1)

@@ -257,7 +257,7 @@ def wheel_rotation(
         first += skipped + wheel.missing_teeth
     result = _of_pulses(by_gap, channel, wheel, pattern, index, first, backwards)
     beyond = len(channel.times) - len(by_gap.times)
-    remark = f"{beyond} pulses at the ends left out: too few beyond the gap to fill it"
+    remark = f"{beyond} pulse{'s' * (beyond > 1)} at the ends left out: too few beyond the gap to fill it"
     return replace(result, remarks=(*result.remarks, remark)) if beyond else result
 
 
@@ -322,7 +322,8 @@ def _of_stated(
     times = check_pulses(channel.times)
     places, offsets = matched_pulses(times, stated)
     rotation = Rotation(times, places - places[0], stated.count, offsets)
-    zero = "the first tooth of the pattern"
+    repeats = stated.repeats
+    zero = f"one of the {repeats} first teeth of the pattern" if repeats > 1 else "the first tooth of the pattern"
     if first is not None:
         places, zero = places - places[0] + first, "the tooth given"
     elif index is not None:
