@@ -145,6 +145,16 @@ class TestWindowsDoNotMatter:
         record = simulated(plant, 60, torque_noise=0.01, excitation=excitation, seed=seed)
         assert_modes(modes_of(record, 5, estimator="H2"), plant[0])
 
+    def test_a_steady_vibration_is_no_mode(self):
+        """It came as a mode at 12.3 Hz with a damping ratio of 5e-9, give or take 4e-15."""
+        plant = modal((4, 0.01), (14.6, 0.04))
+        record = simulated(plant, 30, noise=1e-3, excitation="noise")
+        tone = 2 * record["y"].values.std() * np.sin(2 * np.pi * 12.3 * np.arange(len(record)) / RATE)
+        record = Recording((record["T"], replace(record["y"], values=record["y"].values + tone)), RATE)
+        found = modes_of(record, 2)
+        assert_modes(found, plant[0])
+        assert [note for note in found.notes if "no mode: a vibration at 12.3 Hz that does not decay" in note]
+
     @pytest.mark.slow
     def test_poles_chosen_by_hand_stay_as_many(self):
         record = simulated(modal((4, 0.05), (9, 0.01)), 60, noise=1e-4)

@@ -25,6 +25,8 @@ UNSETTLED = "warning: the refinement did not settle; fewer poles or a narrower b
 """Warning about poles whose least squares were not reached."""
 UNPARTED = "lie so near to another that windows cannot part them, and are taken as one with it"
 """Words on merged poles in a note."""
+LEAST_DECAY = 0.02
+"""Decay rate times length of a record below which a pole is a steady vibration, which others than the input cause."""
 METHODS = {"rational": "rational fraction", "lscf": "least-squares complex frequency"}
 """Name of each identification method in titles of results, by its key in the settings."""
 
@@ -140,10 +142,12 @@ def _fitted(
         expansion = expand(lines, poles, settings, chosen.participations if together else None)
         return estimate_from_expansion(response, lines, expansion, notes + close * together)
     record = record_lines(response, lines, poles, settings)
+    seconds = np.inf
     if isinstance(record, Lines):
         fit = fit_record(record, poles, settings, automatic=chosen.automatic)
         found, better = estimate_from_expansion(response, lines, fit.expansion, notes), fit.refined
         found = replace(found, by_record=True, misfit=fit.misfit)
+        seconds = 2 * np.pi / float(np.abs(record.s[1] - record.s[0]))  # lines lie 1 / seconds apart
     else:
         widened = response.coherence is not None or response.estimation is not None
         better = refine(lines, poles, settings)
@@ -157,7 +161,18 @@ def _fitted(
             return replace(found, notes=(*notes, why))
     if not better.converged:
         found = replace(found, notes=(*found.notes, UNSETTLED))
-    return replace(found, frequency_errors=better.frequency_errors, damping_errors=better.damping_errors)
+    found = replace(found, frequency_errors=better.frequency_errors, damping_errors=better.damping_errors)
+    return _decaying(found, seconds) if chosen.automatic else found
+
+
+def _decaying(found: ModalEstimate, seconds: float) -> ModalEstimate:
+    """Estimate without poles that hardly decay within the seconds of its record, as steady vibrations are no modes."""
+    steady = -found.poles.real * seconds < LEAST_DECAY
+    if not steady.any():
+        return found
+    places = ", ".join(f"{f:.4g} Hz" for f in found.natural_frequencies[steady])
+    note = f"no mode: a vibration at {places} that does not decay within the record, as the order of an engine"
+    return replace(found.only(~steady), notes=(*found.notes, note))
 
 
 def _any_close(poles: ComplexArray) -> bool:
