@@ -348,6 +348,24 @@ def test_comparisons_align_as_they_advise(tmp_path):
     assert "lags" not in run(*told, "--align").stderr
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["record", "aligned response"])
+def test_fits_reach_a_delay_of_many_periods(kind, tmp_path):
+    """Under windows of 2 s; and of 4 s that were aligned, which a file keeps: they lost nothing."""
+    record = noisy(true_record("straight"), 2)
+    late = replace(record["w"], values=np.concatenate([np.zeros(80), record["w"].values[:-80]]))
+    data, tolerance = record.with_signals(late), 2e-3
+    if kind == "aligned response":
+        data, tolerance = estimate(data, "w", "T", settings=Welch("hann", 4.0, 0.75), align=True), 0.03
+        tn.io.write_frequency_response(data, tmp_path / "aligned.csv")
+        data = tn.io.read_frequency_response(tmp_path / "aligned.csv")
+    fit = tn.identify(WRONG, tn.Measurement(data, "w", "T", band=(2, 28), delay=True, name="test"), list(TRUE))
+    assert not fit.lack_of_fit.rejected
+    found = dict(fit.values)
+    assert found.pop("delay[test]") == pytest.approx(0.4, abs=1e-4)
+    assert found == pytest.approx(TRUE, rel=tolerance)
+
+
 def test_resonances_are_no_lag():
     for way, output in (("straight", "a"), ("straight", "w")):
         found = estimate(true_record(way), output, "T", align=True)

@@ -316,6 +316,30 @@ def test_with_the_delay_found_along_the_model_fits(rig):
 
 
 @pytest.mark.slow
+def late_response(rig, delay):
+    """Calculated from 1 to 40 Hz, with noise of 0.2 % of every line."""
+    f = np.linspace(1, 40, 100)
+    exact, rng = rig.frequency_response("theta_1", "T_T", f), np.random.default_rng(2)
+    noise = 1 + 2e-3 * (rng.standard_normal(100) + 1j * rng.standard_normal(100))
+    return replace(exact, values=exact.values * (noise * np.exp(-2j * np.pi * f * delay))[:, None, None])
+
+
+@pytest.mark.parametrize("late", [0.4, -0.15])
+def test_a_delay_of_many_periods_is_found(rig, late):
+    """From 0 s the nearest optimum is a delay of less than a period, with springs that are far off."""
+    test = tn.Measurement(late_response(rig, late), "theta_1", "T_T", name="test", delay=True)
+    fit = tn.identify(rig, test, {"c_2": 6.0, "k_2": 400.0})
+    for name, true in (("c_2", 4.0), ("k_2", 460.0), ("delay[test]", late)):
+        assert abs(fit.values[name] - true) < 4 * fit.standard_errors[name] < 0.02 * abs(true)
+
+
+@pytest.mark.slow
+def test_a_delay_of_many_periods_explains_a_misfit(rig):
+    test = tn.Measurement(late_response(rig, 0.4), "theta_1", "T_T", error=2e-3)
+    (first, *_) = tn.identify(rig, test, {"c_2": 6.0, "k_2": 400.0}).verdicts
+    assert "a delay of 400 ms in theta_1 would explain it" in first
+
+
 def test_several_wrong_things_have_no_single_explanation(rig):
     true = rig.configured(I_2=0.2, c_2=9, c_B=2.0)
     late = bench(true, angle=replace(FINE, delay=4e-3)).run()

@@ -130,6 +130,7 @@ def _tried(problem: FitProblem, cause: Cause, start: FloatArray, solve: Solve, f
         begin = with_it.start.copy()
         places = [place for place, name in enumerate(with_it.names) if name.partition("[")[0] == cause.unknown]
         begin[places] *= factor
+        begin = with_it.start_with_long_delays(begin)
         # A value that begins at 0, as damping, takes tiny steps at first, which a rough search takes for the end.
         from_zero = any(abs(begin[place]) < SMALLEST_START for place in places)
         found = (solve(with_it, begin) if from_zero else solve(with_it, begin, ROUGH_TOLERANCE)).x

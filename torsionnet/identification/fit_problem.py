@@ -158,6 +158,14 @@ class FitProblem:
                     found[place[len(block.response.names) + block.extra.index("gain")]] *= -1
         return found
 
+    def start_with_long_delays(self, start: FloatArray) -> FloatArray:
+        """Start values (n,), with the delays of channels that no search from there would reach."""
+        found = start.copy()
+        for block, place in zip(self.blocks, self.unknown_indices, strict=True):
+            if "delay" in block.extra:
+                found[place[len(block.response.names) + block.extra.index("delay")]] += block.likely_delay(start[place])
+        return found
+
     def starts_with_other_references(self, start: FloatArray) -> list[FloatArray]:
         """Start values, each (n,), with other likely angles of the references of measured orders; often none.
 

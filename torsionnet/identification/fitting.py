@@ -186,9 +186,11 @@ def _moved(before: FloatArray, after: FloatArray) -> float:
 
 
 def _starts_and_reversed(problem: FitProblem, count: int, seed: int) -> list[FloatArray]:
-    """Start values, each (n,), with other likely reference angles, and with a channel reversed where that is nearer."""
+    """Start values, each (n,), with other likely reference angles and delays, or a channel reversed where nearer."""
     found = _starts(problem, count, seed)
     found += problem.starts_with_other_references(found[0])
+    late = problem.start_with_long_delays(found[0])
+    found += [] if np.array_equal(late, found[0]) else [late]
     return [
         *found,
         *(other for one in found if (other := problem.start_with_reversed_channels(one)).tobytes() != one.tobytes()),

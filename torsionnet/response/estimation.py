@@ -44,6 +44,8 @@ class Estimation:
         Samples taken by the sensors for each sample of the record.
     references : tuple of str
         Reference signals of the estimator ``Hr``.
+    aligned : float
+        Seconds by which the output was moved to earlier times before windows cut the record.
     """
 
     estimator: str
@@ -59,6 +61,7 @@ class Estimation:
     steps: Mapping[str, float] = field(default_factory=dict, repr=False)
     decimation: int = 1
     references: tuple[str, ...] = ()
+    aligned: float = 0.0
 
     def to_data(self) -> dict[str, Any]:
         """Averaging data of an estimated response as plain values for files, by name of the field."""
@@ -85,6 +88,7 @@ def read_estimation(data: Mapping[str, Any]) -> Estimation:
         swept=bool(data["swept"]),
         settled_from=float(data["settled_from"]),
         references=tuple(map(str, data.get("references", ()))),
+        aligned=float(data.get("aligned", 0.0)),
     )
 
 

@@ -102,7 +102,7 @@ def estimate(
         moves = f"{1e3 * abs(lag):g} ms {'earlier' if lag > 0 else 'later'}"
         note = f"{outputs[0]} {moves} where windows cut the record; the phase of the lag is put back"
         # The record, which has the lag, would contradict a response without its loss.
-        kept = None if found.estimation is None else replace(found.estimation, record=None)
+        kept = None if found.estimation is None else replace(found.estimation, record=None, aligned=lag)
         return replace(found, values=turned, notes=(*found.notes, note), estimation=kept)
     watch = ResolutionWatch(outputs, inputs[0], (settings or Welch()).seconds) if inputs else None
     spectra, records = _spectra(measured, (*outputs, *inputs, *references), settings, watch)

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
+import scipy
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
@@ -25,6 +26,13 @@ from torsionnet.identification.residuals.sampled_response import between_samples
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.measured.between_samples import BetweenSamples, check_between, course_remark
 from torsionnet.solve.sensitivity import Evaluation, parametric_response
+
+FEWEST_DELAYED_LINES = 8
+"""Fewest lines whose phases tell a delay of more than half a period."""
+BINS_PER_LINE, DELAYS_PER_PERIOD = 4, 8
+"""Bins to a mean distance of lines, and delays tried to a period of the highest line, in the search for a delay."""
+CLEARLY_MORE = 1.5
+"""Agreement in phase with a long delay over that without, above which a search begins at the delay, too."""
 
 
 class ParametricCurve(Protocol):
@@ -251,6 +259,28 @@ class MeasurementBlock(ABC):
         one = self.measurement
         asked = {"delay": one.delay, "gain": one.gain, "reference_angle": one.reference_angle and one.has_orders}
         return tuple(name for name, wanted in asked.items() if wanted)
+
+    def likely_delay(self, values: FloatArray) -> float:
+        """Delay in s, beside that in ``values``, with which the phase of the model runs along that of the test.
+
+        0 where a search from there leads to it, within half a period of the highest line, where none is clear, and for
+        orders.
+        """
+        f, predicted = self.frequencies, self.predicted(values)[0]
+        if len(f) < FEWEST_DELAYED_LINES or self.form == "magnitude" or self.line_orders is not None:
+            return 0.0
+        real, imaginary = np.split(self.deviations, 2)
+        cross = predicted.conj() * self.measured / (real**2 + imaginary**2)
+        # Sum of cross exp(2 pi j f tau) at all delays tau by a Fourier transform, over lines put on a fine grid.
+        width = float(f[-1] - f[0]) / (len(f) - 1) / BINS_PER_LINE
+        bins = np.rint(f / width).astype(np.intp)
+        size = int(scipy.fft.next_fast_len(DELAYS_PER_PERIOD * int(bins[-1])))
+        spread = np.zeros(size, dtype=complex)
+        np.add.at(spread, bins, cross)
+        along, delays = np.fft.ifft(spread).real, np.fft.fftfreq(size, width)
+        near, possible = np.abs(delays) <= 0.5 / f[-1], np.abs(delays) <= 0.5 / (BINS_PER_LINE * width)
+        best = int(np.where(possible, along, -np.inf).argmax())
+        return float(delays[best]) if along[best] > CLEARLY_MORE * along[near].max() else 0.0
 
     def _distorted(self, values: FloatArray, f: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """Response of the model with delay and gain of the channel, SI, (n_f,), and derivatives (n_f, n)."""

@@ -77,7 +77,12 @@ def smoothing(frequencies: FloatArray, estimation: Estimation) -> Smoothing:
     """Smoothing of a model's response for the lines (n_b,) in Hz of an estimate, by its window and estimator."""
     step = 1 / (estimation.seconds * POINTS_PER_BIN)
     offsets = np.arange(-NEIGHBOUR_BINS * POINTS_PER_BIN, NEIGHBOUR_BINS * POINTS_PER_BIN + 1)
+    inverted, exact = estimation.estimator == "H2", not estimation.swept
     weights = _shares(estimation, offsets)
+    if estimation.aligned:
+        # Windows saw G exp(j omega lag), whose phase was put back at each line: neighbours are turned against it.
+        turn = 2j * np.pi * offsets * step * estimation.aligned
+        weights = weights * np.exp(-turn if inverted else turn)
     lines = np.rint(frequencies / step).astype(np.intp)
     places = lines[:, None] + offsets
     count = int(np.abs(places).max())
@@ -86,7 +91,6 @@ def smoothing(frequencies: FloatArray, estimation: Estimation) -> Smoothing:
     forward = _sparse(np.where(places >= 0, weights * half, 0.0), targets, count)
     mirrored = _sparse(np.where(places <= 0, weights * half, 0.0), targets, count)
     fine = np.asarray(np.arange(1, count + 1) * step, dtype=np.float64)
-    inverted, exact = estimation.estimator == "H2", not estimation.swept
     return Smoothing(fine, forward, mirrored, inverted, exact, lines - 1)
 
 
