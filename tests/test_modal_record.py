@@ -175,7 +175,9 @@ class TestWithoutTheRecord:
         found = self.without()
         assert not found.by_record
         assert np.isnan([found.frequency_errors, found.damping_errors]).all()
-        assert sum(abs(found.natural_frequencies - 3.4) < 1) == 1
+        # A real pole may stand for what the windows add: where it lies is a matter of rounding.
+        vibrations = found.natural_frequencies[np.array(found.kinds) == "oscillatory"]
+        assert sum(abs(vibrations - 3.4) < 1) == 1
         assert any("its record is not at hand, and windows move poles" in note for note in found.notes)
         assert any("windows cannot part them, and are taken as one" in note for note in found.notes)
 
