@@ -335,7 +335,7 @@ def test_value_at_a_bound_and_vague_value_are_told():
     fit = tn.identify(rig, test, {"c_2": tn.Unknown(start=6, bounds=(5, 9)), "c_B": 0.3})
     assert fit.values["c_2"] == pytest.approx(5, rel=1e-3)
     assert any("c_2 stands at its bound 5" in text for text in fit.verdicts)
-    vague = tn.identify(rig, measured(response(rig, noise=0.05, f=F[:20])), ["c_2", "k_1"])
+    vague = tn.identify(rig, measured(response(rig, noise=0.1, f=F[:20])), ["c_2", "k_1"])
     assert any(text.startswith("k_1 is hardly determined") for text in vague.verdicts), vague.verdicts
 
 
