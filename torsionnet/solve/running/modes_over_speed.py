@@ -43,8 +43,8 @@ SLOW_GAIN = 0.1
 """Share of that difference left with the next number of points from which on the piece is halved: within a piece that
 is smooth far less is left, while a curve that bends, as where a frequency reaches a row of a table, leaves half."""
 SHARE_OF_WIDTH = 1e-3
-"""Difference of a frequency over the half width of its resonance that is known well enough where such bends occur: critical speeds
-keep the digits that are printed."""
+"""Difference of a frequency over the half width of its resonance that is known well enough where such bends occur:
+critical speeds keep the digits that are printed."""
 NARROWEST_PIECE = 1e-4
 """Length of a piece over that of the speeds with the same rows of tables below which it is a straight line, and modes
 are matched as well as they can be: modes that veer there have exchanged their shapes."""
