@@ -44,9 +44,6 @@ def measures(package: Path) -> dict[str, str]:
     numbers = {
         "code lines": sum(module.code_lines for module in modules),
         "files": len(modules),
-        "files in the fullest folder": max(
-            Counter(module.path.parent for module in modules if module.path.stem != "__init__").values(), default=0
-        ),
         "files in import circles": sum(map(len, around)),
         "largest circle": max(map(len, around), default=0),
         "file names twice": len(doubled_files(modules)),
