@@ -93,8 +93,11 @@ def __getattr__(name: str) -> object:
     """Public object or element class by its name, imported when it is first asked for."""
     if name == "__all__":
         return _public_names()
-    if name[:1].isupper() and name not in _named and name in _element_types():
-        return _element_types()[name]
+    if name[:1].isupper() and name not in _named:
+        from torsionnet.model.elements import element_class
+
+        if (found := element_class(name)) is not None:
+            return found
     return _attribute(name)
 
 

@@ -7,6 +7,7 @@ makes it known to model files, the JSON Schema, the checks and the documentation
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import Field, dataclass, replace
@@ -56,6 +57,13 @@ def element_classes() -> dict[str, type[Element]]:
     return {cls.__name__: cls for cls in ELEMENT_TYPES.values()}
 
 
+def element_class(name: str) -> type[Element] | None:
+    """Element type of a class name, as in ``torsionnet.Spring``, or None; only its own file is imported."""
+    kind = re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
+    found = ELEMENT_TYPES.get(kind)
+    return found if found is not None and found.__name__ == name else element_classes().get(name)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Element(Declared):
     """Base class of a drivetrain element: an inertia, spring, gear, machine.
@@ -81,6 +89,8 @@ class Element(Declared):
     """Meaning of a positive torque at the element's first port; at other ports it drives out of the element."""
     drives: ClassVar[bool] = False
     """Whether a positive torque at the first port drives out of the element, as that of a machine does."""
+    absorbs: ClassVar[bool] = False
+    """Whether the element takes power out of the drivetrain at its node, as a propeller does."""
     may_feed: ClassVar[bool] = False
     """Whether the element may feed energy into a vibration, by an action or by negative damping."""
 

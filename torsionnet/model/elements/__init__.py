@@ -6,7 +6,14 @@ are listed: a model then costs only the types that it has.
 
 from typing import TYPE_CHECKING
 
-from torsionnet.model.element_base.element import ELEMENT_TYPES, Element, element_classes, make_element, register
+from torsionnet.model.element_base.element import (
+    ELEMENT_TYPES,
+    Element,
+    element_class,
+    element_classes,
+    make_element,
+    register,
+)
 from torsionnet.model.element_base.laws import GROUND, Action, Constraint, Law, MotionLaw, Part, Row, Values
 
 if TYPE_CHECKING:
@@ -31,7 +38,7 @@ __all__ = [
 
 def __getattr__(name: str) -> object:
     """Class of an element type by its name, imported at first use."""
-    classes = element_classes()
-    if name not in classes:
+    found = element_class(name) if name[:1].isupper() else None
+    if found is None:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}", name=name)
-    return classes[name]
+    return found
