@@ -13,14 +13,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.action_law import ActionLaw
 from torsionnet.core.memo import Memo
-from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
+
+if TYPE_CHECKING:
+    from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
 
 FloatArray: TypeAlias = NDArray[np.float64]
 ComplexArray: TypeAlias = NDArray[np.complex128]
@@ -132,6 +134,16 @@ class RowSystem:
     @property
     def n_coordinates(self) -> int:
         return self.law_rows.n_columns
+
+    @property
+    def is_active(self) -> bool:
+        """Whether controllers or negative damping may feed energy into the drivetrain, so that it may be unstable."""
+        return bool(self.actions) or bool((self.damping < 0).any())
+
+    @property
+    def is_continuous(self) -> bool:
+        """Whether the system has infinitely many modes, because a shaft in it is continuous."""
+        return any(table.is_continuous for _, table in self.dynamic)
 
     def _gram(self, coefficients: FloatArray) -> FloatArray:
         used = np.flatnonzero(coefficients)

@@ -10,14 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import sympy
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.twin import TWINS, Twin, rational, twin, twin_parameters
 from torsionnet.core.errors import UsageError
-from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
 from torsionnet.model.elements import Action, Law, Row, Values
 from torsionnet.model.kinematics import Kinematics, kinematics_on, solve_kinematics
 
@@ -26,6 +25,9 @@ OMEGA = sympy.Symbol("omega")
 MOST_TERMS = 1000
 """Largest number of terms up to which an entry of a matrix is multiplied out, as longer ones are not read term by
 term."""
+
+if TYPE_CHECKING:
+    from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,9 +15,11 @@ from torsionnet.assembly.action_law import action_laws
 from torsionnet.assembly.rows import FloatArray, Rows, RowSystem
 from torsionnet.core.garbage_collection import gc_paused
 from torsionnet.model.definition import Definition
-from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness, DynamicStiffness
 from torsionnet.model.elements import Law, Values
 from torsionnet.model.kinematics import Kinematics, exact_row, pseudo_node, solve_kinematics
+
+if TYPE_CHECKING:
+    from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,14 @@ class Assembly:
     @property
     def nodes(self) -> tuple[str, ...]:
         return self.kinematics.nodes
+
+    def over_coordinates(self, row: Mapping[str, Any]) -> FloatArray:
+        """Coefficients (n_q,) by coordinate of a row that is given by names, where imposed angles are left out."""
+        found = np.zeros(self.system.n_coordinates)
+        for column, value in self.columns_of(row).items():
+            if column < len(found):  # imposed angles stand still
+                found[column] = value
+        return found
 
     @property
     def T(self) -> FloatArray:
@@ -167,6 +177,8 @@ def _columns(kinematics: Kinematics) -> tuple[dict[str, int], dict[str, int]]:
 def _dynamic(index: int, law: Law) -> tuple[int, DynamicStiffness]:
     if law.table is not None:
         return index, law.table
+    from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness
+
     return index, ComplexStiffness(complex(float(law.stiffness), float(law.stiffness * law.loss_factor)))
 
 

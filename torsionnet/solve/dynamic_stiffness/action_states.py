@@ -11,7 +11,7 @@ A delay has no finite number of states. With ``points``, the torque travels alon
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -73,7 +73,7 @@ def undelayed_states(assembly: Assembly, action: ActionLaw) -> LawStates:
     F, w, h = companion(rest, action.denominator)
     G = np.zeros((len(F), 2))
     G[-1:, 0] = w
-    row, sensed = (over_coordinates(assembly, part) for part in (action.row, action.sensed))
+    row, sensed = (assembly.over_coordinates(part) for part in (action.row, action.sensed))
     return LawStates(action, row, sensed, P, F, G, h)
 
 
@@ -102,15 +102,6 @@ def refuse_delayed_acceleration(law: LawStates) -> None:
     if law.at_once[HIGHEST_POWER]:
         text = "what follows an acceleration with a delay and without a filter has infinitely many fast poles"
         raise UsageError(f"{law.action.owner}: {text}; give it a filter")
-
-
-def over_coordinates(assembly: Assembly, row: Mapping[str, Fraction]) -> FloatArray:
-    """Coefficients (n_q,) by coordinate of a row that is given by names, where imposed angles are left out."""
-    found = np.zeros(assembly.system.n_coordinates)
-    for column, value in assembly.columns_of(row).items():
-        if column < len(found):  # imposed angles stand still
-            found[column] = value
-    return found
 
 
 def companion(numerator: Sequence[Fraction], denominator: Sequence[Fraction]) -> tuple[FloatArray, float, FloatArray]:

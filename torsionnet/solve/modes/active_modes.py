@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
+from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
 from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness
@@ -62,11 +62,6 @@ MOST_WORK = 3e5
 LOSS_STEPS = 8
 """Number of equal steps in which loss factors grow from 0 while poles are followed, as more steps follow larger losses
 more safely."""
-
-
-def is_active(system: RowSystem) -> bool:
-    """Whether controllers or negative damping may feed energy into a drivetrain, so that it may be unstable."""
-    return bool(system.actions) or bool((system.damping < 0).any())
 
 
 def active_modes(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...], tuple[str, ...]]:
@@ -227,7 +222,7 @@ def _delayed(pencil: ActivePencil, delay: float) -> tuple[list[Pole], tuple[str,
     """
     system = pencil.assembly.system
     passive = replace(system, actions=())
-    free = complex_modes(passive) if not is_active(passive) else None
+    free = complex_modes(passive) if not passive.is_active else None
     sizes = (
         np.abs(free.eigenvalues) if free else undamped_modes(replace(passive, damping=np.zeros_like(system.damping)))[0]
     )

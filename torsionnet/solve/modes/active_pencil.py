@@ -20,7 +20,6 @@ import numpy as np
 from torsionnet.assembly.action_law import polynomial
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
-from torsionnet.solve.dynamic_stiffness.action_states import over_coordinates
 from torsionnet.solve.modes.deflated_columns import DeflatedColumn, deflated_columns
 from torsionnet.solve.modes.exact_pencil import ExactPencil
 from torsionnet.solve.modes.zero_chains import deflated_coefficient, null_vectors
@@ -62,8 +61,8 @@ class ActivePencil:
     def _rows(self) -> tuple[FloatArray, FloatArray]:
         """Coefficients (n_act, n_q) of the motions that controllers drive, and of those that they sense."""
         actions, n = self.assembly.system.actions, self.n_coordinates
-        driven = [over_coordinates(self.assembly, one.row) for one in actions]
-        sensed = [over_coordinates(self.assembly, one.sensed) for one in actions]
+        driven = [self.assembly.over_coordinates(one.row) for one in actions]
+        sensed = [self.assembly.over_coordinates(one.sensed) for one in actions]
         return np.array(driven).reshape(-1, n), np.array(sensed).reshape(-1, n)
 
     @property

@@ -35,11 +35,6 @@ OFF_CLAMPED = 1.0123
 """Factor on trial frequencies, to keep off natural frequencies of shafts with both ends held, where D is infinite."""
 
 
-def is_continuous(system: RowSystem) -> bool:
-    """Whether a system has infinitely many modes, because a shaft in it is continuous."""
-    return any(table.is_continuous for _, table in system.dynamic)
-
-
 def elastic(system: RowSystem) -> Mask:
     """Mask (n_laws,) of the laws that resist a slow motion, that is of springs and elastic shafts."""
     found = system.stiffness > 0

@@ -22,7 +22,7 @@ from torsionnet.solve.modes.continuous import (
     rigid_motions,
     undamped_modes,
 )
-from torsionnet.solve.modes.frozen_stiffness import Eigenpairs, Mode
+from torsionnet.solve.modes.spectrum import Eigenpairs, Mode
 from torsionnet.solve.modes.wittrick_williams import negative_pivots
 
 NEWTON_STEPS, CONVERGED = 30, 1e-14

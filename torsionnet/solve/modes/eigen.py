@@ -22,7 +22,6 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
-import torsionnet.solve.modes.frozen_stiffness as frozen_stiffness
 from torsionnet.assembly.action_law import refuse_actions
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.solve.dynamic_stiffness.reduction import (
@@ -34,9 +33,7 @@ from torsionnet.solve.dynamic_stiffness.reduction import (
     subspaces,
     without_empty_laws,
 )
-from torsionnet.solve.modes import continuous, continuous_damped
-from torsionnet.solve.modes.lowest_modes import RigidMotions, lowest_vibrations
-from torsionnet.solve.modes.spectrum import one_per_pair, refined_spectrum, solve_spectrum
+from torsionnet.solve.modes.spectrum import Eigenpairs, one_per_pair, refined_spectrum, solve_spectrum
 
 LEAST_IMAGINARY_PART = 1e-6
 """Imaginary part of a shape scaled to 1 above which it is more than rounding."""
@@ -104,23 +101,28 @@ def complex_modes(system: RowSystem, lowest: int | None = None) -> EigenSolution
     """
     refuse_actions(system.actions, "these modes are")
     system = without_empty_laws(system)
-    if continuous.is_continuous(system):
-        return _of_continuous(system, lowest or continuous.DEFAULT_COUNT)
+    if system.is_continuous:
+        return _of_continuous(system, lowest)
     stiff = stiff_laws(system)
     if lowest is not None and (few := _few_modes(system, lowest)) is not None:
         return few.first(lowest)
     if system.dynamic:
+        from torsionnet.solve.modes import frozen_stiffness
+
         rigid, found, more = frozen_stiffness.modes(system)
         solution = _sorted_solution(rigid, found, passive=is_passive(system, found.values)).first(lowest)
         return replace(solution, more=more)
     spaces = subspaces(system, stiff, system.damping != 0)
     spectrum = refined_spectrum(solve_spectrum(system, spaces, system.stiffness, undamped=not np.any(system.damping)))
     kept, real = one_per_pair(spectrum)
-    found = frozen_stiffness.Eigenpairs.all_converged(spectrum, kept, real)
+    found = Eigenpairs.all_converged(spectrum, kept, real)
     return _sorted_solution(spaces.rigid, found, passive=dissipates(system)).first(lowest)
 
 
-def _of_continuous(system: RowSystem, count: int) -> EigenSolution:
+def _of_continuous(system: RowSystem, lowest: int | None) -> EigenSolution:
+    from torsionnet.solve.modes import continuous, continuous_damped
+
+    count = lowest or continuous.DEFAULT_COUNT
     rigid, found, missing = continuous_damped.damped_modes(system, count)
     solution = _sorted_solution(rigid, found, passive=is_passive(system, found.values)).first(count)
     return replace(solution, missing=missing)
@@ -130,6 +132,8 @@ def _few_modes(system: RowSystem, lowest: int) -> EigenSolution | None:
     """Eigenvalues and shapes of the lowest modes of a large system by sparse methods, or None if these fail."""
     if system.n_coordinates <= LARGE_SYSTEM:
         return None
+    from torsionnet.solve.modes.lowest_modes import RigidMotions, lowest_vibrations
+
     stiffness, damping = system.frozen(0.0)
     damped = damping != 0
     motions = RigidMotions.of(system, stiffness > 0, damped, lowest)
@@ -150,7 +154,7 @@ def is_passive(system: RowSystem, eigenvalues: ComplexArray) -> bool:
     return dissipates(system) and all(bool(np.all(k.imag >= 0) and np.all(c >= 0)) for k, c in frozen)
 
 
-def _sorted_solution(rigid: FloatArray, found: frozen_stiffness.Eigenpairs, *, passive: bool) -> EigenSolution:
+def _sorted_solution(rigid: FloatArray, found: Eigenpairs, *, passive: bool) -> EigenSolution:
     order = np.argsort(np.abs(found.values), kind="stable")
     n_rigid, real = rigid.shape[1], found.real[order]
     values = np.where(real, found.values[order].real, found.values[order])
@@ -215,7 +219,9 @@ def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatA
     """
     refuse_actions(system.actions, "undamped modes are")
     system = without_empty_laws(system)
-    if continuous.is_continuous(system):
+    if system.is_continuous:
+        from torsionnet.solve.modes import continuous
+
         return continuous.undamped_modes(system, lowest or continuous.DEFAULT_COUNT)
     kept = resisted_coordinates(system)
     omega, shapes = _undamped_modes(without_empty_laws(restrict_to(system, kept)), lowest)
@@ -227,8 +233,14 @@ def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatA
 def _undamped_modes(system: RowSystem, lowest: int | None) -> tuple[FloatArray, FloatArray]:
     stiff = stiff_laws(system)
     undamped = np.zeros_like(stiff)
+    if system.dynamic:
+        from torsionnet.solve.modes import frozen_stiffness
+
     if lowest is not None and system.n_coordinates > LARGE_SYSTEM:
-        motions = RigidMotions.of(system, system.frozen(frozen_stiffness.next_to_rest(system))[0] > 0, undamped, lowest)
+        from torsionnet.solve.modes.lowest_modes import RigidMotions, lowest_vibrations
+
+        low = frozen_stiffness.next_to_rest(system) if system.dynamic else 0.0
+        motions = RigidMotions.of(system, system.frozen(low)[0] > 0, undamped, lowest)
         few = lowest_vibrations(system, motions, lowest - motions.rigid.shape[1], undamped=True)
         if few is not None:
             return _sorted_undamped(motions.rigid, few, lowest)
@@ -236,13 +248,11 @@ def _undamped_modes(system: RowSystem, lowest: int | None) -> tuple[FloatArray, 
         return _sorted_undamped(*frozen_stiffness.modes(system, undamped=True)[:2], lowest)
     spaces = subspaces(system, stiff, undamped)
     spectrum = refined_spectrum(solve_spectrum(system, spaces, system.stiffness, undamped=True))
-    found = frozen_stiffness.Eigenpairs.all_converged(spectrum, *one_per_pair(spectrum))
+    found = Eigenpairs.all_converged(spectrum, *one_per_pair(spectrum))
     return _sorted_undamped(spaces.rigid, found, lowest)
 
 
-def _sorted_undamped(
-    rigid: FloatArray, found: frozen_stiffness.Eigenpairs, lowest: int | None
-) -> tuple[FloatArray, FloatArray]:
+def _sorted_undamped(rigid: FloatArray, found: Eigenpairs, lowest: int | None) -> tuple[FloatArray, FloatArray]:
     order = np.argsort(found.values.imag, kind="stable")
     omega = np.concatenate([np.zeros(rigid.shape[1]), found.values.imag[order]])
     shapes = np.hstack([rigid, found.shapes[:, order].real])

@@ -36,7 +36,15 @@ from torsionnet.solve.dynamic_stiffness.reduction import (
     subspaces,
 )
 from torsionnet.solve.modes.pencil import NotFoundError, Pencil, distinct, polished, refined
-from torsionnet.solve.modes.spectrum import Spectrum, on_real_axis, one_per_pair, refined_spectrum, solve_spectrum
+from torsionnet.solve.modes.spectrum import (
+    Eigenpairs,
+    Mode,
+    Spectrum,
+    on_real_axis,
+    one_per_pair,
+    refined_spectrum,
+    solve_spectrum,
+)
 
 AT_REST = 1e-6
 """Frequency over that of the lowest row of a table up to which it is read at rest."""
@@ -57,55 +65,6 @@ MOST_RANGES, MOST_RANGES_LARGE = 24, 2
 """Most ranges that rows of tables part, fewer in a large system, as each range takes an eigenvalue problem."""
 MOST_PROBLEMS, MOST_PROBLEMS_LARGE = 400, 40
 """Most eigenvalue problems in which missing fixed points are sought, fewer in a large system."""
-
-
-@dataclass(frozen=True)
-class Eigenpairs:
-    """Nonzero eigenvalues (n,) in rad/s, one per conjugate pair, with shapes (n_q, n), errors and convergence."""
-
-    values: ComplexArray
-    shapes: ComplexArray
-    real: NDArray[np.bool_]
-    errors: FloatArray
-    converged: NDArray[np.bool_]
-    iterations: NDArray[np.int_]
-
-    @classmethod
-    def all_converged(cls, spectrum: Spectrum, kept: NDArray[np.intp], real: NDArray[np.bool_]) -> Eigenpairs:
-        """Eigenvalues (rad/s) and shapes of a spectrum at the indices ``kept``, all marked as converged."""
-        count = len(kept)
-        return cls(
-            spectrum.values[kept],
-            spectrum.shapes[:, kept],
-            real,
-            spectrum.errors[kept],
-            np.ones(count, dtype=bool),
-            np.ones(count, dtype=int),
-        )
-
-    @classmethod
-    def of_modes(cls, modes: Sequence[Mode], n_q: int) -> Eigenpairs:
-        """Eigenvalues (rad/s) and shapes over n_q coordinates of single modes."""
-        values = np.array([mode.value for mode in modes], dtype=complex)
-        return cls(
-            values,
-            np.array([mode.shape for mode in modes], dtype=complex).reshape(len(modes), n_q).T,
-            values.imag == 0,
-            np.array([mode.error for mode in modes], dtype=float),
-            np.array([mode.converged for mode in modes], dtype=bool),
-            np.array([mode.iterations for mode in modes], dtype=int),
-        )
-
-
-@dataclass(frozen=True)
-class Mode:
-    """Eigenvalue in rad/s of one mode, with its shape (n_q,), relative error and convergence."""
-
-    value: complex
-    shape: ComplexArray
-    error: float = 0.0
-    converged: bool = True
-    iterations: int = 1
 
 
 def next_to_rest(system: RowSystem) -> float:

@@ -27,8 +27,8 @@ from torsionnet.solve.dynamic_stiffness.reduction import (
     restrict_to,
     without_empty_laws,
 )
-from torsionnet.solve.modes.frozen_stiffness import Eigenpairs
 from torsionnet.solve.modes.pencil import NotFoundError, Pencil, distinct, polished, refined
+from torsionnet.solve.modes.spectrum import Eigenpairs
 
 Apply: TypeAlias = Callable[[FloatArray], FloatArray]
 

@@ -19,11 +19,8 @@ from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.errors import TorsionnetWarning, UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.response import Modes
-from torsionnet.solve.dynamic_stiffness.action_states import over_coordinates
 from torsionnet.solve.dynamic_stiffness.reduction import LARGE_SYSTEM
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, resolve_inputs
-from torsionnet.solve.modes import continuous
-from torsionnet.solve.modes.active_modes import active_modes, is_active
 from torsionnet.solve.modes.cut_drivetrain import poles_against_measured
 from torsionnet.solve.modes.eigen import (
     RIGID,
@@ -80,7 +77,7 @@ def modes_against(
         found, texts = poles_against_measured(drivetrain, request, partial(natural_modes, lowest=lowest, up_to=up_to))
     for text in texts:
         warnings.warn(text, TorsionnetWarning, stacklevel=4)
-    if continuous.is_continuous(drivetrain.assembly.system) and lowest is None and up_to is None:
+    if drivetrain.assembly.system.is_continuous and lowest is None and up_to is None:
         found = replace(found, notes=(*found.notes, f"{CONTINUOUS} {len(found)} are given; more with lowest or up_to"))
     if up_to is not None:
         found = found.first(int(np.sum(found.natural_frequencies <= up_to)))
@@ -97,14 +94,18 @@ def natural_modes(
     assembly = drivetrain.assembly
     system = assembly.system
     passive = replace(system, actions=()) if system.actions else system
-    if up_to is not None and continuous.is_continuous(passive):
+    if up_to is not None and passive.is_continuous:
+        from torsionnet.solve.modes import continuous
+
         count = continuous.number_below(passive, 2 * np.pi * up_to) + EXTRA_MODES
         lowest = count if lowest is None else min(lowest, count)
     if system.actions:
+        from torsionnet.solve.modes.active_modes import active_modes
+
         solution, warned, more = active_modes(assembly)
     else:
         solution, warned, more = complex_modes(system, lowest), (), ()
-        if is_active(system):
+        if system.is_active:
             solution = replace(solution, eigenvalues=with_zero_damping(solution.eigenvalues, solution.errors))
     elements = tuple(drivetrain.elements)
     solution, notes = with_chosen_shapes(solution, _motion(assembly.node_rows, solution.vectors), assembly.nodes)
@@ -146,7 +147,7 @@ def _motion(rows: Rows, vectors: ComplexArray) -> ComplexArray:
 
 def _undamped_rates(system: RowSystem, solution: EigenSolution, lowest: int | None) -> FloatArray:
     """Natural frequencies (n,) in rad/s without damping, those of the solution itself where there is none."""
-    if system.damping.any() or system.dynamic or is_active(system):
+    if system.damping.any() or system.dynamic or system.is_active:
         return undamped_modes(system, lowest)[0]
     return np.abs(solution.eigenvalues)
 
@@ -188,7 +189,7 @@ def energies(
 
 def _drawn(assembly: Assembly, action: ActionLaw, solution: EigenSolution) -> FloatArray:
     """Power (n_modes,) that an action takes out of each mode, twice its mean in W for shapes in rad."""
-    row, sensed = (over_coordinates(assembly, part) @ solution.vectors for part in (action.row, action.sensed))
+    row, sensed = (assembly.over_coordinates(part) @ solution.vectors for part in (action.row, action.sensed))
     with np.errstate(all="ignore"):
         power = -(action.kappa(solution.eigenvalues) * sensed * np.conj(solution.eigenvalues * row)).real
     return np.where(np.isfinite(power), power, 0.0)

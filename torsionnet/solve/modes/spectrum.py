@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -51,6 +52,55 @@ class Spectrum:
     system: RowSystem
     spaces: Subspaces
     stiffness: AnyArray
+
+
+@dataclass(frozen=True)
+class Mode:
+    """Eigenvalue in rad/s of one mode, with its shape (n_q,), relative error and convergence."""
+
+    value: complex
+    shape: ComplexArray
+    error: float = 0.0
+    converged: bool = True
+    iterations: int = 1
+
+
+@dataclass(frozen=True)
+class Eigenpairs:
+    """Nonzero eigenvalues (n,) in rad/s, one per conjugate pair, with shapes (n_q, n), errors and convergence."""
+
+    values: ComplexArray
+    shapes: ComplexArray
+    real: NDArray[np.bool_]
+    errors: FloatArray
+    converged: NDArray[np.bool_]
+    iterations: NDArray[np.int_]
+
+    @classmethod
+    def all_converged(cls, spectrum: Spectrum, kept: NDArray[np.intp], real: NDArray[np.bool_]) -> Eigenpairs:
+        """Eigenvalues (rad/s) and shapes of a spectrum at the indices ``kept``, all marked as converged."""
+        count = len(kept)
+        return cls(
+            spectrum.values[kept],
+            spectrum.shapes[:, kept],
+            real,
+            spectrum.errors[kept],
+            np.ones(count, dtype=bool),
+            np.ones(count, dtype=int),
+        )
+
+    @classmethod
+    def of_modes(cls, modes: Sequence[Mode], n_q: int) -> Eigenpairs:
+        """Eigenvalues (rad/s) and shapes over n_q coordinates of single modes."""
+        values = np.array([mode.value for mode in modes], dtype=complex)
+        return cls(
+            values,
+            np.array([mode.shape for mode in modes], dtype=complex).reshape(len(modes), n_q).T,
+            values.imag == 0,
+            np.array([mode.error for mode in modes], dtype=float),
+            np.array([mode.converged for mode in modes], dtype=bool),
+            np.array([mode.iterations for mode in modes], dtype=int),
+        )
 
 
 def solve_spectrum(system: RowSystem, spaces: Subspaces, stiffness: AnyArray, *, undamped: bool) -> Spectrum:
