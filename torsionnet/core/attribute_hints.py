@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from torsionnet.core.errors import did_you_mean
-from torsionnet.core.familiar_words import METHODS, familiar_key
 
 T = TypeVar("T", bound=type[Any])
 _UNEXPECTED = re.compile(r"unexpected keyword argument '(\w+)'")
@@ -22,6 +21,8 @@ class AttributeHints:
         def __getattr__(self, name: str) -> object:
             if not name.startswith("_") and hasattr(type(self), name):
                 return object.__getattribute__(self, name)  # a property that failed tells its own error
+            from torsionnet.core.familiar_words import METHODS
+
             kind = type(self)
             table = next((METHODS[one.__name__] for one in kind.__mro__ if one.__name__ in METHODS), {})
             hint = python_hint(table, name, (one for one in dir(kind) if not one.startswith("_")))
@@ -48,6 +49,8 @@ def with_argument_hints(cls: T) -> T:
             found = _UNEXPECTED.search(str(error))
             if found is None or found[1] not in entries:
                 raise
+            from torsionnet.core.familiar_words import familiar_key
+
             known = [name for name in initialise.__annotations__ if name != "return"]
             meant, advice = familiar_key(found[1], known)
             hint = f"; {advice}" if advice else f'; did you mean "{meant}"?' if meant else did_you_mean(found[1], known)

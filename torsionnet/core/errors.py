@@ -13,8 +13,6 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TypeAlias
 
-from torsionnet.core.familiar_words import familiar_key
-
 Path: TypeAlias = tuple[str | int, ...]
 """Path to an entry of a model: keys and indices from the outside in."""
 
@@ -251,6 +249,8 @@ def _question(meant: str) -> str:
 def unknown_key(key: object, known: Iterable[str], path: Path, rest: str) -> Fault:
     """Fault of a key that an entry of the model does not have; ``rest`` says which keys do."""
     name, known = str(key), list(known)
+    from torsionnet.core.familiar_words import familiar_key
+
     meant, advice = familiar_key(name, known)
     meant = meant or ("" if advice else nearest(name, known))
     text = f'unknown key "{name}"{f"; {advice}" if advice else _question(meant)}; {rest}'.replace("?; ", "? ")

@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterable, Mapping
 from types import ModuleType
 
 from torsionnet.core.attribute_hints import python_hint
-from torsionnet.core.familiar_words import PYTHON
 
 TABLES: dict[str, dict[str, str]] = {}
 """Place of each public name, ``module:name`` or a module, by package and name."""
@@ -56,6 +55,8 @@ def lazy_exports(
 
     def attribute(name: str) -> object:
         if name not in table:
+            from torsionnet.core.familiar_words import PYTHON
+
             hint = python_hint(PYTHON.get(package, {}), name, dir(sys.modules[package]))
             raise AttributeError(f"module {package!r} has no attribute {name!r}{hint}", name=name)
         home, _, inside = table[name].partition(":")

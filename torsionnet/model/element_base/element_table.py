@@ -11,7 +11,6 @@ from torsionnet.core.entries.scalars import QuantityKind
 from torsionnet.core.entries.words import name_fault
 from torsionnet.core.errors import Fault, ModelError, did_you_mean
 from torsionnet.core.expressions import Number
-from torsionnet.core.familiar_words import ELEMENT_TYPES as FAMILIAR_TYPES
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE
 from torsionnet.model.element_base.element import ELEMENT_TYPES, Element
 
@@ -93,6 +92,8 @@ def _kind_fault(kind: Any) -> Fault:
     known = ", ".join(ELEMENT_TYPES)
     if kind is None:
         return Fault(f"an element needs a type: {known}", on_key=True)
+    from torsionnet.core.familiar_words import ELEMENT_TYPES as FAMILIAR_TYPES
+
     familiar = FAMILIAR_TYPES.get(str(kind).casefold())
     hint = f'; did you mean "{familiar}"?' if familiar in ELEMENT_TYPES else did_you_mean(str(kind), ELEMENT_TYPES)
     return Fault(f'no element type is named "{kind}"{hint}; known: {known}'.replace("?; ", "? "), ("type",))
