@@ -28,7 +28,6 @@ from torsionnet.model.named_entries import can_be_named, with_named_entries
 from torsionnet.model.operating_point import OperatingPoint
 from torsionnet.model.operating_values import at_operating_point, with_operating_values, with_tangents
 from torsionnet.model.parameters import Parameter, resolve
-from torsionnet.model.parts.part_insertion import part_of, with_use
 from torsionnet.model.point_settings import is_point_setting, point_settings_of, with_point_settings
 from torsionnet.model.speeds import mean_speeds, total_ratio
 
@@ -347,6 +346,8 @@ class Model:
         use = {key: value for key, value in use.items() if value is not None}
         use["part"] = part if isinstance(part, str) else ""
         given = None if isinstance(part, str) else part.definition
+        from torsionnet.model.parts.part_insertion import with_use
+
         authored, faults = with_use(self._base, name, use, given)
         definition, found = flatten_definition(authored)
         _refuse(faults := [*faults, *found], self.name)
@@ -480,7 +481,11 @@ def _state(
 
 def as_part(model: Any) -> Any:
     """Part made of a model with ports, to be put into another model; other objects are returned unchanged."""
-    return part_of(model.definition)[0] if isinstance(model, Model) else model
+    if not isinstance(model, Model):
+        return model
+    from torsionnet.model.parts.part_insertion import part_of
+
+    return part_of(model.definition)[0]
 
 
 def _refuse(faults: Iterable[Fault], title: str) -> None:

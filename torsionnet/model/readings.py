@@ -15,8 +15,8 @@ from typing import Any
 
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor, port_fault
+from torsionnet.model.element_base.laws import own_node
 from torsionnet.model.element_base.round_section import section_modulus
-from torsionnet.model.element_base.speed_path import SpeedPaths, own_node
 from torsionnet.model.elements import GROUND, Element, Row, Values
 from torsionnet.model.elimination import exact
 from torsionnet.model.kinematics import Kinematics, virtual_motion
@@ -92,6 +92,8 @@ def referring_factor(sensor: Sensor, elements: Mapping[str, Element], value: Val
     if sensor.is_on_element:
         element = elements[sensor.of]
         own = port_of(element, sensor.at)[0] if sensor.quantity == "torque" else own_node(element.ports)
+    from torsionnet.model.element_base.speed_path import SpeedPaths
+
     path = SpeedPaths([one for one in elements.values() if one.enabled], value).between(own, shaft)
     if path is None:
         text = f"{sensor}: no ratio leads from {own} to {shaft} in this configuration"

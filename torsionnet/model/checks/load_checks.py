@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
 
 from torsionnet.core.errors import USELESS, Fault, Path, UsageError, unknown_name
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.load.external_torques import CutOffError, ExternalTorques, stated_torques
 from torsionnet.model.load.load_places import unknown_driver
-from torsionnet.model.load.load_section import Load
 from torsionnet.model.torque_places import torque_place
+
+if TYPE_CHECKING:
+    from torsionnet.model.load.load_section import Load
 
 SAME_TORQUE_SHARE = 0.01
 """Relative difference up to which torques of the load and of the operating point agree, rounded as in data sheets."""

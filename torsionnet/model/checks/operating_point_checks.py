@@ -11,9 +11,7 @@ from torsionnet.core.units import RPM
 from torsionnet.model.checks.balance import unbalanced_torques
 from torsionnet.model.checks.load_checks import unfit_load
 from torsionnet.model.definition import Definition
-from torsionnet.model.element_base.curves import OnCurve
 from torsionnet.model.element_base.element import Element
-from torsionnet.model.elements.propeller import Propeller
 from torsionnet.model.kinematics import Kinematics
 from torsionnet.model.load.external_torques import ExternalTorques, stated_torques
 from torsionnet.model.operating_values import OperatingPoints, operating_parameter_faults, with_operating_values
@@ -74,7 +72,7 @@ def _unlike_directions(external: ExternalTorques) -> Iterator[Fault]:
     for name, one in definition.excitations.items():
         if one.enabled and one.rating is not None and one.rating.torque:
             expected |= dict.fromkeys((*one.nodes, one.shaft), (name, one.rating.torque > 0))
-    expected |= {str(one.node): (one.name, False) for one in definition.active if isinstance(one, Propeller)}
+    expected |= {str(one.node): (one.name, False) for one in definition.active if one.absorbs}
     for node, torque in stated_torques(definition, external.values).items():
         if node in expected and torque * speeds.get(node, 0.0):
             yield from _wrong_way(node, torque, speeds, *expected[node])
@@ -119,10 +117,8 @@ def _working_points(external: ExternalTorques) -> Iterator[tuple[str, Mapping[st
 def _beyond(definition: Definition, values: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
     for element in (one for one in definition.active if one.reads_off):
         for path, spec, expression, _ in element.expressions():
-            if isinstance(spec, OnCurve):
-                reason = spec.curve_fault(float(expression.evaluate(values)))
-                if reason:
-                    yield ("elements", element.name, *path), f"{expression} {reason}"
+            if reason := spec.curve_fault(float(expression.evaluate(values))):
+                yield ("elements", element.name, *path), f"{expression} {reason}"
 
 
 def _unlike_working_speeds(external: ExternalTorques) -> Iterator[Fault]:

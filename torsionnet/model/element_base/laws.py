@@ -176,3 +176,8 @@ class Values:
             return self.algebra.sqrt(square)
         except ArithmeticError:
             raise ArithmeticError(reason) from None
+
+
+def own_node(ports: Mapping[str, str]) -> str:
+    """Node of an element, the first but ground, to whose shaft its values belong."""
+    return next((node for node in ports.values() if node != GROUND), GROUND)

@@ -275,8 +275,3 @@ class SpeedPaths:
                 held |= {node for node in element.ports.values() if node != GROUND}
         turning = {other for node in moving for other in tied.of(node)}
         return {other for node in held - turning for other in tied.of(node)}
-
-
-def own_node(ports: Mapping[str, str]) -> str:
-    """Node of an element, the first but ground, to whose shaft its values belong."""
-    return next((node for node in ports.values() if node != GROUND), GROUND)

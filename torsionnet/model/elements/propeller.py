@@ -62,6 +62,7 @@ class Propeller(Element):
     """
 
     kind: ClassVar[str] = "propeller"
+    absorbs: ClassVar[bool] = True
     glyph: ClassVar[str] = "disc"
     sign: ClassVar[str] = "positive when the drivetrain drives the propeller in the positive sense"
     working_point: ClassVar[tuple[str, ...]] = ("speed",)

@@ -7,15 +7,17 @@ from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input
 from torsionnet.model.definition import Definition, all_nodes
-from torsionnet.model.load.absorber import Absorber
 from torsionnet.model.load.load_places import drivers, on_nodes, reacting
 from torsionnet.model.speeds import mean_speeds, speeds_by_reference
 from torsionnet.model.torque_places import torque_place
+
+if TYPE_CHECKING:
+    from torsionnet.model.load.absorber import Absorber
 
 UNKNOWN = "the load determines no mean torques here"
 """End of messages on a driver or absorber that is cut off from the load's reference node."""

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 from torsionnet.core.errors import UsageError, suggestion_or
 from torsionnet.model.channels import Input, parse_pair
 from torsionnet.model.definition import Definition, all_nodes
-from torsionnet.model.load.load_section import Load
 from torsionnet.model.torque_places import torque_place
+
+if TYPE_CHECKING:
+    from torsionnet.model.load.load_section import Load
 
 ENGINE = "reciprocating_engine"
 """Kind of the excitation that drives where the load names no driver."""

@@ -9,7 +9,6 @@ from torsionnet.core.units import RPM
 from torsionnet.model.definition import Definition
 from torsionnet.model.element_base.torque_curve import MotionState
 from torsionnet.model.elements import MotionLaw, Values
-from torsionnet.model.motion_balance.law_network import following_elements
 from torsionnet.model.parameters import resolve
 
 MOST_NAMED = 6
@@ -21,6 +20,8 @@ def law_notes(definition: Definition) -> tuple[str, ...]:
     tangents = definition.tangents
     if tangents is None:
         return ()
+    from torsionnet.model.motion_balance.law_network import following_elements
+
     following = following_elements(definition)
     if not following:
         return ()
