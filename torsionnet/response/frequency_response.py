@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.notebook import NotebookResult
 from torsionnet.response.conventions import SI, Conventions
-from torsionnet.response.estimation import Estimation
-from torsionnet.response.measured.between_samples import BetweenSamples
-from torsionnet.response.table import Column, Table
 
 if TYPE_CHECKING:
     import control
+
+    from torsionnet.response.estimation import Estimation
+    from torsionnet.response.measured.between_samples import BetweenSamples
+    from torsionnet.response.table import Table
 
 FloatArray: TypeAlias = NDArray[np.float64]
 ComplexArray: TypeAlias = NDArray[np.complex128]
@@ -266,6 +267,8 @@ class FrequencyResponse(NotebookResult):
 
     def table(self, conventions: Conventions = SI) -> Table:
         """Table of magnitude, phase in deg and coherence, where known, of each output over each input by frequency."""
+        from torsionnet.response.table import Column, Table
+
         columns = [Column("frequency", conventions.frequency)]
         data: list[FloatArray] = [self.frequencies * conventions.frequency_scale]
         for o, out in enumerate(self.outputs):

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,9 @@ from torsionnet.response.mode_numbers import (
     mode_names,
     mode_numbers,
 )
-from torsionnet.response.table import Column, Table, result_table
+
+if TYPE_CHECKING:
+    from torsionnet.response.table import Table
 
 FloatArray: TypeAlias = NDArray[np.float64]
 ComplexArray: TypeAlias = NDArray[np.complex128]
@@ -200,6 +202,8 @@ class Modes(NotebookResult):
 
     def table(self, conventions: Conventions = SI) -> Table:
         """Table with a row per mode, natural and damped frequency, damping ratio, eigenvalue, kind and description."""
+        from torsionnet.response.table import result_table
+
         scale = conventions.frequency_scale
         undamped = ", ".join(f"{value * scale:.6g}" for value in self.undamped_natural_frequencies)
         counting = [COUNTING_NOTE] if None in self.numbers else []
@@ -232,6 +236,8 @@ class Modes(NotebookResult):
 
     def shape_table(self) -> Table:
         """Table of mode shapes with a row per node, magnitude in rad and phase in deg for each mode."""
+        from torsionnet.response.table import Column, Table
+
         columns = [Column("node")]
         for name in self.names:
             columns += [Column(f"|shape {name}|", "rad"), Column(f"phase {name}", "deg")]
@@ -247,6 +253,8 @@ class Modes(NotebookResult):
 
     def energy_table(self) -> Table:
         """Table with a row per element, share in kinetic and strain energy and dissipation of each mode, percent."""
+        from torsionnet.response.table import Column, Table
+
         columns = [Column("element")]
         for name in self.names:
             columns += [Column(f"{what} {name}", "%", 4) for what in ("kinetic", "strain", "dissipated")]
