@@ -16,15 +16,14 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
-from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.twin import twin
 from torsionnet.model.elements import Action
 from torsionnet.symbolic.algebra.delay import delay_symbol
 from torsionnet.symbolic.algebra.minors import sparse_determinant
 from torsionnet.symbolic.algebra.network import ZERO, Stiffness, SymbolRow
-from torsionnet.symbolic.algebra.program import Program, ProgramNode
+from torsionnet.symbolic.algebra.program import ProgramNode
 from torsionnet.symbolic.symbolic_sensors import PURE_S, Mechanism, SymbolicPart
 
 Entries: TypeAlias = dict[int, ProgramNode]
@@ -33,6 +32,8 @@ Entries: TypeAlias = dict[int, ProgramNode]
 @dataclass(eq=False)
 class ActiveMechanism(Mechanism):
     """Symbolic drivetrain whose numerators and determinant include the torques of its actions as unknowns."""
+
+    has_actions: ClassVar[bool] = True
 
     def determinant(self, load: SymbolRow) -> ProgramNode:
         del load
@@ -115,17 +116,6 @@ class ActiveMechanism(Mechanism):
             s = self.program.leaf(PURE_S)
             found = found + s * s * s * self._in_s(coefficients[3:])
         return found
-
-
-def mechanism(
-    drivetrain: AssembledModel,
-    referred_to: tuple[str, ...] = (),
-    loose: tuple[int, ...] = (),
-    program: Program | None = None,
-) -> Mechanism:
-    """Symbolic drivetrain from which transfer functions are made, an :class:`ActiveMechanism` if it has actions."""
-    kind = ActiveMechanism if drivetrain.assembly.system.actions else Mechanism
-    return kind(drivetrain, referred_to, loose, program or Program())
 
 
 def _add(entries: Entries, column: int, value: ProgramNode) -> None:

@@ -8,7 +8,6 @@ from typing import Any
 
 import sympy
 
-from torsionnet.symbolic.active_mechanism import ActiveMechanism
 from torsionnet.symbolic.algebra.algebras import in_s
 from torsionnet.symbolic.algebra.network import Stiffness
 from torsionnet.symbolic.symbolic_request import SymbolicRequest
@@ -25,7 +24,7 @@ def continued_fraction(asked: SymbolicRequest, leaf: Callable[[Any], Any]) -> An
             return leaf(Stiffness(*(asked.change(part) for part in payload.parts)))
         return leaf(asked.change(sympy.Integer(payload) if isinstance(payload, int) else payload))
 
-    if isinstance(asked.mechanism, ActiveMechanism):
+    if asked.mechanism.has_actions:
         return None
     try:
         alone = asked.measured is None

@@ -15,7 +15,7 @@ from torsionnet.model.readings import port_of
 from torsionnet.response import Channel
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, resolve_request
 from torsionnet.solve.modes.cut_drivetrain import cut_definition, elements_beyond_cut
-from torsionnet.symbolic.active_mechanism import mechanism
+from torsionnet.symbolic.algebra.program import Program
 from torsionnet.symbolic.algebra.zero_tests import vanishes
 from torsionnet.symbolic.symbolic_sensors import Mechanism, SymbolicPart, loose_constraints, parts_of
 
@@ -122,3 +122,18 @@ def _of_cut(
     notes = (*whole.notes, f"cut at {whole.channels[1].name}: independent of {removed}") if removed else whole.notes
     into = sign if sensor.of in kept else -sign
     return SymbolicRequest(rested, parts_of(rested, output), None, {node: 1}, into, whole.channels, notes)
+
+
+def mechanism(
+    drivetrain: AssembledModel,
+    referred_to: tuple[str, ...] = (),
+    loose: tuple[int, ...] = (),
+    program: Program | None = None,
+) -> Mechanism:
+    """Symbolic drivetrain from which transfer functions are made, an :class:`ActiveMechanism` if it has actions."""
+    kind = Mechanism
+    if drivetrain.assembly.system.actions:
+        from torsionnet.symbolic.active_mechanism import ActiveMechanism
+
+        kind = ActiveMechanism
+    return kind(drivetrain, referred_to, loose, program or Program())

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.symbolic import law_parts
@@ -65,6 +65,8 @@ class Mechanism:
         Constraints whose torque is wanted, by number.
     """
 
+    has_actions: ClassVar[bool] = False
+    """Whether torques of controllers are unknowns beside the coordinates, so that no continued fraction exists."""
     drivetrain: AssembledModel
     referred_to: tuple[str, ...] = ()
     loose: tuple[int, ...] = ()

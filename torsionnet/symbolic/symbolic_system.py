@@ -16,7 +16,6 @@ from torsionnet.model.elements import Action, Law, Values
 from torsionnet.model.kinematics import owned_parts
 from torsionnet.response import Channel
 from torsionnet.solve.dynamic_stiffness.transfer_request import resolve_request
-from torsionnet.symbolic.algebra.delay import Delay, delay_symbol
 from torsionnet.symbolic.algebra.program import ProgramNode
 from torsionnet.symbolic.imposed_angles import (
     hold_imposed_angles,
@@ -26,10 +25,10 @@ from torsionnet.symbolic.imposed_angles import (
 )
 from torsionnet.symbolic.symbolic_request import SymbolicRequest, resolve
 from torsionnet.symbolic.transfer_function import TransferFunction
-from torsionnet.symbolic.transfer_matrix import TransferMatrix, measured_transfer_matrix
 
 if TYPE_CHECKING:
     from torsionnet.symbolic.simplified import Simplified
+    from torsionnet.symbolic.transfer_matrix import TransferMatrix
 
 
 MOST_SHOWN = 8
@@ -98,6 +97,8 @@ class SymbolicSystem(SymbolicMatrices):
         >>> print(tn.load("dmf_rig").symbolic().transfer_matrix(["theta_1", "T_T"], ["T_M"])["T_T", "T_M"].static_gain)
         1
         """
+        from torsionnet.symbolic.transfer_matrix import TransferMatrix, measured_transfer_matrix
+
         drivetrain = self._model
         request = resolve_request(drivetrain, list(outputs), list(inputs), excitation)
         if request.is_measured and len(inputs) > 1:
@@ -200,6 +201,10 @@ def _tables(drivetrain: AssembledModel) -> Mapping[Any, Any]:
         stiffness_symbol(owner, law.table): with_symbols(law.table) for owner, law in laws if law.table is not None
     }
     delays = [(owner, twin(part.delay).symbol) for owner, part in parts if isinstance(part, Action)]
+    if not delays:
+        return found
+    from torsionnet.symbolic.algebra.delay import Delay, delay_symbol
+
     return found | {delay_symbol(owner): Delay(time) for owner, time in delays if time != 0}
 
 

@@ -13,10 +13,8 @@ from numpy.typing import ArrayLike
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response import FrequencyResponse
 from torsionnet.symbolic.algebra.algebras import Derivatives, SubstitutedLeaves
-from torsionnet.symbolic.algebra.delay import refuse_delays
 from torsionnet.symbolic.algebra.program import Program
 from torsionnet.symbolic.formula_text import for_display, latex, with_where
-from torsionnet.symbolic.length_limits import require_readable, require_short
 from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
 
 if TYPE_CHECKING:
@@ -61,6 +59,8 @@ class TransferFunction(SymbolicFraction):
         UsageError
             It would fill pages.
         """
+        from torsionnet.symbolic.algebra.delay import refuse_delays
+        from torsionnet.symbolic.length_limits import require_readable
         from torsionnet.symbolic.rational import rational
 
         refuse_delays(self.used_tables, "form of two polynomials")
@@ -76,6 +76,8 @@ class TransferFunction(SymbolicFraction):
         UsageError
             It would fill pages.
         """
+        from torsionnet.symbolic.algebra.delay import refuse_delays
+        from torsionnet.symbolic.length_limits import require_readable
         from torsionnet.symbolic.normalised import normalised
 
         refuse_delays(self.used_tables, "normalised form")
@@ -224,6 +226,8 @@ class TransferFunction(SymbolicFraction):
           z_1 = c_1*s + k_1
           z_2 = k_2 + s*(I_2*s + c_2 + c_B)
         """
+        from torsionnet.symbolic.length_limits import require_short
+
         if form == "mechanical":
             require_short(self, MOST_LEAVES)
             return str(for_display(self.mechanical))
@@ -242,6 +246,8 @@ class TransferFunction(SymbolicFraction):
         UsageError
             No such form, or one that would fill pages.
         """
+        from torsionnet.symbolic.length_limits import require_short
+
         if form == "mechanical":
             require_short(self, MOST_LEAVES)
             return latex(self.mechanical)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+from torsionnet.symbolic.algebra.block_tree import GraphBlock
 from torsionnet.symbolic.algebra.bundle import Quotient, quotient
-from torsionnet.symbolic.algebra.loops import solve_block
 from torsionnet.symbolic.algebra.network import (
     Network,
     NetworkMember,
@@ -13,13 +15,20 @@ from torsionnet.symbolic.algebra.network import (
     reflected_sum,
 )
 from torsionnet.symbolic.algebra.program import Program, ProgramNode
-from torsionnet.symbolic.algebra.recursion import Recursion
+from torsionnet.symbolic.algebra.recursion import Recursion, SolvedBlock
+
+
+def _solve_block(block: GraphBlock[Quotient], hanging: Mapping[str, Quotient], program: Program) -> SolvedBlock:
+    """Solved block with closed loops, whose algebra a tree does not need."""
+    from torsionnet.symbolic.algebra.loops import solve_block
+
+    return solve_block(block, hanging, program)
 
 
 def recursion_from(root: str, network: Network[Stiffness], program: Program) -> Recursion:
     """Determinants of a network's parts as seen from a root coordinate, recorded once per program."""
     return program.memo.once(
-        Recursion, (network, root), lambda: Recursion(quotients(network, program), program, root, solve_block)
+        Recursion, (network, root), lambda: Recursion(quotients(network, program), program, root, _solve_block)
     )
 
 
