@@ -9,24 +9,30 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-import torsionnet.solve.dynamic_stiffness.dense as dense
 import torsionnet.solve.dynamic_stiffness.starmesh as starmesh
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.solve.dynamic_stiffness.closed_loops import ClosedLoops, close_loops
 from torsionnet.solve.dynamic_stiffness.lost_digits import LARGE_SHARE
 from torsionnet.solve.dynamic_stiffness.reading_problem import ReadingProblem
-from torsionnet.solve.dynamic_stiffness.reading_table import reading_table
 from torsionnet.solve.dynamic_stiffness.response_problem import ResponseProblem
 from torsionnet.solve.dynamic_stiffness.sweep import Sweep
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 
 Respond: TypeAlias = Callable[[ResponseProblem, LawStiffness], Sweep]
+
+
+def _respond_densely(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
+    from torsionnet.solve.dynamic_stiffness.dense import respond
+
+    return respond(problem, kappa)
+
+
 METHODS: dict[str, Respond] = {
     "auto": starmesh.respond,
     "graph": starmesh.respond_in_numpy,
     "compiled": starmesh.respond_compiled,
-    "dense": dense.respond,
+    "dense": _respond_densely,
 }
 
 
@@ -77,6 +83,7 @@ def transfer_functions(
 def _compiled(request: TransferRequest, reading_problem: ReadingProblem, kappa: LawStiffness) -> FrequencyPoints | None:
     """Transfer functions (n_points, n_out, n_in) by one compiled loop, or None for requests it cannot handle."""
     import torsionnet.solve.dynamic_stiffness.compiled as compiled
+    from torsionnet.solve.dynamic_stiffness.reading_table import reading_table
 
     parts, n_out = reading_problem.problem.parts, len(request.outputs)
     tables = [reading_table(reading_problem, n_out, len(excitations)) for excitations, _ in parts]

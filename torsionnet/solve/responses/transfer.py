@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,9 +26,10 @@ from torsionnet.response import FrequencyResponse
 from torsionnet.solve.dynamic_stiffness.quotient import METHODS, transfer_functions
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, cached_request
 from torsionnet.solve.modes.modes import modes_against
-from torsionnet.solve.responses.grid import Adaptive
 from torsionnet.solve.responses.uncertain import refine_uncertain_points
-from torsionnet.solve.responses.zero import at_zero
+
+if TYPE_CHECKING:
+    from torsionnet.solve.responses.grid import Adaptive
 
 VANISHING_INPUT_RATIO = 1e-10
 """Ratio of a measured input to the sum of its terms' magnitudes below which a warning says that it all but vanishes."""
@@ -73,6 +74,10 @@ def chosen_frequencies(
     drivetrain: AssembledModel, frequencies: ArrayLike | Adaptive, request: TransferRequest
 ) -> FloatArray:
     """Frequencies (n_f,) in Hz of a request, as given, or as an adaptive range resolves them."""
+    if isinstance(frequencies, np.ndarray):
+        return _checked(frequencies)
+    from torsionnet.solve.responses.grid import Adaptive
+
     return _resolving(drivetrain, frequencies, request) if isinstance(frequencies, Adaptive) else _checked(frequencies)
 
 
@@ -103,6 +108,8 @@ def _static(drivetrain: AssembledModel, request: TransferRequest, method: str) -
         found = transfer_functions(request, law_stiffness([drivetrain.assembly.system], np.zeros(1)), method)
         if np.isfinite(found.values).all() and not found.uncertain[0]:
             return np.asarray(found.values[0])
+    from torsionnet.solve.responses.zero import at_zero
+
     return at_zero(drivetrain, request)
 
 

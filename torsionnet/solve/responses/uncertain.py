@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,9 +13,11 @@ from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import SolveError, TorsionnetWarning
-from torsionnet.solve.dynamic_stiffness.many_digits import CALCULATION_DIGITS, ManyDigits
 from torsionnet.solve.dynamic_stiffness.quotient import FrequencyPoints, transfer_functions
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
+
+if TYPE_CHECKING:
+    from torsionnet.solve.dynamic_stiffness.many_digits import ManyDigits
 
 PROMISED_ERROR = 1e-9
 """Largest relative error of response values that are returned without a warning."""
@@ -130,6 +133,8 @@ class _ManyPoints:
             The measured inputs depend on each other here, and then everywhere: a frequency in Hz is no exact root.
         """
         import mpmath
+
+        from torsionnet.solve.dynamic_stiffness.many_digits import CALCULATION_DIGITS, ManyDigits
 
         variant, number = divmod(point, self.frequencies.shape[1])
         with mpmath.workdps(CALCULATION_DIGITS):
