@@ -104,6 +104,11 @@ class Module:
         ]
 
     @property
+    def has_functions(self) -> bool:
+        """Whether the module has a function or method of its own."""
+        return any(isinstance(node, ast.FunctionDef) for node in self.statements)
+
+    @property
     def public_classes(self) -> list[str]:
         return [
             node.name for node in self.tree.body if isinstance(node, ast.ClassDef) and not node.name.startswith("_")

@@ -1,0 +1,89 @@
+"""What the calls for which the package exists load and pass: modules, code lines, functions and files.
+
+``python -m structure.core_use`` prints it; ``--idle`` names the modules of which no function ran.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+from structure.modules import Module, modules_below
+
+ROOT = Path(__file__).parents[2]
+FOUR_CALLS = """
+rig = tn.load("amt_rig").configured("V")
+rig.modes()
+rig.frequency_response("theta_1", "T_T", np.array([1.0, 5.0, 20.0]))
+str(rig.symbolic().transfer_function("theta_1", "T_T"))
+"""
+"""Load, modes, measured-input response, symbolic transfer function."""
+ONE_RESPONSE = """
+tn.load("dmf_rig").frequency_response("theta_1", "T_T", np.array([1.0, 5.0, 20.0]))
+"""
+"""Load and one measured-input response, the way that a reader of the core walks first."""
+OF_BOTH_RIGS = FOUR_CALLS + FOUR_CALLS.replace('tn.load("amt_rig").configured("V")', 'tn.load("dmf_rig")')
+PROGRAM = """
+import json, sys, time
+import numpy as np
+started, called = time.process_time(), set()
+def watch(frame, event, _):
+    code = frame.f_code
+    if event == "call" and code.co_flags & 1 and code.co_name[0] != "<":  # class bodies are not optimised, lambdas are <lambda>
+        called.add((code.co_filename, code.co_qualname))
+if {watched}:
+    sys.setprofile(watch)
+import torsionnet as tn
+{calls}
+sys.setprofile(None)
+files = {{one.__file__ for name, one in sys.modules.items() if name.split(".")[0] == "torsionnet"}}
+print(json.dumps([sorted(files), sorted(called), time.process_time() - started]))
+"""
+
+
+class Use(NamedTuple):
+    """Modules that calls load, functions of them that run, by file and name, and the CPU seconds that they take."""
+
+    loaded: list[Module]
+    functions: list[tuple[str, str]]
+    seconds: float
+
+    @property
+    def code_lines(self) -> int:
+        return sum(module.code_lines for module in self.loaded)
+
+    @property
+    def files(self) -> set[str]:
+        return {file for file, _ in self.functions}
+
+    @property
+    def idle(self) -> list[str]:
+        """Modules with functions, none of which ran."""
+        return [one.relative for one in self.loaded if one.has_functions and one.relative not in self.files]
+
+
+def use_of(calls: str, *, watched: bool = True) -> Use:
+    """What some calls load and run in a fresh process."""
+    program = PROGRAM.format(calls=calls, watched=watched)
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, check=True, capture_output=True, text=True)
+    files, called, seconds = json.loads(done.stdout)
+    modules = {str(module.path): module for module in modules_below(ROOT / "torsionnet")}
+    functions = [(modules[file].relative, name) for file, name in called if file in modules]
+    return Use([modules[file] for file in files if file in modules], functions, seconds)
+
+
+def main() -> None:
+    four, response = use_of(FOUR_CALLS), use_of(ONE_RESPONSE)
+    seconds = min(use_of(FOUR_CALLS, watched=False).seconds for _ in range(5))
+    print(f"four calls on amt_rig: {len(four.loaded)} modules, {four.code_lines} code lines, {seconds:.2f} CPU s")
+    print(f"load and response of dmf_rig: {len(response.functions)} functions in {len(response.files)} files")
+    if "--idle" in sys.argv:
+        for relative in use_of(OF_BOTH_RIGS).idle:
+            print(f"    no function ran: {relative}")
+
+
+if __name__ == "__main__":
+    main()
