@@ -7,8 +7,9 @@ from typing import Any
 
 from torsionnet.core.entries.spec import not_none
 from torsionnet.core.errors import Fault, TorsionnetError
+from torsionnet.model.element_base.laws import own_node
 from torsionnet.model.element_base.speed_loops import second_ratio
-from torsionnet.model.element_base.speed_path import SpeedPath, SpeedPaths, own_node
+from torsionnet.model.element_base.speed_path import SpeedPath, SpeedPaths
 from torsionnet.model.elements import Element, Law, Values
 
 

@@ -12,6 +12,7 @@ from torsionnet.model.checks.balance import unbalanced_torques
 from torsionnet.model.checks.load_checks import unfit_load
 from torsionnet.model.definition import Definition
 from torsionnet.model.element_base.element import Element
+from torsionnet.model.element_base.laws import own_node
 from torsionnet.model.kinematics import Kinematics
 from torsionnet.model.load.external_torques import ExternalTorques, stated_torques
 from torsionnet.model.operating_values import OperatingPoints, operating_parameter_faults, with_operating_values
@@ -72,7 +73,7 @@ def _unlike_directions(external: ExternalTorques) -> Iterator[Fault]:
     for name, one in definition.excitations.items():
         if one.enabled and one.rating is not None and one.rating.torque:
             expected |= dict.fromkeys((*one.nodes, one.shaft), (name, one.rating.torque > 0))
-    expected |= {str(one.node): (one.name, False) for one in definition.active if one.absorbs}
+    expected |= {own_node(one.ports): (one.name, False) for one in definition.active if one.absorbs}
     for node, torque in stated_torques(definition, external.values).items():
         if node in expected and torque * speeds.get(node, 0.0):
             yield from _wrong_way(node, torque, speeds, *expected[node])
