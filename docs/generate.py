@@ -29,11 +29,9 @@ from verification_pages import verification_page
 from walk_pages import walks_page
 
 import torsionnet as tn
-from torsionnet.core.damping import MEASURES
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import QuantityKind, ValueInUnitOfUse
-from torsionnet.core.entries.spec import Spec, spec_of
-from torsionnet.core.entries.words import Count, Flag, OneOf
+from torsionnet.core.entries.spec import Count, Flag, OneOf, Spec, spec_of
 from torsionnet.core.errors import ModelError
 from torsionnet.core.expressions import Algebra
 from torsionnet.core.units import _BASE, _JOINED, _PREFIXES, DIMENSIONS, Dimension, expected_unit
@@ -54,11 +52,9 @@ from torsionnet.model.bench import (
 )
 from torsionnet.model.bench.bench_motions import MOTIONS
 from torsionnet.model.bench.plan import EXCITATIONS
-from torsionnet.model.element_base.damping_entries import LossFactor
-from torsionnet.model.element_base.multiple_values import MultipleValues
-from torsionnet.model.element_base.nodes import NodeName, NodePair
+from torsionnet.model.damping import MEASURES, LossFactor
+from torsionnet.model.element_base.element_entries import MultipleValues, NodeName, NodePair, Teeth
 from torsionnet.model.element_base.shaft_stiffness import ShaftStiffness
-from torsionnet.model.element_base.teeth import Teeth
 from torsionnet.model.elements import (
     ELEMENT_TYPES,
     GROUND,

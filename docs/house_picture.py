@@ -27,8 +27,8 @@ from torsionnet.report.document_tree import Report
 from torsionnet.report.report import write_report
 from torsionnet.response import FrequencyResponse
 from torsionnet.solve.dynamic_stiffness.quotient import transfer_functions
+from torsionnet.solve.dynamic_stiffness.response_problem import make_tape
 from torsionnet.solve.dynamic_stiffness.tape import Tape
-from torsionnet.solve.dynamic_stiffness.tape_writing import make_tape
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, cached_request
 
 PACKAGE = Path(torsionnet.__file__).parent

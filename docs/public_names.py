@@ -16,8 +16,7 @@ from typing import Any
 
 import torsionnet as tn
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.lazy_imports import TABLES
-from torsionnet.core.notebook import NotebookResult
+from torsionnet.core.packages import TABLES, NotebookResult
 
 SIGNATURES = Path(__file__).parents[1] / "tests" / "public_signatures.txt"
 HEAD = "# Public names and signatures: a change is a decision (docs/stability.md). Written by `make signatures`.\n"

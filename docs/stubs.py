@@ -18,9 +18,9 @@ import torsionnet.core.entries.accepted_types as accepted
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import QuantityKind
 from torsionnet.core.entries.spec import Spec
-from torsionnet.core.lazy_imports import TABLES
+from torsionnet.core.packages import TABLES
 from torsionnet.core.units import expected_unit
-from torsionnet.model.element_base.nodes import NodeName, NodePair
+from torsionnet.model.element_base.element_entries import NodeName, NodePair
 from torsionnet.model.elements import Element, element_classes
 
 ROOT = Path(tn.__file__).parents[1]

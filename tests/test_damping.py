@@ -8,9 +8,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from support.models import sympy_algebra
 
-from torsionnet.core.damping import MEASURES, DampingError, DampingMeasure, convert_damping
 from torsionnet.core.expression_reading import parse_expression, scalar
 from torsionnet.core.expressions import FLOAT, RATIONAL, ExpressionError
+from torsionnet.model.damping import MEASURES, DampingError, DampingMeasure, convert_damping
 
 K, F = 1300.0, 12.5
 OMEGA = 2 * math.pi * F

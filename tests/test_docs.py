@@ -15,9 +15,9 @@ from structure.floors import LAYERS
 
 import torsionnet as tn
 from torsionnet.cli import main
-from torsionnet.core.damping import MEASURES
-from torsionnet.core.entries.named_files import files_beside
+from torsionnet.core.entries.declared import files_beside
 from torsionnet.core.units import _BASE
+from torsionnet.model.damping import MEASURES
 from torsionnet.model.elements import ELEMENT_TYPES, make_element
 from torsionnet.model.files.located_yaml import compose
 from torsionnet.study.answers.answer import ANSWERS

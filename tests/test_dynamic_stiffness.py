@@ -14,8 +14,8 @@ from torsionnet.core.errors import UsageError
 from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.dynamic_stiffness import ScaledStiffness
 from torsionnet.model.element_base.element import Element
+from torsionnet.model.element_base.element_entries import NodePair
 from torsionnet.model.element_base.laws import difference
-from torsionnet.model.element_base.nodes import NodePair
 from torsionnet.model.element_base.stiffness_rows import TableEntry
 from torsionnet.model.element_base.stiffness_table import StiffnessTable
 from torsionnet.model.elements import Law

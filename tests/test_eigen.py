@@ -13,7 +13,7 @@ from support import campaigns
 from torsionnet.assembly.rows import Rows, RowSystem
 from torsionnet.core.errors import SolveError
 from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness, DynamicStiffness
-from torsionnet.solve.dynamic_stiffness.nullspace import unresisted_motions
+from torsionnet.solve.dynamic_stiffness.row_algebra import unresisted_motions
 from torsionnet.solve.modes import ehrlich_aberth
 from torsionnet.solve.modes import spectrum as spectrum_module
 from torsionnet.solve.modes.eigen import complex_modes, undamped_modes

@@ -9,10 +9,9 @@ import pytest
 from support.models import EVERY_ELEMENT, SHEET
 
 import torsionnet as tn
-from torsionnet.core.entries.named_files import files_beside
-from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.entries.spec import spec_of
-from torsionnet.model.element_base.nodes import NodeName, NodePair
+from torsionnet.core.entries.declared import files_beside
+from torsionnet.core.entries.spec import Renaming, spec_of
+from torsionnet.model.element_base.element_entries import NodeName, NodePair
 from torsionnet.model.elements import ELEMENT_TYPES, Action, Constraint, Law, Values, make_element
 
 KINDS = sorted(ELEMENT_TYPES)

@@ -15,7 +15,7 @@ from support.patience import PATIENCE
 from torsionnet.explore import disk_file
 from torsionnet.explore.api import LARGEST_REQUEST, LARGEST_TEXT_REQUEST
 from torsionnet.explore.disk_file import GONE, DiskFile
-from torsionnet.model.files.decoding import MOST_BYTES
+from torsionnet.model.files.library import MOST_BYTES
 
 NEW = RIG.replace("400", "900")
 links = pytest.mark.skipif(os.name == "nt", reason="links need rights of their own on Windows")

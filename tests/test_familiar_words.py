@@ -134,7 +134,7 @@ def test_no_word_hides_something_that_exists():
 
 
 def test_a_class_that_is_registered_again_gives_one_hint():
-    from torsionnet.core.attribute_hints import with_argument_hints
+    from torsionnet.core.packages import with_argument_hints
 
     assert with_argument_hints(with_argument_hints(tn.Shaft)) is tn.Shaft
     with pytest.raises(TypeError) as caught:

@@ -24,7 +24,7 @@ from support.models import EVERY_ELEMENT
 from support.patience import PATIENCE
 
 from torsionnet.core import atomic
-from torsionnet.core.entries.renaming import Renaming
+from torsionnet.core.entries.spec import Renaming
 from torsionnet.core.errors import ModelError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.loading import load, loads
@@ -44,10 +44,9 @@ from torsionnet.model.elements import (
     TabulatedSpring,
 )
 from torsionnet.model.files import dump, json_schema, library_entry, library_models, read_file
-from torsionnet.model.files.located_yaml import PythonParser, compose
+from torsionnet.model.files.located_yaml import PythonParser, compose, plain_value
 from torsionnet.model.files.quoting import scalar_text
 from torsionnet.model.files.reader import read_text
-from torsionnet.model.files.yaml_scalars import plain_value
 
 LIBRARY = Path(__file__).parents[1] / "library"
 HEAD = "torsionnet: 1\nname: m\n"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.core.entries.band import Band, Bands
+from torsionnet.core.entries.scalars import Band, Bands
 from torsionnet.core.entries.spec import EntryError
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.identification.fit_file import load_fit_plan

@@ -101,7 +101,7 @@ def test_other_imports_are_allowed(tmp_path, name, source):
         ("plot/bode.py", "from torsionnet.plot.study.axes import x", False),
         ("plot/bode.py", "from torsionnet.plot.schematic.texts import x", True),
         ("plot/schematic/texts.py", "from torsionnet.plot.bode import x", False),
-        ("model/element_base/laws.py", "from torsionnet.model.elements.gears import x", False),
+        ("model/element_base/laws.py", "from torsionnet.model.elements.rigid import x", False),
         ("model/element_base/laws.py", "from torsionnet.model.checks.names import x", True),
     ],
 )

@@ -9,7 +9,7 @@ from fuzz.mutating import mutated
 from torsionnet.core.errors import ModelError
 from torsionnet.loading import loads
 from torsionnet.model.files import dump, library_models
-from torsionnet.model.files.decoding import decode
+from torsionnet.model.files.library import decode
 from torsionnet.model.files.reader import read_text
 
 NAMES = ("amt_rig", "six_cylinder_diesel", "planetary_set", "drill_string")  # configurations, tables of many shapes

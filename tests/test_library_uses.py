@@ -4,8 +4,7 @@ from itertools import count
 
 import pytest
 
-from torsionnet.model.files.library import library_parts
-from torsionnet.model.files.library_uses import other_use
+from torsionnet.model.files.library import library_parts, other_use
 from torsionnet.model.files.reader import read_text
 
 

@@ -8,7 +8,7 @@ from support import campaigns
 
 import torsionnet as tn
 from torsionnet.assembly.law_stiffness import LawStiffness
-from torsionnet.solve.dynamic_stiffness import starmesh
+from torsionnet.solve.dynamic_stiffness import sweep as starmesh
 from torsionnet.solve.dynamic_stiffness.response_problem import Loading, ResponseProblem
 from torsionnet.solve.responses import transfer
 

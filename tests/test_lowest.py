@@ -9,7 +9,7 @@ from support import campaigns
 import torsionnet as tn
 from torsionnet.assembly.rows import Rows, RowSystem
 from torsionnet.core.errors import SolveError
-from torsionnet.solve.dynamic_stiffness.nullspace import null_space
+from torsionnet.solve.dynamic_stiffness.row_algebra import null_space
 from torsionnet.solve.modes import eigen
 from torsionnet.solve.modes.eigen import complex_modes, undamped_modes
 

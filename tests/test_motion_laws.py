@@ -9,9 +9,9 @@ import pytest
 import scipy
 
 import torsionnet as tn
-from torsionnet.assembly.twin import TWINS, Twin
+from torsionnet.assembly.symbolic import TWINS, Twin
 from torsionnet.core.expressions import FLOAT
-from torsionnet.model.element_base.torque_curve import MotionState, ScaledCurve
+from torsionnet.model.element_base.laws import MotionState, ScaledCurve
 from torsionnet.model.elements import Constraint, Law, MotionLaw, Values
 from torsionnet.model.motion_balance.rate_states import roots_along
 from torsionnet.model.motion_laws.cubic_curve import CubicCurve

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from torsionnet.model.element_base.element import Element, register
-from torsionnet.model.element_base.nodes import NodePair
+from torsionnet.model.element_base.element_entries import NodePair
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.expressions import Expression

@@ -10,7 +10,7 @@ from support.ship_plant import SHIP
 from support.written_models import TWO_DISCS
 
 import torsionnet as tn
-from torsionnet.core import notebook
+from torsionnet.core import packages as notebook
 from torsionnet.response import Table
 from torsionnet.solve.sensitivity import mode_sensitivities
 from torsionnet.study import answer_study

@@ -3,7 +3,7 @@
 import pytest
 
 import torsionnet as tn
-from torsionnet.core.entries.renaming import Renaming
+from torsionnet.core.entries.spec import Renaming
 from torsionnet.core.expression_reading import scalar
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import ELEMENT_TYPES

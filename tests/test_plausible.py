@@ -8,7 +8,7 @@ from support import models
 
 import torsionnet as tn
 from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.model.checks.size_checks import unusual_sizes
+from torsionnet.model.checks.values import unusual_sizes
 
 MODEL = """\
 torsionnet: 1

@@ -12,7 +12,7 @@ from support.random_drivetrains import draw
 
 import torsionnet as tn
 from torsionnet.core.errors import UsageError
-from torsionnet.core.groups import Groups
+from torsionnet.core.registers import Groups
 from torsionnet.model.elements import GROUND, Constraint, Values
 from torsionnet.solve.modes.modes import modes
 from torsionnet.solve.sensitivity.mode_sensitivities import mode_sensitivities

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from torsionnet.core import memo
-from torsionnet.core.memo import RecentResults
+from torsionnet.core import registers as memo
+from torsionnet.core.registers import RecentResults
 
 
 @pytest.mark.parametrize(("number", "room"), [(2, 100), (10, 8)])

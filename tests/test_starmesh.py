@@ -13,7 +13,9 @@ from support import campaigns
 import torsionnet as tn
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import Rows, RowSystem
-from torsionnet.solve.dynamic_stiffness import dense, starmesh, tape_writing
+from torsionnet.solve.dynamic_stiffness import dense
+from torsionnet.solve.dynamic_stiffness import response_problem as tape_writing
+from torsionnet.solve.dynamic_stiffness import sweep as starmesh
 from torsionnet.solve.dynamic_stiffness.graph_plan import make_plan
 from torsionnet.solve.dynamic_stiffness.response_problem import Loading, ResponseProblem
 from torsionnet.solve.dynamic_stiffness.row_algebra import combine_rows, common_motion, equivalent_links, normalised

@@ -134,7 +134,7 @@ NOT_FOR_A_PLAIN_RIG = {
 @pytest.mark.slow
 def test_a_model_imports_what_it_has(pytestconfig):
     loaded = loaded_modules(command("check", "dmf_rig"), pytestconfig.rootpath)
-    assert {"torsionnet.model.elements.inertia", "torsionnet.model.checks.structure"} <= loaded
+    assert {"torsionnet.model.elements.rigid", "torsionnet.model.checks.structure"} <= loaded
     assert not loaded & NOT_FOR_A_PLAIN_RIG
 
 

@@ -11,13 +11,11 @@ from support import campaigns, strategies
 
 import torsionnet as tn
 from torsionnet.symbolic.algebra import loops
-from torsionnet.symbolic.algebra.adjugate import bilinear, determinant, recursion_from
 from torsionnet.symbolic.algebra.algebras import NumericValues
-from torsionnet.symbolic.algebra.block_tree import is_forest, orient, roots_of
 from torsionnet.symbolic.algebra.loops import SplitBlock
-from torsionnet.symbolic.algebra.network import Network, NetworkMember, Stiffness
-from torsionnet.symbolic.algebra.program import Program
-from torsionnet.symbolic.tree_fraction import single_edges
+from torsionnet.symbolic.algebra.network import Network, NetworkMember, Program, Stiffness
+from torsionnet.symbolic.algebra.recursion import is_forest, orient, roots_of
+from torsionnet.symbolic.mechanism import bilinear, determinant, recursion_from, single_edges
 
 EXAMPLES = settings(max_examples=campaigns.examples(5, 30), deadline=None)
 COEFFICIENTS = [-3, -2, -1, 1, 1, 2, Fraction(1, 3)]

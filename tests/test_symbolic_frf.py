@@ -16,10 +16,10 @@ from support.random_drivetrains import draw
 from sympy import Rational, Symbol, simplify
 
 import torsionnet as tn
-from torsionnet.symbolic.algebra.block_tree import orient
 from torsionnet.symbolic.algebra.charpoly import ExpandedBlock
 from torsionnet.symbolic.algebra.loops import solve_block
-from torsionnet.symbolic.algebra.program import Program
+from torsionnet.symbolic.algebra.network import Program
+from torsionnet.symbolic.algebra.recursion import orient
 
 F = np.array([0.31, 3.3, 17.0, 61.0])
 s = Symbol("s")

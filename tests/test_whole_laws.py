@@ -10,7 +10,7 @@ from support.models import sympy_algebra
 
 import torsionnet as tn
 from torsionnet.core.expressions import FLOAT
-from torsionnet.model.element_base.torque_curve import MotionState
+from torsionnet.model.element_base.laws import MotionState
 from torsionnet.model.elements import Action, Constraint, Law, MotionLaw, Values, make_element
 
 STAGES = [

@@ -14,8 +14,7 @@ from __future__ import annotations
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from torsionnet.core.lazy_imports import lazy_exports
-from torsionnet.core.notebook import Plots
+from torsionnet.core.packages import Plots, lazy_exports
 from torsionnet.core.version import __version__ as __version__
 
 if TYPE_CHECKING:
@@ -50,7 +49,7 @@ _named, _attribute, _ = lazy_exports(
         "TorsionnetWarning": "torsionnet.core.errors",
         "Unknown": "torsionnet.identification",
         "UsageError": "torsionnet.core.errors",
-        "convert_damping": "torsionnet.core.damping",
+        "convert_damping": "torsionnet.model.damping",
         "identify": "torsionnet.identification",
         "library_benches": "torsionnet.model.files",
         "library_models": "torsionnet.model.files",

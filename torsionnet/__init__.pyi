@@ -15,7 +15,6 @@ from torsionnet.bench import load_bench as load_bench
 from torsionnet.campaign import load_campaign as load_campaign
 from torsionnet.campaign import run_campaign as run_campaign
 from torsionnet.core import units as units
-from torsionnet.core.damping import convert_damping as convert_damping
 from torsionnet.core.errors import Fault as Fault
 from torsionnet.core.errors import MissingExtraError as MissingExtraError
 from torsionnet.core.errors import ModelError as ModelError
@@ -38,6 +37,7 @@ from torsionnet.loading import load as load
 from torsionnet.loading import loads as loads
 from torsionnet.model.channels import Input as Input
 from torsionnet.model.channels import Sensor as Sensor
+from torsionnet.model.damping import convert_damping as convert_damping
 from torsionnet.model.elements import Element as Element
 from torsionnet.model.elements.element_types import Belt as Belt
 from torsionnet.model.elements.element_types import ChainDrive as ChainDrive

@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from torsionnet.core.attribute_hints import AttributeHints
+from torsionnet.core.packages import AttributeHints
 from torsionnet.running_machinery import RunningMachinery
 
 if TYPE_CHECKING:

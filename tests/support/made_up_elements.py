@@ -6,8 +6,8 @@ from fractions import Fraction
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.expressions import Expression
+from torsionnet.model.element_base.element_entries import NodeName, NodePair
 from torsionnet.model.element_base.laws import difference, make_row
-from torsionnet.model.element_base.nodes import NodeName, NodePair
 from torsionnet.model.elements import ELEMENT_TYPES, GROUND, Constraint, Element, Law
 
 GLYPHS = sorted({cls.glyph for cls in ELEMENT_TYPES.values()} | {"", "a glyph nobody knows"})

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import torsionnet as tn
-from torsionnet.assembly.functionals import functional
+from torsionnet.assembly.law_stiffness import functional
 from torsionnet.core.errors import UsageError
 from torsionnet.core.expressions import Algebra
 

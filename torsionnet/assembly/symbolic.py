@@ -10,24 +10,113 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import sympy
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.twin import TWINS, Twin, rational, twin, twin_parameters
 from torsionnet.core.errors import UsageError
+from torsionnet.core.expressions import Algebra
 from torsionnet.model.elements import Action, Law, Row, Values
+from torsionnet.model.elimination import exact
 from torsionnet.model.kinematics import Kinematics, kinematics_on, solve_kinematics
+
+if TYPE_CHECKING:
+    from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
+
+
+@dataclass(frozen=True, eq=False)
+class Twin:
+    """Twin of an exact rational value and its sympy expression, equal to a number if its value is."""
+
+    value: Fraction
+    symbol: Any
+
+    def __add__(self, other: Any) -> Twin:
+        other = twin(other)
+        return Twin(self.value + other.value, self.symbol + other.symbol)
+
+    def __mul__(self, other: Any) -> Twin:
+        other = twin(other)
+        return Twin(self.value * other.value, self.symbol * other.symbol)
+
+    def __truediv__(self, other: Any) -> Twin:
+        other = twin(other)
+        return Twin(self.value / other.value, self.symbol / other.symbol)
+
+    def __neg__(self) -> Twin:
+        return Twin(-self.value, -self.symbol)
+
+    def __sub__(self, other: Any) -> Twin:
+        return self + (-twin(other))
+
+    def __rsub__(self, other: Any) -> Twin:
+        return twin(other) - self
+
+    def __rtruediv__(self, other: Any) -> Twin:
+        return twin(other) / self
+
+    def __pow__(self, power: int) -> Twin:
+        return Twin(self.value**power, self.symbol**power)
+
+    __radd__ = __add__
+    __rmul__ = __mul__
+
+    def __eq__(self, other: object) -> bool:
+        return self.value == (other.value if isinstance(other, Twin) else other)
+
+    def __lt__(self, other: Any) -> bool:
+        return bool(self.value < twin(other).value)
+
+    def __gt__(self, other: Any) -> bool:
+        return bool(self.value > twin(other).value)
+
+    def __hash__(self) -> int:
+        return hash(self.value)
+
+
+def rational(number: Any) -> Any:
+    """Sympy rational equal to a number, exact, never a sympy Float."""
+    value = exact(number)
+    return sympy.Rational(value.numerator, value.denominator)
+
+
+def twin(number: Any) -> Twin:
+    """Twin (an exact value with its symbol) of a plain number, whose symbol is the number itself."""
+    return number if isinstance(number, Twin) else _plain(number)
+
+
+@lru_cache(maxsize=1024)
+def _plain(number: Any) -> Twin:
+    return Twin(exact(number), rational(number))
+
+
+def _root(number: Any) -> Twin:
+    number = twin(number)
+    return Twin(exact(float(number.value) ** 0.5), sympy.sqrt(number.symbol))
+
+
+TWINS = Algebra(number=twin, sqrt=_root, pi=Twin(exact(float(sympy.pi)), sympy.pi))
+"""Algebra in which expressions of parameters evaluate to twins (an exact value with its symbol)."""
+
+
+def twin_parameters(definitions: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Twin]:
+    """Twins (exact value and symbol) of all parameters by name; a derived one has its expression in the basic ones."""
+    twins: dict[str, Twin] = {}
+    for name in values:
+        expression = definitions[name].value
+        symbol = expression.evaluate(twins, TWINS).symbol if expression.names else sympy.Symbol(name)
+        twins[name] = Twin(exact(values[name]), symbol)
+    return twins
+
 
 OMEGA = sympy.Symbol("omega")
 """Sympy symbol of the circular frequency in rad/s, on which tables and delays depend."""
 MOST_TERMS = 1000
 """Largest number of terms up to which an entry of a matrix is multiplied out, as longer ones are not read term by
 term."""
-
-if TYPE_CHECKING:
-    from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
 
 
 @dataclass(frozen=True, eq=False)

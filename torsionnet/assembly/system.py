@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from torsionnet.assembly.action_law import action_laws
-from torsionnet.assembly.rows import FloatArray, Rows, RowSystem
-from torsionnet.core.garbage_collection import gc_paused
+from torsionnet.assembly.rows import FloatArray, Rows, RowSystem, action_laws
+from torsionnet.core.packages import gc_paused
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Law, Values
 from torsionnet.model.kinematics import Kinematics, exact_row, pseudo_node, solve_kinematics

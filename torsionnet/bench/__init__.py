@@ -1,6 +1,6 @@
 """Virtual test benches: tests that run on a model instead of a rig, with an exciter, sensors and data acquisition."""
 
-from torsionnet.core.lazy_imports import lazy_exports
+from torsionnet.core.packages import lazy_exports
 
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,

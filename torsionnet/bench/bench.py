@@ -16,7 +16,7 @@ from torsionnet.bench.turning_motion import TurningMotion, turning_motions
 from torsionnet.bench.turning_test import TurningTest, true_record, turning_test, turning_wheels
 from torsionnet.core.entries.spec import not_none
 from torsionnet.core.errors import ModelError, TorsionnetWarning, UsageError
-from torsionnet.core.notebook import NotebookResult
+from torsionnet.core.packages import NotebookResult
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.bench import Plan, ToothedWheel
 from torsionnet.model.bench.bench_checks import check_plan, sensor_of

@@ -8,18 +8,16 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.bench.bench import Bench
-from torsionnet.core.entries.format_version import version_faults
+from torsionnet.core.entries.declared import version_faults
 from torsionnet.core.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.loading import load
 from torsionnet.model.bench.bench_checks import check_plan
 from torsionnet.model.bench.bench_file import BenchFile
 from torsionnet.model.files import read_file
-from torsionnet.model.files.decoding import decode
-from torsionnet.model.files.fault_positions import located_faults, presentable_faults
-from torsionnet.model.files.library import library_benches
+from torsionnet.model.files.library import decode, library_benches
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
-from torsionnet.model.files.reader import find_model
+from torsionnet.model.files.reader import find_model, located_faults, presentable_faults
 
 
 def load_bench(bench: str | os.PathLike[str]) -> Bench:

@@ -1,6 +1,6 @@
 """Campaigns of rotating tests: records, orders beside the calculation, repeatability and fits from one file."""
 
-from torsionnet.core.lazy_imports import lazy_exports
+from torsionnet.core.packages import lazy_exports
 
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from torsionnet.core.notebook import NotebookResult
+from torsionnet.core.packages import NotebookResult
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.campaign.campaign_file import CampaignFile, CampaignRecord, tracked_entries
 from torsionnet.response.measured.wheel_pattern import WheelPattern

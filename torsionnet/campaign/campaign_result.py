@@ -12,7 +12,7 @@ from torsionnet.campaign.condition_spread import ConditionSpread
 from torsionnet.campaign.estimating_responses import CampaignResponse
 from torsionnet.campaign.record_findings import RecordFinding
 from torsionnet.campaign.response_rows import ResponseRow, ResponseSpread, response_lines, response_rows
-from torsionnet.core.notebook import NotebookResult
+from torsionnet.core.packages import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.identification import Fit, Ranking
 from torsionnet.response.conventions import SI, Conventions

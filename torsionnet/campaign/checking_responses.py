@@ -10,7 +10,7 @@ from torsionnet.identification.residuals.welch_choice import welch_settings
 from torsionnet.model.campaign.campaign_file import CampaignFile
 from torsionnet.model.campaign.campaign_responses import CampaignResponses
 from torsionnet.model.report.report_checks import pair_faults
-from torsionnet.model.report.report_pair import Pair
+from torsionnet.model.report.report_plan import Pair
 
 ANY_FREQUENCY = 1.0
 """Frequency in Hz at which the model is asked whether it has a response at all; any will do."""

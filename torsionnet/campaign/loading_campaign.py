@@ -10,7 +10,7 @@ from typing import Any
 
 from torsionnet.campaign.campaign import Campaign
 from torsionnet.campaign.checking_responses import response_faults
-from torsionnet.core.entries.format_version import version_faults
+from torsionnet.core.entries.declared import version_faults
 from torsionnet.core.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.orders.parametric_orders import parameters_of_drivetrain
@@ -19,11 +19,9 @@ from torsionnet.loading import load
 from torsionnet.model.campaign.campaign_file import CampaignFile
 from torsionnet.model.channels import Sensor, named_sensor
 from torsionnet.model.definition import all_nodes
-from torsionnet.model.files.decoding import decode
-from torsionnet.model.files.fault_positions import located_faults, presentable_faults
-from torsionnet.model.files.library import library_campaigns
+from torsionnet.model.files.library import decode, library_campaigns
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
-from torsionnet.model.files.reader import is_file
+from torsionnet.model.files.reader import is_file, located_faults, presentable_faults
 from torsionnet.model.report.report_checks import check_report
 from torsionnet.response.measured.wheel_pattern import WheelPattern
 from torsionnet.signals.rotation.pattern_checks import check_pattern

@@ -13,7 +13,7 @@ from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.models import load_model
 from torsionnet.cli.options import SETTINGS
 from torsionnet.cli.terminal import message, print_faults
-from torsionnet.core.listing import comma_list
+from torsionnet.core.errors import comma_list
 
 if TYPE_CHECKING:
     from torsionnet.core.errors import Fault

@@ -36,6 +36,6 @@ def checked_model(model: str) -> list[Fault]:
 
 def standard_input_text() -> str:
     """Text of a model read from standard input."""
-    from torsionnet.model.files.decoding import decode
+    from torsionnet.model.files.library import decode
 
     return decode(sys.stdin.buffer.read(), STANDARD_INPUT_NAME)

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from torsionnet.core.entries.named_files import file_state, files_recorded
+from torsionnet.core.entries.declared import file_state, files_recorded
 
 BETWEEN_LOOKS = 0.3
 """Time in s between two looks at the files: a glance at the screen takes longer."""

@@ -268,3 +268,27 @@ def unknown_name(
     text = f'no {what} is named "{name}"{_question(meant)}'
     text = f"{text}; {rest}".replace("?; ", "? ") if rest else text
     return Fault(text, path, on_key=on_key, kind="unknown name", about=name, meant=meant)
+
+
+def comma_list(names: Iterable[object], most: int | None = None, more: str = " and {} more", none: str = "") -> str:
+    """Text of names with commas between them, shortened to the first of them where there are many.
+
+    Parameters
+    ----------
+    names : iterable
+        What is named.
+    most : int, optional
+        How many are named; by default all.
+    more : str, optional
+        What follows them where there are more, and how many more where it has braces.
+    none : str, optional
+        What is said where there is nothing to name.
+
+    Examples
+    --------
+    >>> comma_list("abcd"), comma_list("abcd", 2), comma_list("abcd", 2, ", ..."), comma_list("", none="none")
+    ('a, b, c, d', 'a, b and 2 more', 'a, b, ...', 'none')
+    """
+    words = [str(name) for name in names]
+    rest = 0 if most is None else len(words) - most
+    return (", ".join(words[:most]) or none) + (more.format(rest) if rest > 0 else "")

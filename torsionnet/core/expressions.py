@@ -11,16 +11,51 @@ sympy through an :class:`Algebra` of its own.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from bisect import bisect_right
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, TypeAlias
 
 import torsionnet.core.units as units
-from torsionnet.core.errors import TorsionnetError, did_you_mean
-from torsionnet.core.number_range import exact_sqrt, float_if_long
+from torsionnet.core.errors import TorsionnetError, UsageError, did_you_mean
 from torsionnet.core.units import DIMENSIONS, Dimension
+
+SMALLEST_SIZE, LARGEST_SIZE = 1e-40, 1e40
+"""Smallest and largest size of a value in SI units, as its square must stay in the range of floats."""
+
+
+def is_beyond_range(value: Any) -> bool:
+    """Whether a value is too small or too large for anything in a drivetrain; 0 is allowed.
+
+    >>> is_beyond_range(1e300), is_beyond_range(0.0)
+    (True, False)
+    """
+    return bool(value) and not SMALLEST_SIZE < abs(value) < LARGEST_SIZE
+
+
+MOST_BITS = 4096
+"""Largest number of bits of an exact fraction, as powers of powers would double them without end; a float has all the
+digits that matter."""
+
+
+def float_if_long(value: Any) -> Any:
+    """Number unchanged, but as a float where it is an exact fraction of too many digits."""
+    if isinstance(value, Fraction) and value.numerator.bit_length() + value.denominator.bit_length() > MOST_BITS:
+        return float(value)
+    return value
+
+
+def exact_sqrt(value: Fraction | float) -> Fraction | float:
+    """Square root of a number, as a fraction where the root is one."""
+    if value < 0:
+        raise ArithmeticError(f"the square root of {float(value):.4g} is not real; check the signs of the values")
+    if not isinstance(value, Fraction | int):
+        return math.sqrt(value)
+    root = Fraction(math.isqrt(value.numerator), math.isqrt(value.denominator))
+    return root if root * root == value else math.sqrt(value)
+
 
 _SUM, _PRODUCT, _UNARY, _ATOM = 1, 2, 3, 4
 _Kind = Dimension | Literal["bare", "unknown"]
@@ -315,3 +350,96 @@ RULES = {
     "pi": Rule(_ATOM, lambda _, algebra: algebra.pi, lambda _: "bare", lambda _: "pi"),
 }
 """Rules of operators, functions and constants by their sign; the exponent of a power is whole or half, at most 4."""
+
+
+Rows: TypeAlias = tuple[tuple[Number, ...], ...]
+"""Type of the rows of numbers of a table, sorted by their first column."""
+
+
+def outside_message(rows: Rows, at: Any) -> str:
+    """Message that a value lies outside a table, or an empty text."""
+    if rows[0][0].value <= at <= rows[-1][0].value:
+        return ""
+    return f"the table goes from {rows[0][0]} to {rows[-1][0]}"
+
+
+def value_at(rows: Rows, at: Any, column: int = 1) -> Any:
+    """Value of a column of a table, interpolated at ``at``, a number of any algebra with an order.
+
+    It lies in the table.
+
+    >>> rows = ((Number(Fraction(1)), Number(Fraction(10))), (Number(Fraction(3)), Number(Fraction(30))))
+    >>> value_at(rows, Fraction("2.5")), slope_at(rows, 2.5)
+    (Fraction(25, 1), Fraction(10, 1))
+    """
+    lower = _piece(rows, at)[0]
+    return slope_at(rows, at, column) * (at - lower[0].value) + lower[column].value
+
+
+def slope_at(rows: Rows, at: Any, column: int = 1) -> Fraction:
+    """Slope of a column of a table over the first column at ``at``.
+
+    At a row that of the piece above it, at the last row that of the last piece.
+    """
+    lower, upper = _piece(rows, at)
+    return Fraction((upper[column].value - lower[column].value) / (upper[0].value - lower[0].value))
+
+
+def _piece(rows: Rows, at: Any) -> tuple[tuple[Number, ...], tuple[Number, ...]]:
+    place = _place([row[0].value for row in rows], at)
+    return rows[place - 1], rows[place]
+
+
+def _place(keys: Sequence[Any], at: Any) -> int:
+    """Index of the table row that ends the piece on which ``at`` lies."""
+    return min(max(bisect_right(keys, at), 1), len(keys) - 1)
+
+
+def interpolate_float(rows: Rows, at: float) -> float:
+    """Value of a table's second column as a float, interpolated at ``at``.
+
+    Outside by no more than a rounding error is allowed.
+
+    Raises
+    ------
+    UsageError
+        It lies outside.
+
+    >>> rows = ((Number(1), Number(10)), (Number(3), Number(30)))
+    >>> interpolate_float(rows, 2.5)
+    25.0
+    """
+    keys = [float(row[0].value) for row in rows]
+    slack = 1e-9 * keys[-1]
+    if not keys[0] - slack <= at <= keys[-1] + slack:
+        raise UsageError(f"the table goes from {rows[0][0]} to {rows[-1][0]}")
+    place = _place(keys, at)
+    before, after = keys[place - 1 : place + 1]
+    lower, upper = (float(row[1].value) for row in rows[place - 1 : place + 1])
+    return lower + (upper - lower) * (at - before) / (after - before)
+
+
+def interpolate_in_algebra(rows: Rows, at: Any, algebra: Algebra) -> Any:
+    """Value of a table's second column as a number of ``algebra``, interpolated at ``at``.
+
+    Beyond the ends that of the nearest row.
+
+    A sum of ramps, (x - x_i + |x - x_i|)/2 times the change of slope at each row, needs no comparison and so works for
+    symbols and for numbers with derivatives; at a row the derivative is the mean of both sides.
+
+    Examples
+    --------
+    >>> from torsionnet.core.expressions import RATIONAL
+    >>> rows = ((Number(1), Number(10)), (Number(3), Number(30)), (Number(4), Number(0)))
+    >>> [int(interpolate_in_algebra(rows, Fraction(x), RATIONAL)) for x in (0, 2, 3, 5)]
+    [10, 20, 30, 0]
+    """
+    total, slope = algebra.number(rows[0][1].value), Fraction(0)
+    for place, (key, level) in enumerate(rows):
+        following = rows[place + 1] if place + 1 < len(rows) else None
+        ahead = (following[1].value - level.value) / (following[0].value - key.value) if following else Fraction(0)
+        if ahead != slope:
+            beyond = at - algebra.number(key.value)
+            total = total + algebra.number((ahead - slope) / 2) * (beyond + algebra.sqrt(beyond**2))
+        slope = ahead
+    return total

@@ -16,7 +16,7 @@ from torsionnet.explore.request_reading import PageRequest, read_request
 from torsionnet.explore.session import Session
 from torsionnet.explore.state import State, read_state
 from torsionnet.explore.text_requests import TEXT_QUESTIONS
-from torsionnet.model.files.decoding import MOST_BYTES
+from torsionnet.model.files.library import MOST_BYTES
 
 LARGEST_REQUEST = 100_000
 """Largest number of bytes of a request without a text; a state of 2000 parameters has about that many."""

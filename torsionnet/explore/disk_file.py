@@ -16,7 +16,7 @@ from threading import Lock
 from torsionnet.core.atomic import atomic_replacement
 from torsionnet.core.errors import ModelError, TorsionnetError, UsageError
 from torsionnet.explore.line_ends import UNIX, LineEnds, plain_line_ends
-from torsionnet.model.files.decoding import MOST_BYTES, decode
+from torsionnet.model.files.library import MOST_BYTES, decode
 
 LOOK_SECONDS = 0.2
 """Seconds between two looks at the file on disk while a page waits for changes of it."""

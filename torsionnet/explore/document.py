@@ -11,7 +11,7 @@ from threading import Lock
 from typing import Any
 
 from torsionnet.core.errors import Fault, TorsionnetError
-from torsionnet.core.memo import RecentResults
+from torsionnet.core.registers import RecentResults
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.explore.newest_turn import NewestTurn
 from torsionnet.explore.offset_counting import OffsetCounting

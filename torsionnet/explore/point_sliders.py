@@ -12,9 +12,9 @@ from torsionnet.core.units import parse_unit
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.explore.sliders import Slider, written_unit
 from torsionnet.explore.torque_balance import followed_torques
+from torsionnet.model.changes import LOAD_SIZES, SPEED, TORQUE, is_point_setting, setting_name
 from torsionnet.model.definition import Definition
 from torsionnet.model.motion_balance.law_network import keeps_own_point, law_network
-from torsionnet.model.point_settings import LOAD_SIZES, SPEED, TORQUE, is_point_setting, setting_name
 
 UNITS = {TORQUE: "N*m", SPEED: "rpm", LOAD_SIZES[0]: "kW", LOAD_SIZES[1]: "N*m"}
 """Units of numbers that the model gives without one."""

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from torsionnet.explore.state import LONGEST_TEXT, RequestError
-from torsionnet.model.files.decoding import MOST_BYTES
+from torsionnet.model.files.library import MOST_BYTES
 
 _NAME = re.compile("[A-Za-z0-9_-]{1,40}")
 MOST_REVISION = 10**12

@@ -11,7 +11,7 @@ from typing import Any
 
 from torsionnet.core.entries.scalars import read_value
 from torsionnet.core.errors import TorsionnetError, UsageError
-from torsionnet.core.memo import RecentResults
+from torsionnet.core.registers import RecentResults
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.explore.choices import ResponseChoice, choices, default_pair
 from torsionnet.explore.over_speed import runs
@@ -20,7 +20,7 @@ from torsionnet.explore.point_sliders import all_point_rows, point_rows, point_s
 from torsionnet.explore.state import State
 from torsionnet.loading import loads
 from torsionnet.model.configurations import parse_choice
-from torsionnet.model.files.decoding import decode
+from torsionnet.model.files.library import decode
 from torsionnet.model.files.reader import find_model
 from torsionnet.model.files.value_editing import changed_text, place_of
 from torsionnet.response import FrequencyResponse, Modes

@@ -14,8 +14,7 @@ from torsionnet.explore.documents import Documents, TextSource
 from torsionnet.explore.line_ends import plain_line_ends
 from torsionnet.explore.session import open_session, read_overlay
 from torsionnet.explore.session_remaking import SessionOptions
-from torsionnet.model.files.decoding import decode
-from torsionnet.model.files.library import library_models
+from torsionnet.model.files.library import decode, library_models
 from torsionnet.model.files.reader import find_model, read_text
 
 LIBRARY = "a library model is not changed; save the text as a file of your own and open that one"

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 
 from torsionnet.core.entries.spec import Json
 from torsionnet.core.errors import did_you_mean
-from torsionnet.model.files.yaml_scalars import plain_value
+from torsionnet.model.files.located_yaml import plain_value
 
 AXES = ("frequency", "speed")
 QUANTITIES = ("", "receptance", "mobility", "accelerance")

@@ -11,7 +11,7 @@ from torsionnet.core.errors import TorsionnetError
 from torsionnet.model.definition import Tangents
 from torsionnet.model.kinematics import exact_row
 from torsionnet.model.motion_balance.law_network import LawNetwork, PlacedMotionLaw
-from torsionnet.model.torque_places import torque_place
+from torsionnet.model.operating_point import torque_place
 
 FloatArray = NDArray[np.float64]
 

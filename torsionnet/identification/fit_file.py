@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from torsionnet.core.entries.format_version import version_faults
+from torsionnet.core.entries.declared import version_faults
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.orders.order_files import faults_of_orders, read_order_data
@@ -20,10 +20,9 @@ from torsionnet.identification.residuals.welch_choice import record_settings, we
 from torsionnet.identification.unknown_parameter import Unknown
 from torsionnet.io.recording_files import channel_names, read_recording
 from torsionnet.loading import load
-from torsionnet.model.files.decoding import decode
-from torsionnet.model.files.fault_positions import located_faults, presentable_faults
+from torsionnet.model.files.library import decode
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
-from torsionnet.model.files.reader import is_file
+from torsionnet.model.files.reader import is_file, located_faults, presentable_faults
 from torsionnet.model.fit import FitFile, FitMeasurement, FitParameter, FitSettings
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.recording import Recording

@@ -15,13 +15,12 @@ from torsionnet.core.atomic import write_text
 from torsionnet.core.entries.composite import Listed, Named, Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.plain_numbers import PlainNumber, PlainNumbers
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, Flag, Text
+from torsionnet.core.entries.spec import Count, Flag, Text, entry
 from torsionnet.core.errors import Fault, ModelError, UsageError
 from torsionnet.identification.fit_result import Compared, FitResult
-from torsionnet.model.files.decoding import decode
-from torsionnet.model.files.fault_positions import located_faults
+from torsionnet.model.files.library import decode
 from torsionnet.model.files.located_yaml import compose
+from torsionnet.model.files.reader import located_faults
 from torsionnet.model.files.writer import block_text
 
 FIT_FORMAT_VERSION = 1

@@ -10,7 +10,7 @@ import numpy as np
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import TorsionnetError, UsageError
-from torsionnet.core.notebook import NotebookResult
+from torsionnet.core.packages import NotebookResult
 from torsionnet.core.threads import one_thread
 from torsionnet.identification.cause_fits import (
     CauseFit,

@@ -3,7 +3,7 @@
 Each function reads or writes whole files, or returns text.
 """
 
-from torsionnet.core.lazy_imports import lazy_exports
+from torsionnet.core.packages import lazy_exports
 
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.assembly.action_law import refuse_actions
-from torsionnet.assembly.functionals import Functional, powers_of_s
-from torsionnet.assembly.rows import FloatArray
+from torsionnet.assembly.law_stiffness import Functional, powers_of_s
+from torsionnet.assembly.rows import FloatArray, refuse_actions
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain

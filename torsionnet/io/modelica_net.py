@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from torsionnet.core.groups import Groups
 from torsionnet.core.plain_names import Names
+from torsionnet.core.registers import Groups
 
 
 class Net:

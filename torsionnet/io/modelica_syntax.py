@@ -6,10 +6,10 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.expressions import Expression, Name
 from torsionnet.core.units import DIMENSIONS, Dimension
 from torsionnet.io.expression_numbers import expression_values
+from torsionnet.model.damping import DampingMeasure
 from torsionnet.model.element_base.element import viscous
 from torsionnet.model.elements import Element, Values
 

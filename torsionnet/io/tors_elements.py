@@ -16,8 +16,7 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.composite import Typed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.plain_numbers import PlainNumber
-from torsionnet.core.entries.spec import EntryError, Json, Spec, entry
-from torsionnet.core.entries.words import Text
+from torsionnet.core.entries.spec import EntryError, Json, Spec, Text, entry
 from torsionnet.core.errors import Fault
 
 SHEAR_MODULUS, DENSITY = 80e9, 8000.0

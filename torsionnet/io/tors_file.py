@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from torsionnet.core.entries.composite import Listed, Nested, PairOf
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Text
+from torsionnet.core.entries.spec import Text, entry
 from torsionnet.core.errors import Fault, did_you_mean
-from torsionnet.core.groups import Groups
+from torsionnet.core.registers import Groups
 from torsionnet.io.tors_elements import ELEMENT_TYPES, AsWritten, GearElement, TorsElement, TorsPart, TypedTorsElement
 
 _PAIR = PairOf("connection", Text("element", "component.element"), "[component.element, component.element]")

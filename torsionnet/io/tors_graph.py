@@ -9,7 +9,7 @@ from itertools import zip_longest
 from typing import TypeAlias, TypeGuard
 
 from torsionnet.core.errors import UsageError
-from torsionnet.core.groups import Groups
+from torsionnet.core.registers import Groups
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.part_descriptions import describe_element_part
 from torsionnet.io.tors_elements import SHEAR_MODULUS, Disk, ShaftContinuous, ShaftDiscrete, TorsElement

@@ -13,8 +13,8 @@ from torsionnet.core.errors import Fault, ModelError, Position, TorsionnetWarnin
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.tors_building import DrivetrainBuilder
 from torsionnet.io.tors_file import TorsFile
-from torsionnet.model.files.fault_positions import located_faults
 from torsionnet.model.files.located_yaml import compose
+from torsionnet.model.files.reader import located_faults
 
 
 def read_tors(path: str | os.PathLike[str]) -> Drivetrain:

@@ -10,9 +10,9 @@ from pathlib import Path
 from torsionnet.core.entries.composite import Named, Nested
 from torsionnet.core.errors import Fault, ModelError, UsageError
 from torsionnet.io.wheel_pattern_files import read_wheel_pattern
-from torsionnet.model.files.decoding import decode
-from torsionnet.model.files.fault_positions import located_faults, presentable_faults
+from torsionnet.model.files.library import decode
 from torsionnet.model.files.located_yaml import compose
+from torsionnet.model.files.reader import located_faults, presentable_faults
 from torsionnet.response.measured.wheel_pattern import WheelPattern
 from torsionnet.signals.rotation.wheel_channel import WheelChannel
 

@@ -8,10 +8,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from torsionnet.core.entries.composite import Listed, PairOf
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.format_version import KEY
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
-from torsionnet.core.entries.words import Count, Flag, OneOf, Text
+from torsionnet.core.entries.declared import KEY, Declared
+from torsionnet.core.entries.spec import Count, EntryError, Flag, OneOf, Schema, Spec, Text, entry
 from torsionnet.core.errors import Fault
 
 UNITS: Mapping[str, float] = {"deg": math.pi / 180, "rad": 1.0}

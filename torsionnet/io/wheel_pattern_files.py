@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from torsionnet.core.atomic import write_text
-from torsionnet.core.entries.format_version import FORMAT_VERSION, KEY, version_faults
+from torsionnet.core.entries.declared import FORMAT_VERSION, KEY, version_faults
 from torsionnet.core.errors import Fault, ModelError, UsageError
 from torsionnet.io.wheel_pattern_entries import UNITS, WheelPatternFile
-from torsionnet.model.files.decoding import decode
-from torsionnet.model.files.fault_positions import located_faults, presentable_faults
+from torsionnet.model.files.library import decode
 from torsionnet.model.files.located_yaml import compose
+from torsionnet.model.files.reader import located_faults, presentable_faults
 from torsionnet.response.measured.wheel_pattern import WheelPattern
 
 DIGITS = 10

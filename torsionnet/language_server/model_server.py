@@ -15,7 +15,7 @@ from pygls.lsp.server import LanguageServer
 from pygls.uris import to_fs_path, urlparse
 from pygls.workspace import TextDocument
 
-from torsionnet.core.entries.named_files import files_recorded, texts_in_editors
+from torsionnet.core.entries.declared import files_recorded, texts_in_editors
 from torsionnet.core.errors import UsageError
 from torsionnet.core.version import __version__
 from torsionnet.language_server.answering_protocol import AnsweringProtocol

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.core.notebook import NotebookResult
+from torsionnet.core.packages import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.modal.criteria import mac
 from torsionnet.modal.modal_estimate import IdentifiedMode, ModalEstimate
 from torsionnet.modal.poles import as_poles, damping_ratios, natural_frequencies, upper_half, without_rounding
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 from torsionnet.response import SI, Channel, Column, Conventions, Modes, Table
-from torsionnet.response.mode_numbers import MODE_NUMBER, OSCILLATORY, REAL, mode_numbers
+from torsionnet.response.conventions import MODE_NUMBER, OSCILLATORY, REAL, mode_numbers
 
 IntArray: TypeAlias = NDArray[np.int_]
 

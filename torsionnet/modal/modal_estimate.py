@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 
 import torsionnet.modal.poles as pole_numbers
 from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.core.notebook import NotebookResult
+from torsionnet.core.packages import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.modal.criteria import mpc
 from torsionnet.modal.residues import Expansion
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines, powers_of
 from torsionnet.response import SI, Channel, Column, Conventions, FrequencyResponse, Table
-from torsionnet.response.mode_numbers import MODE_KIND
+from torsionnet.response.conventions import MODE_KIND
 from torsionnet.response.table import result_table
 
 

@@ -8,11 +8,9 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeVar, cast
 
 from torsionnet.core.entries.composite import Listed
-from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, reference
-from torsionnet.core.entries.words import Text
+from torsionnet.core.entries.spec import EntryError, Json, Renaming, Schema, Spec, Text, reference
 from torsionnet.core.errors import UsageError, did_you_mean, unknown_key
-from torsionnet.model.element_base.nodes import ElementName, NodeText, PlaceOnElement
+from torsionnet.model.element_base.element_entries import ElementName, NodeText, PlaceOnElement
 from torsionnet.model.elements import GROUND, Element
 
 SENSOR_QUANTITIES = ("angle", "velocity", "acceleration", "twist", "torque", "stress")

@@ -8,14 +8,11 @@ from dataclasses import dataclass, field
 from typing import Any, cast
 
 from torsionnet.core.entries.composite import Listed, Named
-from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import AnyQuantity, plain_scalar, read_value
-from torsionnet.core.entries.spec import EntryError, Json, Plural, Schema, Spec, reference
-from torsionnet.core.entries.words import Text
-from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
+from torsionnet.core.entries.spec import EntryError, Json, Plural, Renaming, Schema, Spec, Text, reference
+from torsionnet.core.errors import Fault, ModelError, UsageError, comma_list, did_you_mean
 from torsionnet.core.expressions import Expression
-from torsionnet.core.listing import comma_list
-from torsionnet.model.element_base.nodes import ElementName
+from torsionnet.model.element_base.element_entries import ElementName
 from torsionnet.model.operating_point import OPERATING_POINT, OperatingPoint
 
 DEFAULT_AXIS = "configuration"

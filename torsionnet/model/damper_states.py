@@ -15,8 +15,7 @@ from torsionnet.core.errors import UsageError, suggestion_or
 from torsionnet.model.configurations import known_elements
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Element, Values
-from torsionnet.model.elements.inertia import Inertia
-from torsionnet.model.elements.rigid import RigidCoupling
+from torsionnet.model.elements.rigid import Inertia, RigidCoupling
 from torsionnet.model.elements.viscous_damper import ViscousDamper
 
 AS_MODELLED = "as_modelled"

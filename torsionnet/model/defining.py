@@ -6,7 +6,7 @@ from collections.abc import Container, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from torsionnet.core.entries.named_files import names_a_file
+from torsionnet.core.entries.declared import names_a_file
 from torsionnet.core.errors import Fault
 from torsionnet.model.configurations import VALUE, Overlay
 from torsionnet.model.definition import Definition, section_of

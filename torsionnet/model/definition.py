@@ -7,11 +7,9 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
-import torsionnet.model.section_entries as sections
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.format_version import FORMAT_VERSION, KEY
-from torsionnet.core.entries.spec import Json, Schema, entry
-from torsionnet.core.entries.words import Text
+import torsionnet.model.sections as sections
+from torsionnet.core.entries.declared import FORMAT_VERSION, KEY, Declared
+from torsionnet.core.entries.spec import Json, Schema, Text, entry
 from torsionnet.core.errors import Fault
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.configurations import Overlay

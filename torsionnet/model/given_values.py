@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from torsionnet.core.entries.composite import Typed
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.number_table import NumberTable
-from torsionnet.core.entries.spec import Spec
-from torsionnet.core.entries.words import Flag
-from torsionnet.model.element_base.nodes import NodeName, NodePair, ReferenceNode
+from torsionnet.core.entries.scalars import NumberTable
+from torsionnet.core.entries.spec import Flag, Spec
+from torsionnet.model.element_base.element_entries import NodeName, NodePair, ReferenceNode
 
 if TYPE_CHECKING:
     from torsionnet.model.elements import Element

@@ -9,6 +9,13 @@ from types import MappingProxyType
 from typing import Any, Self
 
 from torsionnet.core.errors import Fault, ModelError, unknown_name
+from torsionnet.model.changes import (
+    can_be_named,
+    is_point_setting,
+    point_settings_of,
+    with_named_entries,
+    with_point_settings,
+)
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.checks import check_definition, check_variant, has_errors
 from torsionnet.model.configurations import (
@@ -24,11 +31,9 @@ from torsionnet.model.defining import collect_elements, define, flatten_definiti
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import Element
 from torsionnet.model.load.external_torques import ExternalTorques, mean_torques
-from torsionnet.model.named_entries import can_be_named, with_named_entries
 from torsionnet.model.operating_point import OperatingPoint
 from torsionnet.model.operating_values import at_operating_point, with_operating_values, with_tangents
 from torsionnet.model.parameters import Parameter, resolve
-from torsionnet.model.point_settings import is_point_setting, point_settings_of, with_point_settings
 from torsionnet.model.speeds import mean_speeds, total_ratio
 
 

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import Schema, Spec
 from torsionnet.core.expressions import Expression, Number
@@ -16,11 +15,12 @@ from torsionnet.core.result_rows import Out
 from torsionnet.core.units import RPM, expected_unit
 from torsionnet.model.channels import PORT_QUANTITIES, UNITS
 from torsionnet.model.checks.parameter_units import parameter_units
+from torsionnet.model.damping import DampingMeasure
 from torsionnet.model.element_base.characteristic import Characteristic
+from torsionnet.model.element_base.element_entries import MultipleValues
 from torsionnet.model.element_base.laws import Law
-from torsionnet.model.element_base.multiple_values import MultipleValues
-from torsionnet.model.element_base.quantity_rows import QuantityRows
 from torsionnet.model.element_base.quantity_table import TableByName
+from torsionnet.model.element_base.spring_stages import QuantityRows
 from torsionnet.model.elements import Element, Values
 from torsionnet.model.given_values import given, in_words
 from torsionnet.response.table import Column, Table

@@ -9,7 +9,7 @@ from torsionnet.core.errors import ModelError, TorsionnetError, UsageError, did_
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import Values
 from torsionnet.model.scenarios.scenario import DrivingCourse, Scenario, ScenarioSubject
-from torsionnet.model.section_entries import SCENARIOS
+from torsionnet.model.sections import SCENARIOS
 from torsionnet.model.speeds import mean_speeds
 
 

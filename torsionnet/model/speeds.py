@@ -13,12 +13,11 @@ from typing import Any, TypeAlias
 
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.model.definition import Definition, all_nodes
-from torsionnet.model.element_base.torque_curve import AT_REST
+from torsionnet.model.element_base.laws import AT_REST
 from torsionnet.model.elements import MotionLaw, Values
-from torsionnet.model.elimination import Reduction, exact, reduce_rows
+from torsionnet.model.elimination import Elimination, Reduction, exact, reduce_rows
 from torsionnet.model.kinematics import UNIT, exact_row
 from torsionnet.model.operating_point import OperatingPoint
-from torsionnet.model.pivoting import Elimination
 
 BRANCHING = ("planetary", "differential", "gear", "gearbox", "belt")
 Rows: TypeAlias = list[dict[str, Fraction]]

@@ -7,14 +7,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.core.damping import MEASURES, DampingMeasure
 from torsionnet.core.entries.scalars import QuantityKind, Value
 from torsionnet.core.expressions import Expression
 from torsionnet.core.units import RPM, expected_unit
-from torsionnet.model.element_base.teeth import Teeth
+from torsionnet.model.damping import MEASURES, DampingMeasure
+from torsionnet.model.element_base.element_entries import Teeth
 from torsionnet.model.excitations.propeller_torque import PropellerTorque
 from torsionnet.model.given_values import given
-from torsionnet.model.load.load_places import ENGINE
+from torsionnet.model.load.external_torques import ENGINE
 from torsionnet.report.document_tree import Inline, Text
 from torsionnet.report.report_text import as_words, capital, symbol_or_words, unit
 

@@ -11,9 +11,9 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from torsionnet.core.errors import Fault, ModelError, Position, UsageError, did_you_mean, suggestion_or
-from torsionnet.model.files.decoding import MOST_BYTES, decode
-from torsionnet.model.files.fault_positions import located_faults, presentable_faults
+from torsionnet.model.files.library import MOST_BYTES, decode
 from torsionnet.model.files.located_yaml import compose
+from torsionnet.model.files.reader import located_faults, presentable_faults
 from torsionnet.report.template_folder import STYLE, TemplateFolder, TemplateFolderError
 from torsionnet.report.wording import Wording, Words
 from torsionnet.report.writers.page_checks import page_faults

@@ -16,17 +16,14 @@ from typing import ClassVar
 from torsionnet.core.entries.composite import Named, Nested, Typed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import QuantityKind, Value
-from torsionnet.core.entries.spec import EntryError, Spec, entry
-from torsionnet.core.entries.words import Count, OneOf, Text
+from torsionnet.core.entries.spec import Count, EntryError, OneOf, Spec, Text, entry
 from torsionnet.core.errors import Fault, suggestion_or
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.control_entries import ControlLawEntry
 from torsionnet.model.element_base.curves import LookupCurve
-from torsionnet.model.element_base.multiple_values import MultipleValues
-from torsionnet.model.element_base.quantity_rows import QuantityRows
-from torsionnet.model.element_base.spring_stages import SpringStages
+from torsionnet.model.element_base.element_entries import MultipleValues, Teeth
+from torsionnet.model.element_base.spring_stages import QuantityRows, SpringStages
 from torsionnet.model.element_base.stiffness_rows import TableEntry
-from torsionnet.model.element_base.teeth import Teeth
 from torsionnet.model.elements import ELEMENT_TYPES
 from torsionnet.model.files.located_yaml import compose
 from torsionnet.model.given_values import has_own_column

@@ -1,6 +1,6 @@
 """Results of calculations and tests, frequency responses, modes, order responses, limits and tables of them."""
 
-from torsionnet.core.lazy_imports import lazy_exports
+from torsionnet.core.packages import lazy_exports
 
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,

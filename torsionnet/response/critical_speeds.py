@@ -10,13 +10,13 @@ from typing import Annotated, ClassVar
 
 from torsionnet.core.entries.spec import Schema
 from torsionnet.core.errors import UsageError
-from torsionnet.core.notebook import NotebookResult
 from torsionnet.core.number_text import screen_text
+from torsionnet.core.packages import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.core.units import RPM
+from torsionnet.response.conventions import COUNTING_NOTE
 from torsionnet.response.frequency_response import Channel
 from torsionnet.response.margin_rules import MarginRule
-from torsionnet.response.mode_numbers import COUNTING_NOTE
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.star_diagram import StarDiagram
 from torsionnet.response.table import Column, Table, result_table

@@ -9,7 +9,7 @@ from typing import Annotated
 
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import Schema
-from torsionnet.core.notebook import NotebookResult
+from torsionnet.core.packages import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.response.table import Column, Table
 

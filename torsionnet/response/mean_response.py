@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.core.notebook import NotebookResult
+from torsionnet.core.packages import NotebookResult
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.frequency_response import Channel, FloatArray

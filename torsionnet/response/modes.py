@@ -12,16 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.core.notebook import NotebookResult
+from torsionnet.core.packages import NotebookResult
 from torsionnet.core.result_rows import Out
-from torsionnet.response.conventions import SI, Conventions
-from torsionnet.response.mode_numbers import (
+from torsionnet.response.conventions import (
     COUNTING_NOTE,
     MODE_KIND,
     MODE_NUMBER,
     OSCILLATORY,
     REAL,
     RIGID,
+    SI,
+    Conventions,
     mode_names,
     mode_numbers,
 )

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.core.notebook import NotebookResult
+from torsionnet.core.packages import NotebookResult
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.cycle_extremes import cycle_extremes

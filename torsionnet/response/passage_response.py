@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.core.notebook import NotebookResult
+from torsionnet.core.packages import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions

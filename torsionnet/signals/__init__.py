@@ -1,6 +1,6 @@
 """Recorded and simulated signals, their processing, and the frequency responses estimated from them."""
 
-from torsionnet.core.lazy_imports import lazy_exports
+from torsionnet.core.packages import lazy_exports
 
 # Files are read in a layer above this one, which knows no files; the names have their place here all the same.
 __all__, __getattr__, __dir__ = lazy_exports(

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsionnet.core.errors import SolveError, UsageError
-from torsionnet.core.listing import comma_list
+from torsionnet.core.errors import SolveError, UsageError, comma_list
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.double_pulses import MEDIAN_INTERVALS, indices_without_double, running_median
 from torsionnet.signals.rotation.stated_pattern import runs_in_words

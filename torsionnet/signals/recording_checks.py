@@ -8,8 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.core.errors import Fault, UsageError
-from torsionnet.core.listing import comma_list
+from torsionnet.core.errors import Fault, UsageError, comma_list
 from torsionnet.core.remedies import remedy
 from torsionnet.response.recording import QUANTITY_UNITS, FloatArray, Recording, Signal
 from torsionnet.signals.pulses import repaired_pulses

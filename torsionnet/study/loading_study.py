@@ -6,14 +6,13 @@ import os
 from dataclasses import replace
 from pathlib import Path
 
-from torsionnet.core.entries.format_version import version_faults
+from torsionnet.core.entries.declared import version_faults
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.loading import load
-from torsionnet.model.files.decoding import decode
-from torsionnet.model.files.fault_positions import located_faults, presentable_faults
-from torsionnet.model.files.library import library_models, library_studies
+from torsionnet.model.files.library import decode, library_models, library_studies
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
+from torsionnet.model.files.reader import located_faults, presentable_faults
 from torsionnet.study.study import Study, study_of
 from torsionnet.study.study_file import StudyEntries
 

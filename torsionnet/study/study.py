@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from torsionnet.core.entries.spec import Json
 from torsionnet.core.errors import Fault, ModelError
-from torsionnet.core.notebook import NotebookResult
+from torsionnet.core.packages import NotebookResult
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.response.table import Column, Table
-from torsionnet.solve.dynamic_stiffness.starmesh import compiled_works
+from torsionnet.solve.dynamic_stiffness.sweep import compiled_works
 from torsionnet.study.answers.answer import StudyAnswer
 from torsionnet.study.examined_study import answer_faults, examine_study, unknown_names_in_answers
 from torsionnet.study.quantities.evaluator import Evaluator

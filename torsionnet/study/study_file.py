@@ -8,10 +8,8 @@ from itertools import product
 from typing import Any, ClassVar
 
 from torsionnet.core.entries.composite import Composite, Listed, Named, Nested, Typed
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.format_version import KEY
-from torsionnet.core.entries.spec import Json, Plural, Schema, entry
-from torsionnet.core.entries.words import MODEL_NAME, Text
+from torsionnet.core.entries.declared import KEY, Declared
+from torsionnet.core.entries.spec import MODEL_NAME, Json, Plural, Schema, Text, entry
 from torsionnet.core.errors import Fault, TorsionnetError
 from torsionnet.model.model import Model
 from torsionnet.model.report.report_plan import ConfigurationName

@@ -18,7 +18,7 @@ from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.atomic import atomic_replacement
 from torsionnet.core.entries.spec import Json
 from torsionnet.core.errors import MissingExtraError, UsageError, did_you_mean
-from torsionnet.core.notebook import NotebookResult
+from torsionnet.core.packages import NotebookResult
 from torsionnet.core.result_rows import Out, to_json
 from torsionnet.core.version import __version__
 from torsionnet.drivetrain import Drivetrain

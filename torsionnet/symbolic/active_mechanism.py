@@ -18,13 +18,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, TypeAlias
 
-from torsionnet.assembly.twin import twin
+from torsionnet.assembly.symbolic import twin
 from torsionnet.model.elements import Action
 from torsionnet.symbolic.algebra.delay import delay_symbol
 from torsionnet.symbolic.algebra.minors import sparse_determinant
-from torsionnet.symbolic.algebra.network import ZERO, Stiffness, SymbolRow
-from torsionnet.symbolic.algebra.program import ProgramNode
-from torsionnet.symbolic.symbolic_sensors import PURE_S, Mechanism, SymbolicPart
+from torsionnet.symbolic.algebra.network import ZERO, ProgramNode, Stiffness, SymbolRow
+from torsionnet.symbolic.mechanism import PURE_S, Mechanism, SymbolicPart
 
 Entries: TypeAlias = dict[int, ProgramNode]
 

@@ -6,15 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
-from torsionnet.symbolic.algebra.algebras import InPowersOfS, S
+from torsionnet.symbolic.algebra.algebras import InPowersOfS, S, surely_zero
 from torsionnet.symbolic.algebra.delay import refuse_delays
-from torsionnet.symbolic.algebra.program import Program, ProgramNode
-from torsionnet.symbolic.algebra.zero_tests import surely_zero
+from torsionnet.symbolic.algebra.network import Program, ProgramNode
 from torsionnet.symbolic.numeric_evaluation import first_term, lowest_terms_in_s
 from torsionnet.symbolic.rational import factor_if_short, to_expression
 
 if TYPE_CHECKING:
-    from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
+    from torsionnet.symbolic.symbolic_request import SymbolicFraction
 
 
 def static_gain(function: SymbolicFraction) -> Any:

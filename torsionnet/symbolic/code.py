@@ -12,10 +12,10 @@ import sympy
 from torsionnet.core.errors import UsageError
 from torsionnet.symbolic.algebra.algebras import S
 from torsionnet.symbolic.algebra.delay import delays_of
-from torsionnet.symbolic.straight_line import WhereTable, continued_table, where_table
+from torsionnet.symbolic.formula_text import WhereTable, continued_table, where_table
 
 if TYPE_CHECKING:
-    from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
+    from torsionnet.symbolic.symbolic_request import SymbolicFraction
 
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 """Pattern of names allowed in generated Python code (letters, digits, underscores), so that no name can be code."""

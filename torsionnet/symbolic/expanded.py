@@ -18,7 +18,7 @@ MOST_PRINTED = 100
 more."""
 
 if TYPE_CHECKING:
-    from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
+    from torsionnet.symbolic.symbolic_request import SymbolicFraction
 
 
 @dataclass(frozen=True, repr=False)

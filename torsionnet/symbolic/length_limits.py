@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 from torsionnet.core.errors import UsageError
 from torsionnet.symbolic.algebra.algebras import InPowersOfS, Lengths, TermCounts
-from torsionnet.symbolic.algebra.program import Program, ProgramNode
+from torsionnet.symbolic.algebra.network import Program, ProgramNode
 from torsionnet.symbolic.rational import MOST_TERMS_EXPANDED_WHOLE
 
 if TYPE_CHECKING:
-    from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
+    from torsionnet.symbolic.symbolic_request import SymbolicFraction
 
 MOST_WRITTEN = 20_000
 """Largest number of symbols and numbers, counted as often as they appear, in all coefficients together of a polynomial

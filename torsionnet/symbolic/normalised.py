@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
-from torsionnet.symbolic.algebra.algebras import InPowersOfS, S, TermCounts, in_s
-from torsionnet.symbolic.algebra.program import Program, ProgramNode
-from torsionnet.symbolic.algebra.zero_tests import surely_zero
+from torsionnet.symbolic.algebra.algebras import InPowersOfS, S, TermCounts, in_s, surely_zero
+from torsionnet.symbolic.algebra.network import Program, ProgramNode
 from torsionnet.symbolic.formula_text import for_display, latex, polynomial_text
 from torsionnet.symbolic.rational import factor_if_short, to_expression
 
 if TYPE_CHECKING:
-    from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
+    from torsionnet.symbolic.symbolic_request import SymbolicFraction
 
 MOST_TERMS = 30
 """Largest number of terms of a polynomial in s that is searched for further factors, as longer ones take too long."""

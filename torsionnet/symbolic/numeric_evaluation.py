@@ -16,13 +16,12 @@ from torsionnet.core.errors import TorsionnetWarning, UsageError
 from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
 from torsionnet.model.elimination import exact
 from torsionnet.response import FrequencyResponse
-from torsionnet.symbolic.algebra.algebras import NumericValues
+from torsionnet.symbolic.algebra.algebras import NumericValues, exact_fraction
 from torsionnet.symbolic.algebra.delay import InPowersNearRest, delays_of
 from torsionnet.symbolic.algebra.scaled import Scaled
-from torsionnet.symbolic.algebra.zero_tests import exact_fraction
 
 if TYPE_CHECKING:
-    from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
+    from torsionnet.symbolic.symbolic_request import SymbolicFraction
 
 ACCEPTED_RELATIVE_ERROR = 1e-10
 """Relative rounding error up to which a value in double precision is accepted, beyond which it is computed in more

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any, Protocol
 import sympy
 
 from torsionnet.symbolic.algebra.algebras import InPowersOfS, TermCounts, in_s
-from torsionnet.symbolic.algebra.program import Program, ProgramNode
+from torsionnet.symbolic.algebra.network import Program, ProgramNode
 from torsionnet.symbolic.algebra.raw import RawExpressions
 from torsionnet.symbolic.algebra.sparse import Monomials, Sparse, monomials_for
 from torsionnet.symbolic.formula_text import polynomial_latex, polynomial_text, where_text, with_where
 
 if TYPE_CHECKING:
-    from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
+    from torsionnet.symbolic.symbolic_request import SymbolicFraction
 
 MOST_EXPANDED_COEFFICIENT_TERMS = 60
 """Largest number of terms of a coefficient that is written multiplied out, as longer ones are shorter when nested."""

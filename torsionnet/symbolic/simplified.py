@@ -20,8 +20,7 @@ from torsionnet.core.expressions import Number
 from torsionnet.model.channels import Sensor
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import GROUND, Element
-from torsionnet.model.elements.gears import Gear
-from torsionnet.model.elements.rigid import RigidCoupling
+from torsionnet.model.elements.rigid import Gear, RigidCoupling
 from torsionnet.model.elements.springs import Damper, Spring
 from torsionnet.solve.dynamic_stiffness.transfer_request import resolve_inputs, resolve_request
 from torsionnet.solve.modes.modes import modes, modes_against

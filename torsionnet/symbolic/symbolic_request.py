@@ -3,21 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import cached_property
 from typing import Any
+
+import sympy
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import UsageError
-from torsionnet.core.memo import Memo
+from torsionnet.core.registers import Memo
 from torsionnet.model.channels import Input, Sensor
-from torsionnet.model.motion_balance.operating_notes import symbol_notes
+from torsionnet.model.elements import Element, Lock, RigidCoupling
+from torsionnet.model.operating_values import symbol_notes
 from torsionnet.model.readings import port_of
 from torsionnet.response import Channel
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, resolve_request
-from torsionnet.solve.modes.cut_drivetrain import cut_definition, elements_beyond_cut
-from torsionnet.symbolic.algebra.program import Program
-from torsionnet.symbolic.algebra.zero_tests import vanishes
-from torsionnet.symbolic.symbolic_sensors import Mechanism, SymbolicPart, loose_constraints, parts_of
+from torsionnet.solve.modes.modes import cut_definition, elements_beyond_cut
+from torsionnet.symbolic.algebra.algebras import Expressions, Lengths, in_s, vanishes
+from torsionnet.symbolic.algebra.network import Program, ProgramNode, Stiffness
+from torsionnet.symbolic.mechanism import (
+    Mechanism,
+    NoContinuedFractionError,
+    SymbolicPart,
+    loose_constraints,
+    parts_of,
+    response,
+)
 
 
 @dataclass(frozen=True)
@@ -137,3 +149,192 @@ def mechanism(
 
         kind = ActiveMechanism
     return kind(drivetrain, referred_to, loose, program or Program())
+
+
+def continued_fraction(asked: SymbolicRequest, leaf: Callable[[Any], Any]) -> Any:
+    """Continued fraction of a transfer function in the algebra of ``leaf``, None if the drivetrain is no tree."""
+
+    def element(payload: Any) -> Any:
+        if isinstance(payload, str):  # s itself
+            return leaf(Stiffness(damping=sympy.Integer(1)))
+        if isinstance(payload, Stiffness):
+            return leaf(Stiffness(*(asked.change(part) for part in payload.parts)))
+        return leaf(asked.change(sympy.Integer(payload) if isinstance(payload, int) else payload))
+
+    if asked.mechanism.has_actions:
+        return None
+    try:
+        alone = asked.measured is None
+        above, receptance = response(asked.mechanism, asked.output, asked.load, element, shift=alone)
+        if asked.measured is None:
+            return above * receptance * element(asked.sign)
+        return above / response(asked.mechanism, asked.measured, asked.load, element)[0]
+    except NoContinuedFractionError:
+        return None
+
+
+def continued_fraction_expression(asked: SymbolicRequest) -> Any:
+    """Continued fraction of a transfer function as a sympy expression, or None if the drivetrain is no tree."""
+    return continued_fraction(asked, _expression)
+
+
+def _expression(payload: Any) -> Any:
+    if isinstance(payload, Stiffness):
+        return in_s(payload.parts)
+    return sympy.Rational(payload.numerator, payload.denominator) if isinstance(payload, Fraction) else payload
+
+
+@dataclass(frozen=True, eq=False)
+class SymbolicFraction:
+    """Numerator and denominator of a transfer function, exact, in the model's own symbols.
+
+    Attributes
+    ----------
+    channels : tuple of Channel
+        Output and input, with their units.
+    numerator, denominator : ProgramNode
+        Results of one program, common factors left out.
+    values : dict
+        Symbol -> exact rational value in the model.
+    request : SymbolicRequest or None
+        The mechanism behind, for the continued fraction.
+    tables : dict
+        What depends on frequency by the symbolic function that stands for it, kappa(omega).
+    notes : tuple of str
+    """
+
+    channels: tuple[Channel, Channel]
+    numerator: ProgramNode
+    denominator: ProgramNode
+    values: Mapping[Any, Any]
+    request: SymbolicRequest | None = None
+    tables: Mapping[Any, Any] = field(default_factory=dict)
+    title: str = ""
+    notes: tuple[str, ...] = ()
+    conditions: tuple[Any, ...] = ()
+
+    @property
+    def steps(self) -> Program:
+        """Straight-line program whose steps calculate numerator and denominator."""
+        return self.numerator.program
+
+    @cached_property
+    def free_symbols(self) -> frozenset[Any]:
+        """Parameters that appear in the transfer function, as sympy symbols."""
+        found = {symbol for leaf in self._leaves for symbol in leaf.free_symbols} - {sympy.Symbol("omega")}
+        coefficients = (one for table in self.used_tables.values() for one in table.coefficients)
+        return frozenset(found.union(*(coefficient.free_symbols for coefficient in coefficients)))
+
+    @cached_property
+    def used_tables(self) -> Mapping[Any, Any]:
+        """Frequency-dependent stiffnesses in the transfer function, by their symbol kappa(omega)."""
+        found = {function for leaf in self._leaves for function in leaf.atoms(sympy.core.function.AppliedUndef)}
+        return {name: table for name, table in self.tables.items() if name in found}
+
+    @property
+    def formulas(self) -> Mapping[Any, Any]:
+        """Formula of each continuous shaft's kappa(omega) in omega and parameters, a sympy expression in N m/rad."""
+        omega = sympy.Symbol("omega")
+        found = {name: table.formula(omega) for name, table in self.used_tables.items()}
+        return {name: formula for name, formula in found.items() if formula is not None}
+
+    @cached_property
+    def _leaves(self) -> tuple[Any, ...]:
+        """Sympy expressions in the leaves of the transfer function's program."""
+        needed = (self.steps.steps[index] for index in self.steps.needed([self.numerator, self.denominator]))
+        payloads = [step[1] for step in needed if step[0] == "leaf"]
+        parts = [part for one in payloads for part in (one.parts if isinstance(one, Stiffness) else (one,))]
+        return tuple(dict.fromkeys(part for part in parts if isinstance(part, sympy.Basic)))
+
+    @cached_property
+    def nested(self) -> Any:
+        """Transfer function as a nested sympy expression, numerator over denominator as calculated."""
+        above, below = self.steps.run(Expressions(), [self.numerator, self.denominator])
+        return above / below
+
+    @cached_property
+    def nested_leaves(self) -> int:
+        """Number of leaves (stiffnesses, ratios, numbers) of the nested form, repeated ones counted again."""
+        above, below = self.steps.run(Lengths(), [self.numerator, self.denominator])
+        return int(above.leaves + below.leaves)
+
+    @cached_property
+    def continued_fraction(self) -> Any:
+        """Transfer function as a continued fraction in sympy, or None where there are closed loops."""
+        return None if self.request is None else continued_fraction_expression(self.request)
+
+    @property
+    def mechanical(self) -> Any:
+        """Transfer function as a continued fraction in sympy, nested instead where there are closed loops."""
+        return self.nested if self.continued_fraction is None else self.continued_fraction
+
+
+@dataclass(frozen=True)
+class ImposedRequest:
+    """Request for a transfer function restated without imposed angles, with drivetrain, input and excitation.
+
+    ``channel`` is the input as the user knows it, where that is an imposed angle.
+    """
+
+    drivetrain: AssembledModel
+    input: str | Sensor | Input
+    excitation: str | Input | None
+    channel: Channel | None = None
+
+
+def is_imposed(drivetrain: AssembledModel) -> bool:
+    """Whether any input of the drivetrain imposes an angle."""
+    return any(channel.quantity == "angle" for channel in drivetrain.inputs.values())
+
+
+def hold_imposed_angles(drivetrain: AssembledModel, driven: Input | None = None) -> AssembledModel:
+    """Drivetrain with its imposed angles held at zero, except that of ``driven``, where the node turns freely."""
+    definition, nodes = drivetrain.definition, set(drivetrain.nodes)
+    imposed = [one for one in definition.inputs.values() if one.quantity == "angle" and nodes.issuperset(one.nodes)]
+    held = [_holder(one, definition.elements) for one in imposed if one != driven]
+    elements = {**definition.elements, **{holder.name: holder for holder in held}}
+    inputs = {name: channel for name, channel in definition.inputs.items() if channel.quantity != "angle"}
+    return drivetrain.with_definition(replace(definition, elements=elements, inputs=inputs))
+
+
+def _holder(channel: Input, known: Mapping[str, Element]) -> Element:
+    """Element that holds an imposed angle at zero, a clamp, or between two nodes a rigid coupling."""
+    name = _unused(f"rest_{'_'.join(channel.nodes)}", known)
+    if channel.against is None:
+        return Lock(name, node=channel.of)
+    return RigidCoupling(name, nodes=(channel.of, channel.against))
+
+
+def _unused(name: str, elements: Mapping[str, Element]) -> str:
+    while name in elements:
+        name += "_"
+    return name
+
+
+def without_imposed_angles(
+    drivetrain: AssembledModel, output: str | Sensor, input: str | Sensor | Input, excitation: str | Input | None
+) -> ImposedRequest:
+    """Request for a transfer function restated without imposed angles, as a measured angle under a torque.
+
+    Raises
+    ------
+    UsageError
+        As for a frequency response.
+    """
+    if not is_imposed(drivetrain):
+        return ImposedRequest(drivetrain, input, excitation)
+    request = resolve_request(drivetrain, output, input, excitation)
+    source: Input = request.excitations[0]
+    if source.quantity == "torque":
+        return ImposedRequest(hold_imposed_angles(drivetrain), input, source if request.is_measured else None)
+    free, torque = hold_imposed_angles(drivetrain, source), replace(source, quantity="torque")
+    if request.is_measured:
+        return ImposedRequest(free, input, torque)
+    measured = Sensor("angle", source.of, against=source.against)
+    return ImposedRequest(free, measured, torque, request.measured[0].channel)
+
+
+def require_one_channel_each(output: object, input: object) -> None:
+    """Raise an error if several outputs or inputs are given for a symbolic transfer function, which has one of each."""
+    if not isinstance(output, str | Sensor) or not isinstance(input, str | Sensor | Input):
+        raise UsageError("a transfer function in symbols has one output and one input; transfer_matrix takes several")

@@ -7,23 +7,31 @@ from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.symbolic import SymbolicMatrices, stiffness_symbol, symbolic_matrices, with_symbols
-from torsionnet.assembly.twin import TWINS, twin, twin_parameters
-from torsionnet.core.listing import comma_list
-from torsionnet.core.memo import Memo
+from torsionnet.assembly.symbolic import (
+    TWINS,
+    SymbolicMatrices,
+    stiffness_symbol,
+    symbolic_matrices,
+    twin,
+    twin_parameters,
+    with_symbols,
+)
+from torsionnet.core.errors import comma_list
+from torsionnet.core.registers import Memo
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.elements import Action, Law, Values
 from torsionnet.model.kinematics import owned_parts
 from torsionnet.response import Channel
 from torsionnet.solve.dynamic_stiffness.transfer_request import resolve_request
-from torsionnet.symbolic.algebra.program import ProgramNode
-from torsionnet.symbolic.imposed_angles import (
+from torsionnet.symbolic.algebra.network import ProgramNode
+from torsionnet.symbolic.symbolic_request import (
+    SymbolicRequest,
     hold_imposed_angles,
     is_imposed,
     require_one_channel_each,
+    resolve,
     without_imposed_angles,
 )
-from torsionnet.symbolic.symbolic_request import SymbolicRequest, resolve
 from torsionnet.symbolic.transfer_function import TransferFunction
 
 if TYPE_CHECKING:

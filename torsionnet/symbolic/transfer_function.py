@@ -13,15 +13,15 @@ from numpy.typing import ArrayLike
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response import FrequencyResponse
 from torsionnet.symbolic.algebra.algebras import Derivatives, SubstitutedLeaves
-from torsionnet.symbolic.algebra.program import Program
+from torsionnet.symbolic.algebra.network import Program
 from torsionnet.symbolic.formula_text import for_display, latex, with_where
-from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
+from torsionnet.symbolic.symbolic_request import SymbolicFraction
 
 if TYPE_CHECKING:
     from torsionnet.symbolic.expanded import Expanded
+    from torsionnet.symbolic.formula_text import WhereTable
     from torsionnet.symbolic.normalised import Normalised
     from torsionnet.symbolic.rational import Rational
-    from torsionnet.symbolic.straight_line import WhereTable
 
 MOST_PRINTED = 60
 """Largest number of operations of a transfer function that is printed in one line, as longer ones are hard to read."""
@@ -87,7 +87,7 @@ class TransferFunction(SymbolicFraction):
     @cached_property
     def program(self) -> WhereTable:
         """Straight-line program of the transfer function, with a name for every repeated result."""
-        from torsionnet.symbolic.straight_line import where_table
+        from torsionnet.symbolic.formula_text import where_table
 
         return where_table(self)
 
@@ -288,6 +288,6 @@ class TransferFunction(SymbolicFraction):
 
 
 def _exact(value: Any) -> Any:
-    from torsionnet.assembly.twin import rational
+    from torsionnet.assembly.symbolic import rational
 
     return value if isinstance(value, sympy.Basic) else rational(value)

@@ -22,11 +22,10 @@ from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
-from torsionnet.symbolic.algebra.program import Program, ProgramNode
-from torsionnet.symbolic.algebra.zero_tests import vanishes
-from torsionnet.symbolic.imposed_angles import hold_imposed_angles, is_imposed
-from torsionnet.symbolic.symbolic_request import mechanism
-from torsionnet.symbolic.symbolic_sensors import Mechanism, loose_constraints, parts_of
+from torsionnet.symbolic.algebra.algebras import vanishes
+from torsionnet.symbolic.algebra.network import Program, ProgramNode
+from torsionnet.symbolic.mechanism import Mechanism, loose_constraints, parts_of
+from torsionnet.symbolic.symbolic_request import hold_imposed_angles, is_imposed, mechanism
 from torsionnet.symbolic.transfer_function import TransferFunction
 
 Write: TypeAlias = Callable[[tuple[Channel, Channel], ProgramNode, ProgramNode, tuple[str, ...]], TransferFunction]

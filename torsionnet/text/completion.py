@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path as FolderPath
 from typing import TYPE_CHECKING
 
-from torsionnet.core.entries.format_version import FORMAT_VERSION, KEY
+from torsionnet.core.entries.declared import FORMAT_VERSION, KEY
 from torsionnet.text.cursor_context import CursorContext, cursor_context
 from torsionnet.text.text_edits import TextSpan
 from torsionnet.text.tolerant_reading import tolerant_data

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path as FolderPath
 
-from torsionnet.core.entries.named_files import files_beside
+from torsionnet.core.entries.declared import files_beside
 from torsionnet.text.explaining.entry_under import entry_under
 from torsionnet.text.explaining.hover_entries import key_words, value_words
 from torsionnet.text.explaining.hover_things import thing_words

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path as FolderPath
 
-from torsionnet.core.entries.words import name_fault
+from torsionnet.core.entries.spec import name_fault
 from torsionnet.core.errors import Path, UsageError
 from torsionnet.core.expression_reading import check_name
 from torsionnet.core.units import UnitError, parse_unit

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path as FolderPath
 from typing import Any
 
-from torsionnet.core.entries.named_files import files_beside
+from torsionnet.core.entries.declared import files_beside
 from torsionnet.core.entries.spec import Spec
 from torsionnet.core.errors import Path
 from torsionnet.model.files.located_yaml import LocatedNode, Place

@@ -5,14 +5,14 @@ from __future__ import annotations
 import re
 from pathlib import Path as FolderPath
 
-from torsionnet.core.entries.named_files import files_beside
+from torsionnet.core.entries.declared import files_beside
 from torsionnet.core.errors import Fault, Path
-from torsionnet.core.garbage_collection import gc_paused
+from torsionnet.core.packages import gc_paused
 from torsionnet.model.checks import names
 from torsionnet.model.defining import define
-from torsionnet.model.files.fault_positions import located_faults
 from torsionnet.model.files.located_yaml import LocatedDocument
 from torsionnet.model.files.part_includes import include_parts
+from torsionnet.model.files.reader import located_faults
 from torsionnet.text.tolerant_reading import tolerant_document
 
 _MISPLACED = re.compile('indentation|":" is not expected|outside of the model')

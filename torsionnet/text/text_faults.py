@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from torsionnet.core.errors import Fault, ModelError, Position
-from torsionnet.model.files.fault_positions import presentable_faults
 from torsionnet.model.files.located_yaml import compose
-from torsionnet.model.files.reader import read_text
+from torsionnet.model.files.reader import presentable_faults, read_text
 from torsionnet.text.entry_edits import WrittenText
 from torsionnet.text.fixes.quick_fixes import quick_fixes
 from torsionnet.text.fixes.syntax_fixes import syntax_fixes

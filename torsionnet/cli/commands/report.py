@@ -15,7 +15,7 @@ from torsionnet.cli.models import STANDARD_INPUT, load_model
 from torsionnet.cli.options import PRESETS, SIMPLIFY, FiniteFloat, file_option
 from torsionnet.cli.record_options import Averaging, Estimator, RecordReading
 from torsionnet.cli.terminal import print_file_written
-from torsionnet.core.garbage_collection import rare_collections
+from torsionnet.core.packages import rare_collections
 
 if TYPE_CHECKING:
     from torsionnet.cli.progress import ShowProgress

@@ -100,7 +100,7 @@ def _chosen(found: ModeSensitivities, modes: tuple[int, ...]) -> Table:
 
 def _largest(table: Table) -> Table:
     """Table of the effects that change an eigenvalue most relative to its size, with the notes on their modes."""
-    from torsionnet.response.mode_numbers import COUNTING_NOTE
+    from torsionnet.response.conventions import COUNTING_NOTE
 
     if len(table.rows) <= EFFECTS_SHOWN:
         return table

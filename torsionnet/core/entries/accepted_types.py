@@ -11,8 +11,7 @@ from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 
-from torsionnet.core.expressions import Expression
-from torsionnet.core.piecewise_linear import Rows
+from torsionnet.core.expressions import Expression, Rows
 
 
 class QuantityWithUnit(Protocol):

@@ -3,15 +3,35 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import MISSING, Field, fields, replace
 from functools import cache
-from typing import Any, ClassVar, Self
+from pathlib import Path, PurePosixPath, PureWindowsPath
+from typing import Any, ClassVar, Self, TypeAlias
 
-from torsionnet.core.entries.format_version import VERSION_SCHEMA
-from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, spec_of
-from torsionnet.core.errors import Fault, ModelError, UsageError, unknown_key
+from torsionnet.core.entries.spec import EntryError, Json, Renaming, Schema, Spec, spec_of
+from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean, unknown_key
+
+FORMAT_VERSION = 1
+"""Number of the version of the file format that this release reads and writes."""
+KEY = "torsionnet"
+"""Key under which a file states the version of its format."""
+VERSION_SCHEMA: dict[str, str | int] = {"const": FORMAT_VERSION, "description": "version of the file format"}
+
+
+def version_faults(data: Mapping[Any, Any], kind: str) -> list[Fault]:
+    """Faults of a file whose format version is missing or unknown; ``kind`` says what it holds: a model, a fit."""
+    version = data.get(KEY)
+    if version is None:
+        text = f"the first entry of a {kind} file is {KEY}: {FORMAT_VERSION}, the version of the format"
+        return [Fault(text, kind="missing key", about=KEY)]
+    if version != FORMAT_VERSION or isinstance(version, bool):
+        shown = f"format {version}" if isinstance(version, int) and not isinstance(version, bool) else repr(version)
+        text = f"{KEY}: is the version of the format, {FORMAT_VERSION} for this release; this is {shown}"
+        return [Fault(text, (KEY,))]
+    return []
 
 
 class Declared:
@@ -240,3 +260,118 @@ def _run_together(key: Any, known: Iterable[str], raw: Mapping[Any, Any]) -> Fau
     lacks = f'a blank is missing after "{found[1]}:"' if ":" in found[2] else f'a colon is missing after "{found[1]}"'
     text = f"{lacks}; write {found[1]}: {str(key)[found.end() - 1 :]}"
     return Fault(text, (key,), on_key=True, kind="unknown key", about=str(key), meant=found[1])
+
+
+_FOLDER: ContextVar[Path | None] = ContextVar("folder of the file that is being read", default=None)
+"""Folder of the model file that is being read, None where a text without a folder is read."""
+FileState: TypeAlias = tuple[int, int, int]
+"""Type of numbers that change when a file is written or replaced: time in ns, size in bytes and number of the file."""
+
+_RECORDED: ContextVar[dict[Path, FileState | None] | None] = ContextVar("files that were looked for", default=None)
+_IN_EDITORS: ContextVar[Mapping[Path, str]] = ContextVar("texts that are not saved yet", default={})  # noqa: B039
+MOST_FILE_BYTES = 8_000_000
+"""Size in bytes of the largest named file that is read, as a larger one would only fill the memory."""
+_SUFFIXED = re.compile(r"\.[A-Za-z]\w{0,4}$")
+
+
+@contextmanager
+def files_beside(folder: Path | None) -> Iterator[None]:
+    """Context manager within which file names are looked up in ``folder``; with None no file can be named."""
+    before = _FOLDER.set(folder)
+    try:
+        yield
+    finally:
+        _FOLDER.reset(before)
+
+
+@contextmanager
+def files_recorded() -> Iterator[Mapping[Path, FileState | None]]:
+    """Context manager that gives the files looked for within it, with what :func:`file_state` said of each before.
+
+    >>> with files_recorded() as files, files_beside(Path("models")):
+    ...     names = [one.name for one in files]
+    >>> names
+    []
+    """
+    recorded: dict[Path, FileState | None] = {}
+    before = _RECORDED.set(recorded)
+    try:
+        yield recorded
+    finally:
+        _RECORDED.reset(before)
+
+
+def file_state(path: Path) -> FileState | None:
+    """State of a file, another one after each change of it; None if it is not there."""
+    try:
+        found = path.stat()
+    except (OSError, ValueError):
+        return None
+    return found.st_mtime_ns, found.st_size, found.st_ino
+
+
+@contextmanager
+def texts_in_editors(texts: Mapping[Path, str]) -> Iterator[None]:
+    """Context manager within which files that are open in an editor have the text shown there, by resolved path."""
+    before = _IN_EDITORS.set(texts)
+    try:
+        yield
+    finally:
+        _IN_EDITORS.reset(before)
+
+
+def nearby_bytes(path: Path) -> bytes:
+    """Content of a file that :func:`nearby_file` found, as an editor shows it or as it is saved."""
+    texts = _IN_EDITORS.get()
+    shown = texts.get(path.resolve()) if texts else None
+    return path.read_bytes() if shown is None else shown.encode("utf-8", "replace")
+
+
+def nearby_file(name: str) -> Path:
+    """Path of the file of that name beside the model file that is being read.
+
+    Raises
+    ------
+    EntryError
+        There is none, it lies elsewhere or is too large, or what is being read is no file.
+    """
+    folder = _FOLDER.get()
+    if folder is None:
+        text = f'the file "{name}" is meant to lie beside the model file, but this model is text without a folder'
+        raise EntryError(f"{text}; save it and load the file, or give the numbers in a list")
+    pure = PurePosixPath(name.replace("\\", "/"))
+    if pure.is_absolute() or PureWindowsPath(name).drive or ".." in pure.parts or "\0" in name:
+        raise EntryError(f'"{name}" leads out of the folder of the model file; put the file beside it or below')
+    path = folder / pure
+    recorded = _RECORDED.get()
+    try:
+        if recorded is not None:
+            recorded.setdefault(path.resolve(), file_state(path))
+        there, inside = path.is_file(), path.resolve().is_relative_to(folder.resolve())
+        size = path.stat().st_size if there else 0
+    except (OSError, RuntimeError):  # the latter of links that lead in a circle, up to Python 3.12
+        there, inside, size = False, True, 0
+    if not there:
+        hint = _others(path) if inside else ""  # what lies elsewhere, behind a link, is not told
+        raise EntryError(f'there is no file "{name}" beside the model file{hint}')
+    if not inside:
+        raise EntryError(f'"{name}" is a link that leads out of the folder of the model file; put the file there')
+    if size > MOST_FILE_BYTES:
+        raise EntryError(f'"{name}" is too large: more than {MOST_FILE_BYTES // 1_000_000} MB')
+    return path
+
+
+def names_a_file(raw: object) -> bool:
+    """Whether the name of a file occurs anywhere in the data as written."""
+    if isinstance(raw, Mapping):
+        return any(names_a_file(part) for part in raw.values())
+    if isinstance(raw, list | tuple):
+        return any(names_a_file(part) for part in raw)
+    return isinstance(raw, Path) or (isinstance(raw, str) and _SUFFIXED.search(raw) is not None)
+
+
+def _others(path: Path) -> str:
+    try:
+        return did_you_mean(path.name, [entry.name for entry in path.parent.iterdir() if entry.is_file()])
+    except OSError:
+        return ""

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from itertools import pairwise
+from typing import Any, NamedTuple
 
-from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, Stored_co
+from torsionnet.core.entries.spec import EntryError, Json, Plural, Schema, Spec, Stored_co, coerce_part
 from torsionnet.core.errors import Path
 from torsionnet.core.expression_reading import scalar
-from torsionnet.core.expressions import Expression, ExpressionError, Number
-from torsionnet.core.number_range import is_beyond_range
+from torsionnet.core.expressions import Expression, ExpressionError, Number, Rows, is_beyond_range
 from torsionnet.core.units import DIMENSIONS, UnitError, expected_unit, parse_quantity, with_forces
 
 SCALAR_SCHEMA: Schema = {"type": ["number", "string"]}
@@ -260,3 +261,170 @@ def _finite(value: Fraction) -> float:
     if not float("-inf") < number < float("inf"):
         raise EntryError(f"expected a finite number, got {value!r}")
     return number
+
+
+_BAND = re.compile(r"\s*([-+\d.eE]+?)\s*([A-Za-z/]*)\s*\.\.\s*([-+\d.eE]+)\s*([A-Za-z/]*)\s*")
+_FREQUENCY = Value("a frequency", "frequency", lower=None)
+BAND_FORMS = "0.3..40 Hz or [0.3 Hz, 40 Hz]"
+"""Example of how a band is written, for messages and schemas."""
+
+
+LOWEST_HZ, HIGHEST_HZ = 1e-9, 1e9
+"""Smallest and largest frequency of a band in Hz, as no shaft train vibrates slower or faster."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Band(Spec[tuple[float, float]]):
+    """Entry of a frequency band: two frequencies, the lower one first, stored in Hz."""
+
+    from_zero: bool = False
+    """Whether the band may begin at 0 Hz."""
+
+    def coerce(self, raw: object) -> tuple[float, float]:
+        return parse_band(raw, from_zero=self.from_zero)
+
+    def plain(self, value: tuple[float, float]) -> str:
+        return "..".join(repr(edge).removesuffix(".0") for edge in value) + " Hz"
+
+    def schema(self) -> Schema:
+        pair: Schema = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2, "maxItems": 2}
+        return {"description": f"{self.description}: {BAND_FORMS}", "anyOf": [{"type": "string"}, pair]}
+
+    @property
+    def accepted(self) -> str:
+        return "str | tuple[Scalar, Scalar] | list[Scalar] | list[float] | list[str]"
+
+
+def parse_band(raw: object, *, from_zero: bool = False) -> tuple[float, float]:
+    """Lower and upper frequency in Hz, read from a text ``0.3..40 Hz`` or a list of two.
+
+    >>> parse_band("18..2400 cpm"), parse_band(["0.3 Hz", 40])
+    ((0.3, 40.0), (0.3, 40.0))
+    """
+    low, high = (_FREQUENCY.coerce(edge) for edge in _edges(raw))
+    is_at_zero = from_zero and low == 0
+    if not (0 < low < high or (is_at_zero and high > 0)):
+        above = "" if from_zero else ", both above 0"
+        raise EntryError(f"a band goes from a lower to a higher frequency{above}, as in {BAND_FORMS}; got {raw!r}")
+    if not ((low >= LOWEST_HZ or is_at_zero) and low < high <= HIGHEST_HZ):
+        raise EntryError(f"a band lies between {LOWEST_HZ:g} and {HIGHEST_HZ:g} Hz, got {raw!r}")
+    return low, high
+
+
+def _edges(raw: object) -> tuple[object, object]:
+    if isinstance(raw, (list, tuple)) and len(raw) == 2:
+        return raw[0], raw[1]
+    match = _BAND.fullmatch(raw) if isinstance(raw, str) else None
+    if match is None:
+        raise EntryError(f"expected a band such as {BAND_FORMS}, got {raw!r}")
+    unit = match[4] or "Hz"
+    return f"{match[1]} {match[2] or unit}", f"{match[3]} {unit}"
+
+
+class Bands(Plural[tuple[tuple[float, float], ...]]):
+    """Entry of a list of frequency bands, or of one band alone."""
+
+    @property
+    def absent(self) -> tuple[tuple[float, float], ...]:
+        return ()
+
+    def coerce(self, raw: object) -> tuple[tuple[float, float], ...]:
+        one = Band(self.description, from_zero=True)
+        if isinstance(raw, list | tuple) and all(_is_band(part) for part in raw):
+            return tuple(coerce_part(index, one, part) for index, part in enumerate(raw))
+        return (one.coerce(raw),)
+
+    def plain(self, value: tuple[tuple[float, float], ...]) -> list[str]:
+        return [Band("").plain(band) for band in value]
+
+    def schema(self) -> Schema:
+        return {"type": ["array", "string"], "description": f"{self.description}: {BAND_FORMS}, or a list of these"}
+
+    @property
+    def accepted(self) -> str:
+        return "str | list[Scalar] | list[float] | list[str] | collections.abc.Sequence[object]"
+
+
+def _is_band(raw: object) -> bool:
+    return isinstance(raw, list | tuple) or (isinstance(raw, str) and _BAND.fullmatch(raw) is not None)
+
+
+class RowColumn(NamedTuple):
+    """Name, dimension and allowed signs of the values in one column of a table of numbers."""
+
+    name: str
+    dimension: str = "1"
+    negative: bool = True
+    zero: bool = True
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class NumberTable(Spec[Stored_co]):
+    """Entry of rows ``[[0 rad/s, 40 N*m], [10 rad/s, 36 N*m]]`` whose first column rises."""
+
+    columns: tuple[RowColumn, ...] = ()
+    fewest: int = 1
+
+    @property
+    def example(self) -> str:
+        return f"rows {self._row_text}" + (f", at least {self.fewest}" if self.fewest > 1 else "")
+
+    @property
+    def _row_text(self) -> str:
+        return f"[{', '.join(column.name for column in self.columns)}]"
+
+    def rows(self, raw: object) -> Rows:
+        """Rows of numbers that an entry gives, one number for each column, exact and in SI units."""
+        rows = tuple(self._row(row, index) for index, row in enumerate(self.listed(raw)))
+        for index, (row, following) in enumerate(pairwise(rows), 1):
+            if following[0].value <= row[0].value:
+                raise EntryError(f"the {self.columns[0].name} must increase from row to row", (index, 0))
+        return rows
+
+    def listed(self, raw: object) -> Sequence[object]:
+        """Rows of an entry as they are written, of which there are as many as the table needs."""
+        raw = raw.tolist() if hasattr(raw, "tolist") else raw
+        if isinstance(raw, str | Mapping) or not isinstance(raw, Sequence) or len(raw) < self.fewest:
+            written = _as_rows(raw) if isinstance(raw, Mapping) else ""
+            raise EntryError(f"expected {self.example}{written}; got {'nothing' if raw is None else repr(raw)}")
+        return raw
+
+    def _row(self, row: object, index: int) -> tuple[Number, ...]:
+        if isinstance(row, str) or not isinstance(row, Sequence) or len(row) != len(self.columns):
+            raise EntryError(f"a row is {self._row_text}, got {'nothing' if row is None else repr(row)}", (index,))
+        return tuple(self._cell(cell, index, place) for place, cell in enumerate(row))
+
+    def _cell(self, cell: object, index: int, place: int) -> Number:
+        column = self.columns[place]
+        try:
+            value = cell if isinstance(cell, Number) else read_scalar(cell, column.dimension)
+        except EntryError as error:
+            raise EntryError(error.fault.under(index, place)) from None
+        if not isinstance(value, Number):
+            raise EntryError("a table holds numbers, not expressions", (index, place))
+        if not column.negative and value.value < 0:
+            raise EntryError(f"{column.name} must not be negative", (index, place))
+        if not column.zero and value.value == 0:
+            raise EntryError(f"{column.name} must be greater than 0", (index, place))
+        if is_beyond_range(float(value.value)):
+            text = f"{float(value.value):g} is far outside the sizes of drivetrains; check its unit"
+            raise EntryError(text, (index, place))
+        return value
+
+    def plain(self, value: Any) -> Json:
+        return [[plain_scalar(cell) for cell in row] for row in value]
+
+    def schema(self) -> Schema:
+        count = len(self.columns)
+        row: Schema = {"type": "array", "items": SCALAR_SCHEMA, "minItems": count, "maxItems": count}
+        return {"type": "array", "items": row, "minItems": self.fewest, "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return "NumberRows"
+
+
+def _as_rows(raw: Mapping[object, object]) -> str:
+    """Words that tell the first pairs of a mapping as rows, which other entries with a value over another one take."""
+    first = [f"[{key}, {value}]" for key, value in [*raw.items()][:2]]
+    return f", as [{', '.join(first)}{', ...' if len(raw) > len(first) else ''}]" if first else ""

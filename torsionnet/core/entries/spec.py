@@ -2,13 +2,115 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import MISSING, Field, dataclass, field
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass, replace
+from numbers import Integral
 from typing import Any, ClassVar, Generic, TypeAlias, TypeVar, cast, overload
 
-from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.errors import Fault, Path
+from torsionnet.core.errors import Fault, Path, did_you_mean
 from torsionnet.core.expressions import Expression
+
+
+@dataclass(frozen=True, eq=False)
+class Renaming:
+    """Map from names of a part to names in the model that uses it.
+
+    Attributes
+    ----------
+    prefix : str
+        Comes before every name of the part's own, as ``left.``.
+    nodes : mapping
+        Nodes that keep or get another name: ports, and the ground.
+    channels : collection of str
+        Sensors and inputs of the part.
+    ports : mapping
+        Element of the part -> its ports with their nodes.
+    excitations : collection of str
+        Excitations of the part.
+    """
+
+    prefix: str
+    nodes: Mapping[str, str]
+    channels: Collection[str] = ()
+    ports: Mapping[str, Mapping[str, str]] | None = None
+    excitations: Collection[str] = ()
+
+    def own(self, name: str) -> str:
+        """Name in the model of an element, parameter, sensor, ... of the part."""
+        return self.prefix + name
+
+    def element(self, name: str) -> str:
+        """Name in the model of an element of the part."""
+        return self.own(name)
+
+    def parameter(self, name: str) -> str:
+        """Name in the model of a parameter of the part."""
+        return self.own(name)
+
+    def channel(self, name: str) -> str:
+        """Name in the model of a sensor or input of the part."""
+        return self.own(name)
+
+    def excitation(self, name: str) -> str:
+        """Name in the model of an excitation of the part."""
+        return self.own(name)
+
+    def part(self, name: str) -> str:
+        """Name in the model of a part that the part uses, which is the same."""
+        return name
+
+    def port(self, part: str, name: str) -> str:
+        """Name of a port of a part that the part uses, which is the same."""
+        del part
+        return name
+
+    def part_parameter(self, part: str, name: str) -> str:
+        """Name of a parameter of a part that the part uses, which is the same."""
+        del part
+        return name
+
+    def changed_entry(self, name: str) -> str:
+        """Name in the model of what an alternative changes, a parameter or an entry as ``engine.misfire``."""
+        return self.own(name)
+
+    def configuration(self, name: str) -> str:
+        """Name in the model of a choice of alternatives, which is the same."""
+        return name
+
+    def node(self, name: str) -> str:
+        """Name in the model of a node of the part."""
+        return self.nodes.get(name) or self.prefix + name
+
+    def at(self, element: str, place: str | None) -> str | None:
+        """Name in the model of a place on an element: the name of a port stays, that of a node changes."""
+        named = (self.ports or {}).get(element, {})
+        return place if place is None or place in named else self.node(place)
+
+    def expression(self, value: Expression) -> Expression:
+        """Expression of the part's parameters with their names in the model."""
+        return value.renamed(self.parameter)
+
+    def within(self, value: Any) -> Any:
+        """Value of an entry in its stored form, with the names in all its expressions changed.
+
+        The value itself where there are none.
+        """
+        if isinstance(value, Expression):
+            return self.expression(value)
+        if type(value) is tuple:
+            found = tuple(map(self.within, value))
+            return value if all(new is old for new, old in zip(found, value, strict=True)) else found
+        if isinstance(value, dict):
+            entries = {key: self.within(one) for key, one in value.items()}
+            return value if all(entries[key] is value[key] for key in value) else entries
+        if hasattr(value, "renamed"):
+            return value.renamed(self)
+        if is_dataclass(value) and not isinstance(value, type):
+            changes = {one.name: self.within(getattr(value, one.name)) for one in fields(value) if one.init}
+            changes = {key: new for key, new in changes.items() if new is not getattr(value, key)}
+            return replace(value, **changes) if changes else value
+        return value
+
 
 Json: TypeAlias = "Mapping[str, Json] | Sequence[Json] | str | int | float | bool | None"
 """Type of everything that JSON and YAML can hold."""
@@ -187,3 +289,102 @@ def full_name(cls: type) -> str:
 def list_annotation(accepted: str) -> str:
     """Text of the type annotation of a list of accepted values; a text does not count as a list of characters."""
     return "Scalars" if accepted == "Scalar" else f"tuple[{accepted}, ...] | list[{accepted}]"
+
+
+MODEL_NAME = "the name of a library model or the path of a model file"
+"""Description of the name of a model, for entries and messages."""
+NAME_SCHEMA: Schema = {"pattern": r"^[A-Za-z][A-Za-z0-9_]*(\.[A-Za-z][A-Za-z0-9_]*)*$"}
+"""JSON Schema of the name of a node, an element, an input or a sensor."""
+
+
+def name_fault(name: str) -> str | None:
+    """Message that ``name`` cannot name a node, an element, an input or a sensor, or None if it can.
+
+    What belongs to a part that is used in a model has the name of the use before a dot.
+
+    >>> name_fault("hub"), name_fault("left.hub")
+    (None, None)
+    """
+    if name.isascii() and all(is_single_word(piece) for piece in name.split(".")):
+        return None
+    return f'"{name}" is not a valid name; use letters, digits and _, beginning with a letter'
+
+
+def is_single_word(name: str) -> bool:
+    """Whether a name is one word, without a dot."""
+    return name.isidentifier() and not name.startswith("_")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Text(Spec[str]):
+    """Entry of free text, or of the name of something."""
+
+    what: str = "text"
+
+    def coerce(self, raw: object) -> str:
+        if not isinstance(raw, str):
+            raise EntryError(f"expected {self.what}, got {raw!r}")
+        return raw
+
+    def schema(self) -> Schema:
+        return {"type": "string", "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return "str"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class OneOf(Spec[str]):
+    """Entry of one word out of a fixed list."""
+
+    options: tuple[str, ...]
+
+    def coerce(self, raw: object) -> str:
+        if raw not in self.options:
+            hint = did_you_mean(raw, self.options) if isinstance(raw, str) else ""
+            raise EntryError(f"expected {' or '.join(self.options)}, got {raw!r}{hint}")
+        return str(raw)
+
+    def schema(self) -> Schema:
+        return {"enum": list(self.options), "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return f"typing.Literal[{', '.join(map(repr, self.options))}]"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Count(Spec[int]):
+    """Entry of a whole number in a range."""
+
+    lower: int = 1
+    upper: int = 1000
+
+    def coerce(self, raw: object) -> int:
+        if isinstance(raw, bool) or not isinstance(raw, Integral) or not self.lower <= int(raw) <= self.upper:
+            raise EntryError(f"expected a whole number from {self.lower} to {self.upper}, got {raw!r}")
+        return int(raw)
+
+    def schema(self) -> Schema:
+        return {"type": "integer", "minimum": self.lower, "maximum": self.upper, "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return "WholeNumber"
+
+
+class Flag(Spec[bool]):
+    """Entry of true or false."""
+
+    def coerce(self, raw: object) -> bool:
+        if not isinstance(raw, bool):
+            raise EntryError(f"expected true or false, got {raw!r}")
+        return raw
+
+    def schema(self) -> Schema:
+        return {"type": "boolean", "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return "bool"

@@ -9,8 +9,7 @@ import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.core.errors import UsageError
-from torsionnet.core.listing import comma_list
+from torsionnet.core.errors import UsageError, comma_list
 from torsionnet.identification.orders.order_lines import OrderLines, order_lines
 from torsionnet.identification.orders.parametric_orders import (
     ParametricOrders,

@@ -12,8 +12,7 @@ import scipy
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.core.errors import UsageError
-from torsionnet.core.listing import comma_list
+from torsionnet.core.errors import UsageError, comma_list
 from torsionnet.core.units import RPM
 from torsionnet.identification.orders.parametric_orders import same_order
 from torsionnet.response.measured.tracked_orders import TrackedOrders

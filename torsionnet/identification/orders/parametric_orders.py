@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.core.errors import UsageError
-from torsionnet.core.listing import comma_list
+from torsionnet.core.errors import UsageError, comma_list
 from torsionnet.model.channels import Sensor
 from torsionnet.model.excitations.excitation_numbers import ExcitationNumber, excitation_number, with_number
 from torsionnet.model.model import Model

@@ -16,7 +16,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from torsionnet.assembly.action_law import refuse_actions
+from torsionnet.assembly.rows import refuse_actions
 from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.fmu.traced_numbers import NumberTape, Traced

@@ -14,8 +14,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
-from torsionnet.core.expressions import Algebra
-from torsionnet.core.number_range import float_if_long
+from torsionnet.core.expressions import Algebra, float_if_long
 from torsionnet.model.elimination import exact
 from torsionnet.solve.modes.modular_arithmetic import residue
 

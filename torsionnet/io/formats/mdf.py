@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.core.atomic import atomic_replacement
-from torsionnet.core.listing import comma_list
+from torsionnet.core.errors import comma_list
 from torsionnet.io.foreign import StoredArray
 from torsionnet.io.formats.extras import import_extra, open_foreign
 from torsionnet.io.records.arrays import attribute_text, channel_of, told_apart

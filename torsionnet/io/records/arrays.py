@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from torsionnet.core.listing import comma_list
+from torsionnet.core.errors import comma_list
 from torsionnet.core.plain_names import free_name
 from torsionnet.io.foreign import StoredArray
 from torsionnet.io.foreign.content import (

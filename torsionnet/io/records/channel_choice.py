@@ -6,8 +6,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from torsionnet.core.errors import Fault, nearest, unknown_name
-from torsionnet.core.listing import comma_list
+from torsionnet.core.errors import Fault, comma_list, nearest, unknown_name
 from torsionnet.core.remedies import remedy
 from torsionnet.core.units import UnitError
 from torsionnet.io.records.quantities import factor_to_si, likely_quantity, quantity_of

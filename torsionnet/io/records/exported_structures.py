@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from torsionnet.core.delimited.headings import plain_unit
-from torsionnet.core.listing import comma_list
+from torsionnet.core.errors import comma_list
 from torsionnet.core.remedies import remedy
 from torsionnet.core.units import UnitError, parse_unit
 from torsionnet.io.foreign import StoredArray

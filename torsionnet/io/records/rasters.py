@@ -7,8 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from torsionnet.core.errors import Fault
-from torsionnet.core.listing import comma_list
+from torsionnet.core.errors import Fault, comma_list
 from torsionnet.io.foreign.content import Blocks
 from torsionnet.io.records.axes import seconds_in
 from torsionnet.io.records.channel_choice import ChannelChoice

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from torsionnet.core.errors import Fault, ModelError
-from torsionnet.core.listing import comma_list
+from torsionnet.core.errors import Fault, ModelError, comma_list
 from torsionnet.core.remedies import remedy
 from torsionnet.io.records.channel_choice import ChannelChoice
 from torsionnet.io.records.clock import SAME_RATE_TOLERANCE

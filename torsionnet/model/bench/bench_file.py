@@ -6,10 +6,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from torsionnet.core.entries.composite import Nested
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.format_version import KEY
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import MODEL_NAME, Text
+from torsionnet.core.entries.declared import KEY, Declared
+from torsionnet.core.entries.spec import MODEL_NAME, Text, entry
 from torsionnet.model.bench.plan import Plan
 from torsionnet.model.report.report_plan import ConfigurationName
 

@@ -8,15 +8,13 @@ from typing import ClassVar
 
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.number_table import NumberTable, RowColumn
-from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry, not_none
-from torsionnet.core.entries.words import Flag
+from torsionnet.core.entries.scalars import NumberTable, RowColumn, Value
+from torsionnet.core.entries.spec import Flag, entry, not_none
 from torsionnet.core.errors import Fault
-from torsionnet.core.piecewise_linear import Rows
-from torsionnet.model.element_base.nodes import NodeText
+from torsionnet.core.expressions import Rows
+from torsionnet.model.element_base.element_entries import NodeText
 from torsionnet.model.excitations.speed_range import SPEED
-from torsionnet.model.torque_places import ExcitationName
+from torsionnet.model.operating_point import ExcitationName
 
 COAST_DOWN_POINTS = 400
 """Number of points of an exponential fall of speed, straight between them: over three time constants the speed is then

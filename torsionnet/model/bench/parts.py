@@ -9,8 +9,7 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.composite import Listed, Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value, ValueInUnitOfUse, plain_number
-from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, coerce_part, entry
-from torsionnet.core.entries.words import Count, Flag, OneOf
+from torsionnet.core.entries.spec import Count, EntryError, Flag, Json, OneOf, Schema, Spec, coerce_part, entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
 from torsionnet.model.channels import ChannelName, RecordedName

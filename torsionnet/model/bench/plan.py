@@ -8,8 +8,7 @@ from typing import ClassVar, TypeAlias
 
 from torsionnet.core.entries.composite import Named, Nested, Typed
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count
+from torsionnet.core.entries.spec import Count, entry
 from torsionnet.core.errors import Fault
 from torsionnet.model.bench.bench_motions import MOTIONS, BenchMotion
 from torsionnet.model.bench.parts import Acquisition, Encoder, Exciter, RecordingSystem, Transducer

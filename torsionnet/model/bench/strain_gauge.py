@@ -8,8 +8,7 @@ from typing import ClassVar
 from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value, ValueInUnitOfUse
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import OneOf
+from torsionnet.core.entries.spec import OneOf, entry
 from torsionnet.core.expressions import Number
 from torsionnet.model.bench.parts import Transducer
 

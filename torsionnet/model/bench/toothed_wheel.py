@@ -9,8 +9,7 @@ from typing import ClassVar
 from torsionnet.core.entries.composite import Listed, Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, Flag
+from torsionnet.core.entries.spec import Count, Flag, entry
 from torsionnet.core.errors import Fault
 from torsionnet.model.channels import ChannelName, RecordedName
 

@@ -7,11 +7,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from torsionnet.core.entries.composite import Named, Nested
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.format_version import KEY
+from torsionnet.core.entries.declared import KEY, Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import MODEL_NAME, Count, Flag, OneOf, Text
+from torsionnet.core.entries.spec import MODEL_NAME, Count, Flag, OneOf, Text, entry
 from torsionnet.core.errors import Fault
 from torsionnet.model.campaign.campaign_checks import CampaignChecks
 from torsionnet.model.campaign.campaign_responses import CampaignResponses

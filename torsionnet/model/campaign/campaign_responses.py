@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.entries.band import Band, Bands
 from torsionnet.core.entries.composite import Listed, Nested
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Text
+from torsionnet.core.entries.scalars import Band, Bands, Value
+from torsionnet.core.entries.spec import Text, entry
 from torsionnet.core.errors import Fault
 from torsionnet.model.fit.fit_entries import FitSettings
 

@@ -11,8 +11,7 @@ from pathlib import Path
 from torsionnet.core.delimited.cell_grid import Cell, CellGrid, read_grid
 from torsionnet.core.delimited.sheet_numbers import decimal_sign, is_like_number, plain_number_text
 from torsionnet.core.delimited.sheet_units import named_unit, sheet_unit
-from torsionnet.core.errors import Fault, ModelError, UsageError, nearest
-from torsionnet.core.listing import comma_list
+from torsionnet.core.errors import Fault, ModelError, UsageError, comma_list, nearest
 from torsionnet.core.units import UnitError, numeral_of, parse_number
 from torsionnet.model.catalogues.catalogue import Catalogue, CatalogueCell, CatalogueRow
 from torsionnet.model.catalogues.catalogue_entries import SIZE

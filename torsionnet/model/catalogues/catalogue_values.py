@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from torsionnet.core.entries.named_files import nearby_file
+from torsionnet.core.entries.declared import nearby_file
 from torsionnet.core.entries.spec import EntryError, Spec
 from torsionnet.core.errors import Fault, ModelError, did_you_mean
 from torsionnet.core.units import expected_unit

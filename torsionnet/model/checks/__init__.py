@@ -10,11 +10,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
 from torsionnet.core.errors import USELESS, Fault
-from torsionnet.core.garbage_collection import gc_paused
+from torsionnet.core.packages import gc_paused
 from torsionnet.model.checks import names, values
-from torsionnet.model.checks.override_checks import at_override
-from torsionnet.model.checks.size_checks import unusual_sizes
+from torsionnet.model.checks.names import at_override
 from torsionnet.model.checks.structure import check_structure, unconnected_parts
+from torsionnet.model.checks.values import unusual_sizes
 from torsionnet.model.configurations import combinations, label
 from torsionnet.model.definition import Definition
 from torsionnet.model.parameters import resolve

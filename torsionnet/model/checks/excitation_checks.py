@@ -9,12 +9,12 @@ import numpy as np
 
 from torsionnet.core.errors import Fault, Path, UsageError, unknown_name
 from torsionnet.model.channels import Input, named_nodes
-from torsionnet.model.checks.load_checks import unknown_in_load
+from torsionnet.model.checks.operation import unknown_in_load
 from torsionnet.model.definition import LOAD, Definition, all_nodes
 from torsionnet.model.elements import Values
 from torsionnet.model.excitations import OrderExcitation
 from torsionnet.model.excitations.engine_phases import unlocked_engines
-from torsionnet.model.imposed_twist import twist_fault
+from torsionnet.model.kinematics import twist_fault
 from torsionnet.model.parameters import resolve
 from torsionnet.model.speeds import total_ratio
 

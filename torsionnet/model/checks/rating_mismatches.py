@@ -12,8 +12,7 @@ from torsionnet.model.checks.likely_mistakes import likely_load, likely_power, l
 from torsionnet.model.definition import LOAD
 from torsionnet.model.excitations import OrderExcitation
 from torsionnet.model.excitations.rating import Rating
-from torsionnet.model.load.external_torques import ExternalTorques
-from torsionnet.model.load.load_places import ENGINE
+from torsionnet.model.load.external_torques import ENGINE, ExternalTorques
 
 SAME_POWER_SHARE, SAME_SPEED_SHARE = 0.05, 0.005
 """Relative differences up to which powers and speeds agree, for rounding of data sheets and slip."""

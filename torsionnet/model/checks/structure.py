@@ -2,26 +2,52 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from torsionnet.core.errors import USELESS, Fault, UsageError, did_you_mean
-from torsionnet.core.groups import Groups
-from torsionnet.core.listing import comma_list
+from torsionnet.core.errors import USELESS, Fault, UsageError, comma_list, did_you_mean
+from torsionnet.core.registers import Groups
 from torsionnet.model.channels import Input, Sensor, immobility_text, named_nodes
-from torsionnet.model.checks.motions import count_held_motions, free_motions
-from torsionnet.model.checks.referred_sensors import unreachable_shafts
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND, Values
 from torsionnet.model.kinematics import (
     Kinematics,
     contradicting_loop,
+    count_held_motions,
+    free_motions,
     loop_mismatch,
     solve_kinematics,
     torques_are_determinate,
     virtual_motion,
 )
+
+
+def unreachable_shafts(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
+    """Faults of sensors whose readings cannot be referred to the shaft they name.
+
+    Those that are switched off are left out.
+    """
+    referred = {name: sensor for name, sensor in definition.sensors.items() if sensor.referred_to is not None}
+    if not referred:
+        return []
+    from torsionnet.model.readings import referring_factor
+
+    elements = {element.name: element for element in definition.active}
+    nodes = all_nodes(definition.active)
+    faults = []
+    for name, sensor in referred.items():
+        if _is_on(sensor, elements, nodes):
+            try:
+                referring_factor(sensor, elements, Values(values))
+            except UsageError as error:
+                faults.append(Fault(f"{name}: {error}", ("sensors", name, "referred_to")))
+    return faults
+
+
+def _is_on(sensor: Sensor, elements: Mapping[str, Any], nodes: Collection[str]) -> bool:
+    return sensor.of in elements if sensor.is_on_element else all(node in nodes for node in sensor.nodes)
+
 
 MOST_GROUPS, MOST_NAMES = 10, 6
 """Largest number of unconnected groups of nodes reported one by one, and of node names shown of each group: a model
@@ -284,6 +310,6 @@ def _unfit_operation(
     operated = definition.load or definition.operating_point or definition.following or rated
     if not operated and not any(element.reads_off for element in definition.active):
         return []
-    from torsionnet.model.checks.operating_point_checks import unfit_operation
+    from torsionnet.model.checks.operation import unfit_operation
 
     return unfit_operation(definition, values, kinematics, sound=sound)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.entries.number_table import NumberTable
-from torsionnet.core.piecewise_linear import Rows
+from torsionnet.core.entries.scalars import NumberTable
+from torsionnet.core.expressions import Rows
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -6,14 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, plain_scalar, read_value
-from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, coerce_part, full_name
+from torsionnet.core.entries.spec import EntryError, Json, Renaming, Schema, Spec, coerce_part, full_name
 from torsionnet.core.errors import Fault, Path, did_you_mean
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.element_base.control_law import GAIN, MATRICES, PID, POLYNOMIALS, ROOTS, ControlLaw
+from torsionnet.model.element_base.element_entries import NodePair, read_node
 from torsionnet.model.element_base.laws import GROUND
-from torsionnet.model.element_base.nodes import NodePair, read_node
 
 SENSED_QUANTITIES = ("angle", "velocity", "acceleration")
 """Names of the motions that a controller can sense; the index is the power of s over the angle."""

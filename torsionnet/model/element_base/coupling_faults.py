@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from torsionnet.core.damping import DampingMeasure
-from torsionnet.core.entries.alternatives import given_entries, one_at_most
+from torsionnet.core.entries.composite import given_entries, one_at_most
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import RATIONAL
+from torsionnet.model.damping import DampingMeasure, loss_factor
 from torsionnet.model.element_base.curves import is_share
-from torsionnet.model.element_base.damping_entries import loss_factor
 from torsionnet.model.element_base.viscoelastic import temperature_faults
 
 _READ_AT = {

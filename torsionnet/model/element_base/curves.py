@@ -10,10 +10,9 @@ from typing import Any
 from torsionnet.core.entries.scalars import PhysicalQuantity, QuantityKind, check_unit, read_scalar, read_value
 from torsionnet.core.entries.spec import EntryError, Schema, Spec
 from torsionnet.core.errors import Fault, Path
-from torsionnet.core.expressions import Expression, Number
-from torsionnet.core.piecewise_linear import Rows
+from torsionnet.core.expressions import Expression, Number, Rows
 from torsionnet.core.units import DIMENSIONS, expected_unit
-from torsionnet.model.lookup_table import LookupTable
+from torsionnet.model.parameters import LookupTable
 
 
 class Temperature(PhysicalQuantity):

@@ -15,22 +15,33 @@ from functools import cache
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
-from torsionnet.core.attribute_hints import with_argument_hints
-from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import QuantityKind
-from torsionnet.core.entries.spec import Json, Schema, Spec, entry
-from torsionnet.core.entries.words import Flag, Text, name_fault
+from torsionnet.core.entries.spec import Flag, Json, Renaming, Schema, Spec, Text, entry, name_fault
 from torsionnet.core.errors import Fault, ModelError, Path
 from torsionnet.core.expressions import Expression
-from torsionnet.core.type_register import TypeRegister
+from torsionnet.core.packages import with_argument_hints
+from torsionnet.core.registers import TypeRegister
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE, CatalogueEntry, SizeName
-from torsionnet.model.element_base.laws import Constraint, Law, MotionLaw, Part, Row, Values, WholePart
-from torsionnet.model.element_base.multiple_values import MultipleValues
-from torsionnet.model.element_base.nodes import NodeName, NodePair, ReferenceNode
-from torsionnet.model.element_base.quantity_group import QuantityGroup
-from torsionnet.model.element_base.torque_curve import AT_REST, MotionState
+from torsionnet.model.damping import DampingMeasure
+from torsionnet.model.element_base.element_entries import (
+    MultipleValues,
+    NodeName,
+    NodePair,
+    QuantityGroup,
+    ReferenceNode,
+)
+from torsionnet.model.element_base.laws import (
+    AT_REST,
+    Constraint,
+    Law,
+    MotionLaw,
+    MotionState,
+    Part,
+    Row,
+    Values,
+    WholePart,
+)
 
 if TYPE_CHECKING:
     from torsionnet.model.catalogues.catalogue import CatalogueRow

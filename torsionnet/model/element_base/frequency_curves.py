@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from torsionnet.core.piecewise_linear import Rows
+from torsionnet.core.expressions import Rows
 from torsionnet.model.element_base.sampled_stiffness import SampledStiffness
 
 

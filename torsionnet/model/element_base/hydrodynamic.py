@@ -6,21 +6,21 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.number_table import RowColumn
-from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.scalars import PhysicalQuantity, RowColumn
 from torsionnet.core.entries.spec import Spec, entry
 from torsionnet.core.errors import Fault, Path
-from torsionnet.core.expressions import Expression, Number
-from torsionnet.core.piecewise_linear import Rows, outside_message
+from torsionnet.core.expressions import Expression, Number, Rows, outside_message
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.curves import with_curve_ranges
 from torsionnet.model.element_base.element import Element
+from torsionnet.model.element_base.element_entries import NodeName
 from torsionnet.model.element_base.hydrodynamic_curve import Capacity, CouplingCurve, Gain, StatorCurve
 from torsionnet.model.element_base.laws import (
     GROUND,
     Action,
     Law,
     MotionLaw,
+    MotionState,
     Part,
     Row,
     Values,
@@ -28,8 +28,6 @@ from torsionnet.model.element_base.laws import (
     difference,
     make_row,
 )
-from torsionnet.model.element_base.nodes import NodeName
-from torsionnet.model.element_base.torque_curve import MotionState
 
 SPEED_RATIO_COLUMN = RowColumn("speed ratio")
 """Specification of the first column in tables over the speed ratio of a fluid coupling or torque converter."""

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from torsionnet.core.expressions import RATIONAL, Algebra
-from torsionnet.core.piecewise_linear import Rows, slope_at, value_at
-from torsionnet.model.element_base.torque_curve import END_SLACK, MotionState, TorqueCurve
+from torsionnet.core.expressions import RATIONAL, Algebra, Rows, slope_at, value_at
+from torsionnet.model.element_base.laws import END_SLACK, MotionState, TorqueCurve
 
 
 @dataclass(frozen=True)

@@ -6,15 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression
-from torsionnet.model.element_base.damping_entries import DampingQuantity
+from torsionnet.model.damping import DampingMeasure, DampingQuantity
 from torsionnet.model.element_base.element import Element, viscous
+from torsionnet.model.element_base.element_entries import NodeName
 from torsionnet.model.element_base.laws import Constraint, Law, Part, Values, make_row
-from torsionnet.model.element_base.nodes import NodeName
 from torsionnet.model.element_base.quantity_table import ListOf
 
 Ends = Sequence[tuple[str, Any]]

@@ -6,12 +6,10 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, cast
 
-from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.entries.spec import EntryError, Json, Schema, list_annotation
-from torsionnet.core.entries.words import name_fault
+from torsionnet.core.entries.spec import EntryError, Json, Renaming, Schema, list_annotation, name_fault
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression
-from torsionnet.model.element_base.multiple_values import MultipleValues, One_co
+from torsionnet.model.element_base.element_entries import MultipleValues, One_co
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -15,9 +15,8 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any, Protocol
 
-from torsionnet.core.groups import Groups
-from torsionnet.model.element_base.laws import GROUND, Law, MotionLaw, Part, Row, Values, WholePart
-from torsionnet.model.element_base.torque_curve import MotionState
+from torsionnet.core.registers import Groups
+from torsionnet.model.element_base.laws import GROUND, Law, MotionLaw, MotionState, Part, Row, Values, WholePart
 
 
 class SpeedTransmitter(Protocol):

@@ -7,12 +7,10 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.number_table import NumberTable, RowColumn
-from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.scalars import NumberTable, RowColumn, Value
 from torsionnet.core.entries.spec import Json, Schema, entry, not_none
 from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Expression, Number
-from torsionnet.core.piecewise_linear import Rows
+from torsionnet.core.expressions import Expression, Number, Rows
 from torsionnet.model.element_base.curves import LookupCurve, Temperature
 from torsionnet.model.element_base.sampled_stiffness import SampledStiffness
 

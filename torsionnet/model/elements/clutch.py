@@ -6,19 +6,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torsionnet.core.damping import DampingMeasure
-from torsionnet.core.entries.alternatives import one_at_most
-from torsionnet.core.entries.number_table import RowColumn
-from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import Spec, entry, not_none
-from torsionnet.core.entries.words import OneOf
+from torsionnet.core.entries.composite import one_at_most
+from torsionnet.core.entries.scalars import PhysicalQuantity, RowColumn
+from torsionnet.core.entries.spec import OneOf, Spec, entry, not_none
 from torsionnet.core.errors import Fault, Path
-from torsionnet.core.expressions import Expression, Number
-from torsionnet.core.piecewise_linear import Rows, outside_message, slope_at
+from torsionnet.core.expressions import Expression, Number, Rows, outside_message, slope_at
+from torsionnet.model.damping import DampingMeasure, DampingQuantity
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.curves import with_curve_ranges
-from torsionnet.model.element_base.damping_entries import DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.element_entries import NodePair, shown
 from torsionnet.model.element_base.laws import (
     GROUND,
     Constraint,
@@ -31,9 +28,7 @@ from torsionnet.model.element_base.laws import (
     difference,
     make_row,
 )
-from torsionnet.model.element_base.nodes import NodePair
-from torsionnet.model.element_base.quantity_group import shown
-from torsionnet.model.element_base.quantity_rows import numbers_of
+from torsionnet.model.element_base.spring_stages import numbers_of
 from torsionnet.model.motion_laws.friction_curve import clutch_curve
 from torsionnet.model.motion_laws.piece_curve import PieceCurve
 

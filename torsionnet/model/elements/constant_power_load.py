@@ -11,9 +11,8 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.element import Element, register
-from torsionnet.model.element_base.laws import Law, MotionLaw, Part, Row, Values, WholePart, difference
-from torsionnet.model.element_base.nodes import NodeName
-from torsionnet.model.element_base.torque_curve import MotionState
+from torsionnet.model.element_base.element_entries import NodeName
+from torsionnet.model.element_base.laws import Law, MotionLaw, MotionState, Part, Row, Values, WholePart, difference
 from torsionnet.model.motion_laws.power_curve import PowerCurve
 
 

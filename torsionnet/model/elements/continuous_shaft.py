@@ -6,15 +6,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import ClassVar
 
-from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression
-from torsionnet.model.element_base.damping_entries import LossFactor
+from torsionnet.model.damping import DampingMeasure, LossFactor
 from torsionnet.model.element_base.element import Element, register
+from torsionnet.model.element_base.element_entries import NodePair
 from torsionnet.model.element_base.laws import Law, Part, Row, Values, difference, make_row
-from torsionnet.model.element_base.nodes import NodePair
 from torsionnet.model.element_base.round_section import section_faults
 from torsionnet.model.element_base.shaft_stiffness import ShaftEnd, ShaftTwist
 

@@ -6,15 +6,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, ClassVar
 
-from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression, Number
-from torsionnet.model.element_base.damping_entries import DampingQuantity
+from torsionnet.model.damping import DampingMeasure, DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.element_entries import NodePair
 from torsionnet.model.element_base.laws import Law, Part, Values, difference, make_row
-from torsionnet.model.element_base.nodes import NodePair
 
 _SECTIONS = ("journal_diameter", "journal_length", "pin_diameter", "pin_length", "web_width", "web_thickness")
 _BORES = {"journal_bore": "journal_diameter", "pin_bore": "pin_diameter"}

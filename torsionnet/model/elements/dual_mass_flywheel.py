@@ -6,32 +6,36 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
-from torsionnet.core.damping import DampingMeasure
-from torsionnet.core.entries.alternatives import one_exactly
+from torsionnet.core.entries.composite import one_exactly
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import Spec, entry
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression, Number
+from torsionnet.model.damping import DampingMeasure, DampingQuantity, LossFactor, loss_factor
 from torsionnet.model.element_base.curves import with_curve_ranges
-from torsionnet.model.element_base.damping_entries import DampingQuantity, LossFactor, loss_factor
 from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.element_entries import NodePair, shown
 from torsionnet.model.element_base.laws import (
+    AT_REST,
     GROUND,
     Constraint,
     Law,
     MotionLaw,
+    MotionState,
     Part,
     Values,
     WholePart,
     difference,
     make_row,
 )
-from torsionnet.model.element_base.nodes import NodePair
-from torsionnet.model.element_base.quantity_group import shown
-from torsionnet.model.element_base.spring_stage import SpringStage
-from torsionnet.model.element_base.spring_stages import SpringStages
-from torsionnet.model.element_base.stage_points import stage_at, stage_faults, stage_range, stage_torques
-from torsionnet.model.element_base.torque_curve import AT_REST, MotionState
+from torsionnet.model.element_base.spring_stages import (
+    SpringStage,
+    SpringStages,
+    stage_at,
+    stage_faults,
+    stage_range,
+    stage_torques,
+)
 from torsionnet.model.motion_laws.friction_curve import friction_curve
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope
 from torsionnet.model.motion_laws.spring_curves import stage_curve

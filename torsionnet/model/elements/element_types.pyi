@@ -1,13 +1,13 @@
 # Written by `make generate`.
 from collections.abc import Mapping
 from pathlib import Path, PurePath
-from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.accepted_types import Entries, GivenStateSpace, GivenTransferFunction, NumberByNumber, NumberRows, Scalar, Scalars, TwoNames, WholeNumber
 from torsionnet.model.catalogues.catalogue import Catalogue, CatalogueRow
+from torsionnet.model.damping import DampingMeasure
 from torsionnet.model.element_base.control_entries import SensedMotion
 from torsionnet.model.element_base.control_law import ControlLaw
 from torsionnet.model.element_base.sheared_shapes import FilmGap, ShearedBush, ShearedDisc
-from torsionnet.model.element_base.spring_stage import SpringStage
+from torsionnet.model.element_base.spring_stages import SpringStage
 from torsionnet.model.element_base.stiffness_table import StiffnessTable
 from torsionnet.model.element_base.viscoelastic import Viscoelastic
 from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet
@@ -21,22 +21,22 @@ from torsionnet.model.elements.continuous_shaft import ContinuousShaft as _Conti
 from torsionnet.model.elements.controller import Controller as _Controller
 from torsionnet.model.elements.crank_throw import CrankThrow as _CrankThrow
 from torsionnet.model.elements.springs import Damper as _Damper
-from torsionnet.model.elements.gears import Differential as _Differential
+from torsionnet.model.elements.rigid import Differential as _Differential
 from torsionnet.model.elements.dual_mass_flywheel import DualMassFlywheel as _DualMassFlywheel
 from torsionnet.model.elements.final_drive import FinalDrive as _FinalDrive
 from torsionnet.model.elements.flexible_coupling import FlexibleCoupling as _FlexibleCoupling
 from torsionnet.model.elements.fluid_coupling import FluidCoupling as _FluidCoupling
 from torsionnet.model.elements.friction import Friction as _Friction
-from torsionnet.model.elements.gears import Gear as _Gear
+from torsionnet.model.elements.rigid import Gear as _Gear
 from torsionnet.model.elements.gearbox import Gearbox as _Gearbox
 from torsionnet.model.elements.grid_generator import GridGenerator as _GridGenerator
 from torsionnet.model.elements.hysteretic_spring import HystereticSpring as _HystereticSpring
 from torsionnet.model.elements.induction_machine import InductionMachine as _InductionMachine
-from torsionnet.model.elements.inertia import Inertia as _Inertia
+from torsionnet.model.elements.rigid import Inertia as _Inertia
 from torsionnet.model.elements.rigid import Lock as _Lock
 from torsionnet.model.elements.mass_elastic import MassElastic as _MassElastic
 from torsionnet.model.elements.pendulum_absorber import PendulumAbsorber as _PendulumAbsorber
-from torsionnet.model.elements.gears import Planetary as _Planetary
+from torsionnet.model.elements.rigid import Planetary as _Planetary
 from torsionnet.model.elements.propeller import Propeller as _Propeller
 from torsionnet.model.elements.rigid import RigidCoupling as _RigidCoupling
 from torsionnet.model.elements.shaft import Shaft as _Shaft

@@ -6,23 +6,20 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.composite import Nested, Typed
 from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import Spec, entry, not_none
-from torsionnet.core.entries.words import Count
+from torsionnet.core.entries.spec import Count, Spec, entry, not_none
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expression_reading import scalar
-from torsionnet.core.expressions import Expression, Number
-from torsionnet.core.piecewise_linear import Rows, interpolate_in_algebra
+from torsionnet.core.expressions import Expression, Number, Rows, interpolate_in_algebra
+from torsionnet.model.damping import DampingMeasure, DampingQuantity, LossFactor, loss_factor
 from torsionnet.model.element_base.coupling_faults import contradictions, given_curves
 from torsionnet.model.element_base.curves import LookupCurve, Temperature, is_share, with_curve_ranges
-from torsionnet.model.element_base.damping_entries import DampingQuantity, LossFactor, loss_factor
 from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness, ScaledStiffness
 from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.element_entries import NodePair
 from torsionnet.model.element_base.frequency_curves import stiffness_from_curves
 from torsionnet.model.element_base.laws import GROUND, Law, Part, Values, difference, make_row
-from torsionnet.model.element_base.nodes import NodePair
 from torsionnet.model.element_base.sheared_shapes import RUBBER_SHAPES, ShearedShape
 from torsionnet.model.element_base.viscoelastic import Viscoelastic
 

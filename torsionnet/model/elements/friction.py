@@ -5,17 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.alternatives import one_exactly
-from torsionnet.core.entries.number_table import RowColumn
-from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.composite import one_exactly
+from torsionnet.core.entries.scalars import PhysicalQuantity, RowColumn
 from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.element import Element, register
+from torsionnet.model.element_base.element_entries import NodePair, shown
 from torsionnet.model.element_base.laws import GROUND, Law, MotionLaw, Part, Row, Values, WholePart, difference
-from torsionnet.model.element_base.nodes import NodePair
-from torsionnet.model.element_base.quantity_group import shown
-from torsionnet.model.element_base.quantity_rows import (
+from torsionnet.model.element_base.spring_stages import (
     ExpressionRows,
     QuantityRows,
     has_names,

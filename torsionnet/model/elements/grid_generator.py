@@ -11,8 +11,8 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.element_base.element import Element, register
+from torsionnet.model.element_base.element_entries import NodeName
 from torsionnet.model.element_base.laws import Law, Part, Row, Values, difference, make_row
-from torsionnet.model.element_base.nodes import NodeName
 
 _BEHIND_A_REACTANCE = ("emf", "grid_voltage", "reactance", "power")
 POLE_PAIRS_RTOL = 0.01

@@ -5,15 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression
-from torsionnet.model.element_base.damping_entries import DampingQuantity, LossFactor, loss_factor
+from torsionnet.model.damping import DampingMeasure, DampingQuantity, LossFactor, loss_factor
 from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.element_entries import NodePair
 from torsionnet.model.element_base.laws import Law, Part, Values, difference
-from torsionnet.model.element_base.nodes import NodePair
 from torsionnet.model.element_base.round_section import section_faults
 from torsionnet.model.elements.springs import INNER_DIAMETER, NODE_PAIR_DESCRIPTION, OUTER_DIAMETER
 

@@ -11,10 +11,12 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.element_base.element import Element, register
+from torsionnet.model.element_base.element_entries import NodeName
 from torsionnet.model.element_base.laws import (
     Constraint,
     Law,
     MotionLaw,
+    MotionState,
     Part,
     Row,
     Values,
@@ -22,8 +24,6 @@ from torsionnet.model.element_base.laws import (
     difference,
     make_row,
 )
-from torsionnet.model.element_base.nodes import NodeName
-from torsionnet.model.element_base.torque_curve import MotionState
 from torsionnet.model.motion_laws.kloss_curve import KlossCurve
 
 _RATED = ("rated_torque", "rated_slip")

@@ -7,19 +7,16 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, ClassVar
 
-from torsionnet.core.damping import DampingMeasure
-from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.entries.spec import EntryError, Plural, Schema, entry
+from torsionnet.core.entries.spec import EntryError, Plural, Renaming, Schema, entry
 from torsionnet.core.errors import Fault, did_you_mean
 from torsionnet.core.expression_reading import scalar
 from torsionnet.core.plain_names import free_name
+from torsionnet.model.damping import DampingMeasure
 from torsionnet.model.element_base.element import Element, register
+from torsionnet.model.element_base.element_entries import read_node
 from torsionnet.model.element_base.laws import GROUND, Part, Row, Values, make_row
-from torsionnet.model.element_base.nodes import read_node
-from torsionnet.model.elements.gears import Gear
 from torsionnet.model.elements.hysteretic_spring import HystereticSpring
-from torsionnet.model.elements.inertia import Inertia
-from torsionnet.model.elements.rigid import Lock, RigidCoupling
+from torsionnet.model.elements.rigid import Gear, Inertia, Lock, RigidCoupling
 from torsionnet.model.elements.shaft import Shaft
 from torsionnet.model.elements.springs import Damper, Spring
 from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet

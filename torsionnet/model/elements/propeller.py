@@ -7,15 +7,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.alternatives import one_at_most
+from torsionnet.core.entries.composite import one_at_most
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.element_base.element import Element, register
-from torsionnet.model.element_base.laws import Law, MotionLaw, Part, Values, WholePart, make_row
-from torsionnet.model.element_base.nodes import NodeName
-from torsionnet.model.element_base.torque_curve import MotionState
+from torsionnet.model.element_base.element_entries import NodeName
+from torsionnet.model.element_base.laws import Law, MotionLaw, MotionState, Part, Values, WholePart, make_row
 from torsionnet.model.motion_laws.power_curve import OpenWaterCurve, PowerCurve
 
 _LAWS = {

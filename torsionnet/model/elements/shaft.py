@@ -6,17 +6,15 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, ClassVar
 
-from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, OneOf
+from torsionnet.core.entries.spec import Count, OneOf, entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expression_reading import scalar
 from torsionnet.core.expressions import Expression
-from torsionnet.model.element_base.damping_entries import DampingQuantity
+from torsionnet.model.damping import DampingMeasure, DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.element_entries import NodePair
 from torsionnet.model.element_base.laws import Law, Part, Row, Values, difference, make_row
-from torsionnet.model.element_base.nodes import NodePair
 from torsionnet.model.element_base.round_section import section_faults
 
 

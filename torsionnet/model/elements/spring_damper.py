@@ -5,19 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Expression
-from torsionnet.core.piecewise_linear import Rows
+from torsionnet.core.expressions import Expression, Rows
+from torsionnet.model.damping import DampingMeasure, DampingQuantity
 from torsionnet.model.element_base.curves import LookupCurve
-from torsionnet.model.element_base.damping_entries import DampingQuantity
 from torsionnet.model.element_base.dynamic_stiffness import ScaledStiffness
 from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.element_entries import NodeName
 from torsionnet.model.element_base.frequency_curves import stiffness_from_curves
 from torsionnet.model.element_base.laws import Law, Part, Values, difference, make_row
-from torsionnet.model.element_base.nodes import NodeName
 
 
 @register

@@ -6,32 +6,29 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from torsionnet.core.damping import DampingMeasure
-from torsionnet.core.entries.alternatives import given_entries, one_at_most
-from torsionnet.core.entries.number_table import RowColumn
-from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.composite import given_entries, one_at_most
+from torsionnet.core.entries.scalars import PhysicalQuantity, RowColumn
 from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression
-from torsionnet.model.element_base.damping_entries import DampingQuantity
+from torsionnet.model.damping import DampingMeasure, DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.element_entries import NodePair, shown
 from torsionnet.model.element_base.laws import Law, MotionLaw, Part, Values, WholePart, difference
-from torsionnet.model.element_base.nodes import NodePair
-from torsionnet.model.element_base.quantity_group import shown
-from torsionnet.model.element_base.quantity_rows import (
+from torsionnet.model.element_base.round_section import section_faults
+from torsionnet.model.element_base.spring_stages import (
     ExpressionRows,
     QuantityRows,
+    SpringStage,
+    SpringStages,
     has_names,
     numbers_of,
     row_order_faults,
+    stage_faults,
 )
-from torsionnet.model.element_base.round_section import section_faults
-from torsionnet.model.element_base.spring_stage import SpringStage
-from torsionnet.model.element_base.spring_stages import SpringStages
-from torsionnet.model.element_base.stage_points import stage_faults
 
 if TYPE_CHECKING:
-    from torsionnet.model.element_base.torque_curve import TorqueCurve
+    from torsionnet.model.element_base.laws import TorqueCurve
 
 NODE_PAIR_DESCRIPTION = "the two nodes it connects, one may be ground; twist is the angle of the first minus the second"
 OUTER_DIAMETER = PhysicalQuantity(
@@ -148,7 +145,7 @@ class Spring(Element):
     @staticmethod
     def _stiffness_at_rest(curve: TorqueCurve) -> Any:
         """Slope of the torque without twist, to which a measure of damping refers."""
-        from torsionnet.model.element_base.torque_curve import AT_REST
+        from torsionnet.model.element_base.laws import AT_REST
 
         return curve.slopes(AT_REST)[0]
 

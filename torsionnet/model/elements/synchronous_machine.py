@@ -8,19 +8,26 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, ClassVar
 
-from torsionnet.core.damping import DampingMeasure
-from torsionnet.core.entries.alternatives import one_at_most
+from torsionnet.core.entries.composite import one_at_most
 from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count
+from torsionnet.core.entries.spec import Count, entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expression_reading import scalar
 from torsionnet.core.expressions import Expression, Number
-from torsionnet.model.element_base.damping_entries import DampingQuantity
+from torsionnet.model.damping import DampingMeasure, DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
-from torsionnet.model.element_base.laws import Law, MotionLaw, Part, Row, Values, WholePart, difference, make_row
-from torsionnet.model.element_base.nodes import NodeName
-from torsionnet.model.element_base.torque_curve import MotionState
+from torsionnet.model.element_base.element_entries import NodeName
+from torsionnet.model.element_base.laws import (
+    Law,
+    MotionLaw,
+    MotionState,
+    Part,
+    Row,
+    Values,
+    WholePart,
+    difference,
+    make_row,
+)
 from torsionnet.model.motion_laws.load_angle_curve import LoadAngleCurve
 
 _AT_A_PULL_OUT_TORQUE = ("torque", "load_angle", "reluctance_torque", "pole_pairs")

@@ -7,8 +7,8 @@ from typing import ClassVar
 
 from torsionnet.core.entries.spec import entry
 from torsionnet.model.element_base.element import Element, register
+from torsionnet.model.element_base.element_entries import NodePair
 from torsionnet.model.element_base.laws import Law, Part, Values, difference
-from torsionnet.model.element_base.nodes import NodePair
 from torsionnet.model.element_base.stiffness_rows import TableEntry
 from torsionnet.model.element_base.stiffness_table import StiffnessTable
 from torsionnet.model.elements.springs import NODE_PAIR_DESCRIPTION

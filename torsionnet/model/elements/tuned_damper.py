@@ -5,16 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torsionnet.core.damping import DampingMeasure
-from torsionnet.core.entries.alternatives import one_at_most, one_exactly
+from torsionnet.core.entries.composite import one_at_most, one_exactly
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression
-from torsionnet.model.element_base.damping_entries import DampingQuantity, LossFactor, loss_factor
+from torsionnet.model.damping import DampingMeasure, DampingQuantity, LossFactor, loss_factor
 from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.element_entries import NodeName
 from torsionnet.model.element_base.laws import Law, Part, Values, difference, make_row
-from torsionnet.model.element_base.nodes import NodeName
 
 _DAMPING = ("damping_ratio", "damping", "loss_factor")
 

@@ -11,8 +11,8 @@ from torsionnet.core.errors import Fault
 from torsionnet.core.expression_reading import scalar
 from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.element import Element, register
+from torsionnet.model.element_base.element_entries import NodeName
 from torsionnet.model.element_base.laws import Law, Part, Values, make_row
-from torsionnet.model.element_base.nodes import NodeName
 
 GRAVITY = "9.80665"
 """Standard acceleration of gravity in m/s^2, with which the weight of a vehicle makes rolling resistance."""

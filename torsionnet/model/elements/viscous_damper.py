@@ -5,19 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.damping import DampingMeasure
-from torsionnet.core.entries.alternatives import given_entries, one_at_most
-from torsionnet.core.entries.composite import Nested
+from torsionnet.core.entries.composite import Nested, given_entries, one_at_most
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression, Number
+from torsionnet.model.damping import DampingMeasure, DampingQuantity
 from torsionnet.model.element_base.curves import Temperature
-from torsionnet.model.element_base.damping_entries import DampingQuantity
 from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness, ScaledStiffness
 from torsionnet.model.element_base.element import Element, register, viscous
+from torsionnet.model.element_base.element_entries import NodeName
 from torsionnet.model.element_base.laws import Law, Part, Row, Values, difference, make_row
-from torsionnet.model.element_base.nodes import NodeName
 from torsionnet.model.element_base.sheared_shapes import FilmGap
 from torsionnet.model.element_base.stiffness_rows import TableEntry
 from torsionnet.model.element_base.stiffness_table import StiffnessTable

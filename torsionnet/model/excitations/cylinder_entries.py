@@ -6,8 +6,7 @@ from typing import Any
 
 from torsionnet.core.entries.composite import Listed, Named
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Json, Schema
-from torsionnet.core.entries.words import Count
+from torsionnet.core.entries.spec import Count, Json, Schema
 from torsionnet.core.errors import Fault
 
 CYLINDER = Count("number of a cylinder", 1, 99)

@@ -11,10 +11,9 @@ import numpy as np
 from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry, not_none
-from torsionnet.core.entries.words import Count
+from torsionnet.core.entries.spec import Count, entry, not_none
 from torsionnet.core.errors import Fault, Path
-from torsionnet.model.element_base.nodes import NodeName
+from torsionnet.model.element_base.element_entries import NodeName
 from torsionnet.model.excitations.harmonic_torque import FREQUENCY, PHASE, TableByOrder
 from torsionnet.model.excitations.order_excitation import (
     ComplexArray,

@@ -12,10 +12,9 @@ import numpy as np
 
 from torsionnet.core.entries.composite import Listed, Named
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry, not_none
-from torsionnet.core.entries.words import Count
+from torsionnet.core.entries.spec import Count, entry, not_none
 from torsionnet.core.errors import Path
-from torsionnet.model.element_base.nodes import NodeName
+from torsionnet.model.element_base.element_entries import NodeName
 from torsionnet.model.excitations.cylinder_entries import (
     CYLINDER,
     GAS_FACTOR,

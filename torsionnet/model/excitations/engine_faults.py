@@ -7,10 +7,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsionnet.core.entries.alternatives import one_exactly
+from torsionnet.core.entries.composite import one_exactly
 from torsionnet.core.entries.spec import not_none
-from torsionnet.core.errors import Fault, Path, UsageError
-from torsionnet.core.listing import comma_list
+from torsionnet.core.errors import Fault, Path, UsageError, comma_list
 from torsionnet.model.excitations.cylinder_entries import EACH
 from torsionnet.model.excitations.engine_entries import EngineEntries
 from torsionnet.model.excitations.engine_sizes import impossible_lengths, unusual_sizes_of

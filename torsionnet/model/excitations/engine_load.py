@@ -8,8 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from torsionnet.core.entries.alternatives import one_exactly
-from torsionnet.core.entries.composite import Nested
+from torsionnet.core.entries.composite import Nested, one_exactly
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import EntryError, entry, not_none

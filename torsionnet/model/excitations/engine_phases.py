@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from torsionnet.core.groups import Groups
+from torsionnet.core.registers import Groups
 from torsionnet.model.excitations.order_excitation import OrderExcitation
 
 

@@ -9,12 +9,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from torsionnet.core.entries.alternatives import one_at_most, one_exactly
-from torsionnet.core.entries.composite import Nested
+from torsionnet.core.entries.composite import Nested, one_at_most, one_exactly
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, not_none
-from torsionnet.core.entries.words import OneOf
+from torsionnet.core.entries.spec import EntryError, Json, OneOf, Schema, Spec, entry, not_none
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.excitations.harmonic_torque import TableByOrder
 from torsionnet.model.excitations.order_correction import OrderCorrection, corrections

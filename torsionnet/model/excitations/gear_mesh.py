@@ -8,16 +8,14 @@ from typing import ClassVar, NamedTuple, Self
 
 import numpy as np
 
-from torsionnet.core.entries.alternatives import one_exactly
-from torsionnet.core.entries.composite import Nested
+from torsionnet.core.entries.composite import Nested, one_exactly
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count
+from torsionnet.core.entries.spec import Count, entry
 from torsionnet.core.errors import Fault, Path
-from torsionnet.model.element_base.nodes import ElementName
+from torsionnet.model.element_base.element_entries import ElementName
 from torsionnet.model.elements import Element
-from torsionnet.model.elements.gears import Gear
+from torsionnet.model.elements.rigid import Gear
 from torsionnet.model.excitations.harmonic_torque import PHASE, TableByOrder
 from torsionnet.model.excitations.order_excitation import FloatArray, OrderTorques, register_excitation
 from torsionnet.model.excitations.twist_excitation import TwistExcitation

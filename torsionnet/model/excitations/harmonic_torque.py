@@ -13,7 +13,7 @@ from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import EntryError, Plural, Schema, entry
 from torsionnet.core.errors import Fault, Path
-from torsionnet.model.element_base.nodes import NodeName
+from torsionnet.model.element_base.element_entries import NodeName
 from torsionnet.model.excitations.order_excitation import (
     ORDER,
     FloatArray,

@@ -10,13 +10,11 @@ from typing import Any, ClassVar
 import numpy as np
 
 from torsionnet.core.entries.composite import Listed, Nested
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.named_files import nearby_file
+from torsionnet.core.entries.declared import Declared, nearby_file
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import EntryError, Json, Schema, entry
-from torsionnet.core.entries.words import Text
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Text, entry
 from torsionnet.core.errors import Fault, ModelError, Path, UsageError
-from torsionnet.model.element_base.nodes import NodeName
+from torsionnet.model.element_base.element_entries import NodeName
 from torsionnet.model.excitations.measured_columns import FORM, POWERS, MeasuredLines, measured_lines
 from torsionnet.model.excitations.order_excitation import (
     FloatArray,

@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Flag
+from torsionnet.core.entries.spec import Flag, entry
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.channels import Input
-from torsionnet.model.element_base.nodes import NodeName
+from torsionnet.model.element_base.element_entries import NodeName
 from torsionnet.model.elements import Element
 from torsionnet.model.excitations.rating import Rating
 

@@ -11,10 +11,9 @@ import numpy as np
 from torsionnet.core.entries.composite import Named, Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, OneOf, Text, name_fault
+from torsionnet.core.entries.spec import Count, OneOf, Text, entry, name_fault
 from torsionnet.core.errors import Fault, Path, suggestion_or
-from torsionnet.model.element_base.nodes import NodeName
+from torsionnet.model.element_base.element_entries import NodeName
 from torsionnet.model.excitations.harmonic_torque import TableByOrder
 from torsionnet.model.excitations.order_excitation import FloatArray, OrderExcitation, OrderTorques, register_excitation
 from torsionnet.model.excitations.rating import Rating

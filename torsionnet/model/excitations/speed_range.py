@@ -12,7 +12,7 @@ from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry, not_none
 from torsionnet.core.errors import Fault
-from torsionnet.model.element_base.nodes import NodeName
+from torsionnet.model.element_base.element_entries import NodeName
 
 SPEED = Value("a speed", "speed", exclusive=True, below=1e6)
 RANGE_EXAMPLES = "300..788 rpm or [300 rpm, 788 rpm]"

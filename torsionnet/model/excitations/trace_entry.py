@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.core.entries.composite import Composite
-from torsionnet.core.entries.named_files import nearby_file
+from torsionnet.core.entries.declared import nearby_file
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.core.entries.spec import EntryError, Json, Schema, not_none
 from torsionnet.core.errors import Fault, ModelError

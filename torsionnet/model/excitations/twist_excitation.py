@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Self
 
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Path
-from torsionnet.model.element_base.nodes import NodeName
+from torsionnet.model.element_base.element_entries import NodeName
 from torsionnet.model.elements import GROUND, Element
 from torsionnet.model.excitations.order_excitation import OrderExcitation
 

@@ -10,10 +10,9 @@ from typing import ClassVar
 import numpy as np
 
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count
+from torsionnet.core.entries.spec import Count, entry
 from torsionnet.core.errors import Fault
-from torsionnet.model.element_base.nodes import ElementName
+from torsionnet.model.element_base.element_entries import ElementName
 from torsionnet.model.elements import Element
 from torsionnet.model.excitations.order_excitation import FloatArray, OrderTorques, register_excitation
 from torsionnet.model.excitations.twist_excitation import TwistExcitation, shafts_of

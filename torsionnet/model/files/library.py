@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import codecs
 import re
 from itertools import islice
 from pathlib import Path
 
-from torsionnet.model.files.yaml_scalars import plain_value
+from torsionnet.core.errors import Fault, ModelError, Position
+from torsionnet.model.files.located_yaml import compose, plain_value
 
 PACKAGE = Path(__file__).resolve().parents[2]
 """Folder of the package ``torsionnet``, in or beside which its library lies."""
@@ -132,3 +134,59 @@ def _unquoted(text: str) -> str:
     if text[:1] in ('"', "'") and text[-1:] == text[0]:
         return text[1:-1]
     return text if plain_value(text) is not None else ""
+
+
+def other_use(name: str) -> str:
+    """Message on how a part, catalogue or study of that name is used, which is no model; empty if there is none.
+
+    Examples
+    --------
+    >>> print(other_use("rotor_blade").partition("; ")[0])
+    "rotor_blade" is a part (Rotor blade, edgewise), no model
+    """
+    parts, catalogues = library_parts(), library_catalogues()
+    if name in parts:
+        return _part(name, parts[name])
+    if name in catalogues:
+        text = f"give an element the entries catalogue: {name} and size: ..."
+        return f'"{name}" is a catalogue, no model; {text}; its sizes are in {catalogues[name]}'
+    if name in library_studies():
+        return f'"{name}" is a study, no model; torsionnet study {name} calculates it'
+    return ""
+
+
+def _part(name: str, path: Path) -> str:
+    data = compose(path.read_text(encoding="utf-8"), str(path)).data
+    nodes = ", ".join(f"{port}: ..." for port in data["ports"])
+    text = f'"{name}" is a part ({library_entry(path)[0]}), no model'
+    text += f"; put it into a model with use: {{NAME: {{part: {name}, at: {{{nodes}}}}}}}"
+    values = ", ".join(data["parameters"])
+    return f"{text}; its parameters are {values}, its elements {', '.join(data['elements'])}; its file is {path}"
+
+
+MOST_BYTES = 4_000_000
+"""Size in bytes of the largest model file, as a larger one is no model and would only fill the memory."""
+
+
+def decode(raw: bytes, file: str) -> str:
+    """Text of a model file from its bytes in UTF-8 code.
+
+    Raises ModelError with the position of bytes that are not UTF-8.
+    """
+    if len(raw) > MOST_BYTES:
+        raise _fault(f"the file is too large: more than {MOST_BYTES // 1_000_000} MB", file)
+    if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) or b"\0" in raw[:4]:
+        raise _fault("the file is saved as UTF-16 or UTF-32; save it as UTF-8", file)
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        good = raw[: error.start + (3 if raw.startswith(codecs.BOM_UTF8) else 0)]
+        lines = good.decode("utf-8-sig", "replace").splitlines() or [""]
+        if good.endswith((b"\n", b"\r")):
+            lines.append("")
+        text = f"the byte 0x{raw[len(good)]:02x} is no UTF-8 text; save the file as UTF-8"
+        raise _fault(text, file, len(lines), len(lines[-1]) + 1) from None
+
+
+def _fault(message: str, file: str, line: int = 1, column: int = 1) -> ModelError:
+    return ModelError([Fault(message, position=Position(file, line, column, column + 1))])

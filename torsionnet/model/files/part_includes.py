@@ -6,12 +6,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path as FilePath
 
-from torsionnet.core.entries.format_version import KEY
-from torsionnet.core.entries.named_files import files_beside, nearby_bytes, nearby_file
+from torsionnet.core.entries.declared import KEY, files_beside, nearby_bytes, nearby_file
 from torsionnet.core.entries.spec import EntryError
 from torsionnet.core.errors import Fault, ModelError, Path
-from torsionnet.model.files.decoding import decode
-from torsionnet.model.files.library import library_parts
+from torsionnet.model.files.library import decode, library_parts
 from torsionnet.model.files.located_yaml import LocatedDocument, LocatedNode, compose
 
 _FILE_OF_PARTS = (KEY, "name", "source", "description", "parts", "include")

@@ -7,7 +7,7 @@ import re
 
 import yaml
 
-from torsionnet.model.files.yaml_scalars import Plain, plain_value
+from torsionnet.model.files.located_yaml import Plain, plain_value
 
 # What other readers (YAML 1.1, or other rules of 1.2) may take for a number, a truth value or a date.
 _MISREAD = re.compile(r"[-+]?(0o[0-7]+|0x[0-9a-fA-F]+|[0-9][0-9_.]*([eE][-+]?[0-9]+)?)|y|Y|n|N")

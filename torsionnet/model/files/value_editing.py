@@ -11,6 +11,7 @@ from pathlib import Path as FolderPath
 from torsionnet.core.entries.scalars import plain_scalar
 from torsionnet.core.errors import ModelError, Path
 from torsionnet.core.expressions import Expression
+from torsionnet.model.changes import LOAD_SIZES, is_point_setting, with_point_settings
 from torsionnet.model.configurations import DEFAULT_AXIS, Overlay
 from torsionnet.model.definition import Definition
 from torsionnet.model.files.located_yaml import LocatedDocument, LocatedNode, Span, compose
@@ -18,7 +19,6 @@ from torsionnet.model.files.quoting import scalar_text
 from torsionnet.model.files.reader import read_text
 from torsionnet.model.files.writer import dump
 from torsionnet.model.parts.authored_model import owner
-from torsionnet.model.point_settings import LOAD_SIZES, is_point_setting, with_point_settings
 
 _NOTHING = Overlay()
 

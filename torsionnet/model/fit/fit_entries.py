@@ -6,13 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.band import Band, Bands
 from torsionnet.core.entries.composite import Listed, Named, Nested, PairOf
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.format_version import KEY
-from torsionnet.core.entries.scalars import AnyNumber, Value
-from torsionnet.core.entries.spec import Schema, entry
-from torsionnet.core.entries.words import MODEL_NAME, Count, Flag, OneOf, Text
+from torsionnet.core.entries.declared import KEY, Declared
+from torsionnet.core.entries.scalars import AnyNumber, Band, Bands, Value
+from torsionnet.core.entries.spec import MODEL_NAME, Count, Flag, OneOf, Schema, Text, entry
 from torsionnet.core.errors import Fault
 from torsionnet.model.excitations.speed_range import SpeedBand
 

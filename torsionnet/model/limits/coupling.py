@@ -10,8 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry, not_none
-from torsionnet.core.entries.words import OneOf
+from torsionnet.core.entries.spec import OneOf, entry, not_none
 from torsionnet.core.errors import Fault
 from torsionnet.model.channels import Sensor
 from torsionnet.model.limits.element_limit import ElementLimit, constant_over_speed

@@ -9,11 +9,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from torsionnet.core.entries.alternatives import one_exactly
-from torsionnet.core.entries.composite import Listed
+from torsionnet.core.entries.composite import Listed, one_exactly
 from torsionnet.core.entries.scalars import Value, check_unit
-from torsionnet.core.entries.spec import EntryError, entry
-from torsionnet.core.entries.words import OneOf, Text, name_fault
+from torsionnet.core.entries.spec import EntryError, OneOf, Text, entry, name_fault
 from torsionnet.core.errors import Fault, Path, unknown_name
 from torsionnet.core.expressions import Number
 from torsionnet.core.units import RPM

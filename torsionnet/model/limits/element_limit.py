@@ -8,12 +8,11 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Text
+from torsionnet.core.entries.spec import Text, entry
 from torsionnet.core.errors import Fault, ModelError, Path
 from torsionnet.model.catalogues.catalogue_values import cell_value
 from torsionnet.model.channels import Sensor
-from torsionnet.model.element_base.nodes import ElementName
+from torsionnet.model.element_base.element_entries import ElementName
 from torsionnet.model.elements import Element
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import Limit, LimitLine, line_without_data

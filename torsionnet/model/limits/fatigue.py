@@ -10,8 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry, not_none
-from torsionnet.core.entries.words import OneOf, Text
+from torsionnet.core.entries.spec import OneOf, Text, entry, not_none
 from torsionnet.core.errors import Fault
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import LimitLine, line_without_data, register_rule

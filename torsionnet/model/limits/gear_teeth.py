@@ -8,13 +8,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from torsionnet.core.entries.alternatives import given_entries, one_at_most
+from torsionnet.core.entries.composite import given_entries, one_at_most
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Spec, entry
-from torsionnet.core.entries.words import Flag, Text
+from torsionnet.core.entries.spec import Flag, Spec, Text, entry
 from torsionnet.core.errors import Fault
 from torsionnet.model.channels import Sensor, port_fault
-from torsionnet.model.element_base.nodes import PlaceOnElement
+from torsionnet.model.element_base.element_entries import PlaceOnElement
 from torsionnet.model.limits.element_limit import ElementLimit, constant_over_speed
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import LimitLine, line_without_data, register_rule

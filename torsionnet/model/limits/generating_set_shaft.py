@@ -9,8 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry, not_none
-from torsionnet.core.entries.words import OneOf
+from torsionnet.core.entries.spec import OneOf, entry, not_none
 from torsionnet.core.errors import Fault
 from torsionnet.model.limits.class_rule_shaft import ClassRuleShaft
 from torsionnet.model.limits.evidence import Evidence

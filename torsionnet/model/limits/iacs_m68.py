@@ -10,8 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, OneOf
+from torsionnet.core.entries.spec import Count, OneOf, entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.units import RPM
 from torsionnet.model.limits.class_rule_shaft import ClassRuleShaft

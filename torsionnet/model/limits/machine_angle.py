@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, Text
+from torsionnet.core.entries.spec import Count, Text, entry
 from torsionnet.core.errors import Path
 from torsionnet.model.channels import Sensor
-from torsionnet.model.element_base.nodes import NodeName
+from torsionnet.model.element_base.element_entries import NodeName
 from torsionnet.model.limits.element_limit import constant_over_speed
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import LimitLine, register_rule

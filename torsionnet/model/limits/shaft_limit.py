@@ -10,7 +10,7 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.channels import Sensor
-from torsionnet.model.element_base.nodes import ElementName
+from torsionnet.model.element_base.element_entries import ElementName
 from torsionnet.model.elements import Element, Values
 from torsionnet.model.limits.evidence import Evidence, torques_of
 from torsionnet.model.limits.limit import Limit

@@ -6,8 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from torsionnet.core.entries.spec import EntryError
-from torsionnet.core.entries.words import OneOf
+from torsionnet.core.entries.spec import EntryError, OneOf
 from torsionnet.model.limits.m68_stress import SOURCE
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.entries.alternatives import one_at_most
+from torsionnet.core.entries.composite import one_at_most
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.errors import Fault

@@ -11,7 +11,7 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.model.load.absorber import Absorber
-from torsionnet.model.torque_places import DriverName, TorquePlace, place_fault
+from torsionnet.model.operating_point import DriverName, TorquePlace, place_fault
 
 _LAW = ("power", "torque", "torque_exponent", "rated", "over_speed")
 _ABSORBER = Nested(

@@ -15,8 +15,8 @@ from torsionnet.model.elimination import Reduction, reduce_rows
 from torsionnet.model.kinematics import exact_row
 from torsionnet.model.load.external_torques import UNBALANCED_SHARE, stated_torques
 from torsionnet.model.motion_laws.piece_curve import PieceCurve, Slope
+from torsionnet.model.operating_point import torque_place
 from torsionnet.model.parameters import resolve
-from torsionnet.model.torque_places import torque_place
 
 
 @dataclass(frozen=True, eq=False)

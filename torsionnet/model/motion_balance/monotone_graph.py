@@ -7,7 +7,7 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from torsionnet.model.element_base.torque_curve import MotionState
+from torsionnet.model.element_base.laws import MotionState
 from torsionnet.model.elements import MotionLaw
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from torsionnet.core.errors import Fault, ModelError, UsageError
 from torsionnet.core.expressions import Number
 from torsionnet.core.units import RPM
-from torsionnet.model.element_base.torque_curve import AT_REST, MotionState
+from torsionnet.model.element_base.laws import AT_REST, MotionState
 from torsionnet.model.elements import Element, MotionLaw
 from torsionnet.model.elimination import exact
 from torsionnet.model.load.external_torques import CutOffError, ExternalTorques, stated_torques

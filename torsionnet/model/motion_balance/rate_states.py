@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.model.element_base.torque_curve import AT_REST, MotionState
+from torsionnet.model.element_base.laws import AT_REST, MotionState
 from torsionnet.model.elements import MotionLaw
 from torsionnet.model.motion_balance.law_network import PlacedMotionLaw
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve

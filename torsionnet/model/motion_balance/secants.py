@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from torsionnet.model.definition import Definition
-from torsionnet.model.element_base.torque_curve import MotionState
+from torsionnet.model.element_base.laws import MotionState
 from torsionnet.model.elements import Constraint, Element, Law, MotionLaw, Part, Values
 from torsionnet.model.motion_balance.balanced_state import BalancedState
 

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.errors import Fault, ModelError
-from torsionnet.model.element_base.torque_curve import AT_REST
+from torsionnet.model.element_base.laws import AT_REST
 from torsionnet.model.elements import MotionLaw
 from torsionnet.model.kinematics import exact_row
 from torsionnet.model.load.external_torques import UNBALANCED_SHARE

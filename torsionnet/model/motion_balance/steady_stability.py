@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.model.element_base.torque_curve import MotionState
+from torsionnet.model.element_base.laws import MotionState
 from torsionnet.model.kinematics import exact_row
 from torsionnet.model.motion_balance.law_network import LawNetwork, PlacedMotionLaw
 from torsionnet.model.motion_balance.rate_states import LawSpeed

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.errors import SolveError
-from torsionnet.model.element_base.torque_curve import MotionState
+from torsionnet.model.element_base.laws import MotionState
 from torsionnet.model.elements import Law, MotionLaw
 from torsionnet.model.kinematics import exact_row
 from torsionnet.model.motion_balance.law_network import LawNetwork

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from torsionnet.model.element_base.torque_curve import MotionState, TorqueCurve
+from torsionnet.model.element_base.laws import MotionState, TorqueCurve
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Any
 
-from torsionnet.model.element_base.quantity_rows import NumberRows
+from torsionnet.model.element_base.spring_stages import NumberRows
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope, symmetric_curve
 
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from torsionnet.model.element_base.torque_curve import MotionState, TorqueCurve
+from torsionnet.model.element_base.laws import MotionState, TorqueCurve
 
 ON_CIRCLE = 1e-7
 """Distance from 1 of the size of a double root that rounding leaves: the root of the rounding of a float, and some."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, Literal
 
-from torsionnet.model.element_base.torque_curve import MotionState, TorqueCurve
+from torsionnet.model.element_base.laws import MotionState, TorqueCurve
 
 ROUNDING = 1e-14
 """Share of a twist or rate by which rounding may carry it over the corner that it lies on."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from torsionnet.core.units import RPM
-from torsionnet.model.element_base.torque_curve import MotionState, TorqueCurve
+from torsionnet.model.element_base.laws import MotionState, TorqueCurve
 
 
 @dataclass(frozen=True)

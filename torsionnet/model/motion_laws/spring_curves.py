@@ -7,9 +7,7 @@ from itertools import pairwise
 from typing import Any
 
 from torsionnet.model.element_base.laws import Values
-from torsionnet.model.element_base.quantity_rows import NumberRows
-from torsionnet.model.element_base.spring_stage import SpringStage
-from torsionnet.model.element_base.stage_points import stage_spans
+from torsionnet.model.element_base.spring_stages import NumberRows, SpringStage, stage_spans
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope, symmetric_curve
 
 

@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Self
 
-import torsionnet.model.section_entries as sections
+import torsionnet.model.sections as sections
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Text
+from torsionnet.core.entries.spec import Text, entry
 from torsionnet.core.errors import Fault
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.configurations import Overlay

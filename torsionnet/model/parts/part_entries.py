@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from torsionnet.core.entries.composite import Listed, Named, Nested
-from torsionnet.core.entries.spec import Schema
-from torsionnet.core.entries.words import is_single_word
+from torsionnet.core.entries.spec import Schema, is_single_word
 from torsionnet.core.expression_reading import check_name
-from torsionnet.model.element_base.nodes import NodeName
+from torsionnet.model.element_base.element_entries import NodeName
 
 if TYPE_CHECKING:
     from torsionnet.model.parts.use import Use

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.core.entries.composite import Listed, Named, Nested
-from torsionnet.core.entries.words import Text
+from torsionnet.core.entries.spec import Text
 from torsionnet.core.errors import Fault
 from torsionnet.model.parts.part_entries import PLAIN_NAME_SCHEMA, use_name_fault
 

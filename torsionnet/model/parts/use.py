@@ -8,13 +8,11 @@ from typing import Any, ClassVar
 
 from torsionnet.core.entries.composite import Listed, Named, PairOf
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import AnyQuantity
-from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, Stored_co, entry
-from torsionnet.core.entries.words import Count, Text
+from torsionnet.core.entries.spec import Count, EntryError, Json, Renaming, Schema, Spec, Stored_co, Text, entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression
-from torsionnet.model.element_base.nodes import NodeName
+from torsionnet.model.element_base.element_entries import NodeName
 
 MOST_COPIES = 1000
 """Largest number of copies in one use of a part, as a larger number is a slip and would fill the memory."""

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from torsionnet.core.errors import Fault, Path, UsageError, suggestion_or
-from torsionnet.core.listing import comma_list
+from torsionnet.core.errors import Fault, Path, UsageError, comma_list, suggestion_or
 from torsionnet.core.units import RPM
 from torsionnet.model.channels import parse_pair, parse_sensor
 from torsionnet.model.configurations import parse_choice
-from torsionnet.model.report.report_pair import Pair
-from torsionnet.model.report.report_plan import ReportPlan
+from torsionnet.model.report.report_plan import Pair, ReportPlan
 
 SPEED_ROUNDING = 1e-9
 """Share of a speed by which rounding of its unit may carry it out of a range."""

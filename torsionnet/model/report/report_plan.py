@@ -6,18 +6,119 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.band import Band
 from torsionnet.core.entries.composite import Listed, Named
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
-from torsionnet.core.entries.words import Count, Flag, OneOf, Text
-from torsionnet.core.errors import suggestion_or
+from torsionnet.core.entries.scalars import Band, Value
+from torsionnet.core.entries.spec import (
+    Count,
+    EntryError,
+    Flag,
+    Json,
+    OneOf,
+    Renaming,
+    Schema,
+    Spec,
+    Text,
+    entry,
+    reference,
+)
+from torsionnet.core.errors import UsageError, suggestion_or
 from torsionnet.model.channels import ChannelName
-from torsionnet.model.report.report_pair import Pair, PairEntry
-from torsionnet.model.report.sections import KINDS, SECTIONS
-from torsionnet.model.report.title_block import TITLE_BLOCK, TitleBlock
+from torsionnet.model.report.title_block import KINDS, SECTIONS, TITLE_BLOCK, TitleBlock
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Transfer function of an output over an input for a report, with the excitation if the input is measured.
+
+    Examples
+    --------
+    >>> Pair.parse("theta_1/T_T")
+    Pair(output='theta_1', input='T_T', excitation='')
+    >>> print(Pair.parse("torque(gearbox, output_shaft) / T_M"))
+    torque(gearbox, output_shaft)/T_M
+    """
+
+    output: str
+    input: str
+    excitation: str = ""
+
+    @classmethod
+    def parse(cls, text: str) -> Pair:
+        """Transfer function that the text ``OUTPUT/INPUT`` names.
+
+        Raises
+        ------
+        UsageError
+            There is not exactly one ``/`` with a name on either side.
+        """
+        parts = [part.strip() for part in text.split("/")]
+        if len(parts) != 2 or not all(parts):
+            raise UsageError(f'a transfer function is written OUTPUT/INPUT, as in theta_1/T_T; got "{text}"')
+        return cls(*parts)
+
+    def __str__(self) -> str:
+        return f"{self.output}/{self.input}"
+
+    def to_data(self) -> str | dict[str, str]:
+        """Plain data of the transfer function for a file."""
+        if not self.excitation:
+            return str(self)
+        return {"output": self.output, "input": self.input, "excitation": self.excitation}
+
+
+_CHANNEL = ChannelName("sensor, input or node")
+
+
+class PairEntry(Spec[Pair]):
+    """Entry of a pair of output and input, whose transfer function the report of a model shows.
+
+    Written as ``OUTPUT/INPUT``, or in parts by name.
+    """
+
+    def coerce(self, raw: object) -> Pair:
+        if isinstance(raw, Pair):
+            return raw
+        try:
+            return Pair.parse(raw) if isinstance(raw, str) else self._in_parts(raw)
+        except UsageError as error:
+            raise EntryError(str(error)) from None
+
+    @staticmethod
+    def _in_parts(raw: object) -> Pair:
+        if isinstance(raw, Mapping) and {"output", "input"} <= set(raw) <= set(_PARTS):
+            return Pair(**{str(key): str(value) for key, value in raw.items()})
+        raise UsageError(f"expected OUTPUT/INPUT, or {{output: ..., input: ..., excitation: ...}}; got {raw!r}")
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        ends = (_CHANNEL.renamed(one, names) for one in (value.output, value.input, value.excitation))
+        return Pair(*ends)
+
+    def plain(self, value: Any) -> Json:
+        data: Json = value.to_data()
+        return data
+
+    def schema(self) -> Schema:
+        return reference("report_transfer_function")
+
+    def definitions(self) -> Schema:
+        detailed: Schema = {
+            "type": "object",
+            "properties": {name: {"type": "string", "description": text} for name, text in _PARTS.items()},
+            "required": ["output", "input"],
+            "additionalProperties": False,
+        }
+        text = {"type": "string", "description": self.description}
+        return {"report_transfer_function": {"anyOf": [text, detailed]}}
+
+
+_PARTS = {
+    "output": "sensor or node, or torque(element, port)",
+    "input": "input or node, or a sensor: a measured input",
+    "excitation": "what drives while the input is measured, if there are several inputs",
+}
+"""Description of each key of a transfer function that is written in parts."""
+
 
 ANGLES = ("rad", "deg")
 """Names of the units of angle that a report may use."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import cos, pi, sin
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.model.element_base.torque_curve import MotionState, TorqueCurve
+from torsionnet.model.element_base.laws import MotionState, TorqueCurve
 from torsionnet.model.scenarios.time_history import HistoryPiece, TimeHistory, Wave, first_sample
 
 if TYPE_CHECKING:

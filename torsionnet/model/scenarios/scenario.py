@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Spec, entry
-from torsionnet.core.entries.words import OneOf
+from torsionnet.core.entries.spec import OneOf, Spec, entry
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression
-from torsionnet.core.type_register import TypeRegister
+from torsionnet.core.registers import TypeRegister
 from torsionnet.model.elements import Values
 from torsionnet.response.motion.motion_event import MotionEvent
 

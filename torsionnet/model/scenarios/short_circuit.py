@@ -8,10 +8,10 @@ from math import cos, pi, sin
 from typing import Any, ClassVar
 
 from torsionnet.core.entries.scalars import PhysicalQuantity, Value
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count
+from torsionnet.core.entries.spec import Count, entry
 from torsionnet.core.errors import Fault, unknown_name
 from torsionnet.core.expressions import Expression, Number
+from torsionnet.model.operating_point import MachineName
 from torsionnet.model.scenarios.grid_tie import GridTie
 from torsionnet.model.scenarios.scenario import (
     OPERATING_POINT,
@@ -21,7 +21,6 @@ from torsionnet.model.scenarios.scenario import (
     register_scenario,
 )
 from torsionnet.model.scenarios.time_history import HistoryPiece, TimeHistory, Wave
-from torsionnet.model.torque_places import MachineName
 from torsionnet.response.motion.motion_event import MotionEvent
 
 AFTERWARDS = 0.5

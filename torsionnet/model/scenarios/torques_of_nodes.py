@@ -8,16 +8,15 @@ from typing import Any, ClassVar
 
 from torsionnet.core.entries.composite import Named
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Json, Schema, Spec, entry
-from torsionnet.core.entries.words import name_fault
+from torsionnet.core.entries.spec import Json, Schema, Spec, entry, name_fault
 from torsionnet.core.errors import Fault, Path, TorsionnetError, did_you_mean, unknown_name
 from torsionnet.core.expressions import Expression
-from torsionnet.model.element_base.nodes import ElementName
+from torsionnet.model.element_base.element_entries import ElementName
 from torsionnet.model.elements import GROUND, Element, MotionLaw, Values
+from torsionnet.model.operating_point import TorqueInput, place_fault, torque_place
 from torsionnet.model.scenarios.history_entry import Course, HistoryEntry
 from torsionnet.model.scenarios.scenario import DrivingCourse, Scenario, ScenarioSubject, register_scenario
 from torsionnet.model.scenarios.time_history import TimeHistory
-from torsionnet.model.torque_places import TorqueInput, place_fault, torque_place
 
 _TORQUE = HistoryEntry("torque over time", "torque")
 _TORQUES = Named(

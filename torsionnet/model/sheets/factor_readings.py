@@ -10,7 +10,7 @@ from itertools import product
 
 from torsionnet.core.delimited.cell_grid import Cell, CellGrid
 from torsionnet.core.errors import Fault
-from torsionnet.core.groups import Groups
+from torsionnet.core.registers import Groups
 from torsionnet.core.units import numeral_of
 from torsionnet.model.sheets.sheet_columns import SheetColumn, SheetColumns
 from torsionnet.model.sheets.sheet_rows import GROUND, SheetLink, SheetRows

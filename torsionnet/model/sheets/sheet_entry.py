@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from torsionnet.core.entries.named_files import nearby_file
+from torsionnet.core.entries.declared import nearby_file
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, full_name
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.model.sheets.factor_readings import READINGS

@@ -10,8 +10,8 @@ from fractions import Fraction
 
 from torsionnet.core.delimited.cell_grid import Cell
 from torsionnet.core.errors import did_you_mean
-from torsionnet.core.groups import Groups
 from torsionnet.core.plain_names import Names, plain_name
+from torsionnet.core.registers import Groups
 from torsionnet.core.units import exact
 from torsionnet.model.sheets.meanings import DAMPING
 from torsionnet.model.sheets.sheet_values import NOTHING, SheetValue, SheetValues

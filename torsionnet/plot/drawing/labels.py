@@ -7,17 +7,17 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
-from torsionnet.core.damping import MEASURES, DampingMeasure
 from torsionnet.core.entries.scalars import QuantityKind
 from torsionnet.core.entries.spec import Spec, spec_of
 from torsionnet.core.expressions import Name
 from torsionnet.core.number_text import NumberText, typeset_unit
 from torsionnet.core.units import expected_unit
+from torsionnet.model.damping import MEASURES, DampingMeasure
+from torsionnet.model.element_base.element_entries import Teeth
 from torsionnet.model.element_base.spring_stages import SpringStages
 from torsionnet.model.element_base.stiffness_rows import TableEntry
-from torsionnet.model.element_base.teeth import Teeth
 from torsionnet.model.elements import Element
-from torsionnet.symbolic.symbol_names import GREEK
+from torsionnet.symbolic.formula_text import GREEK
 
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
 MOST_LINES = 3

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any
 
-from torsionnet.model.element_base.damping_entries import LossFactor
+from torsionnet.model.damping import LossFactor
 from torsionnet.model.element_base.stiffness_rows import TableEntry
 from torsionnet.model.elements import GROUND, Action, Element, Law, Part, Values
 from torsionnet.plot.drawing.pieces import Stroke

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from torsionnet.core.units import RPM
 from torsionnet.model.excitations.engine_entries import EngineEntries
 from torsionnet.model.excitations.engine_phases import conditions_running_alone
-from torsionnet.model.load.load_places import ENGINE
+from torsionnet.model.load.external_torques import ENGINE
 from torsionnet.report.cylinders_out import lost_torque_words
 from torsionnet.report.document_tree import Block, Cell, Heading, Listing, Paragraph, Section, Strong, TableBlock, Text
 from torsionnet.report.report_conditions import alternative_words, load_words, speed_words, unexamined

@@ -6,18 +6,18 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.core.damping import MEASURES, DampingMeasure
 from torsionnet.core.entries.scalars import QuantityKind, Value
 from torsionnet.core.entries.spec import Spec
 from torsionnet.core.expressions import Expression, Name, Number
 from torsionnet.core.units import expected_unit
 from torsionnet.model.channels import PORT_QUANTITIES, UNITS
+from torsionnet.model.damping import MEASURES, DampingMeasure
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.curves import LookupCurve
+from torsionnet.model.element_base.element_entries import MultipleValues
 from torsionnet.model.element_base.laws import Law
-from torsionnet.model.element_base.multiple_values import MultipleValues
-from torsionnet.model.element_base.quantity_rows import QuantityRows
 from torsionnet.model.element_base.quantity_table import TableByName
+from torsionnet.model.element_base.spring_stages import QuantityRows
 from torsionnet.model.element_base.stiffness_rows import TableEntry
 from torsionnet.model.elements import Values
 from torsionnet.model.given_values import given, in_words

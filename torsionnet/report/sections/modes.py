@@ -26,7 +26,7 @@ from torsionnet.report.document_tree import (
 from torsionnet.report.report_data import FEW_CASES, MOST_MODES, ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, pair_latex, sentence, symbol_or_words
-from torsionnet.response.mode_numbers import COUNTING_NOTE, OSCILLATORY
+from torsionnet.response.conventions import COUNTING_NOTE, OSCILLATORY
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain

@@ -9,9 +9,8 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from torsionnet.core.entries.spec import Schema
-from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.core.listing import comma_list
-from torsionnet.core.notebook import NotebookResult
+from torsionnet.core.errors import UsageError, comma_list, did_you_mean
+from torsionnet.core.packages import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions

@@ -9,8 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value, plain_number
-from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, coerce_part, entry
-from torsionnet.core.entries.words import Count
+from torsionnet.core.entries.spec import Count, EntryError, Json, Schema, Spec, coerce_part, entry
 from torsionnet.core.errors import UsageError
 from torsionnet.signals.excitation.excitation import Excitation, FloatArray
 

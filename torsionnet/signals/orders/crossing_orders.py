@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from torsionnet.core.listing import comma_list
+from torsionnet.core.errors import comma_list
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.orders.mean_rotation import MeanRotation
 

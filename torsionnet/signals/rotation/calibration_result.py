@@ -8,8 +8,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from torsionnet.core.listing import comma_list
-from torsionnet.core.notebook import NotebookResult
+from torsionnet.core.errors import comma_list
+from torsionnet.core.packages import NotebookResult
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.measured.wheel_pattern import WheelPattern

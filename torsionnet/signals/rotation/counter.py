@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsionnet.core.errors import UsageError
-from torsionnet.core.listing import comma_list
+from torsionnet.core.errors import UsageError, comma_list
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.rotation.pulse_reading import PulseReading

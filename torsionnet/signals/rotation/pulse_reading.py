@@ -7,8 +7,7 @@ from typing import ClassVar
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import AnyNumber, Value
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, OneOf, Text
+from torsionnet.core.entries.spec import Count, OneOf, Text, entry
 from torsionnet.core.errors import Fault
 from torsionnet.signals.pulse_train import HYSTERESIS
 

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.core.listing import comma_list
+from torsionnet.core.errors import UsageError, comma_list
 from torsionnet.signals.pulses import MOST_BEYOND_BAND, MissingPulses, Pulses, check_pulses, rotation_beyond_band
 from torsionnet.signals.rotation.gap_filling import NEIGHBOURS
 from torsionnet.signals.rotation.stated_pattern import ToothPlaces, matched_pulses, runs_in_words

@@ -7,8 +7,7 @@ from typing import ClassVar
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, Flag, Text
+from torsionnet.core.entries.spec import Count, Flag, Text, entry
 from torsionnet.core.errors import Fault, UsageError
 from torsionnet.signals.rotation.stated_pattern import ToothPlaces, is_stated, stated_places
 

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Text
+from torsionnet.core.entries.spec import Text, entry
 from torsionnet.core.errors import Fault, UsageError, did_you_mean
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.signals.pulse_train import HIGH_PERCENTILE, LOW_PERCENTILE, flanks, holds_pulse_times

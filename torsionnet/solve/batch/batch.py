@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.action_law import ActionLaw
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.law_stiffness import LawStiffness
-from torsionnet.assembly.rows import FloatArray
+from torsionnet.assembly.rows import ActionLaw, FloatArray
 from torsionnet.solve.batch.batched_stiffness import BatchedStiffness
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import ModelError
-from torsionnet.core.number_range import LARGEST_SIZE, SMALLEST_SIZE
+from torsionnet.core.expressions import LARGEST_SIZE, SMALLEST_SIZE
 from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness, DynamicStiffness
 from torsionnet.model.element_base.round_section import section_modulus
 from torsionnet.model.elements import Law, Values

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import ModelError, TorsionnetError, UsageError
-from torsionnet.core.number_range import is_beyond_range
+from torsionnet.core.expressions import is_beyond_range
 from torsionnet.model.checks.values import is_in_measure, negative_laws, wrong_size
 from torsionnet.model.definition import Definition
 from torsionnet.model.element_base.curves import OnCurve

@@ -14,7 +14,7 @@ from torsionnet.core.errors import TorsionnetError
 from torsionnet.model.checks.structure import rigid_motions
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.dynamic_stiffness.quotient import transfer_functions
-from torsionnet.solve.dynamic_stiffness.starmesh import chosen_method
+from torsionnet.solve.dynamic_stiffness.sweep import chosen_method
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, request_for_model
 from torsionnet.solve.responses.transfer import Evaluated, evaluate_laws, responses
 from torsionnet.solve.responses.zero import at_zero

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.solve.batch.mode_states import common_energy
-from torsionnet.solve.modes.repeated_eigenvalues import EQUAL_EIGENVALUES
+from torsionnet.solve.modes.mode_shapes import EQUAL_EIGENVALUES
 
 SAME_MODE_ENERGY = 0.8
 """Energy in common, from 0 to 1, from which modes of neighbouring variants are the same mode, well above half."""

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray, RowSystem
-from torsionnet.solve.dynamic_stiffness.nullspace import unresisted_motions
 from torsionnet.solve.dynamic_stiffness.reduction import complement_within, echelon, require_resistance, stiff_laws
+from torsionnet.solve.dynamic_stiffness.row_algebra import unresisted_motions
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,7 +35,7 @@ from torsionnet.solve.batch.stacked_vibrations import (
 )
 from torsionnet.solve.dynamic_stiffness.reduction import resisted_coordinates, restrict_to
 from torsionnet.solve.modes.eigen import unit_shapes
-from torsionnet.solve.modes.repeated_eigenvalues import EQUAL_EIGENVALUES
+from torsionnet.solve.modes.mode_shapes import EQUAL_EIGENVALUES
 from torsionnet.solve.modes.spectrum import POLISH_ABOVE, REFINE_ABOVE
 
 Places: TypeAlias = NDArray[np.intp]

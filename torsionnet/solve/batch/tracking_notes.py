@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray
-from torsionnet.response.mode_numbers import OSCILLATORY, REAL, mode_numbers
+from torsionnet.response.conventions import OSCILLATORY, REAL, mode_numbers
 
 
 def tracking_notes(

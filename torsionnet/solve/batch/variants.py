@@ -13,7 +13,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor
-from torsionnet.model.motion_balance.operating_notes import law_notes
+from torsionnet.model.operating_values import law_notes
 from torsionnet.response import FrequencyResponses
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.batch_plan import batch_plan

@@ -17,8 +17,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from torsionnet.assembly.action_law import ActionLaw, divide_polynomials
-from torsionnet.assembly.rows import FloatArray
+from torsionnet.assembly.rows import ActionLaw, FloatArray, divide_polynomials
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
 

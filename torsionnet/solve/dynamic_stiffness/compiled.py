@@ -17,9 +17,8 @@ import torsionnet.solve.dynamic_stiffness.tape as ops
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import MissingExtraError
-from torsionnet.solve.dynamic_stiffness.lost_digits import MOST_LOST
 from torsionnet.solve.dynamic_stiffness.reading_table import ReadingTable
-from torsionnet.solve.dynamic_stiffness.tape import Tape
+from torsionnet.solve.dynamic_stiffness.tape import MOST_LOST, Tape
 
 try:
     import numba

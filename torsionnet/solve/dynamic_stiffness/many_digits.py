@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import torsionnet.solve.dynamic_stiffness.tape as ops
-from torsionnet.assembly.action_law import ActionLaw, polynomial
+from torsionnet.assembly.rows import ActionLaw, polynomial
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import SolveError
 from torsionnet.model.elements import Law

@@ -10,8 +10,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from torsionnet.assembly.functionals import Functional, Term, coefficient
-from torsionnet.assembly.law_stiffness import LawStiffness
+from torsionnet.assembly.law_stiffness import Functional, LawStiffness, Term, coefficient
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
 from torsionnet.model.channels import Input

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray, Rows, RowSystem
 from torsionnet.core.errors import SolveError
-from torsionnet.solve.dynamic_stiffness.nullspace import unresisted_motions
+from torsionnet.solve.dynamic_stiffness.row_algebra import unresisted_motions
 
 AnyArray: TypeAlias = NDArray[np.float64] | NDArray[np.complex128]
 

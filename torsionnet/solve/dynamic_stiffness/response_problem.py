@@ -7,15 +7,226 @@ imposed angle, or the gap of a rigid connection, which is held at zero so that i
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from torsionnet.solve.dynamic_stiffness.elimination_plan import EliminationPlan
-from torsionnet.solve.dynamic_stiffness.graph_plan import make_plan
+from torsionnet.solve.dynamic_stiffness.graph_plan import EliminationPlan, EliminationStep, make_plan
 from torsionnet.solve.dynamic_stiffness.row_algebra import DOUBLE, Accuracy, Row
-from torsionnet.solve.dynamic_stiffness.tape import Tape
-from torsionnet.solve.dynamic_stiffness.tape_writing import make_tape
+from torsionnet.solve.dynamic_stiffness.tape import CONSTANT, LAW, ErrorBound, Losses, Tape, TapeQuantity, Writer
+
+MOST_FORWARD_READINGS = 2
+"""Largest number of readings that are carried forward with the loads, as that takes fewer operations than
+back-substitution for so few."""
+_ONE = TapeQuantity(-1, 1.0)
+
+
+def make_tape(plan: EliminationPlan) -> Tape:
+    """Operation tape of an elimination plan, whose value n_excitations * reading + excitation is that reading.
+
+    Examples
+    --------
+    >>> from torsionnet.solve.dynamic_stiffness.graph_plan import make_plan
+    >>> tape = make_tape(make_plan([{0: 1.0}, {0: 1.0, 1: -1.0}], 2, [{1: 1.0}], [{}], [{1: 1.0}], ()))
+    >>> len(tape), tape.n_registers
+    (20, 7)
+    """
+    n_read = len(plan.outputs) + len(plan.reactions)
+    return (_Forward if n_read <= MOST_FORWARD_READINGS else _Back)(plan).tape(n_read)
+
+
+@dataclass(frozen=True)
+class _Eliminated:
+    """Elimination step with the shares kappa_i / S of its rows, and the motion f_v / S in rad by excitation."""
+
+    step: EliminationStep
+    shares: dict[int, TapeQuantity]
+    loads: dict[int, TapeQuantity]
+
+
+class _Taping:
+    """Writer of the part of a tape that both kinds have in common, the elimination of laws and loads."""
+
+    def __init__(self, plan: EliminationPlan) -> None:
+        self.plan, self.writer = plan, Writer()
+        self.losses = Losses(self.writer, len(plan.sources))
+        self.links: dict[int, TapeQuantity] = {}
+        self.fresh = set(range(len(plan.sources)))
+        self.weights: list[dict[int, TapeQuantity]] = [{} for _ in range(plan.n_excitations)]
+        for slot, excitation, factor in plan.weights:
+            self._add(self.weights[excitation], slot, TapeQuantity(-1, factor))
+
+    def _add(self, table: dict[int, TapeQuantity], key: int, term: TapeQuantity) -> None:
+        table[key] = self.writer.plus(table.get(key), term)
+
+    def _link(self, slot: int) -> TapeQuantity:
+        """Dynamic stiffness in N m/rad of a row slot, as a quantity of the tape.
+
+        That of laws is not worked out before use.
+        """
+        if slot in self.fresh:
+            self.fresh.discard(slot)
+            self.links[slot] = TapeQuantity(self.writer.new(LAW, slot), 1.0)
+            self.losses.of_law(slot, self.links[slot])
+        return self.links[slot]
+
+    def _add_link(self, slot: int, term: TapeQuantity, error: ErrorBound) -> None:
+        if slot in self.fresh:
+            self._link(slot)
+        self.links[slot] = self.writer.plus(self.links.get(slot), term, of_terms=False)
+        self.losses.add(slot, error)
+
+    def _eliminated(self) -> Iterable[_Eliminated]:
+        for step in self.plan.steps:
+            for slot, parts in step.handed_on:
+                for target, weight in parts:
+                    part = self.writer.times(self._link(slot), TapeQuantity(-1, weight))
+                    self._add_link(target, part, self.losses.handed_on(slot, weight))
+            if step.shared or step.loads:
+                yield self._eliminate(step)
+            else:
+                yield _Eliminated(step, {}, {})
+
+    def _eliminate(self, step: EliminationStep) -> _Eliminated:
+        writer = self.writer
+        terms = [self._link(slot) for slot, _ in step.terms]
+        S = self._pivot(step, terms)
+        if len(step.shared) > 1:
+            inverse = writer.over(_ONE, S)
+            shares = {i: writer.times(terms[i], inverse) for i in step.shared}
+        else:
+            shares = {i: writer.over(terms[i], S) for i in step.shared}
+        self.losses.eliminate(step, terms, shares, S)
+        errors = [self.losses.of_pair(pair) for pair in step.pairs]
+        for (i, j, factor, target), error in zip(step.pairs, errors, strict=True):
+            self._add_link(target, writer.times(writer.times(shares[i], terms[j]), TapeQuantity(-1, factor)), error)
+        loads = {}
+        for excitation, weights in enumerate(self.weights):
+            load = self._load(step, weights, shares)
+            if load is not None:
+                loads[excitation] = writer.over(load, S)
+        return _Eliminated(step, shares, loads)
+
+    def _pivot(self, step: EliminationStep, terms: Sequence[TapeQuantity]) -> TapeQuantity:
+        """Pivot S of an elimination step in N m/rad, the total stiffness on its coordinate."""
+        total = None
+        for term, (_, square) in zip(terms, step.terms, strict=True):
+            total = self.writer.plus(total, self.writer.times(term, TapeQuantity(-1, square)), of_terms=False)
+        return total or TapeQuantity(self.writer.new(CONSTANT, factor=0.0), 1.0)
+
+    def _load(
+        self, step: EliminationStep, weights: dict[int, TapeQuantity], shares: dict[int, TapeQuantity]
+    ) -> TapeQuantity | None:
+        """Pass an excitation's loads on to other rows, and return their sum on the eliminated coordinate, or None."""
+        writer = self.writer
+        for slot, i, factor, target in step.passed:
+            if slot in weights:
+                passed = writer.times(writer.times(weights[slot], shares[i]), TapeQuantity(-1, factor))
+                self._add(weights, target, passed)
+        load = None
+        for slot, factor in step.loads:
+            if slot in weights:
+                load = writer.plus(load, writer.times(weights[slot], TapeQuantity(-1, factor)))
+        return load
+
+    def _written(self, values: dict[tuple[int, int], TapeQuantity], n_read: int) -> Tape:
+        for (reading, excitation), value in values.items():
+            self.writer.output(reading * self.plan.n_excitations + excitation, value)
+            self.losses.mark(value)
+        return self.writer.tape(n_read * self.plan.n_excitations)
+
+
+class _Back(_Taping):
+    """Writer of a tape with back-substitution, which gives all motions under one excitation after another."""
+
+    def tape(self, n_read: int) -> Tape:
+        way = list(self._eliminated())
+        values: dict[tuple[int, int], TapeQuantity] = {}
+        for excitation in range(self.plan.n_excitations):
+            motions = self._motions(way, excitation)
+            for reading, value in self._read(motions, excitation):
+                values[reading, excitation] = value
+        return self._written(values, n_read)
+
+    def _motions(self, way: Sequence[_Eliminated], excitation: int) -> dict[int, TapeQuantity]:
+        writer = self.writer
+        found = {slot: TapeQuantity(-1, given[excitation]) for slot, given in self.plan.given if given[excitation]}
+        for one in reversed(way):
+            for motion in one.step.motions:
+                total = None
+                if motion.load and excitation in one.loads:
+                    total = writer.times(one.loads[excitation], TapeQuantity(-1, motion.load))
+                for i, factor, source in motion.parts:
+                    if source in found:
+                        part = writer.times(writer.times(one.shares[i], found[source]), TapeQuantity(-1, factor))
+                        total = writer.plus(total, part)
+                if total is not None:
+                    found[motion.slot] = total
+        return found
+
+    def _read(self, motions: dict[int, TapeQuantity], excitation: int) -> Iterable[tuple[int, TapeQuantity]]:
+        writer = self.writer
+        for number, (slot, factor) in enumerate(self.plan.outputs):
+            if slot in motions:
+                yield number, writer.times(motions[slot], TapeQuantity(-1, factor))
+        for number, reaction in enumerate(self.plan.reactions, len(self.plan.outputs)):
+            total = None
+            for slot, factor, motion in reaction.laws:
+                if motion in motions:
+                    torque = writer.times(writer.times(self._link(slot), motions[motion]), TapeQuantity(-1, factor))
+                    total = writer.plus(total, torque)
+            for slot, factor in reaction.loads:
+                if slot in self.weights[excitation]:
+                    weight = self.weights[excitation][slot]
+                    total = writer.plus(total, writer.times(weight, TapeQuantity(-1, factor)))
+            if total is not None:
+                yield number, total
+
+
+class _Forward(_Taping):
+    """Writer of a tape with readings carried forward as weights, which the loads meet on the way."""
+
+    def tape(self, n_read: int) -> Tape:
+        self.carried: dict[int, dict[int, TapeQuantity]] = {}
+        self.values: dict[tuple[int, int], TapeQuantity] = {}
+        for number, (slot, factor) in enumerate(self.plan.outputs):
+            self._carry(slot, number, TapeQuantity(-1, factor))
+        for one in self._eliminated():
+            for motion in one.step.motions:
+                for reading, weight in self._taken(motion.slot):
+                    for i, factor, source in motion.parts:
+                        part = self.writer.times(weight, one.shares[i])
+                        self._carry(source, reading, self.writer.times(part, TapeQuantity(-1, factor)))
+                    if motion.load:
+                        own = self.writer.times(weight, TapeQuantity(-1, motion.load))
+                        self._meet(reading, {e: self.writer.times(own, load) for e, load in one.loads.items()})
+        for slot, given in self.plan.given:
+            for reading, weight in self._taken(slot):
+                met = {e: self.writer.times(weight, TapeQuantity(-1, angle)) for e, angle in enumerate(given) if angle}
+                self._meet(reading, met)
+        for number, reaction in enumerate(self.plan.reactions, len(self.plan.outputs)):
+            for slot, factor in reaction.loads:
+                for excitation, weights in enumerate(self.weights):
+                    if slot in weights:
+                        self._meet(number, {excitation: self.writer.times(weights[slot], TapeQuantity(-1, factor))})
+        return self._written(self.values, n_read)
+
+    def _carry(self, slot: int, reading: int, weight: TapeQuantity) -> None:
+        self._add(self.carried.setdefault(slot, {}), reading, weight)
+
+    def _taken(self, slot: int) -> list[tuple[int, TapeQuantity]]:
+        """Weights by reading with which the motion of this number counts, reactions that depend on it included."""
+        for number, reaction in enumerate(self.plan.reactions, len(self.plan.outputs)):
+            for law, factor, motion in reaction.laws:
+                if motion == slot:
+                    self._carry(slot, number, self.writer.times(self._link(law), TapeQuantity(-1, factor)))
+        return list(self.carried.pop(slot, {}).items())
+
+    def _meet(self, reading: int, parts: dict[int, TapeQuantity]) -> None:
+        for excitation, part in parts.items():
+            key = (reading, excitation)
+            self.values[key] = self.writer.plus(self.values.get(key), part)
+
 
 MOST_SINGLE_TORQUES = 4
 """Largest number of excitation torques that are solved one by one, since each then has its own coordinate at the root

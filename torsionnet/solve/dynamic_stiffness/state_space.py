@@ -17,14 +17,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.functionals import Functional, functional, powers_of_s
+from torsionnet.assembly.law_stiffness import Functional, functional, powers_of_s
 from torsionnet.assembly.rows import FloatArray, RowSystem
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.solve.dynamic_stiffness.action_states import HIGHEST_POWER, LawStates, law_states
-from torsionnet.solve.dynamic_stiffness.nullspace import unresisted_motions
 from torsionnet.solve.dynamic_stiffness.reduction import complement_within
+from torsionnet.solve.dynamic_stiffness.row_algebra import unresisted_motions
 from torsionnet.solve.dynamic_stiffness.transfer_request import usable_channels
 
 if TYPE_CHECKING:

@@ -8,13 +8,13 @@ from functools import cached_property
 from typing import Any
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.functionals import Functional, functional
+from torsionnet.assembly.law_stiffness import Functional, functional
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.model.channels import UNITS, Input, Sensor, immobility_text, named_nodes, named_sensor, parse_pair
 from torsionnet.model.element_base.round_section import section_modulus
 from torsionnet.model.elements import GROUND, Values
-from torsionnet.model.imposed_twist import twist_fault
+from torsionnet.model.kinematics import twist_fault
 from torsionnet.solve.dynamic_stiffness.reading_problem import ReadingProblem, make_reading_problem
 
 NO_CHANNELS_MESSAGE = "name at least one output and one input"

@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.assembly.action_law import polynomial
-from torsionnet.assembly.rows import ComplexArray
+from torsionnet.assembly.rows import ComplexArray, polynomial
 from torsionnet.assembly.system import Assembly
 from torsionnet.solve.dynamic_stiffness.many_digits import in_many_digits
 

@@ -17,8 +17,7 @@ from functools import cached_property
 
 import numpy as np
 
-from torsionnet.assembly.action_law import polynomial
-from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.assembly.rows import ComplexArray, FloatArray, polynomial
 from torsionnet.assembly.system import Assembly
 from torsionnet.solve.modes.deflated_columns import DeflatedColumn, deflated_columns
 from torsionnet.solve.modes.exact_pencil import ExactPencil

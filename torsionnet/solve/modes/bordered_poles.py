@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import torsionnet.solve.modes.ehrlich_aberth as ehrlich_aberth
-from torsionnet.assembly.action_law import refuse_actions
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.assembly.rows import ComplexArray, FloatArray, refuse_actions
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
 from torsionnet.model.elimination import reduce_rows
@@ -26,7 +25,7 @@ from torsionnet.solve.dynamic_stiffness.reduction import without_empty_laws
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.solve.modes.bordered_system import Bordered
 from torsionnet.solve.modes.eigen import unit_shapes
-from torsionnet.solve.modes.mode_descriptions import accuracy_warnings
+from torsionnet.solve.modes.mode_shapes import accuracy_warnings
 from torsionnet.solve.modes.spectrum import MAX_OPERATIONS, REFINE_ABOVE, has_pairs, most_uncertain, on_real_axis
 
 BALANCING_ROUNDS = 10

@@ -17,7 +17,7 @@ from fractions import Fraction
 from itertools import islice
 from typing import TypeAlias
 
-from torsionnet.assembly.functionals import powers_of_s
+from torsionnet.assembly.law_stiffness import powers_of_s
 from torsionnet.assembly.system import Assembly
 from torsionnet.model.elimination import exact
 from torsionnet.model.kinematics import exact_row

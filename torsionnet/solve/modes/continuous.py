@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray, RowSystem
 from torsionnet.core.errors import SolveError
-from torsionnet.solve.dynamic_stiffness.nullspace import unresisted_motions
 from torsionnet.solve.dynamic_stiffness.reduction import (
     echelon,
     resisted_coordinates,
     restrict_to,
     without_empty_laws,
 )
+from torsionnet.solve.dynamic_stiffness.row_algebra import unresisted_motions
 from torsionnet.solve.modes.wittrick_williams import ModeCount
 
 Mask: TypeAlias = NDArray[np.bool_]

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
-from torsionnet.solve.dynamic_stiffness.nullspace import unresisted_motions
 from torsionnet.solve.dynamic_stiffness.reduction import require_resistance, stiff_laws
+from torsionnet.solve.dynamic_stiffness.row_algebra import unresisted_motions
 from torsionnet.solve.modes.continuous import (
     SAME_FREQUENCY,
     elastic,

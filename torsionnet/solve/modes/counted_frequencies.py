@@ -13,8 +13,8 @@ from torsionnet.model.speeds import speeds_by_reference
 from torsionnet.response.vibrations.counted_vibration import CountedVibration
 from torsionnet.response.vibrations.vibration_mode import VibrationMode
 from torsionnet.solve.modes.holzer_balance import balance_of
-from torsionnet.solve.modes.mode_descriptions import Links
 from torsionnet.solve.modes.mode_pairs import vibration_modes
+from torsionnet.solve.modes.mode_shapes import Links
 from torsionnet.solve.modes.modes import modes
 
 LEAST_SHARE_NAMED, MOST_MASSES_NAMED = 0.15, 2

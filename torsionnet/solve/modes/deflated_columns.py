@@ -16,8 +16,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from torsionnet.assembly.action_law import polynomial
-from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.assembly.rows import ComplexArray, FloatArray, polynomial
 from torsionnet.assembly.system import Assembly
 from torsionnet.solve.modes.exact_pencil import DelayedRow, ExactPencil
 from torsionnet.solve.modes.zero_chains import ZeroChain, zero_chains

@@ -22,8 +22,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.action_law import refuse_actions
-from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
+from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem, refuse_actions
 from torsionnet.solve.dynamic_stiffness.reduction import (
     LARGE_SYSTEM,
     AnyArray,

@@ -25,7 +25,6 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray, Rows, RowSystem
 from torsionnet.core.errors import SolveError
-from torsionnet.solve.dynamic_stiffness.nullspace import unresisted_motions
 from torsionnet.solve.dynamic_stiffness.reduction import (
     LARGE_SYSTEM,
     AnyArray,
@@ -35,6 +34,7 @@ from torsionnet.solve.dynamic_stiffness.reduction import (
     restrict_to,
     subspaces,
 )
+from torsionnet.solve.dynamic_stiffness.row_algebra import unresisted_motions
 from torsionnet.solve.modes.pencil import NotFoundError, Pencil, distinct, polished, refined
 from torsionnet.solve.modes.spectrum import (
     Eigenpairs,

@@ -14,7 +14,7 @@ from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.model.elements import Values
 from torsionnet.model.elements.shaft import Shaft
-from torsionnet.model.motion_balance.operating_notes import law_notes
+from torsionnet.model.operating_values import law_notes
 from torsionnet.model.speeds import speeds_by_reference
 from torsionnet.response.holzer_table import HolzerBranch, HolzerLink, HolzerStation, HolzerTable
 from torsionnet.solve.modes.eigen import undamped_modes

@@ -13,9 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.assembly.action_law import refuse_actions
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.rows import FloatArray
+from torsionnet.assembly.rows import FloatArray, refuse_actions
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import SolveError
 

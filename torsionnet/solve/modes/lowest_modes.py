@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.core.errors import SolveError
-from torsionnet.solve.dynamic_stiffness.nullspace import unresisted_motions
 from torsionnet.solve.dynamic_stiffness.reduction import (
     AnyArray,
     echelon,
@@ -27,6 +26,7 @@ from torsionnet.solve.dynamic_stiffness.reduction import (
     restrict_to,
     without_empty_laws,
 )
+from torsionnet.solve.dynamic_stiffness.row_algebra import unresisted_motions
 from torsionnet.solve.modes.pencil import NotFoundError, Pencil, distinct, polished, refined
 from torsionnet.solve.modes.spectrum import Eigenpairs
 

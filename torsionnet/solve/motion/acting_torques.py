@@ -8,9 +8,9 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import ModelError
 from torsionnet.model.element_base.laws import MotionLaw, Values
 from torsionnet.model.motion_balance.balanced_state import BalancedState
+from torsionnet.model.operating_point import torque_place
 from torsionnet.model.scenarios.time_history import TimeHistory
 from torsionnet.model.speeds import mean_speeds
-from torsionnet.model.torque_places import torque_place
 from torsionnet.solve.motion.smooth_laws import Scale
 
 EQUAL = 1e-9

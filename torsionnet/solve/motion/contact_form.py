@@ -18,7 +18,7 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray, Rows, RowSystem
 from torsionnet.solve.dynamic_stiffness.action_states import LawStates
-from torsionnet.solve.dynamic_stiffness.nullspace import unresisted_motions
+from torsionnet.solve.dynamic_stiffness.row_algebra import unresisted_motions
 from torsionnet.solve.dynamic_stiffness.state_space import (
     StateSpaceForm,
     close_loops_in_states,

@@ -13,7 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from torsionnet.assembly.functionals import Functional
+from torsionnet.assembly.law_stiffness import Functional
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.model.channels import Input
 from torsionnet.model.scenarios.time_history import SAMPLE_SLACK

@@ -16,7 +16,7 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
 from torsionnet.model.elements import Element, Law, MotionLaw, Part, Values
 from torsionnet.solve.dynamic_stiffness.action_states import LawStates, law_states
-from torsionnet.solve.dynamic_stiffness.nullspace import null_space
+from torsionnet.solve.dynamic_stiffness.row_algebra import null_space
 
 MOST_REMEMBERED = 256
 """Most things remembered of a plant, which take some ten kB each for large drivetrains."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.functionals import Functional
+from torsionnet.assembly.law_stiffness import Functional
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.model.channels import Input
 from torsionnet.solve.motion.contact_states import Contact, ContactStates

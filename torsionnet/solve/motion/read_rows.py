@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.assembly.functionals import Functional, Term, powers_of_s
+from torsionnet.assembly.law_stiffness import Functional, Term, powers_of_s
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input

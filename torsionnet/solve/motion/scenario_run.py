@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.functionals import functional
+from torsionnet.assembly.law_stiffness import functional
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.core.expressions import Number

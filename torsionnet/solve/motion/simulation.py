@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.functionals import functional
+from torsionnet.assembly.law_stiffness import functional
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.core.threads import one_thread

@@ -12,7 +12,7 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.core.expressions import FLOAT
-from torsionnet.model.element_base.torque_curve import MotionState, TorqueCurve
+from torsionnet.model.element_base.laws import MotionState, TorqueCurve
 from torsionnet.model.elements import MotionLaw, Values
 from torsionnet.model.motion_laws.piece_curve import PieceCurve, Slope
 from torsionnet.model.scenarios.grid_tie import GridTie

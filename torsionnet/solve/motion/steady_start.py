@@ -12,11 +12,11 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.core.expressions import Number
-from torsionnet.model.element_base.torque_curve import MotionState
+from torsionnet.model.element_base.laws import MotionState
 from torsionnet.model.motion_balance.asked_point import asked_point
 from torsionnet.model.motion_balance.balanced_state import BalancedState
 from torsionnet.model.motion_laws.piece_curve import PieceCurve
-from torsionnet.model.torque_places import torque_place
+from torsionnet.model.operating_point import torque_place
 from torsionnet.solve.dynamic_stiffness.action_states import LawStates
 from torsionnet.solve.motion.acting_torques import acting_means, given_speeds
 from torsionnet.solve.motion.contact_states import Contact

@@ -8,14 +8,13 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.action_law import ActionLaw
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.law_stiffness import law_stiffness
-from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.assembly.rows import ActionLaw, ComplexArray, FloatArray
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response.loop_margins import LoopMargins, Margin
 from torsionnet.solve.dynamic_stiffness.reading_problem import make_reading_problem
-from torsionnet.solve.dynamic_stiffness.starmesh import respond
+from torsionnet.solve.dynamic_stiffness.sweep import respond
 from torsionnet.solve.modes.modes import natural_modes
 
 GRID_POINTS, POINTS_BESIDE_MARK = 2000, 60

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.core.memo import RecentResults
+from torsionnet.core.registers import RecentResults
 from torsionnet.model.channels import Sensor
 from torsionnet.response.frequency_response import FloatArray, FrequencyResponse
 from torsionnet.solve.responses.transfer import frequency_response

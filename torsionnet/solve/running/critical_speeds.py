@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.table_range import range_notes
-from torsionnet.core.errors import UsageError
-from torsionnet.core.listing import comma_list
+from torsionnet.core.errors import UsageError, comma_list
 from torsionnet.core.number_text import screen_text
 from torsionnet.core.units import RPM
 from torsionnet.model.damper_states import AS_MODELLED, with_dampers

@@ -25,7 +25,7 @@ from torsionnet.model.limits import Limit, limit_rules
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import LimitLine, merged_line
 from torsionnet.model.limits.subject import LimitSubject
-from torsionnet.model.motion_balance.operating_notes import running_notes
+from torsionnet.model.operating_values import running_notes
 from torsionnet.model.power_flow import power_flows, power_sensors
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.limits.limit_check import LimitCheck, listed_names

@@ -14,15 +14,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsionnet.assembly.action_law import refuse_actions
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.functionals import Functional, functional
-from torsionnet.assembly.law_stiffness import LawStiffness, law_stiffness
+from torsionnet.assembly.law_stiffness import Functional, LawStiffness, functional, law_stiffness
+from torsionnet.assembly.rows import refuse_actions
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input, Sensor
-from torsionnet.model.checks.motions import free_motions
 from torsionnet.model.checks.structure import rigid_motions
 from torsionnet.model.elements import Constraint, Element, Part, Values
+from torsionnet.model.kinematics import free_motions
 from torsionnet.model.load.external_torques import UNBALANCED_SHARE, stated_torques
 from torsionnet.model.motion_balance.secants import SlippingLaw, slipping_torques, with_secants
 from torsionnet.model.readings import port_of, referring_factor

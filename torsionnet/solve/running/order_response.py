@@ -18,7 +18,7 @@ from torsionnet.core.errors import UsageError, suggestion_or
 from torsionnet.model.channels import Input, Sensor, named_nodes
 from torsionnet.model.excitations import OrderExcitation, OrderTorques
 from torsionnet.model.excitations.engine_phases import unlocked_engines
-from torsionnet.model.motion_balance.operating_notes import running_notes
+from torsionnet.model.operating_values import running_notes
 from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse

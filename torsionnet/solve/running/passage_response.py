@@ -20,7 +20,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input, Sensor
-from torsionnet.model.motion_balance.operating_notes import running_notes
+from torsionnet.model.operating_values import running_notes
 from torsionnet.model.viscous_equivalent import viscous_equivalent
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse

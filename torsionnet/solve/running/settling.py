@@ -8,7 +8,7 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
-from torsionnet.core.piecewise_linear import Rows
+from torsionnet.core.expressions import Rows
 from torsionnet.core.units import RPM
 from torsionnet.model.definition import Definition
 from torsionnet.model.parameters import VIBRATORY_TORQUE

@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.functionals import functional
+from torsionnet.assembly.law_stiffness import functional
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.round_section import section_fault
 from torsionnet.model.elements import GROUND, Constraint, Element, Law, Values
-from torsionnet.model.motion_balance.operating_notes import law_notes
+from torsionnet.model.operating_values import law_notes
 from torsionnet.response.static_state import ElementLoad, StaticState
 from torsionnet.solve.running.mean_response import external_torques, mean_response, reason_undetermined
 

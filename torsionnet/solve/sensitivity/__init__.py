@@ -1,6 +1,6 @@
 """Exact derivatives of responses and modes with respect to parameters, by numbers that carry their derivatives."""
 
-from torsionnet.core.lazy_imports import lazy_exports
+from torsionnet.core.packages import lazy_exports
 
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,

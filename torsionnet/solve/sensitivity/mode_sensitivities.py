@@ -11,12 +11,12 @@ import numpy as np
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import UsageError
-from torsionnet.core.notebook import NotebookResult
+from torsionnet.core.packages import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.model.channels import Sensor
 from torsionnet.model.operating_values import operating_speed_notes
 from torsionnet.response import Table
-from torsionnet.response.mode_numbers import COUNTING_NOTE, MODE_NUMBER, RIGID
+from torsionnet.response.conventions import COUNTING_NOTE, MODE_NUMBER, RIGID
 from torsionnet.response.table import result_table
 from torsionnet.solve.dynamic_stiffness.transfer_request import resolve_inputs
 from torsionnet.solve.modes.modes import modes_against

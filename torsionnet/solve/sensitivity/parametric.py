@@ -19,10 +19,9 @@ from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.element_base.round_section import section_modulus
 from torsionnet.model.elements import Values
 from torsionnet.model.readings import referring_factor
-from torsionnet.solve.dynamic_stiffness.starmesh import respond
+from torsionnet.solve.dynamic_stiffness.sweep import respond
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, resolve_request
-from torsionnet.solve.responses.transfer import frequency_response
-from torsionnet.solve.responses.uncertain import ACCEPTED_ERROR, expected_errors
+from torsionnet.solve.responses.transfer import ACCEPTED_ERROR, expected_errors, frequency_response
 from torsionnet.solve.sensitivity.augmented import Augmented, augmented
 from torsionnet.solve.sensitivity.derivative_problem import DerivativeProblem, law_stiffness_of
 from torsionnet.solve.sensitivity.dual import DUALS, gradient_of

@@ -24,9 +24,9 @@ from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input, Sensor
-from torsionnet.solve.dynamic_stiffness.starmesh import respond
+from torsionnet.solve.dynamic_stiffness.sweep import respond
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
-from torsionnet.solve.modes.cut_drivetrain import cut_definition, elements_beyond_cut
+from torsionnet.solve.modes.modes import cut_definition, elements_beyond_cut
 from torsionnet.solve.sensitivity.augmented import Augmented, augmented
 from torsionnet.solve.sensitivity.derivative_problem import DerivativeProblem
 from torsionnet.solve.sensitivity.unknowns import Unknowns

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import QuantityKind
 from torsionnet.core.errors import ModelError, UsageError, did_you_mean
 from torsionnet.core.expressions import ExpressionError, Name, Number
+from torsionnet.model.damping import DampingMeasure
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Element
 from torsionnet.model.parameters import Parameter, evaluation_order

@@ -13,7 +13,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.spec import Json
 from torsionnet.core.errors import Fault
-from torsionnet.core.type_register import TypeRegister
+from torsionnet.core.registers import TypeRegister
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.response.table import Table
 from torsionnet.study.quantities.evaluator import Evaluator

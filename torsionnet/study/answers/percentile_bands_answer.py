@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Text
+from torsionnet.core.entries.spec import Text, entry
 from torsionnet.core.errors import Fault
 from torsionnet.response.table import Column, Table
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer

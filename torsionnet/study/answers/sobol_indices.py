@@ -12,8 +12,7 @@ import numpy as np
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, Text
+from torsionnet.core.entries.spec import Count, Text, entry
 from torsionnet.core.errors import Fault, SolveError, UsageError
 from torsionnet.response.table import Column, Table
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from torsionnet.core.entries.composite import Listed, Named
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Text
+from torsionnet.core.entries.spec import Text, entry
 from torsionnet.core.errors import Fault
 from torsionnet.response.table import Column, Table
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer

@@ -6,10 +6,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.entries.band import Band
 from torsionnet.core.entries.composite import Listed
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Text
+from torsionnet.core.entries.scalars import Band
+from torsionnet.core.entries.spec import Text, entry
 from torsionnet.core.errors import Fault, UsageError
 from torsionnet.solve.dynamic_stiffness.transfer_request import named_output, resolve_inputs
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer

@@ -7,11 +7,10 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from torsionnet.core.entries.composite import Named, Nested
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count
+from torsionnet.core.entries.spec import Count, entry
 from torsionnet.core.errors import Fault, ModelError, Path
 from torsionnet.response.damper_optimum import DesignParameter
-from torsionnet.solve.dynamic_stiffness.starmesh import compiled_works
+from torsionnet.solve.dynamic_stiffness.sweep import compiled_works
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer
 from torsionnet.study.answers.answer_inputs import PARAMETER, QUANTITY, measure_of
 from torsionnet.study.design.design_entries import DESIGN, DesignBounds, chosen_parameters, design_parameters

@@ -9,8 +9,7 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.composite import Listed, Named, Nested, PairOf
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Schema, entry
-from torsionnet.core.entries.words import Text
+from torsionnet.core.entries.spec import Schema, Text, entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
 from torsionnet.model.checks.parameter_units import parameter_units

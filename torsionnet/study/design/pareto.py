@@ -11,8 +11,7 @@ import numpy as np
 import scipy
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count
+from torsionnet.core.entries.spec import Count, entry
 from torsionnet.core.errors import Fault, MissingExtraError, SolveError, UsageError
 from torsionnet.study.answers.answer import AskedStudy, VariantValues, register_answer
 from torsionnet.study.design.design_answer import DesignAnswer

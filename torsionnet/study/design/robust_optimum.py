@@ -10,8 +10,7 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, OneOf
+from torsionnet.core.entries.spec import Count, OneOf, entry
 from torsionnet.core.errors import Fault, UsageError
 from torsionnet.study.answers.answer import AskedStudy, VariantValues, register_answer
 from torsionnet.study.design.design_tolerances import even_shares, random_shares

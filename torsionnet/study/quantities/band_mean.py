@@ -8,9 +8,8 @@ from typing import ClassVar
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.band import Band
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, OneOf
+from torsionnet.core.entries.scalars import Band
+from torsionnet.core.entries.spec import Count, OneOf, entry
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.study.quantities.quantity import QuantityForm, register_quantity
 from torsionnet.study.quantities.transfer_quantity import TransferQuantity

@@ -10,8 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, entry
-from torsionnet.core.entries.words import Text
+from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, Text, entry
 from torsionnet.core.errors import Fault, UsageError, unknown_name
 from torsionnet.core.expression_reading import parse_expression
 from torsionnet.core.expressions import Algebra, Expression, ExpressionError

@@ -9,8 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, OneOf
+from torsionnet.core.entries.spec import Count, OneOf, entry
 from torsionnet.core.errors import Fault, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.response.modes import OSCILLATORY, Modes

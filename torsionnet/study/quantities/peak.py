@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.band import Band
+from torsionnet.core.entries.scalars import Band
 from torsionnet.core.entries.spec import entry
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.study.quantities.peak_search import CANDIDATES, POINTS, BandPeaks, band_grid, largest

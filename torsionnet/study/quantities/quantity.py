@@ -11,7 +11,7 @@ import numpy as np
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.errors import Fault
-from torsionnet.core.type_register import TypeRegister
+from torsionnet.core.registers import TypeRegister
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain

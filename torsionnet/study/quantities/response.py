@@ -10,10 +10,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.core.entries.band import Band
-from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
-from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, coerce_part, entry, not_none
-from torsionnet.core.entries.words import Count, OneOf
+from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Band, Value
+from torsionnet.core.entries.spec import Count, EntryError, Json, OneOf, Schema, Spec, coerce_part, entry, not_none
 from torsionnet.core.errors import Fault
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.study.quantities.quantity import QuantityForm, register_quantity

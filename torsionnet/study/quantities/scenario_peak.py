@@ -8,8 +8,7 @@ from typing import ClassVar
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import OneOf, Text
+from torsionnet.core.entries.spec import OneOf, Text, entry
 from torsionnet.core.errors import Fault
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.scenario_courses import scenario_of

@@ -10,8 +10,7 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.composite import Listed
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, Text
+from torsionnet.core.entries.spec import Count, Text, entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.units import RPM
 from torsionnet.drivetrain import Drivetrain

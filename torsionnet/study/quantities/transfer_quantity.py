@@ -7,8 +7,7 @@ from dataclasses import Field, dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Text
+from torsionnet.core.entries.spec import Text, entry
 from torsionnet.core.errors import Fault, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.response.frequency_response import quotient_unit

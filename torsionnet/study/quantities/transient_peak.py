@@ -10,10 +10,9 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.composite import Composite, Listed
-from torsionnet.core.entries.named_files import nearby_file
+from torsionnet.core.entries.declared import nearby_file
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
-from torsionnet.core.entries.spec import EntryError, Json, Schema, entry, not_none
-from torsionnet.core.entries.words import OneOf, Text
+from torsionnet.core.entries.spec import EntryError, Json, OneOf, Schema, Text, entry, not_none
 from torsionnet.core.errors import Fault, TorsionnetError, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.recording_files import read_recording

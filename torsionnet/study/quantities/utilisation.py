@@ -9,8 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Text
+from torsionnet.core.entries.spec import Text, entry
 from torsionnet.core.errors import Fault, unknown_name
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.solve.running.order_response import OrderRequest

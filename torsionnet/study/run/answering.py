@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import cast
 
 from torsionnet.core.errors import SolveError, UsageError
-from torsionnet.core.notebook import drawn, thinned
+from torsionnet.core.packages import drawn, thinned
 from torsionnet.study.answers.answer import Conclusion, Conclusions, VariantValues
 from torsionnet.study.quantities.evaluator import BlockCalculator, Evaluator
 from torsionnet.study.run import run_chunks

@@ -10,8 +10,7 @@ from typing import ClassVar
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Text
+from torsionnet.core.entries.spec import Text, entry
 from torsionnet.core.errors import Fault, unknown_name
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 
 from torsionnet.core.errors import Fault
-from torsionnet.core.groups import Groups
+from torsionnet.core.registers import Groups
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.space.correlation import Correlation
 from torsionnet.study.space.variations.variation import Marginal

@@ -7,8 +7,7 @@ from math import log2
 from typing import ClassVar
 
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, OneOf
+from torsionnet.core.entries.spec import Count, OneOf, entry
 from torsionnet.core.errors import Fault
 from torsionnet.study.space.many import Many
 from torsionnet.study.space.sampling_points import LatinHypercubePoints, RandomPoints, UnitPoints

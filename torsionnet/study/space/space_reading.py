@@ -10,9 +10,9 @@ import numpy as np
 
 from torsionnet.core.entries.scalars import QuantityKind
 from torsionnet.core.errors import Fault, Path, unknown_name
+from torsionnet.model.changes import value_of_entry
 from torsionnet.model.elements import Element
 from torsionnet.model.model import Model
-from torsionnet.model.named_entries import value_of_entry
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.space.correlation import Correlation, name_faults
 from torsionnet.study.space.correlation_matrix import normal_correlation

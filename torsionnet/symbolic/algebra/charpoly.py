@@ -12,10 +12,8 @@ import sympy
 from sympy.polys.matrices import DomainMatrix
 
 from torsionnet.core.errors import UsageError
-from torsionnet.symbolic.algebra.block_tree import GraphBlock
-from torsionnet.symbolic.algebra.bundle import Quotient
-from torsionnet.symbolic.algebra.network import ONE, NetworkMember, SymbolRow
-from torsionnet.symbolic.algebra.program import Program, ProgramNode
+from torsionnet.symbolic.algebra.network import ONE, NetworkMember, Program, ProgramNode, SymbolRow
+from torsionnet.symbolic.algebra.recursion import GraphBlock, Quotient
 
 MOST_COORDINATES = 12
 """Largest number of coordinates of a block whose determinant is expanded, as the number of terms grows exponentially

@@ -13,12 +13,18 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import comb
 
-from torsionnet.symbolic.algebra.block_tree import GraphBlock
-from torsionnet.symbolic.algebra.bundle import Quotient, sum_of_quotients
 from torsionnet.symbolic.algebra.charpoly import ExpandedBlock
-from torsionnet.symbolic.algebra.network import ONE, Contraction, Network, NetworkMember, SymbolRow, add_parallel_laws
-from torsionnet.symbolic.algebra.program import Program, ProgramNode
-from torsionnet.symbolic.algebra.recursion import Recursion, SolvedBlock
+from torsionnet.symbolic.algebra.network import (
+    ONE,
+    Contraction,
+    Network,
+    NetworkMember,
+    Program,
+    ProgramNode,
+    SymbolRow,
+    add_parallel_laws,
+)
+from torsionnet.symbolic.algebra.recursion import GraphBlock, Quotient, Recursion, SolvedBlock, sum_of_quotients
 
 MOST_LOOPS = 3
 """Largest number of loops in a block solved by deletion and contraction, as with more the characteristic polynomial is

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
 from torsionnet.core.errors import UsageError
-from torsionnet.symbolic.algebra.program import Program, ProgramNode
+from torsionnet.symbolic.algebra.network import Program, ProgramNode
 
 SparseRow: TypeAlias = Mapping[int, ProgramNode]
 """Row of a sparse matrix, the node of a program in each column that is not zero."""

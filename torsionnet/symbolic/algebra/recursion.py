@@ -1,8 +1,7 @@
 """Recursion without division on a tree of blocks, for a network's determinant and the readings of sensors.
 
 Below a coordinate v hang blocks, each with its determinants A_b and Q_b for v free and held (see
-:mod:`torsionnet.symbolic.algebra.bundle` and :mod:`torsionnet.symbolic.algebra.loops`). With g_v the dynamic stiffness
-to ground,
+:mod:`torsionnet.symbolic.algebra.loops` for loops). With g_v the dynamic stiffness to ground,
 
     Q_v = prod Q_b,   A_v = g_v Q_v + sum_b A_b prod_{b' != b} Q_b'
 
@@ -19,12 +18,205 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol, TypeAlias
+from itertools import chain, combinations
+from typing import Any, Generic, Protocol, TypeAlias
 
-from torsionnet.symbolic.algebra.block_tree import GraphBlock, Orientation, orient, roots_of
-from torsionnet.symbolic.algebra.bundle import Bundle, Quotient, sum_of_quotients
-from torsionnet.symbolic.algebra.network import Network, SymbolRow
-from torsionnet.symbolic.algebra.program import Program, ProgramNode
+import networkx as nx
+
+from torsionnet.core.registers import Groups
+from torsionnet.symbolic.algebra.network import (
+    L,
+    Network,
+    NetworkMember,
+    Program,
+    ProgramNode,
+    Stiffness,
+    SymbolRow,
+    vanishes,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class GraphBlock(Generic[L]):
+    """Block of a symbolic network, the laws over its coordinate ``top`` (nearest to the root) and those ``below``."""
+
+    top: str
+    below: tuple[str, ...]
+    members: tuple[NetworkMember[L], ...]
+
+    @property
+    def is_bundle(self) -> bool:
+        """Whether all laws of a network's block act between the same two coordinates."""
+        return len(self.below) == 1
+
+    def covers(self, row: SymbolRow) -> bool:
+        """Whether all coordinates of a row of the network belong to the block."""
+        return all(name == self.top or name in self.below for name in row)
+
+
+@dataclass(frozen=True, eq=False)
+class Orientation(Generic[L]):
+    """Tree of a network's blocks seen from a root coordinate, with the blocks above and below every coordinate."""
+
+    root: str
+    order: tuple[str, ...]
+    above: Mapping[str, GraphBlock[L]]
+    below: Mapping[str, tuple[GraphBlock[L], ...]]
+
+    def path(self, end: str) -> list[tuple[GraphBlock[L], str]]:
+        """Blocks of a network from the root to a coordinate, each with the coordinate at which the path leaves it."""
+        found = []
+        while end != self.root:
+            found.append((self.above[end], end))
+            end = self.above[end].top
+        return found[::-1]
+
+
+def orient(network: Network[L], root: str) -> Orientation[L]:
+    """Tree of all blocks of a network that are connected to the coordinate ``root``, seen from there."""
+    blocks = _blocks(network)
+    order = [root]
+    above: dict[str, GraphBlock[L]] = {}
+    below: dict[str, tuple[GraphBlock[L], ...]] = {}
+    hung: set[int] = set()
+    for name in order:
+        found = []
+        for number, (coordinates, members) in blocks.get(name, {}).items():
+            if number not in hung:
+                others = tuple(other for other in coordinates if other != name)
+                found.append(GraphBlock(name, others, members))
+                above |= dict.fromkeys(others, found[-1])
+                order += others
+                hung.add(number)
+        below[name] = tuple(found)
+    return Orientation(root, tuple(order), above, below)
+
+
+def _blocks(network: Network[L]) -> dict[str, dict[int, tuple[tuple[str, ...], tuple[NetworkMember[L], ...]]]]:
+    """Coordinates and laws of all blocks of a network, by coordinate and by number of the block."""
+    wide = [member for member in network.members if len(member.row) > 1]
+    graph = nx.Graph(pair for member in wide for pair in combinations(member.row, 2))
+    parts = list(nx.biconnected_component_edges(graph))
+    home = {frozenset(pair): number for number, part in enumerate(parts) for pair in part}
+    members: dict[int, list[NetworkMember[L]]] = {}
+    for member in wide:
+        first, second, *_ = member.row
+        members.setdefault(home[frozenset((first, second))], []).append(member)
+    found: dict[str, dict[int, tuple[tuple[str, ...], tuple[NetworkMember[L], ...]]]] = {}
+    for number, laws in members.items():
+        coordinates = tuple(dict.fromkeys(chain.from_iterable(member.row for member in laws)))
+        for name in coordinates:
+            found.setdefault(name, {})[number] = coordinates, tuple(laws)
+    return found
+
+
+def roots_of(network: Network[L], first: str = "") -> list[str]:
+    """Root coordinate of every connected part of a symbolic network; ``first`` is the root of its own part."""
+    parts = Groups(network.coordinates)
+    for member in network.members:
+        parts.join(*member.row)
+    roots: dict[int, str] = {}
+    for name in (first, *network.coordinates) if first else network.coordinates:
+        roots.setdefault(id(parts.of(name)), name)
+    return list(roots.values())
+
+
+def is_forest(network: Network[L]) -> bool:
+    """Whether a network has no closed loop, so that all its blocks are laws between two coordinates."""
+    pairs = {frozenset(member.row) for member in network.members if len(member.row) > 1}
+    parts = len(roots_of(network))
+    return all(len(pair) == 2 for pair in pairs) and len(pairs) == len(network.coordinates) - parts
+
+
+@dataclass(frozen=True)
+class Quotient:
+    """Dynamic stiffness of a law as a quotient above / below of program nodes, rigid where ``below`` is zero."""
+
+    above: ProgramNode
+    below: ProgramNode
+
+
+def quotient(law: Stiffness, program: Program) -> Quotient:
+    """Dynamic stiffness of a law as a quotient of program nodes with the denominator 1."""
+    return Quotient(program.leaf(law), program.leaf(1))
+
+
+def sum_of_quotients(laws: Sequence[tuple[Quotient, Any]], program: Program) -> Quotient:
+    """Sum over laws of dynamic stiffness times squared ratio of motion, as one quotient of program nodes."""
+    total = Quotient(program.leaf(0), program.leaf(1))
+    for law, ratio in laws:
+        above = program.leaf(ratio**2) * law.above
+        total = Quotient(total.above * law.below + above * total.below, total.below * law.below)
+    return total
+
+
+@dataclass(frozen=True, eq=False)
+class Bundle:
+    """Block of all laws between two coordinates, with the stiffness (quotient) of all parts beyond the lower one."""
+
+    block: GraphBlock[Quotient]
+    hanging: Quotient
+    program: Program
+
+    @cached_property
+    def held(self) -> ProgramNode:
+        """Dynamic stiffness determinant of block and parts beyond, upper coordinate held, as a program node."""
+        far = self._sum([row[self._child] ** 2 for row in self._rows])
+        return self.hanging.above * self._below() + far * self.hanging.below
+
+    @cached_property
+    def free(self) -> ProgramNode:
+        """Dynamic stiffness determinant of block and parts beyond, upper coordinate free, as a program node."""
+        total = self._sum([row[self.block.top] ** 2 for row in self._rows]) * self.hanging.above
+        both = self._pairs()
+        return total if both.is_zero else total + both * self.hanging.below
+
+    def carried(self, end: str) -> ProgramNode:
+        """Numerator (program node) of the lower coordinate's angle, no parts beyond, under unit torque on the upper."""
+        return self._sum([-row[self.block.top] * row[end] for row in self._rows])
+
+    def reading(self, row: SymbolRow) -> ProgramNode:
+        """Numerator (program node) of a sensor's reading in the block under a unit torque on the upper coordinate."""
+        near, far = row.get(self.block.top, 0), row.get(self._child, 0)
+        twists = [own[self._child] * (near * own[self._child] - far * own[self.block.top]) for own in self._rows]
+        total = self.program.leaf(near) * self.hanging.above * self._below()
+        return total + self._sum([0 if vanishes(twist) else twist for twist in twists]) * self.hanging.below
+
+    @property
+    def _child(self) -> str:
+        return self.block.below[0]
+
+    @property
+    def _rows(self) -> list[SymbolRow]:
+        return [member.row for member in self.block.members]
+
+    def _below(self, *without: int) -> ProgramNode:
+        """Product of the stiffness denominators of all laws of the block except those whose numbers are given."""
+        result = self.program.leaf(1)
+        for number, member in enumerate(self.block.members):
+            if number not in without:
+                result = result * member.law.below
+        return result
+
+    def _sum(self, factors: Sequence[Any]) -> ProgramNode:
+        """Sum of the laws' dynamic stiffnesses, each times its entry of ``factors``, times all laws' denominators."""
+        total = self.program.leaf(0)
+        for number, (factor, member) in enumerate(zip(factors, self.block.members, strict=True)):
+            total = total + self.program.leaf(factor) * member.law.above * self._below(number)
+        return total
+
+    def _pairs(self) -> ProgramNode:
+        """Program node of the sum over pairs of parallel laws of both stiffnesses times a squared determinant.
+
+        The determinant is that of the rows of both laws; the sum is multiplied by all denominators.
+        """
+        total, top, child = self.program.leaf(0), self.block.top, self._child
+        for (i, one), (j, other) in combinations(enumerate(self.block.members), 2):
+            across = one.row[top] * other.row[child] - other.row[top] * one.row[child]
+            if not vanishes(across):
+                both = one.law.above * other.law.above * self._below(i, j)
+                total = total + self.program.leaf(across**2) * both
+        return total
 
 
 class SolvedBlock(Protocol):

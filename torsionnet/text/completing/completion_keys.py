@@ -6,15 +6,14 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from torsionnet.core.damping import MEASURES
 from torsionnet.core.entries.composite import Typed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.spec import Spec
 from torsionnet.model.channels import ChannelEntry
 from torsionnet.model.configurations import ChangedEntry
-from torsionnet.model.element_base.damping_entries import DampingQuantity, LossFactor
+from torsionnet.model.damping import MEASURES, DampingQuantity, LossFactor
+from torsionnet.model.element_base.element_entries import NodeName
 from torsionnet.model.element_base.laws import GROUND
-from torsionnet.model.element_base.nodes import NodeName
 from torsionnet.model.element_base.quantity_table import TableByNode
 from torsionnet.text.completing.completion_option import CompletionOption, Writing, summary, unit_text
 from torsionnet.text.completing.completion_places import EntryPlace, class_at, holds_entries

@@ -8,13 +8,13 @@ from functools import cached_property, lru_cache
 from pathlib import Path as FolderPath
 from typing import Any
 
-from torsionnet.core.entries.named_files import files_beside, nearby_file
+from torsionnet.core.entries.declared import files_beside, nearby_file
 from torsionnet.core.entries.spec import EntryError, Spec
 from torsionnet.core.errors import Path
 from torsionnet.model.channels import ChannelName, RecordedName
 from torsionnet.model.element_base.element import ELEMENT_TYPES
+from torsionnet.model.element_base.element_entries import ElementName, NodeName, NodePair, NodeText, PlaceOnElement
 from torsionnet.model.element_base.laws import GROUND
-from torsionnet.model.element_base.nodes import ElementName, NodeName, NodePair, NodeText, PlaceOnElement
 from torsionnet.model.files.part_includes import MOST_INCLUDED
 from torsionnet.model.parts.use import PartName, PartParameter, PortName
 from torsionnet.text.tolerant_reading import tolerant_document
@@ -77,7 +77,7 @@ class ModelNames:
     @cached_property
     def configurations(self) -> tuple[str, ...]:
         """Names of the alternatives of configurations, with their axis where there are several."""
-        from torsionnet.model.section_entries import CONFIGURATIONS
+        from torsionnet.model.sections import CONFIGURATIONS
 
         axes, _ = CONFIGURATIONS.read(self.table("configurations"))
         several = len(axes) > 1
@@ -153,8 +153,8 @@ class ModelNames:
 
 def _kinds(spec: Spec[Any] | None) -> tuple[str, ...]:
     """Kinds of the things that an entry names: a section without its last letter, a node, or a configuration."""
+    from torsionnet.model.operating_point import DriverName, ExcitationName, MachineName, TorqueInput, TorquePlace
     from torsionnet.model.report.report_plan import ConfigurationName, SectionName
-    from torsionnet.model.torque_places import DriverName, ExcitationName, MachineName, TorqueInput, TorquePlace
 
     if isinstance(spec, SectionName):
         return ()
@@ -197,7 +197,7 @@ def _nodes_of(elements: Iterable[Any]) -> Iterator[str]:
 def _node_entries(kind: str) -> tuple[tuple[str, bool], ...]:
     """Entries of an element type that name nodes, and whether they are tables by node."""
     from torsionnet.model.element_base.control_entries import OneOrTwoNodes
-    from torsionnet.model.element_base.nodes import ReferenceNode
+    from torsionnet.model.element_base.element_entries import ReferenceNode
     from torsionnet.model.element_base.quantity_table import TableByNode
 
     if kind not in ELEMENT_TYPES:

@@ -6,17 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from torsionnet.core.entries.band import Band, Bands
 from torsionnet.core.entries.composite import Named, Nested, Typed
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.number_table import NumberTable
-from torsionnet.core.entries.scalars import AnyQuantity, PhysicalQuantity
-from torsionnet.core.entries.spec import Schema, Spec
-from torsionnet.core.entries.words import OneOf, Text
+from torsionnet.core.entries.scalars import AnyQuantity, Band, Bands, NumberTable, PhysicalQuantity
+from torsionnet.core.entries.spec import OneOf, Schema, Spec, Text
 from torsionnet.core.errors import Path
 from torsionnet.model.configurations import AlternativeEntry, AxesEntry
-from torsionnet.model.element_base.damping_entries import DampingQuantity, LossFactor
-from torsionnet.model.element_base.nodes import NodeName, NodePair
+from torsionnet.model.damping import DampingQuantity, LossFactor
+from torsionnet.model.element_base.element_entries import NodeName, NodePair
 from torsionnet.model.files.located_yaml import MOST_LEVELS
 from torsionnet.model.parameters import BoundsEntry
 from torsionnet.text.naming.fixed_keys import properties_of

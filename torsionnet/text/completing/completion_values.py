@@ -8,21 +8,19 @@ from pathlib import Path as FolderPath
 from typing import Any
 
 from torsionnet.core.entries.composite import Listed, Nested, PairOf, Typed
-from torsionnet.core.entries.named_files import files_beside, nearby_file
+from torsionnet.core.entries.declared import files_beside, nearby_file
 from torsionnet.core.entries.scalars import AnyQuantity, QuantityKind
-from torsionnet.core.entries.spec import EntryError, Spec
-from torsionnet.core.entries.words import MODEL_NAME, Text
+from torsionnet.core.entries.spec import MODEL_NAME, EntryError, Spec, Text
 from torsionnet.core.errors import TorsionnetError
 from torsionnet.core.units import DIMENSIONS, Dimension, UnitError, parse_quantity
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, CatalogueEntry, SizeName
 from torsionnet.model.channels import ELEMENT_QUANTITIES, ChannelName
 from torsionnet.model.element_base.element import ELEMENT_TYPES
-from torsionnet.model.element_base.nodes import NodePair
+from torsionnet.model.element_base.element_entries import NodePair
 from torsionnet.model.element_base.quantity_table import TableByName
 from torsionnet.model.files.library import library_models
 from torsionnet.model.parts.use import OneOrEach
-from torsionnet.model.report.report_pair import PairEntry
-from torsionnet.model.report.report_plan import SectionName
+from torsionnet.model.report.report_plan import PairEntry, SectionName
 from torsionnet.text.completing.completion_keys import kind_of, typed_options, usual_first
 from torsionnet.text.completing.completion_option import CompletionOption, Writing, summary
 from torsionnet.text.completing.completion_places import KindWord, entry_place
@@ -75,7 +73,7 @@ def _kinds(writing: Writing, typed: Typed[Any]) -> Iterator[CompletionOption]:
 def _words(spec: Spec[Any], folder: FolderPath | None) -> Iterator[CompletionOption]:
     """Words of a fixed list, from the specification of the entry or its JSON Schema."""
     if isinstance(spec, SectionName):
-        from torsionnet.model.report.sections import SECTIONS
+        from torsionnet.model.report.title_block import SECTIONS
 
         yield from (CompletionOption(name, "word", name, "section") for name in SECTIONS)
         return
@@ -182,7 +180,7 @@ def _quantities(writing: Writing, spec: Spec[Any]) -> Iterator[CompletionOption]
 
 def _dimension_name(spec: Spec[Any]) -> str:
     """Name of the dimension of an entry, also of one that holds a band."""
-    from torsionnet.core.entries.band import Band, Bands
+    from torsionnet.core.entries.scalars import Band, Bands
 
     if isinstance(spec, Band | Bands):
         return "frequency"

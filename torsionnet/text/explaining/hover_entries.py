@@ -9,8 +9,7 @@ from typing import Any
 from torsionnet.core.entries.composite import Typed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import QuantityKind, Value
-from torsionnet.core.entries.spec import Spec
-from torsionnet.core.entries.words import Count, OneOf
+from torsionnet.core.entries.spec import Count, OneOf, Spec
 from torsionnet.core.errors import TorsionnetError
 from torsionnet.core.expressions import Expression
 from torsionnet.core.units import expected_unit

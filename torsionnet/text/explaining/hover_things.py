@@ -89,7 +89,7 @@ def _meeting(owners: list[str]) -> str:
 def _inertia(place: NamedPlace, scope: Scope, names: NamesInText) -> str:
     """Sentence on the inertia that elements have on a node alone."""
     from torsionnet.model.elements import Law, Values
-    from torsionnet.model.section_entries import ELEMENTS
+    from torsionnet.model.sections import ELEMENTS
 
     depth = len(scope.path)
     there = {str(one.path[depth + 1]) for one in names.places
@@ -114,7 +114,7 @@ def _inertia(place: NamedPlace, scope: Scope, names: NamesInText) -> str:
 
 
 def _element(place: NamedPlace, scope: Scope) -> str:
-    from torsionnet.model.section_entries import ELEMENTS
+    from torsionnet.model.sections import ELEMENTS
 
     raw = scope.table("elements").get(place.name)
     if not isinstance(raw, Mapping):

@@ -31,7 +31,7 @@ class KnownValues:
     """Values of the parameters of a model or part as far as they can be read, in SI units."""
 
     def __init__(self, scope: Scope) -> None:
-        from torsionnet.model.section_entries import PARAMETERS
+        from torsionnet.model.sections import PARAMETERS
 
         self.parameters = dict(PARAMETERS.read(scope.table("parameters"))[0])
 

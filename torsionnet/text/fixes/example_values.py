@@ -9,10 +9,9 @@ from torsionnet.core.entries.spec import Json, Spec
 from torsionnet.core.errors import Path
 from torsionnet.core.units import expected_unit
 from torsionnet.model.element_base.element import ELEMENT_TYPES
-from torsionnet.model.element_base.nodes import NodeName, NodePair
-from torsionnet.model.element_base.teeth import Teeth
-from torsionnet.model.files.fault_positions import entry_at
+from torsionnet.model.element_base.element_entries import NodeName, NodePair, Teeth
 from torsionnet.model.files.located_yaml import LocatedDocument
+from torsionnet.model.files.reader import entry_at
 
 _FIRST_ELEMENT: dict[str, Json] = {"type": "inertia", "node": "disc", "inertia": "1 kg*m^2"}
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from torsionnet.core.errors import Fault, ModelError
-from torsionnet.core.garbage_collection import gc_paused
+from torsionnet.core.packages import gc_paused
 from torsionnet.model.definition import Definition
 from torsionnet.model.files.located_yaml import compose
 from torsionnet.text.text_edits import TextEdit, TextFix, TextLines, TextSpan, edited

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
 
-from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.entries.spec import Spec
+from torsionnet.core.entries.spec import Renaming, Spec
 from torsionnet.core.errors import Path, TorsionnetError
 
 CHANGED = "changed entry"
@@ -49,7 +48,7 @@ class PortTable(Mapping[str, Mapping[str, str]]):
     scope: Scope
 
     def __getitem__(self, name: str) -> Mapping[str, str]:
-        from torsionnet.model.section_entries import ELEMENTS
+        from torsionnet.model.sections import ELEMENTS
 
         elements, _ = ELEMENTS.read({name: self.scope.table("elements")[name]})
         return elements[name].ports if name in elements else {}

@@ -111,7 +111,7 @@ class ChangedSection(NamedTuple):
 
 def changeable_sections() -> dict[str, Any]:
     """Specifications of the sections of which an alternative of a configuration may change entries, by name."""
-    import torsionnet.model.section_entries as sections
+    import torsionnet.model.sections as sections
 
     return {"excitations": sections.EXCITATIONS, "elements": sections.ELEMENTS, "scenarios": sections.SCENARIOS}
 

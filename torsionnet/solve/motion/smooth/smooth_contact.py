@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsionnet.assembly.functionals import Functional
+from torsionnet.assembly.law_stiffness import Functional
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.model.channels import Input
 from torsionnet.solve.motion.contact_form import ContactForm

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.assembly.functionals import Functional
+from torsionnet.assembly.law_stiffness import Functional
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.model.channels import Input
 from torsionnet.solve.motion.contact_states import Contact, ContactStates

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.assembly.functionals import Functional
+from torsionnet.assembly.law_stiffness import Functional
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import SolveError, TorsionnetError
 from torsionnet.model.channels import Input

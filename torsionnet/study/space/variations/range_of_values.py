@@ -8,8 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import OneOf
+from torsionnet.core.entries.spec import OneOf, entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
 from torsionnet.response.frequency_response import FloatArray

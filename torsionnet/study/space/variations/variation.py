@@ -13,7 +13,7 @@ from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, plain_number, read_value
 from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec
 from torsionnet.core.expressions import Number
-from torsionnet.core.type_register import TypeRegister
+from torsionnet.core.registers import TypeRegister
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.space.variations.nominal import NominalReader
 

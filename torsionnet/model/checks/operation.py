@@ -3,20 +3,142 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
-from torsionnet.core.errors import Fault, ModelError, Path, UsageError
+from torsionnet.core.errors import USELESS, Fault, ModelError, Path, UsageError, unknown_name
 from torsionnet.core.expressions import Expression
 from torsionnet.core.units import RPM
-from torsionnet.model.checks.balance import unbalanced_torques
-from torsionnet.model.checks.load_checks import unfit_load
-from torsionnet.model.definition import Definition
+from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.element_base.element import Element
 from torsionnet.model.element_base.laws import own_node
-from torsionnet.model.kinematics import Kinematics
-from torsionnet.model.load.external_torques import ExternalTorques, stated_torques
+from torsionnet.model.kinematics import Kinematics, free_motions
+from torsionnet.model.load.external_torques import (
+    UNBALANCED_SHARE,
+    CutOffError,
+    ExternalTorques,
+    stated_torques,
+    unknown_driver,
+)
+from torsionnet.model.operating_point import torque_place
 from torsionnet.model.operating_values import OperatingPoints, operating_parameter_faults, with_operating_values
 from torsionnet.model.parameters import resolve
+
+if TYPE_CHECKING:
+    from torsionnet.model.load.load_section import Load
+
+
+def unbalanced_torques(external: ExternalTorques, kinematics: Kinematics) -> list[Fault]:
+    """Warnings about mean torques out of balance on a part that turns freely, as a load with the sign of a drive.
+
+    Springs hand mean torques on and dampers stand for vibration, so neither takes any. A single torque is half of what
+    acts there, and says nothing. Those of a load are in balance as a whole: what is left on one part is an error. Laws
+    of motion take torques too, so that their operating point tells what is left.
+    """
+    definition = external.definition
+    if any(element.has_motion_laws for element in definition.switched_on):
+        return []
+    acting = external.at_operating_point
+    given = {node: torque for node, torque in acting.items() if torque and node in kinematics.nodes}
+    if len(given) < 2:
+        return []
+    fewest = 2 if definition.load is None else 1
+    left = free_motions(kinematics, lambda law: law.is_elastic)
+    work: dict[str, dict[str, float]] = {}
+    for node, torque in given.items():
+        for motion, ratio in left.in_floats({node: 1}).items():
+            work.setdefault(motion, {})[node] = torque * ratio
+    faults = [fault for done in work.values() if len(done) >= fewest for fault in _unbalanced(given, done)]
+    if definition.load is None:
+        return faults
+    return [replace(fault, path=("load",), severity="error") for fault in faults]
+
+
+def _unbalanced(given: Mapping[str, float], done: Mapping[str, float]) -> list[Fault]:
+    """Warning that mean torques do net work on one rigid motion of the drivetrain.
+
+    ``done`` is the work of each torque.
+    """
+    rest, largest = sum(done.values()), max(map(abs, done.values()))
+    if abs(rest) <= UNBALANCED_SHARE * largest:
+        return []
+    last = list(done)[-1]
+    over = rest * given[last] / done[last]
+    listed = ", ".join(f"{node} {given[node]:.6g} N*m" for node in done)
+    turned = [node for node in done if abs(rest - 2 * done[node]) <= UNBALANCED_SHARE * largest]
+    hint = f'; did you mean "{turned[-1]}: {-given[turned[-1]]:.6g} N*m"?' if turned else ""
+    text = (
+        f"the mean torques ({listed}) leave {over:.4g} N*m over at {last}, and a load acts against the rotation{hint}"
+    )
+    return [Fault(text, ("operating_point", "torque"), "warning", on_key=True)]
+
+
+SAME_TORQUE_SHARE = 0.01
+"""Relative difference up to which torques of the load and of the operating point agree, rounded as in data sheets."""
+
+
+def unknown_in_load(definition: Definition, load: Load) -> Iterator[Fault]:
+    """Faults of nodes and excitations that a load names and the model does not have."""
+    nodes = all_nodes(definition.elements.values())
+    single: Path = ("load", "absorbed_at")
+    for place in load.by_place:
+        path = ("load", "absorbers", place) if load.absorbers else single
+        for node in torque_place(place).nodes:
+            if node not in nodes:
+                yield unknown_name("node", node, nodes, path, on_key=bool(load.absorbers))
+    for name in load.driven_by:
+        fault = unknown_driver(definition, name)
+        if fault:
+            yield Fault(fault, ("load", "driven_by", name), on_key=True)
+
+
+def unfit_load(external: ExternalTorques) -> list[Fault]:
+    """Faults of a load that does not turn with the drivetrain, has no rated speed or table row, or is contradicted."""
+    definition = external.definition
+    if definition.load is None:
+        return []
+    try:
+        at = external.operating_speed
+        torques = external.at_operating_point if at > 0 else external.at(abs(at))
+        for speed in _extremes(definition):
+            external.at(speed)
+    except CutOffError as error:
+        return [Fault(str(error), ("load",), "note", on_key=True, kind=USELESS)]
+    except UsageError as error:
+        return [Fault(str(error), ("load",), on_key=True)]
+    if at < 0:
+        text = f"with a load, {external.reference} turns in the positive sense: its mean speed must not be negative"
+        return [Fault(text, ("operating_point", "speed"), on_key=True)]
+    return list(_contradicted(external, torques, at))
+
+
+def _extremes(definition: Definition) -> tuple[float, ...]:
+    return (definition.speeds.values[0], definition.speeds.values[-1]) if definition.speeds else ()
+
+
+def _contradicted(external: ExternalTorques, torques: Mapping[str, float], at: float) -> Iterator[Fault]:
+    """Faults of stated torques that contradict the load, at single nodes or in the power driven in all."""
+    stated = stated_torques(external.definition, external.values)
+    apart = [node for node in stated if node in torques and not _agree(stated[node], torques[node])]
+    for node in apart:
+        text = f"the load gives {torques[node]:.6g} N*m here at this speed, the operating point {stated[node]:.6g} N*m"
+        yield Fault(f"{text}; leave one of them out", ("operating_point", "torque", node))
+    if not stated or apart:
+        return
+    speeds = {node: ratio * at for node, ratio in external.ratios.items()}
+    driven, load = (
+        sum(max(0.0, one * speeds.get(node, 0.0)) for node, one in side.items()) for side in (stated, torques)
+    )
+    if driven and not _agree(driven, load):
+        text = (
+            f"these torques drive with {driven / 1e3:.6g} kW, the load takes {load / 1e3:.6g} kW; leave one of them out"
+        )
+        yield Fault(text, ("operating_point", "torque"), on_key=True)
+
+
+def _agree(first: float, second: float) -> bool:
+    return abs(first - second) <= SAME_TORQUE_SHARE * max(abs(first), abs(second))
+
 
 SPEED_ENTRY, SAME_SPEED_SHARE = "speed", 0.005
 """Entry of an element for the speed of its first node, and the share by which it may differ from that speed."""

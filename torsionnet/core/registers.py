@@ -1,0 +1,194 @@
+"""Registers of types, each type in a file of a package, that import only the files asked for."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Iterable, Iterator, MutableMapping, Sequence
+from functools import cached_property
+from typing import Generic, TypeVar
+
+T = TypeVar("T")
+
+
+class TypeRegister(MutableMapping[str, T], Generic[T]):
+    """Register of types by kind, in alphabetical order, whatever the order in which files were imported.
+
+    A type puts itself in when its file is imported. A kind that is asked for comes out of the file of that name, or of
+    the one whose name begins with the kind and ``_of_`` or ``_answer``; where there is none, out of the first family
+    that has it. Only if no family has, and when all kinds are listed, every file of the packages is imported.
+
+    Parameters
+    ----------
+    packages : str or sequence of str
+        Full names of the packages.
+    families : sequence of str
+        Files with several types, those first that are asked for most.
+    """
+
+    def __init__(self, packages: str | Sequence[str], families: Sequence[str] = ()) -> None:
+        self.packages = (packages,) if isinstance(packages, str) else tuple(packages)
+        self.families = families
+        self._types: dict[str, T] = {}
+        self._complete = False
+
+    def __getitem__(self, kind: str) -> T:
+        if kind not in self._types:
+            own = [file for file in self._files if file == kind or file.startswith((f"{kind}_of_", f"{kind}_answer"))]
+            for file in own or self.families:
+                self._import(file)
+                if kind in self._types:
+                    break
+        if kind not in self._types:
+            self._import_all()
+        return self._types[kind]
+
+    def __setitem__(self, kind: str, cls: T) -> None:
+        self._types[kind] = cls
+
+    def __delitem__(self, kind: str) -> None:
+        del self._types[kind]
+
+    def __iter__(self) -> Iterator[str]:
+        self._import_all()
+        return iter(sorted(self._types))
+
+    def __len__(self) -> int:
+        self._import_all()
+        return len(self._types)
+
+    @cached_property
+    def _files(self) -> dict[str, str]:
+        """Name of the package that holds each file of types, by file name."""
+        return {
+            module.name: package
+            for package in self.packages
+            for module in pkgutil.iter_modules(importlib.import_module(package).__path__)
+        }
+
+    def _import(self, file: str) -> None:
+        importlib.import_module(f"{self._files[file]}.{file}")
+
+    def _import_all(self) -> None:
+        if not self._complete:
+            for file in sorted(self._files):
+                self._import(file)
+            self._complete = True
+
+
+class Memo:
+    """Cache of results, by their type and a key, that copies of a value share; whoever shares the memo shares them.
+
+    Examples
+    --------
+    >>> memo = Memo()
+    >>> memo.once(str, 3, lambda: "worked out"), memo.once(str, 3, lambda: "not again")
+    ('worked out', 'worked out')
+    """
+
+    def __init__(self) -> None:
+        self._kept: dict[tuple[type, Hashable], object] = {}
+
+    def once(self, kind: type[T], key: Hashable, make: Callable[[], T]) -> T:
+        """Cached result of this type under the key, computed by ``make`` if there is none.
+
+        Raises
+        ------
+        TypeError
+            The key cannot be hashed.
+        """
+        known = self._kept.get((kind, key))
+        if not isinstance(known, kind):
+            known = self._kept[kind, key] = make()
+        return known
+
+
+RECENT_RESULTS, RECENT_BYTES = 300, 100_000_000
+"""Largest number of recent results kept, and their largest size together in bytes: a few hundred sets of modes, or the
+responses of some conditions."""
+
+
+class RecentResults:
+    """Recent results by their type and a key, kept up to a number and a size in bytes.
+
+    What was not asked for longest goes first.
+    """
+
+    def __init__(self) -> None:
+        self._results: OrderedDict[tuple[type, Hashable], tuple[object, int]] = OrderedDict()
+        self._bytes = 0
+
+    def once(self, kind: type[T], key: Hashable, make: Callable[[], T], size: Callable[[T], int]) -> T:
+        """Result of this type for the key, made where none is kept; ``size`` gives the bytes of a new one.
+
+        Examples
+        --------
+        >>> recent = RecentResults()
+        >>> recent.once(str, 3, lambda: "worked out", len), recent.once(str, 3, lambda: "not again", len)
+        ('worked out', 'worked out')
+        """
+        known, _ = self._results.get((kind, key), (None, 0))
+        if isinstance(known, kind):
+            self._results.move_to_end((kind, key))
+            return known
+        found = make()
+        taken = size(found)
+        if taken <= RECENT_BYTES:
+            self._results[kind, key] = found, taken
+            self._bytes += taken
+        while len(self._results) > RECENT_RESULTS or self._bytes > RECENT_BYTES:
+            _, (_, freed) = self._results.popitem(last=False)
+            self._bytes -= freed
+        return found
+
+
+AnyKey = TypeVar("AnyKey", bound=Hashable)
+
+
+class Groups(Generic[AnyKey]):
+    """Connected groups of names (union-find); a name that was never joined is alone.
+
+    ``home`` has the group of every name mentioned; in it, those of the first of a join stand before the others.
+
+    Examples
+    --------
+    >>> parts = Groups(["motor", "wheel", "pump"])
+    >>> parts.join("wheel", "motor"), parts.join("motor", "wheel")
+    (True, False)
+    >>> parts.groups(), parts.of("motor")[0]
+    ([['wheel', 'motor'], ['pump']], 'wheel')
+    """
+
+    def __init__(self, names: Iterable[AnyKey] = ()) -> None:
+        self.home: dict[AnyKey, list[AnyKey]] = {name: [name] for name in names}
+
+    def of(self, name: AnyKey) -> list[AnyKey]:
+        """Group in which a name is, as a list."""
+        return self.home.setdefault(name, [name])
+
+    def join(self, first: AnyKey, *others: AnyKey) -> bool:
+        """Merge the groups of these names, and return whether all were apart before.
+
+        False if some of them were together before.
+        """
+        self.of(first)
+        were_apart = [self._joined(first, other) for other in others]
+        return all(were_apart)
+
+    def _joined(self, first: AnyKey, second: AnyKey) -> bool:
+        one, two = self.of(first), self.of(second)
+        if one is two:
+            return False
+        if len(one) < len(two):  # the smaller ones move, so that no name moves more than log n times
+            moved, kept = one, two
+            kept[:0] = moved
+        else:
+            moved, kept = two, one
+            kept += moved
+        self.home.update(dict.fromkeys(moved, kept))
+        return True
+
+    def groups(self) -> list[list[AnyKey]]:
+        """List of all groups of connected names, in the order in which their names were first mentioned."""
+        return list({id(group): group for group in self.home.values()}.values())
