@@ -6,6 +6,7 @@ import sys
 from importlib.util import find_spec
 
 import pytest
+from structure.core_use import FOUR_CALLS, OF_BOTH_RIGS, ONE_RESPONSE, use_of
 from support.patience import PATIENCE
 
 HEAVY = {"sympy", "control", "scipy", "matplotlib", "jinja2"}
@@ -101,13 +102,12 @@ NOT_FOR_A_PLAIN_RIG = {
         "bench",
         "catalogues.catalogue",
         "catalogues.catalogue_values",
-        "checks.operating_point_checks",
+        "checks.operation",
         "checks.excitation_checks",
         "elements.clutch",
         "elements.controller",
         "element_base.curves",
         "element_base.dynamic_stiffness",
-        "elements.gears",
         "elements.hysteretic_spring",
         "elements.mass_elastic",
         "element_base.quantity_table",
@@ -141,3 +141,30 @@ def test_a_model_imports_what_it_has(pytestconfig):
 @pytest.mark.parametrize("module", sorted(NOT_FOR_A_PLAIN_RIG))
 def test_what_is_not_imported_is_there(module):
     assert find_spec(module)
+
+
+ONLY_DECLARED = {
+    "torsionnet/core/errors.py",  # nothing is wrong with the rigs
+    "torsionnet/core/result_rows.py",  # fields of Modes, which nobody writes here
+    "torsionnet/model/files/__init__.py",
+    "torsionnet/model/parts/part_entries.py",  # sections of a model file
+    "torsionnet/model/parts/part_table.py",
+    "torsionnet/model/report/title_block.py",
+    "torsionnet/running_machinery.py",  # base class of Drivetrain
+}
+"""Modules that the rigs load for what they declare."""
+
+
+class TestCore:
+    """The four calls for which the package exists: load, modes, measured-input response, symbolic transfer function."""
+
+    def test_no_module_is_loaded_in_vain(self):
+        """A module of the core imports an optional one only where the model has what that one is about."""
+        assert set(use_of(OF_BOTH_RIGS).idle) <= ONLY_DECLARED
+
+    def test_what_the_calls_load_and_pass_stays_bounded(self):
+        four, response = use_of(FOUR_CALLS), use_of(ONE_RESPONSE)
+        assert len(four.loaded) <= 110
+        assert four.code_lines <= 13_400
+        assert len(response.functions) <= 520
+        assert len(response.files) <= 62

@@ -9,30 +9,34 @@ import tarfile
 import tempfile
 from pathlib import Path
 
-from structure.measures import circles, doubled_classes, doubled_files, measures
+from structure.core_use import use_measures
+from structure.measures import circles, doubled_classes, measures
 from structure.modules import modules_below
 
 ROOT = Path(__file__).parents[2]
 
 
 def of_commit(commit: str) -> dict[str, str]:
-    """Counts of the package in a commit."""
-    packed = subprocess.run(["git", "archive", commit, "torsionnet"], cwd=ROOT, check=True, capture_output=True).stdout
+    """Counts of the package in a commit, and what calls of it load and pass."""
+    packed = subprocess.run(
+        ["git", "archive", commit, "torsionnet", "library"], cwd=ROOT, check=True, capture_output=True
+    ).stdout
     with tempfile.TemporaryDirectory() as folder:
         with tarfile.open(fileobj=io.BytesIO(packed)) as archive:
             archive.extractall(folder, filter="data")
-        return measures(Path(folder) / "torsionnet")
+        return measures(Path(folder) / "torsionnet") | use_measures(Path(folder))
 
 
 def main(commits: list[str]) -> None:
-    columns = {commit: of_commit(commit) for commit in commits} | {"now": measures(ROOT / "torsionnet")}
+    columns = {commit: of_commit(commit) for commit in commits} | {
+        "now": measures(ROOT / "torsionnet") | use_measures(ROOT)
+    }
     print(f"| | {' | '.join(columns)} |\n|---|{'---|' * len(columns)}")
     for name in columns["now"]:
         print(f"| {name} | {' | '.join(column[name] for column in columns.values())} |")
     modules = modules_below(ROOT / "torsionnet")
     for title, found in (
         ("in a circle", [", ".join(part) for part in circles(modules)]),
-        ("file names twice", doubled_files(modules)),
         ("class names twice", doubled_classes(modules)),
     ):
         print(f"\n{title}: {'; '.join(found) or 'none'}")

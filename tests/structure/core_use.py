@@ -1,6 +1,6 @@
 """What the calls for which the package exists load and pass: modules, code lines, functions and files.
 
-``python -m structure.core_use`` prints it; ``--idle`` names the modules of which no function ran.
+``python -m structure.core_use`` names the modules that they load in vain and the files that one of them passes.
 """
 
 from __future__ import annotations
@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 from typing import NamedTuple
 
@@ -32,7 +33,8 @@ import numpy as np
 started, called = time.process_time(), set()
 def watch(frame, event, _):
     code = frame.f_code
-    if event == "call" and code.co_flags & 1 and code.co_name[0] != "<":  # class bodies are not optimised, lambdas are <lambda>
+    # bodies of classes are not optimised code, lambdas are named <lambda>
+    if event == "call" and code.co_flags & 1 and code.co_name[0] != "<":
         called.add((code.co_filename, code.co_qualname))
 if {watched}:
     sys.setprofile(watch)
@@ -65,24 +67,34 @@ class Use(NamedTuple):
         return [one.relative for one in self.loaded if one.has_functions and one.relative not in self.files]
 
 
-def use_of(calls: str, *, watched: bool = True) -> Use:
-    """What some calls load and run in a fresh process."""
+def use_of(calls: str, root: Path = ROOT, *, watched: bool = True) -> Use:
+    """What some calls of the package in a checkout load and run in a fresh process."""
     program = PROGRAM.format(calls=calls, watched=watched)
-    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, check=True, capture_output=True, text=True)
+    done = subprocess.run([sys.executable, "-c", program], cwd=root, check=True, capture_output=True, text=True)
     files, called, seconds = json.loads(done.stdout)
-    modules = {str(module.path): module for module in modules_below(ROOT / "torsionnet")}
+    modules = {str(module.path): module for module in modules_below(root / "torsionnet")}
     functions = [(modules[file].relative, name) for file, name in called if file in modules]
     return Use([modules[file] for file in files if file in modules], functions, seconds)
 
 
+def use_measures(root: Path) -> dict[str, str]:
+    """Names and values of what ``make structure`` prints of the core."""
+    four, response = use_of(FOUR_CALLS, root), use_of(ONE_RESPONSE, root)
+    seconds = min(use_of(FOUR_CALLS, root, watched=False).seconds for _ in range(5))
+    return {
+        "four calls on amt_rig: modules, code lines": f"{len(four.loaded)}, {four.code_lines}",
+        "their CPU seconds, least of 5": f"{seconds:.2f}",
+        "dmf_rig, load and response: functions, files": f"{len(response.functions)}, {len(response.files)}",
+        "modules loaded of which nothing runs, both rigs": str(len(use_of(OF_BOTH_RIGS, root).idle)),
+    }
+
+
 def main() -> None:
-    four, response = use_of(FOUR_CALLS), use_of(ONE_RESPONSE)
-    seconds = min(use_of(FOUR_CALLS, watched=False).seconds for _ in range(5))
-    print(f"four calls on amt_rig: {len(four.loaded)} modules, {four.code_lines} code lines, {seconds:.2f} CPU s")
-    print(f"load and response of dmf_rig: {len(response.functions)} functions in {len(response.files)} files")
-    if "--idle" in sys.argv:
-        for relative in use_of(OF_BOTH_RIGS).idle:
-            print(f"    no function ran: {relative}")
+    for relative in use_of(OF_BOTH_RIGS).idle:
+        print(f"no function runs: {relative}")
+    passed = Counter(file for file, _ in use_of(ONE_RESPONSE).functions)
+    for file, count in passed.most_common():
+        print(f"{count:4d} {file}")
 
 
 if __name__ == "__main__":
