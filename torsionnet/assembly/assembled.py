@@ -44,5 +44,5 @@ class AssembledModel(Model):
         return self._sharing(super().with_operating_values(values, speed))
 
     def _sharing(self, changed: Self) -> Self:
-        changed.__dict__["_shared"] = self._shared
+        changed._shared = self._shared
         return changed

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any, Self
@@ -35,6 +35,31 @@ from torsionnet.model.operating_point import OperatingPoint
 from torsionnet.model.operating_values import at_operating_point, with_operating_values, with_tangents
 from torsionnet.model.parameters import Parameter, resolve
 from torsionnet.model.speeds import mean_speeds, total_ratio
+
+
+@dataclass(frozen=True)
+class ModelState:
+    """Definition of a model as it is used, and what it came from.
+
+    Attributes
+    ----------
+    definition : Definition
+        With the chosen alternatives and changes, at the operating point.
+    base : Definition
+        As the author wrote it.
+    choice : mapping
+        Alternative that was chosen, by axis.
+    changes : Overlay
+        Other changes of the base.
+    findings : tuple of Fault
+        Warnings and notes of the checks.
+    """
+
+    definition: Definition
+    base: Definition
+    choice: Mapping[str, str] = field(default_factory=dict)
+    changes: Overlay = field(default_factory=Overlay)
+    findings: tuple[Fault, ...] = ()
 
 
 class Model:
@@ -86,78 +111,72 @@ class Model:
             found = [fault for fault in found if fault.about != "elements"]
         faults += found + check_definition(definition)
         _refuse(faults, name)
-        self.__setstate__(_state(at_operating_point(definition), definition, {}, Overlay(), faults))
+        self._state = ModelState(at_operating_point(definition), definition, findings=tuple(faults))
 
     @classmethod
     def from_definition(cls, definition: Definition, findings: Iterable[Fault] = ()) -> Self:
         """Model made of a checked definition."""
-        return cls._variant(at_operating_point(definition), definition, {}, Overlay(), findings)
+        return cls._of(ModelState(at_operating_point(definition), definition, findings=tuple(findings)))
 
     @classmethod
-    def _variant(
-        cls,
-        definition: Definition,
-        base: Definition,
-        choice: Mapping[str, str],
-        changes: Overlay,
-        findings: Iterable[Fault],
-    ) -> Self:
+    def _of(cls, state: ModelState) -> Self:
+        """Model in a state whose definition has been checked."""
         new = cls.__new__(cls)
-        new.__setstate__(_state(definition, base, choice, changes, findings))
+        new.__setstate__(state)
         return new
 
     def with_definition(self, definition: Definition) -> Self:
         """Model made of another definition, in no configuration and with the parameter values as written."""
-        return self._variant(definition, definition, {}, Overlay(), ())
+        return self._of(ModelState(definition, definition))
 
     def _changed(self, choice: Mapping[str, str], changes: Overlay) -> Self:
         """Model of the base with the chosen alternatives in the order of the axes, and then the other changes."""
-        definition = self._base
+        definition = self._state.base
         chosen = {axis: choice[axis] for axis in definition.configurations if axis in choice}
         for axis, alternative in chosen.items():
-            definition = definition.with_overlay(self._base.configurations[axis][alternative])
+            definition = definition.with_overlay(self._state.base.configurations[axis][alternative])
         definition = definition.with_overlay(changes)
         faults = check_variant(definition)
         _refuse(faults, label(chosen, definition.configurations) or self.name)
-        return self._variant(at_operating_point(definition), self._base, chosen, changes, faults)
+        return self._of(ModelState(at_operating_point(definition), self._state.base, chosen, changes, tuple(faults)))
 
     @property
     def definition(self) -> Definition:
         """Definition of the model, the typed content of its file."""
-        return self._definition
+        return self._state.definition
 
     @property
     def name(self) -> str:
-        return self._definition.name
+        return self.definition.name
 
     @property
     def source(self) -> str:
         """Text on the source of the model's numbers, as its file states it."""
-        return self._definition.source
+        return self.definition.source
 
     @property
     def description(self) -> str:
-        return self._definition.description
+        return self.definition.description
 
     @cached_property
     def elements(self) -> Mapping[str, Element]:
         """Elements of the model that are switched on, by name, in the order of declaration."""
-        return MappingProxyType({element.name: element for element in self._definition.active})
+        return MappingProxyType({element.name: element for element in self.definition.active})
 
     @cached_property
     def nodes(self) -> tuple[str, ...]:
         """Names of the model's nodes in the order of their first mention, without ground."""
-        return all_nodes(self._definition.switched_on)
+        return all_nodes(self.definition.switched_on)
 
     @property
     def inputs(self) -> Mapping[str, Input]:
         """Inputs of the model, torques and imposed motions, by name."""
-        return MappingProxyType(dict(self._definition.inputs))
+        return MappingProxyType(dict(self.definition.inputs))
 
     @property
     def sensors(self) -> Mapping[str, Sensor]:
         """Sensors of the model, each with the quantity it measures, by name."""
-        return MappingProxyType(dict(self._definition.sensors))
+        return MappingProxyType(dict(self.definition.sensors))
 
     @cached_property
     def parameters(self) -> Mapping[str, float]:
@@ -167,7 +186,7 @@ class Model:
     @property
     def parameter_definitions(self) -> Mapping[str, Parameter]:
         """Parameters of the model as written, by name: expression, unit, description, bounds."""
-        return MappingProxyType(dict(self._definition.parameters))
+        return MappingProxyType(dict(self.definition.parameters))
 
     @cached_property
     def exact_values(self) -> Mapping[str, Any]:
@@ -175,12 +194,12 @@ class Model:
 
         A Fraction unless a root or pi was involved.
         """
-        return MappingProxyType(resolve(self._definition.parameters)[0])
+        return MappingProxyType(resolve(self.definition.parameters)[0])
 
     @property
     def axes(self) -> Mapping[str, tuple[str, ...]]:
         """Names of the alternatives on each axis of configurations, by axis."""
-        return MappingProxyType({axis: tuple(names) for axis, names in self._definition.configurations.items()})
+        return MappingProxyType({axis: tuple(names) for axis, names in self.definition.configurations.items()})
 
     @property
     def configurations(self) -> tuple[str, ...]:
@@ -188,13 +207,13 @@ class Model:
 
         With several axes every combination, as ``gear=V,clutch=open``.
         """
-        axes = self._definition.configurations
+        axes = self.definition.configurations
         return tuple(label(choice, axes) for choice in combinations(axes) if choice)
 
     @property
     def configuration(self) -> str:
         """Name of the configuration chosen with :meth:`configured`, or an empty string."""
-        return label(self._choice, self._definition.configurations) if self._choice else ""
+        return label(self._state.choice, self.definition.configurations) if self._state.choice else ""
 
     @property
     def other_configurations(self) -> tuple[str, ...]:
@@ -209,12 +228,12 @@ class Model:
         >>> rig.configurations, rig.configured("V").other_configurations
         (('II', 'III', 'IV', 'V', 'V_c_O_360'), ('II', 'III', 'IV', 'V_c_O_360'))
         """
-        return other_configurations(self._choice, self._definition.configurations)
+        return other_configurations(self._state.choice, self.definition.configurations)
 
     @property
     def title(self) -> str:
         """Title of the model with its name and configuration."""
-        return f"{self.name} ({self.configuration})" if self._choice else self.name
+        return f"{self.name} ({self.configuration})" if self._state.choice else self.name
 
     def configured(self, name: str = "", /, **overrides: Any) -> Self:
         """Copy of the model in a named configuration and with other parameter values.
@@ -243,19 +262,19 @@ class Model:
         >>> tn.load("amt_rig").configured("V", c_O=360).parameters["c_O"]
         360.0
         """
-        choice = dict(self._choice)
+        choice = dict(self._state.choice)
         if name:
-            choice |= parse_choice(name, self._base.configurations)
+            choice |= parse_choice(name, self._state.base.configurations)
         own = {key: overrides.pop(key) for key in list(overrides) if self._sets_point(key)}
-        values = read_overrides(overrides, self._base.parameters, self._base.configurations)
-        changes = replace(self._changes, parameters={**self._changes.parameters, **values})
-        changes = with_point_settings(changes, own, self._base)
+        values = read_overrides(overrides, self._state.base.parameters, self._state.base.configurations)
+        changes = replace(self._state.changes, parameters={**self._state.changes.parameters, **values})
+        changes = with_point_settings(changes, own, self._state.base)
         if own:
             self._require_places(changes.at or changes.operating_point)
         return self._changed(choice, changes)
 
     def _sets_point(self, name: str) -> bool:
-        return name not in self._base.parameters and is_point_setting(name)
+        return name not in self._state.base.parameters and is_point_setting(name)
 
     def with_entries_named(self, names: Iterable[str]) -> Self:
         """Copy of the model in which values of elements are parameters, so that they can vary as these do.
@@ -273,10 +292,10 @@ class Model:
         >>> chain.with_entries_named(["shaft.stiffness"]).configured(**{"shaft.stiffness": 900}).parameters
         mappingproxy({'shaft.stiffness': 900.0})
         """
-        fitting = [name for name in names if can_be_named(self._base, name)]
+        fitting = [name for name in names if can_be_named(self._state.base, name)]
         if not fitting:
             return self
-        return self._as_chosen(self.with_definition(with_tangents(with_named_entries(self._base, fitting))))
+        return self._as_chosen(self.with_definition(with_tangents(with_named_entries(self._state.base, fitting))))
 
     def with_excitation_numbers(self, values: Mapping[str, float]) -> Self:
         """Copy of the model with other numbers in its excitations, in SI units.
@@ -301,8 +320,8 @@ class Model:
         """
         from torsionnet.model.excitations.excitation_numbers import with_numbers
 
-        changed = with_numbers(self._base.excitations, values)
-        return self._as_chosen(self.with_definition(with_tangents(replace(self._base, excitations=changed))))
+        changed = with_numbers(self._state.base.excitations, values)
+        return self._as_chosen(self.with_definition(with_tangents(replace(self._state.base, excitations=changed))))
 
     def with_part(
         self,
@@ -353,30 +372,30 @@ class Model:
         given = None if isinstance(part, str) else part.definition
         from torsionnet.model.parts.part_insertion import with_use
 
-        authored, faults = with_use(self._base, name, use, given)
+        authored, faults = with_use(self._state.base, name, use, given)
         definition, found = flatten_definition(authored)
         _refuse(faults := [*faults, *found], self.name)
         _refuse(faults := [*faults, *check_definition(definition)], self.name)
-        whole = self._variant(at_operating_point(definition), definition, {}, Overlay(), faults)
+        whole = self.from_definition(definition, faults)
         return self._as_chosen(whole)
 
     def _as_chosen(self, whole: Self) -> Self:
         """Model ``whole`` in the configuration of this model, with the changes that were made to this model."""
-        if not self._choice and self._changes == Overlay():
+        if not self._state.choice and self._state.changes == Overlay():
             return whole
-        choice = ",".join(f"{axis}={alternative}" for axis, alternative in self._choice.items())
-        found = whole.configured(choice, **self._changes.parameters, **point_settings_of(self._changes))
-        found = found.switched(on=self._changes.on, off=self._changes.off)
-        at = self._changes.at
+        choice = ",".join(f"{axis}={alternative}" for axis, alternative in self._state.choice.items())
+        found = whole.configured(choice, **self._state.changes.parameters, **point_settings_of(self._state.changes))
+        found = found.switched(on=self._state.changes.on, off=self._state.changes.off)
+        at = self._state.changes.at
         return found if at is None else found.at_point(at)
 
     def switched(self, *, on: Iterable[str] = (), off: Iterable[str] = ()) -> Self:
         """Copy of the model with elements switched on or off by name, whatever its configuration says."""
-        states = dict.fromkeys(self._changes.on, True) | dict.fromkeys(self._changes.off, False)
-        states |= dict.fromkeys(known_elements(on, self._base.elements), True)
-        states |= dict.fromkeys(known_elements(off, self._base.elements), False)
+        states = dict.fromkeys(self._state.changes.on, True) | dict.fromkeys(self._state.changes.off, False)
+        states |= dict.fromkeys(known_elements(on, self._state.base.elements), True)
+        states |= dict.fromkeys(known_elements(off, self._state.base.elements), False)
         lists = {word: tuple(name for name in states if states[name] is (word == "on")) for word in ("on", "off")}
-        return self._changed(self._choice, replace(self._changes, on=lists["on"], off=lists["off"]))
+        return self._changed(self._state.choice, replace(self._state.changes, on=lists["on"], off=lists["off"]))
 
     def at_point(self, point: OperatingPoint) -> Self:
         """Copy of the model at an operating point in place of its own and, if that has torques, of its load.
@@ -389,11 +408,11 @@ class Model:
             Nodes that do not exist, or a place of a torque that is none.
         """
         self._require_places(point)
-        return self._changed(self._choice, replace(self._changes, at=point))
+        return self._changed(self._state.choice, replace(self._state.changes, at=point))
 
     def _require_places(self, point: OperatingPoint | None) -> None:
         """Refuse an operating point with nodes that the model does not have."""
-        known = all_nodes(self._base.elements.values())
+        known = all_nodes(self._state.base.elements.values())
         faults = (
             [
                 unknown_name("node", node, known, ("operating_point", entry, node), on_key=True)
@@ -411,16 +430,14 @@ class Model:
 
         ``speed`` in rad/s is that of the reference node of the load, at which laws of motion are linear.
         """
-        new = type(self).__new__(type(self))
-        definition = with_operating_values(self._definition, values)
+        definition = with_operating_values(self.definition, values)
         if speed is not None or (values and definition.tangents is not None):
             definition = with_tangents(definition, speed)
-        new.__setstate__(_state(definition, self._base, self._choice, self._changes, self._findings))
-        return new
+        return self._of(replace(self._state, definition=definition))
 
     def check(self) -> tuple[Fault, ...]:
         """Warnings and notes about the model (errors have already been refused)."""
-        return self._findings
+        return self._state.findings
 
     def ratio_between(self, first: str, second: str) -> float:
         """Ratio of the mean speed of node ``first`` to the mean speed of node ``second``.
@@ -431,17 +448,17 @@ class Model:
         >>> tn.load("amt_rig").configured("V").ratio_between("motor", "hub")
         3.26
         """
-        return float(total_ratio(self._definition, self.exact_values, first, second))
+        return float(total_ratio(self.definition, self.exact_values, first, second))
 
     @cached_property
     def external_torques(self) -> ExternalTorques:
         """Mean external torques over speed on the model, with the speed ratios that they need."""
-        return ExternalTorques(self._definition, self.exact_values)
+        return ExternalTorques(self.definition, self.exact_values)
 
     @cached_property
     def mean_speeds(self) -> Mapping[str, float]:
         """Mean speed in rad/s of every node that the operating point determines, by node."""
-        return MappingProxyType(mean_speeds(self._definition, self.exact_values))
+        return MappingProxyType(mean_speeds(self.definition, self.exact_values))
 
     @cached_property
     def mean_torques(self) -> Mapping[str, float]:
@@ -451,37 +468,28 @@ class Model:
         """
         return MappingProxyType(mean_torques(self.external_torques))
 
-    _definition: Definition
-    _base: Definition
-    _choice: dict[str, str]
-    _changes: Overlay
-    _findings: tuple[Fault, ...]
+    _state: ModelState
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> ModelState:
         """State of the model for pickling: the definition and changes, without calculated results."""
-        return _state(self._definition, self._base, self._choice, self._changes, self._findings)
+        return self._state
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
+    def __setstate__(self, state: ModelState) -> None:
+        self._state = state
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Model):
             return NotImplemented
-        return self._definition.flat_data() == other._definition.flat_data()
+        return self.definition.flat_data() == other.definition.flat_data()
 
     def __hash__(self) -> int:
-        return hash((self.name, tuple(self._definition.elements)))
+        return hash((self.name, tuple(self.definition.elements)))
 
     def __repr__(self) -> str:
         counts = f"{len(self.elements)} elements, {len(self.nodes)} nodes, {len(self.parameters)} parameters"
-        return f"<{type(self).__name__} {self.name!r}: {counts}{f', {self.configuration}' if self._choice else ''}>"
-
-
-def _state(
-    definition: Definition, base: Definition, choice: Mapping[str, str], changes: Overlay, findings: Iterable[Fault]
-) -> dict[str, Any]:
-    parts = {"_definition": definition, "_base": base, "_choice": dict(choice), "_changes": changes}
-    return parts | {"_findings": tuple(findings)}
+        return (
+            f"<{type(self).__name__} {self.name!r}: {counts}{f', {self.configuration}' if self._state.choice else ''}>"
+        )
 
 
 def as_part(model: Any) -> Any:
