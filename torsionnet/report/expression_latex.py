@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from torsionnet.core.expressions import Compound, Expression, Name, Number
-from torsionnet.symbolic.formula_text import symbol_latex
+from torsionnet.symbolic.symbol_names import symbol_latex
 
 SUM, PRODUCT, QUOTIENT, ATOM = 1, 2, 3, 4
 PRECEDENCE = {"+": SUM, "-": SUM, "negative": SUM, "*": PRODUCT, "/": QUOTIENT, "**": QUOTIENT}

@@ -11,7 +11,7 @@ from torsionnet.core.number_text import MISSING_TYPESET, typeset_unit
 from torsionnet.model.channels import parse_sensor
 from torsionnet.model.report import Pair
 from torsionnet.report.document_tree import Inline, Math, Text
-from torsionnet.symbolic.formula_text import GREEK, symbol_latex
+from torsionnet.symbolic.symbol_names import GREEK, symbol_latex
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain

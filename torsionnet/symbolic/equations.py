@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.symbolic.formula_text import angle_latex, latex, symbol_latex
+from torsionnet.symbolic.formula_text import latex
+from torsionnet.symbolic.symbol_names import angle_latex, symbol_latex
 
 if TYPE_CHECKING:
     from torsionnet.assembly.symbolic import SymbolicMatrices

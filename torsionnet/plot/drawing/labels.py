@@ -17,7 +17,7 @@ from torsionnet.model.element_base.element_entries import Teeth
 from torsionnet.model.element_base.spring_stages import SpringStages
 from torsionnet.model.element_base.stiffness_rows import TableEntry
 from torsionnet.model.elements import Element
-from torsionnet.symbolic.formula_text import GREEK
+from torsionnet.symbolic.symbol_names import GREEK
 
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
 MOST_LINES = 3

@@ -36,7 +36,8 @@ from torsionnet.symbolic.equations import (
     matrix_latex,
     to_latex,
 )
-from torsionnet.symbolic.formula_text import latex, symbol_latex
+from torsionnet.symbolic.formula_text import latex
+from torsionnet.symbolic.symbol_names import symbol_latex
 
 if TYPE_CHECKING:
     from torsionnet.assembly.symbolic import SymbolicAction

@@ -32,8 +32,9 @@ from torsionnet.report.report_text import capital, pair_latex, quotient_latex, s
 from torsionnet.response import FrequencyResponse
 from torsionnet.symbolic.algebra.delay import delays_of
 from torsionnet.symbolic.equations import sum_terms
-from torsionnet.symbolic.formula_text import latex, polynomial_latex, symbol_latex
+from torsionnet.symbolic.formula_text import latex, polynomial_latex
 from torsionnet.symbolic.rational import rational
+from torsionnet.symbolic.symbol_names import symbol_latex
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain

@@ -22,7 +22,8 @@ from torsionnet.report.formula_widths import formula_letters
 from torsionnet.report.report_data import FEW_CASES, ReportData, SymbolicEquations
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, first_names
-from torsionnet.symbolic.formula_text import angle_latex, latex
+from torsionnet.symbolic.formula_text import latex
+from torsionnet.symbolic.symbol_names import angle_latex
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
