@@ -9,7 +9,7 @@ import re
 import unicodedata
 
 from torsionnet.report.document_tree import BreakableMath, Cell, Code, Inline, Math, NumberText, Strong, inlines
-from torsionnet.symbolic import formula_text as symbol_names
+from torsionnet.symbolic import symbol_names
 
 SPECIAL = {
     "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "$": r"\$", "&": r"\&", "#": r"\#", "%": r"\%", "_": r"\_",
