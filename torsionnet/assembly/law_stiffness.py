@@ -1,6 +1,12 @@
 """Dynamic stiffness of every law in N m/rad over frequency, and over variants of the parameters.
 
 Solvers work on points: one point is one frequency of one variant, all frequencies of the first variant first.
+
+Readings of sensors as linear expressions of the motion and of applied torques.
+
+Every reading is a sum of terms coefficient(s) * gamma, gamma = a^T theta, and a direct share of applied torques, which
+only the torque through a rigid connection has. Solvers that care about accuracy keep the gap of such a connection as a
+column of its own, because these terms may cancel.
 """
 
 from __future__ import annotations

@@ -6,6 +6,9 @@ With the rows B (n_laws x n_q) the equations of motion are
     D(s) = M s^2 + C s + K + sum_d kappa_d(omega) b_d b_d^T
 
 Solvers that care about accuracy use the rows; the assembled matrices are for those that do not.
+
+Here as well: transfer functions of actions (controllers, fluid couplings), whose torques follow a motion, in exact
+numbers.
 """
 
 from __future__ import annotations

@@ -3,6 +3,8 @@
 M, C, K come from the same elements and the same elimination as the numbers, with twins of value and symbol. Terms are
 collected by the ratios they are reflected with, so that ``k_1 + k_2/tau**2`` stays as an engineer writes it and
 ``I_MT + (I_1 - I_MT)`` collapses to ``I_1``.
+
+Here as well: exact numbers with their symbolic expressions, of which decisions use the value and formulas the symbol.
 """
 
 from __future__ import annotations

@@ -3,6 +3,8 @@
 Every error the package raises on purpose derives from :class:`TorsionnetError` and carries the exit code of the
 command line. A wrong model gives one :class:`ModelError` that holds *all* its faults, each with the path of the entry
 (``("elements", "gearbox", "ratio")``) and, for a file, the position of that entry.
+
+Here as well: text of lists of names in a sentence.
 """
 
 from __future__ import annotations

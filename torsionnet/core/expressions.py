@@ -6,6 +6,9 @@ sympy through an :class:`Algebra` of its own.
 >>> half = Compound("/", (Name("k_1"), Number(2)))
 >>> str(half), sorted(half.names), half.evaluate({"k_1": Fraction(1)})
 ('k_1/2', ['k_1'], Fraction(1, 2))
+
+Here as well: range of sizes that numbers may have, and roots that stay exact where they can; piecewise linear
+interpolation of tables: exact with slopes, as floats, and in any algebra.
 """
 
 from __future__ import annotations

@@ -2,6 +2,14 @@
 
 Each package hands a table of its public names to :func:`lazy_exports`. The stub beside it, in which type checkers and
 editors find the same names (SPEC 1 of Scientific Python), is written by ``make generate``.
+
+Here as well: errors of objects and of constructors that say what a name of another program is called here; showing of
+results in a notebook as tables, and as a picture where there is one.
+
+Pauses of Python's garbage collector of reference cycles.
+
+Reading and checking a large model makes a million small objects that all stay, none in a cycle. The collector goes
+through all of them again and again as they become more, which takes a third of the time.
 """
 
 from __future__ import annotations

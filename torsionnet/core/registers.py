@@ -1,4 +1,8 @@
-"""Registers of types, each type in a file of a package, that import only the files asked for."""
+"""Registers of types, each type in a file of a package, that import only the files asked for.
+
+Here as well: cache of results that are computed once and kept beside frozen values; connected groups of names, joined
+one pair after the other (union-find).
+"""
 
 from __future__ import annotations
 

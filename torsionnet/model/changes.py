@@ -1,4 +1,7 @@
-"""Settings that change the operating point or the load of a model, named as they stand in its file."""
+"""Settings that change the operating point or the load of a model, named as they stand in its file.
+
+Here as well: parameters made from values of elements, as ``dmf.stiffness``, so that these can vary.
+"""
 
 from __future__ import annotations
 

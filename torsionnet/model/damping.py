@@ -10,6 +10,8 @@ energy. A viscous damper c has the loss factor c*omega/k, so a measure fixes c o
 
 >>> convert_damping(0.01, "zeta", "Q")
 50.0
+
+Here as well: entries for damping as a viscous coefficient, a loss factor, or another measure of damping.
 """
 
 from __future__ import annotations

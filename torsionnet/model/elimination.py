@@ -2,6 +2,11 @@
 
 Rows are maps from name to coefficient in any arithmetic: exact rationals decide pivots and rank, and pairs of rational
 and symbol carry the symbols along.
+
+Sequential elimination of unknowns in linear equations, each row solved for one of its unknowns.
+
+A row that leaves two names ties these in proportion. Nothing is substituted ahead of need: a row is reduced to names
+that are still free, and the solution of a name is calculated when it is used.
 """
 
 from __future__ import annotations

@@ -1,4 +1,8 @@
-"""Kinematics of a drivetrain, its constraints solved for coordinates, theta = T q."""
+"""Kinematics of a drivetrain, its constraints solved for coordinates, theta = T q.
+
+Here as well: motions of the drivetrain that some of its laws do not resist; check whether a twist, as an error of teeth
+or of a joint, can be imposed in an element.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Operating point with the mean speeds and torques about which a linear model holds."""
+"""Operating point with the mean speeds and torques about which a linear model holds.
+
+Here as well: entry for the place of a mean torque, a node or two nodes written as ``pulley-block``.
+"""
 
 from __future__ import annotations
 

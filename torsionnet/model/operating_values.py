@@ -1,4 +1,7 @@
-"""Values of the parameters that follow the operating point, over speed."""
+"""Values of the parameters that follow the operating point, over speed.
+
+Here as well: notes on the operating point about which laws of motion are linear, for every linear result.
+"""
 
 from __future__ import annotations
 

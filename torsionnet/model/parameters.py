@@ -1,4 +1,7 @@
-"""Parameters of a model, values with units, expressions of others, or tables over the operating point."""
+"""Parameters of a model, values with units, expressions of others, or tables over the operating point.
+
+Here as well: entry for tables of numbers over a key, as of parameters over speed or torque: ``{key: value}``.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Entries for the sections of a model file."""
+"""Entries for the sections of a model file.
+
+Here as well: entry for the elements of a model by name.
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,8 @@
 """Conventions for showing results, units of angle and frequency, kind of amplitude, dB reference.
 
 Results are kept in SI with frequencies in Hz, for motion ~ exp(+j omega t), so that a lag is a negative phase.
+
+Here as well: numbers and names of modes, counted in one way for tables, pictures, files and studies.
 """
 
 from __future__ import annotations

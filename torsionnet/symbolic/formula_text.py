@@ -1,4 +1,7 @@
-"""Text and LaTeX of expressions for display, with powers of s in order and long numbers rounded."""
+"""Text and LaTeX of expressions for display, with powers of s in order and long numbers rounded.
+
+Here as well: straight-line programs of single operations, shown as a table with a name for every repeated result.
+"""
 
 from __future__ import annotations
 

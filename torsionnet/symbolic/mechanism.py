@@ -7,6 +7,20 @@ torque is kappa a^T theta, and
 
 while det(D + kappa a a^T) tends to kappa times the determinant of the rigid drivetrain. So its numerator is the twist
 of the connection in the drivetrain without it: no subtraction, and nothing upstream of it appears but as a factor.
+
+Here as well: determinant of a symbolic network and bilinear forms of its adjugate, as nodes of a straight-line program.
+
+Continued fraction of a transfer function on a drivetrain without loops, as an engineer writes it by hand.
+
+Seen from the root, a branch with the edge y and Z_c behind it is as flexible as both in series,
+
+    1/Z_branch = 1/y + 1/Z_c,   Z_v = g_v + sum of Z_branch,
+
+and a motion is handed on along the path by y/(y + Z_c). Where nothing but one branch hangs on a coordinate its
+receptance is that of the branch: ``theta_1/T_T = 1/(k_1 + c_1 s) + 1/(I_2 s^2 + (c_2 + c_B) s + k_2)``.
+
+A shaft with inertia of its own is written as a spring k + c s - J s^2/6 between two inertias J/2: the same dynamic
+stiffness, in which everything appears once.
 """
 
 from __future__ import annotations

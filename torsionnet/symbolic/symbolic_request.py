@@ -1,4 +1,14 @@
-"""Request for a symbolic transfer function, names resolved to sensors, excitations and a cut at a torque meter."""
+"""Request for a symbolic transfer function, names resolved to sensors, excitations and a cut at a torque meter.
+
+Here as well: continued fraction of a transfer function on a tree, as a sympy expression or in another algebra; transfer
+function of one output over one input in symbols, numerator and denominator as one program.
+
+Symbolic transfer functions of drivetrains with imposed angles, by way of drivetrains without these.
+
+What an imposed angle does to a reading is what any torque there does to it, over the angle that torque makes: y/phi is
+a transfer function against a measured angle. Whatever hangs on the driven node alone drops out of the ratio. Imposed
+angles that are not the excitation stand still.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Entries composed of other entries, as an object, a table by name, a list or a pair."""
+"""Entries composed of other entries, as an object, a table by name, a list or a pair.
+
+Here as well: checks that one of several alternative entries of an object is given, and not more.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Base class of objects whose fields carry specifications, by which they are read, checked, written and described."""
+"""Base class of objects whose fields carry specifications, by which they are read, checked, written and described.
+
+Here as well: version of the file format, the first entry of every file; files named in a model file, which must lie
+beside it or in folders below.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Entries that hold numbers with units, or expressions of parameters."""
+"""Entries that hold numbers with units, or expressions of parameters.
+
+Here as well: entries that hold frequency bands; entries that hold rows of numbers, whose first column rises from row to
+row.
+"""
 
 from __future__ import annotations
 

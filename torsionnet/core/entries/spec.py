@@ -1,4 +1,8 @@
-"""Specifications of entries, which read, check, describe and write their values."""
+"""Specifications of entries, which read, check, describe and write their values.
+
+Here as well: renaming of a part's own names to the names that they have in the model using the part; entries that hold
+words, whole numbers, yes or no.
+"""
 
 from __future__ import annotations
 

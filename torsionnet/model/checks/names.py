@@ -1,4 +1,7 @@
-"""Checks that every name in a model exists, and that everything named is used."""
+"""Checks that every name in a model exists, and that everything named is used.
+
+Here as well: checks of entries that alternatives of a configuration change: they must exist, and their values must fit.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Checks of the mean speeds and torques about which a model is linear, and of the entries that depend on them."""
+"""Checks of the mean speeds and torques about which a model is linear, and of the entries that depend on them.
+
+Here as well: check that the mean torques of the operating point are in balance; checks that the load fits the
+drivetrain, its speeds and its operating point.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Checks that the connected parts can move, hold together and carry their torques; names and values must be sound."""
+"""Checks that the connected parts can move, hold together and carry their torques; names and values must be sound.
+
+Here as well: check of sensors that are referred to a shaft to which no gear ratio leads.
+"""
 
 from __future__ import annotations
 

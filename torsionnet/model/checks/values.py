@@ -1,4 +1,7 @@
-"""Checks of the dimensions and sizes of values."""
+"""Checks of the dimensions and sizes of values.
+
+Here as well: warnings about values of unlikely size, as millimetres without their unit or percent for a fraction.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Entries that name nodes and elements of a model."""
+"""Entries that name nodes and elements of a model.
+
+Here as well: base class of entries with several values of one kind; base class of entries with several quantities of
+different kinds; entry for the teeth counts of a gear pair.
+"""
 
 from __future__ import annotations
 

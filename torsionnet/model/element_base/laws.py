@@ -5,6 +5,9 @@ A :class:`Law` answers the motion gamma with a torque kappa(s) gamma; a :class:`
 :class:`Action` drives one gamma by the motion of another. A :class:`MotionLaw` answers gamma and its rate with a torque
 that is not proportional to them; linear solvers use its tangent, a :class:`Law`.
 Coefficients are numbers, exact rationals or symbols alike.
+
+Here as well: base class of torque curves over twist and rate of one row, and the states about which slopes replace
+them.
 """
 
 from __future__ import annotations

@@ -1,4 +1,8 @@
-"""Entry for the stages of a spring."""
+"""Entry for the stages of a spring.
+
+Here as well: entries of one stage of a spring; points where the stages of a spring begin and end, and the stage in
+force at a mean torque; entry for a characteristic whose rows may hold expressions of parameters.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Rigid connections: rigid coupling (also a torque meter) and clamp to ground."""
+"""Rigid connections: rigid coupling (also a torque meter) and clamp to ground.
+
+Here as well: rigid rotating mass at a node; gear stage, planetary set and differential.
+"""
 
 from __future__ import annotations
 

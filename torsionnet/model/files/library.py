@@ -1,4 +1,8 @@
-"""Library of the package with its models, benches, studies, parts and catalogues."""
+"""Library of the package with its models, benches, studies, parts and catalogues.
+
+Here as well: hints how library parts, catalogues and studies are used, for those who load them as models; decoding of
+the bytes of a model file to text.
+"""
 
 from __future__ import annotations
 

@@ -3,6 +3,9 @@
 A composer of its own over PyYAML's events: it needs no constructor, reads scalars by the core rules of YAML 1.2
 (``no`` and ``3:1`` stay text), keeps the digits of numbers, refuses duplicate keys and tags, and bounds what a file may
 ask for.
+
+Here as well: messages about faults of YAML syntax, in the words of someone who edits a model file; values of plain
+(unquoted) YAML scalars by the core rules of YAML 1.2.
 """
 
 from __future__ import annotations

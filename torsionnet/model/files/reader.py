@@ -1,4 +1,8 @@
-"""Reading of model files to definitions; every fault gets its position in the file."""
+"""Reading of model files to definitions; every fault gets its position in the file.
+
+Here as well: positions of faults in a file, and selection of one of several faults with the same cause; checks of a
+model that could not be read completely, without faults that only follow from the missing parts.
+"""
 
 from __future__ import annotations
 

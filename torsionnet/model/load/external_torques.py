@@ -1,4 +1,7 @@
-"""Mean torques from outside on the nodes of a drivetrain, from its load over speed or its operating point."""
+"""Mean torques from outside on the nodes of a drivetrain, from its load over speed or its operating point.
+
+Here as well: places where the drivers and absorbers of a load act, and the nodes that take their reactions.
+"""
 
 from __future__ import annotations
 

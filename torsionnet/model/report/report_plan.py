@@ -1,4 +1,7 @@
-"""Plan of the report on a model, from the ``report:`` section of its file."""
+"""Plan of the report on a model, from the ``report:`` section of its file.
+
+Here as well: transfer function that a report on a model shows, and its entry in the model file.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Title block of a report and its table of revisions, from ``report: {title_block: ...}`` of a model file."""
+"""Title block of a report and its table of revisions, from ``report: {title_block: ...}`` of a model file.
+
+Here as well: sections of a report, in their order, and the kinds of document they belong to.
+"""
 
 from __future__ import annotations
 

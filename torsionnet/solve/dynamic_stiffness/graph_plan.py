@@ -17,6 +17,10 @@ is known. The reaction on one of them, g, is what arrives there, sum_l w_l l_g -
 as soon as a single row is left that knows g, so that nothing is subtracted there either.
 
 Coordinates with few rows go first: on a tree the leaves, without fill.
+
+Steps of an elimination on the graph, as operations on numbered slots without numerical values.
+
+Slots hold dynamic stiffnesses of rows kappa, weights of loads w, and motions of rows; each is an array over points.
 """
 
 from __future__ import annotations

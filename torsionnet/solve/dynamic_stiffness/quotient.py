@@ -1,4 +1,14 @@
-"""Transfer functions at frequency points, from readings divided by measured inputs if there are any."""
+"""Transfer functions at frequency points, from readings divided by measured inputs if there are any.
+
+Responses with controllers and fluid couplings at work, calculated from responses without their torques.
+
+An action drives a row by T = kappa(s) y, y the motion it senses. With the responses of the laws alone to excitations u
+and to unit torques of the actions, y = Y_u u + Y_T T and z = Z_u u + Z_T T, so
+
+    T = (I - kappa Y_T)^-1 kappa Y_u u
+
+Elimination along the graph stays symmetric; what the loop subtracts is watched for the digits it costs.
+"""
 
 from __future__ import annotations
 

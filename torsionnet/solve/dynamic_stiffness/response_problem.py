@@ -2,6 +2,12 @@
 
 Columns below ``n_free`` are coordinates, which follow from the equations of motion. Those from there on are given: an
 imposed angle, or the gap of a rigid connection, which is held at zero so that its reaction can be read.
+
+Operation tapes that carry out elimination plans, by back-substitution or by carrying readings forward.
+
+Weights of loads go forward with the elimination. What is read either comes back along the way, all motions from one
+solution, or goes forward like a load: the dynamic stiffness is symmetric, and with r D^-1 l built up on the way nothing
+has to be kept for a way back. That is the better way for few readings.
 """
 
 from __future__ import annotations

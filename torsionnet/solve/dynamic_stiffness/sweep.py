@@ -1,4 +1,17 @@
-"""Elimination tape run in numpy, where every operation works on a vector of frequency points at once."""
+"""Elimination tape run in numpy, where every operation works on a vector of frequency points at once.
+
+Responses by elimination on the graph, which is star-mesh reduction generalised to gears.
+
+>>> import numpy as np
+>>> from torsionnet.assembly.law_stiffness import LawStiffness
+>>> from torsionnet.solve.dynamic_stiffness.response_problem import Loading, ResponseProblem
+>>> rows = [{0: 1.0}, {1: 1.0}, {0: 1.0, 1: -1.0}]
+>>> free = ResponseProblem(rows, 2, (Loading(load={0: 1.0}),), ({1: 1.0}, {0: 1.0, 1: -1.0}))
+>>> J, c, k = (np.array([values]) for values in ([1.0, 3.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 1e9]))
+>>> motion = respond(free, LawStiffness(J, c, k, omega=np.array([1e-3]))).values
+>>> [f"{value.real:.12g}" for value in motion[:, 0, 0]]
+['-250000', '7.5e-10']
+"""
 
 from __future__ import annotations
 

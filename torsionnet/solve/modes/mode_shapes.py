@@ -1,4 +1,10 @@
-"""Descriptions of modes in words, by elements under strain, vibration nodes and dampers, and accuracy warnings."""
+"""Descriptions of modes in words, by elements under strain, vibration nodes and dampers, and accuracy warnings.
+
+Choice of shapes for modes that share one eigenvalue, of which every combination is a mode shape as well.
+
+For m modes the m nodes that move most are chosen, and each shape is 1 at one of these nodes and 0 at the others, in the
+order of the nodes. The shapes are real wherever real ones exist.
+"""
 
 from __future__ import annotations
 

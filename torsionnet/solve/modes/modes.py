@@ -1,4 +1,12 @@
-"""Modes of a drivetrain as a result, with eigenvalues, shapes at all nodes, energy shares and descriptions."""
+"""Modes of a drivetrain as a result, with eigenvalues, shapes at all nodes, energy shares and descriptions.
+
+Poles of transfer functions against a measured input, mostly of the drivetrain cut at a transducer.
+
+The reading of a torque transducer contains all that happens upstream. The poles of theta/T are therefore the poles of
+the drivetrain cut at the transducer, without everything on the side of the excitation, if the cut separates the two
+sides. Where it does not, or other quantities are measured, the poles are the rates s at which the measured inputs can
+stay zero under suitable excitations.
+"""
 
 from __future__ import annotations
 

@@ -2,6 +2,9 @@
 
 For excitations u every reading is y = L(s) q + direct u. Against measured inputs m under the same excitations the
 transfer function is Y_out Y_in^-1, equations (8)-(13) and (20) of Galvagno et al. (2015) for any sensor anywhere.
+
+Here as well: error estimates of uncertain frequency points, and their responses in many digits where rounding would
+show.
 """
 
 from __future__ import annotations

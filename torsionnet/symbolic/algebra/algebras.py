@@ -1,4 +1,7 @@
-"""Algebras that evaluate the program of a transfer function as expressions, polynomials, term counts or numbers."""
+"""Algebras that evaluate the program of a transfer function as expressions, polynomials, term counts or numbers.
+
+Here as well: tests whether a symbolic polynomial or coefficient is zero for all values of its symbols.
+"""
 
 from __future__ import annotations
 

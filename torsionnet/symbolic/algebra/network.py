@@ -1,4 +1,11 @@
-"""Symbolic network of a drivetrain, with laws (inertia, damping, stiffness) on rows over its coordinates."""
+"""Symbolic network of a drivetrain, with laws (inertia, damping, stiffness) on rows over its coordinates.
+
+Straight-line programs, in which a symbolic calculation is recorded step by step, each step once.
+
+A transfer function is calculated once with the :class:`ProgramNode` objects of a :class:`Program`, which only take down
+what is done; equal steps are found to be equal. The program is then run in any algebra that has numbers for its leaves:
+sympy expressions, polynomials in s, rings, exact rationals, arrays over frequency.
+"""
 
 from __future__ import annotations
 

@@ -11,6 +11,23 @@ det D = A_root, and for the torque at the root and the motion at j
 
 without a subtraction or division where every block is a single edge: every coefficient of the expanded result is
 positive where the ratios are.
+
+Tree of the blocks of a symbolic network, which are joined to each other at one coordinate each.
+
+A block holds coordinates that laws tie to each other in more than one way, or just two coordinates: everything between
+the two ends of a shaft, a gear mesh, the three members of a planetary set. Seen from a root, each block hangs on the
+one of its coordinates that is nearest.
+
+Determinants of a block of laws between two coordinates, recorded without a division.
+
+With rows a_e = (a_ev, a_ec) of the laws y_e between a coordinate v and a coordinate c below it, and A_c and Q_c the
+determinants of what hangs on c, with c free and held,
+
+    held at v    Q = A_c + sum_e y_e a_ec^2 Q_c
+    free at v    A = sum_e y_e a_ev^2 A_c + sum_{e<f} y_e y_f (a_ev a_fc - a_fv a_ec)^2 Q_c
+    motion of c  -sum_e y_e a_ev a_ec Q_c
+
+under a unit torque on v (Cauchy-Binet). A shaft with inertia of its own has the two rows (1, -1) and (1, 1).
 """
 
 from __future__ import annotations
