@@ -8,7 +8,7 @@ from support import campaigns
 
 import torsionnet as tn
 from torsionnet.assembly.law_stiffness import LawStiffness
-from torsionnet.solve.dynamic_stiffness import sweep as starmesh
+from torsionnet.solve.dynamic_stiffness import sweep
 from torsionnet.solve.dynamic_stiffness.response_problem import Loading, ResponseProblem
 from torsionnet.solve.responses import transfer
 
@@ -17,7 +17,7 @@ UNMARKED_ERROR = 1e-10
 """Relative error of every unmarked value, a tenth of what responses promise."""
 
 both_ways = pytest.mark.parametrize(
-    "respond", [starmesh.respond_in_numpy, starmesh.respond_compiled], ids=["numpy", "compiled"]
+    "respond", [sweep.respond_in_numpy, sweep.respond_compiled], ids=["numpy", "compiled"]
 )
 
 
@@ -89,7 +89,7 @@ def errors(seed, held, respond):
     return worst, found.uncertain
 
 
-def none_missed(seeds, held, respond=starmesh.respond_in_numpy):
+def none_missed(seeds, held, respond=sweep.respond_in_numpy):
     found = [errors(seed, held, respond) for seed in seeds]
     worst, marked = (np.concatenate(part) for part in zip(*found, strict=True))
     assert worst[~marked].max() < UNMARKED_ERROR

@@ -10,7 +10,7 @@ from support.ship_plant import SHIP
 from support.written_models import TWO_DISCS
 
 import torsionnet as tn
-from torsionnet.core import packages as notebook
+from torsionnet.core import packages
 from torsionnet.response import Table
 from torsionnet.solve.sensitivity import mode_sensitivities
 from torsionnet.study import answer_study
@@ -79,10 +79,10 @@ def test_table_and_picture(results, name):
 
 def test_long_tables_are_thinned_out():
     table = Table("t", (), tuple(() for _ in range(100)), ("note",))
-    short = notebook.thinned(table)
-    assert len(short.rows) <= notebook.MOST_ROWS
+    short = packages.thinned(table)
+    assert len(short.rows) <= packages.MOST_ROWS
     assert short.notes == ("note", f"{len(short.rows)} of 100 lines")
-    assert notebook.thinned(short) is short
+    assert packages.thinned(short) is short
 
 
 def test_what_cannot_be_drawn_has_its_table(results, monkeypatch):

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from torsionnet.core import registers as memo
+from torsionnet.core import registers
 from torsionnet.core.registers import RecentResults
 
 
 @pytest.mark.parametrize(("number", "room"), [(2, 100), (10, 8)])
 def test_what_was_not_asked_for_longest_goes_first(monkeypatch, number, room):
-    monkeypatch.setattr(memo, "RECENT_RESULTS", number)
-    monkeypatch.setattr(memo, "RECENT_BYTES", room)
+    monkeypatch.setattr(registers, "RECENT_RESULTS", number)
+    monkeypatch.setattr(registers, "RECENT_BYTES", room)
     recent, made = RecentResults(), []
 
     def ask(key):
@@ -23,7 +23,7 @@ def test_what_was_not_asked_for_longest_goes_first(monkeypatch, number, room):
 
 
 def test_what_is_larger_than_all_room_is_not_kept_and_drives_nothing_out(monkeypatch):
-    monkeypatch.setattr(memo, "RECENT_BYTES", 8)
+    monkeypatch.setattr(registers, "RECENT_BYTES", 8)
     recent, made = RecentResults(), []
 
     def ask(text):

@@ -13,9 +13,7 @@ from support import campaigns
 import torsionnet as tn
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import Rows, RowSystem
-from torsionnet.solve.dynamic_stiffness import dense
-from torsionnet.solve.dynamic_stiffness import response_problem as tape_writing
-from torsionnet.solve.dynamic_stiffness import sweep as starmesh
+from torsionnet.solve.dynamic_stiffness import dense, response_problem, sweep
 from torsionnet.solve.dynamic_stiffness.graph_plan import make_plan
 from torsionnet.solve.dynamic_stiffness.response_problem import Loading, ResponseProblem
 from torsionnet.solve.dynamic_stiffness.row_algebra import combine_rows, common_motion, equivalent_links, normalised
@@ -23,7 +21,7 @@ from torsionnet.solve.dynamic_stiffness.row_algebra import combine_rows, common_
 DIGITS = 60
 
 both_ways = pytest.mark.parametrize(
-    "respond", [starmesh.respond_in_numpy, starmesh.respond_compiled], ids=["numpy", "compiled"]
+    "respond", [sweep.respond_in_numpy, sweep.respond_compiled], ids=["numpy", "compiled"]
 )
 
 
@@ -370,17 +368,17 @@ def test_few_readings_go_forward_and_give_the_same_as_those_that_come_back(monke
     system = random_system(np.random.default_rng(3), 12, loops=3, grounded=True)
     kappa = sampled_stiffness(stiffness(system, np.linspace(1, 300, 50)))
     forward = problem_of(system, unit_load(12, 2), np.eye(12)[[0, 7]])
-    found = starmesh.respond_in_numpy(forward, kappa).values
-    monkeypatch.setattr(tape_writing, "MOST_FORWARD_READINGS", 0)
+    found = sweep.respond_in_numpy(forward, kappa).values
+    monkeypatch.setattr(response_problem, "MOST_FORWARD_READINGS", 0)
     back = problem_of(system, unit_load(12, 2), np.eye(12)[[0, 7]])
     assert not np.array_equal(back.tape.operations, forward.tape.operations)
-    assert starmesh.respond_in_numpy(back, kappa).values == pytest.approx(found, rel=1e-12)
+    assert sweep.respond_in_numpy(back, kappa).values == pytest.approx(found, rel=1e-12)
 
 
 def test_registers_of_a_walk_forward_do_not_grow_with_the_drivetrain():
     def registers(n):
         rows = [{i: 1.0} for i in range(n)] + [{i: 1.0, i + 1: -1.0} for i in range(n - 1)]
-        return tape_writing.make_tape(plan_of(rows, [{n - 1: 1.0}], [{0: 1.0}])).n_registers
+        return response_problem.make_tape(plan_of(rows, [{n - 1: 1.0}], [{0: 1.0}])).n_registers
 
     assert registers(400) == registers(20) < 16
 
@@ -389,17 +387,17 @@ def test_registers_of_a_walk_forward_do_not_grow_with_the_drivetrain():
 def test_large_work_is_compiled_where_that_works(monkeypatch, broken):
     system = random_system(np.random.default_rng(0), 5, grounded=True)
     problem, kappa = problem_of(system, unit_load(5), np.eye(5)), sampled_stiffness(stiffness(system, [3.0, 5.0]))
-    expected, asked = starmesh.respond_in_numpy(problem, kappa).values, []
+    expected, asked = sweep.respond_in_numpy(problem, kappa).values, []
 
     def compiled(*arguments):
         asked.append(arguments)
         raise broken
 
-    monkeypatch.setattr(starmesh, "respond_compiled", compiled)
-    assert np.array_equal(starmesh.respond(problem, kappa).values, expected)
+    monkeypatch.setattr(sweep, "respond_compiled", compiled)
+    assert np.array_equal(sweep.respond(problem, kappa).values, expected)
     assert not asked
-    monkeypatch.setattr(starmesh, "COMPILED_WORK", 10)
-    assert np.array_equal(starmesh.respond(problem, kappa).values, expected)
+    monkeypatch.setattr(sweep, "COMPILED_WORK", 10)
+    assert np.array_equal(sweep.respond(problem, kappa).values, expected)
     assert len(asked) == 1
 
 

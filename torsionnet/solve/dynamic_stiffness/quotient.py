@@ -19,7 +19,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-import torsionnet.solve.dynamic_stiffness.sweep as starmesh
+import torsionnet.solve.dynamic_stiffness.sweep as elimination
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import SolveError
@@ -99,9 +99,9 @@ def _respond_densely(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
 
 
 METHODS: dict[str, Respond] = {
-    "auto": starmesh.respond,
-    "graph": starmesh.respond_in_numpy,
-    "compiled": starmesh.respond_compiled,
+    "auto": elimination.respond,
+    "graph": elimination.respond_in_numpy,
+    "compiled": elimination.respond_compiled,
     "dense": _respond_densely,
 }
 
@@ -130,7 +130,7 @@ def transfer_functions(
         request.reading_problem.in_other_order if other_order else request.reading_problem,
         len(request.outputs),
     )
-    method = starmesh.chosen_method(reading_problem.problem, kappa.n_points, method)
+    method = elimination.chosen_method(reading_problem.problem, kappa.n_points, method)
     if method == "compiled" and (whole := _compiled(request, reading_problem, kappa)) is not None:
         points = np.flatnonzero(~np.isfinite(whole.values).all(axis=(1, 2)))
         if len(points):  # beyond its range, or infinite
