@@ -107,28 +107,19 @@ def owned_parts(definition: Definition, value: Values) -> tuple[OwnedPart, ...]:
     return tuple(OwnedPart(element.name, part) for element in definition.active for part in element.parts(value))
 
 
-def _made(definition: Definition, value: Values, known: Mapping[str, MadeParts]) -> dict[str, MadeParts]:
-    """Laws, constraints and actions of each element that is switched on, by element.
-
-    ``known`` parts are reused where no parameter changed.
-    """
-    return {element.name: _made_once(element, value, known.get(element.name)) for element in definition.active}
-
-
-def _made_once(element: Element, value: Values, known: MadeParts | None) -> MadeParts:
-    same = known is not None and known.of is element
-    names = known.names if known is not None and same else _names(element)
+def _made(element: Element, value: Values, known: MadeParts | None) -> MadeParts:
+    """Laws, constraints and actions of an element; those ``known`` are taken where none of its parameters changed."""
+    if known is not None and known.of is element:
+        names = known.names
+    else:
+        known = None
+        names = tuple(sorted({name for _, _, expression, _ in element.expressions() for name in expression.names}))
     used = tuple(value.parameters.get(name) for name in names)
     kinds = tuple(map(type, used))  # a float that equals a fraction is not exact
-    if known is not None and same and (used, kinds) == (known.used, known.kinds):
+    if known is not None and (used, kinds) == (known.used, known.kinds):
         return known
     parts = tuple(OwnedPart(element.name, part) for part in element.parts(value))
     return MadeParts(element, names, used, kinds, parts)
-
-
-def _names(element: Element) -> tuple[str, ...]:
-    """Names of the parameters in the expressions of an element's entries."""
-    return tuple(sorted({name for _, _, expression, _ in element.expressions() for name in expression.names}))
 
 
 def constraints_of(parts: Sequence[OwnedPart]) -> tuple[tuple[str, Row], ...]:
@@ -165,8 +156,11 @@ def solve_kinematics(
         ``referred_to`` names an unknown node, or nodes the constraints tie to each other or to ground.
     """
     nodes = all_nodes(definition.active)
-    _require_nodes(referred_to, nodes)
-    made = _made(definition, value, like.made if like else {})
+    for node in referred_to:
+        if node not in nodes:
+            raise UsageError(f'no node is named "{node}"{did_you_mean(node, nodes)}')
+    before = like.made if like else {}
+    made = {element.name: _made(element, value, before.get(element.name)) for element in definition.active}
     parts = tuple(part for one in made.values() for part in one.parts)
     imposed = imposed_rows(definition, set(nodes))
     driven = tuple(definition.inputs[name].row for name in imposed)
@@ -175,6 +169,7 @@ def solve_kinematics(
         again = replace(like, parts=parts, made=made)
         if again.constraints == like.constraints:
             return again
+    # Rows a^T theta = 0 of imposed angles and of rigid connections, in fractions; last declared nodes go first.
     order = {node: index for index, node in enumerate(nodes)}
     rigid = [exact_row(row) for _, row in constraints_of(parts)]
     imposed = _without_locked(imposed, rigid, order)
@@ -183,7 +178,8 @@ def solve_kinematics(
     rows: list[Any] = [*imposed.values(), *rigid]
     keep = {*referred_to, *(pseudo_node(name) for name in imposed)}
     reduction = reduce_rows(rows, order, keep)
-    tied = [index for index in reduction.blocked if _names_kept(rows[index], reduction, referred_to)]
+    # A row left with names to be kept alone would take one of them out.
+    tied = [i for i in reduction.blocked if any(node in referred_to for node in reduction.free_names(rows[i]))]
     if tied and referred_to:
         kept = ", ".join(referred_to)
         raise UsageError(f"{kept} cannot all be coordinates: {owners[tied[0]]} ties them to each other or to ground")
@@ -223,16 +219,6 @@ def _without_locked(imposed: dict[str, Row], rigid: Sequence[Row], order: Mappin
     alone = reduce_rows(rigid, order)
     moved = {name: {node: share for node, share in row.items() if node in order} for name, row in imposed.items()}
     return {name: row for name, row in imposed.items() if alone.reduced(moved[name])}
-
-
-def _names_kept(row: Row, reduction: Reduction, referred_to: Collection[str]) -> bool:
-    return any(node in referred_to for node in reduction.free_names(row))
-
-
-def _require_nodes(wanted: Collection[str], nodes: Collection[str]) -> None:
-    for node in wanted:
-        if node not in nodes:
-            raise UsageError(f'no node is named "{node}"{did_you_mean(node, nodes)}')
 
 
 SMALL_LOOP = 100

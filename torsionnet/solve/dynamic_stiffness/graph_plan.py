@@ -208,9 +208,15 @@ class _Planner:
         self.taken: dict[int, ReactionStep] = {}
         self.laws, self.loads, self.motions = (RowTable(accuracy) for _ in range(3))
         self.scale: dict[int, float] | None = None
-        self.sources = self._sources(laws)
+        # Laws on one row up to a factor f share a slot, whose dynamic stiffness is the sum of f^2 kappa.
+        self.sources: list[list[tuple[int, float]]] = []
+        for index, row in enumerate(laws):
+            if there := self._law(row):
+                slot, factor = there
+                self.sources += [[] for _ in range(slot + 1 - len(self.sources))]
+                self.sources[slot].append((index, factor * factor))
         self.weights = [(e, self._load(row)) for e, row in enumerate(loads)]
-        self.outputs = tuple(self._output(row) for row in outputs)
+        self.outputs = tuple(self._motion(row) or (-1, 0.0) for row in outputs)
         self.last = min((j for row in loads[:1] for j in row if j < n_free), default=None)
 
     def choose_other_root(self) -> None:
@@ -223,14 +229,20 @@ class _Planner:
         for column in self.open:
             self.taken[column] = self._reaction(column)
         weights = [(found[0], e, found[1]) for e, found in self.weights if found]
+        # Motions of imposed angles alone are the same angles in rad under every excitation, whatever the drivetrain.
+        given = [
+            (slot, tuple(sum(a * motion.get(j, 0.0) for j, a in row.items()) for motion in self.driving))
+            for slot, row in enumerate(self.motions.rows)
+            if min(row) >= self.n_free
+        ]
         return EliminationPlan(
-            sources=self.sources,
+            sources=tuple(map(tuple, self.sources)),
             n_slots=len(self.laws.rows),
             n_loads=len(self.loads.rows),
             n_motions=len(self.motions.rows),
             n_excitations=len(self.driving),
             weights=tuple(weights),
-            given=tuple(self._given()),
+            given=tuple(given),
             steps=steps,
             outputs=self.outputs,
             reactions=tuple(self.taken[column] for column in self.reactions),
@@ -238,16 +250,6 @@ class _Planner:
         )
 
     # --- rows -------------------------------------------------------------------------------------------------------
-
-    def _sources(self, laws: Sequence[Row]) -> tuple[tuple[tuple[int, float], ...], ...]:
-        sources: list[list[tuple[int, float]]] = []
-        for index, row in enumerate(laws):
-            found = self._law(row)
-            if found:
-                slot, factor = found
-                sources += [[] for _ in range(slot + 1 - len(sources))]
-                sources[slot].append((index, factor * factor))
-        return tuple(tuple(source) for source in sources)
 
     def _law(self, row: Row) -> tuple[int, float] | None:
         """Number of the row that holds a law's stiffness, and factor of the law's own row on it, or None if not needed.
@@ -267,15 +269,6 @@ class _Planner:
     def _motion(self, row: Row) -> tuple[int, float] | None:
         row = {j: a for j, a in row.items() if j < self.n_free or j in self.driven}
         return self.motions.add(row) if row else None
-
-    def _output(self, row: Row) -> tuple[int, float]:
-        return self._motion(row) or (-1, 0.0)
-
-    def _given(self) -> Iterable[tuple[int, tuple[float, ...]]]:
-        """Yield motions of imposed angles alone, as number of the motion and angles in rad under every excitation."""
-        for slot, row in enumerate(self.motions.rows):
-            if min(row) >= self.n_free:
-                yield slot, tuple(sum(a * motion.get(j, 0.0) for j, a in row.items()) for motion in self.driving)
 
     # --- order ------------------------------------------------------------------------------------------------------
 
@@ -316,46 +309,49 @@ class _Planner:
     # --- steps ------------------------------------------------------------------------------------------------------
 
     def _step(self, v: int) -> EliminationStep:
+        """Elimination of coordinate v: its pivot, and what takes the place of the rows, loads and motions on v.
+
+        The equations, with b and b_e, stand in the header of the module.
+        """
         handed_on = (*self._settled(), *self._split(v))
         slots, loads = self.laws.take(v), self.loads.take(v)
         rows = [self.laws.rows[slot] for slot in slots]
-        pairs = tuple(self._pairs(v, rows))
-        passed = tuple(part for slot in loads for part in self._passed(v, slot, rows))
-        motions = tuple(self._read(v, number, rows, bool(loads)) for number in self.motions.take(v))
+        # D': one row b for each pair of rows on v, but where b vanishes or resists given motions alone.
+        pairs = [
+            EliminatedPair(i, j, there[1] * there[1], there[0])
+            for i, first in enumerate(rows)
+            for j in range(i + 1, len(rows))
+            if (there := self._law(combine_rows(first, rows[j], v, self.accuracy)))
+        ]
+        # w_l l -> w_l (kappa_e a_ev/S) b_e: a load on v goes where each row ties v to, by the row's share of S.
+        passed = [
+            PassedLoad(slot, i, row[v] * there[1], there[0])
+            for slot in loads
+            for i, row in enumerate(rows)
+            if (there := self._load(combine_rows(self.loads.rows[slot], row, v, self.accuracy)))
+        ]
+        # r q = r_v f_v/S + sum_e (kappa_e a_ev/S) b_e q, on the way back, when all motions but v are known.
+        motions = []
+        for number in self.motions.take(v):
+            motion = self.motions.rows[number]
+            parts = tuple(
+                (i, row[v] * there[1], there[0])
+                for i, row in enumerate(rows)
+                if (there := self._motion(combine_rows(motion, row, v, self.accuracy)))
+            )
+            motions.append(MotionStep(number, motion[v] if loads else 0.0, parts))
         shared = {*(pair.i for pair in pairs), *(part.i for part in passed)}
-        shared |= {i for motion in motions for i, _, _ in motion.parts}
+        shared |= {i for step in motions for i, _, _ in step.parts}
         return EliminationStep(
             coordinate=v,
             handed_on=handed_on,
             terms=tuple((slot, row[v] * row[v]) for slot, row in zip(slots, rows, strict=True)),
-            pairs=pairs,
+            pairs=tuple(pairs),
             loads=tuple((slot, self.loads.rows[slot][v]) for slot in loads),
-            passed=passed,
-            motions=motions,
+            passed=tuple(passed),
+            motions=tuple(motions),
             shared=tuple(sorted(shared)),
         )
-
-    def _pairs(self, v: int, rows: Sequence[Row]) -> Iterable[EliminatedPair]:
-        for i, first in enumerate(rows):
-            for j in range(i + 1, len(rows)):
-                found = self._law(combine_rows(first, rows[j], v, self.accuracy))
-                if found:
-                    yield EliminatedPair(i, j, found[1] * found[1], found[0])
-
-    def _passed(self, v: int, slot: int, rows: Sequence[Row]) -> Iterable[PassedLoad]:
-        row = self.loads.rows[slot]
-        for i, law in enumerate(rows):
-            found = self._load(combine_rows(row, law, v, self.accuracy))
-            if found:
-                yield PassedLoad(slot, i, law[v] * found[1], found[0])
-
-    def _read(self, v: int, number: int, rows: Sequence[Row], loaded: bool) -> MotionStep:
-        row, parts = self.motions.rows[number], []
-        for i, law in enumerate(rows):
-            found = self._motion(combine_rows(row, law, v, self.accuracy))
-            if found:
-                parts.append((i, law[v] * found[1], found[0]))
-        return MotionStep(number, row[v] if loaded else 0.0, tuple(parts))
 
     def _split(self, v: int) -> Iterable[tuple[int, tuple[tuple[int, float], ...]]]:
         """Yield numbers of rows that links and grounds replace, with these and weights, on a coordinate with many rows.

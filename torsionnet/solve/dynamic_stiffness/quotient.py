@@ -139,10 +139,16 @@ def transfer_functions(
         return whole
     found = METHODS[method](reading_problem.problem, kappa)
     loops = close_loops(reading_problem, kappa, found.values, found.uncertain)
+    # Readings y = L(s) q + direct u of all outputs, then measured inputs, per unit excitation.
+    readings = np.empty((kappa.n_points, len(reading_problem.parts), loops.values.shape[1]), dtype=complex)
     with np.errstate(invalid="ignore"):
-        readings = _readings(reading_problem, kappa, loops)
+        for number, part in enumerate(reading_problem.parts):
+            readings[:, number] = part.of(kappa, loops.values).T
+            for action, factor in reading_problem.driven[number].items():
+                readings[:, number] += float(factor) * loops.torques[action].T
     values, uncertain, conditioning = readings[:, :n_out], loops.uncertain, np.ones(kappa.n_points)
     if request.is_measured:
+        # Y_out Y_in^-1, equations (8)-(13) of Galvagno et al. (2015); small rests of large terms lose digits.
         measured = readings[:, n_out:]
         values, lost, apart = _divide(values, measured)
         conditioning = _shares(reading_problem, kappa, loops.values, measured).max(axis=2).min(axis=1) * apart
@@ -170,16 +176,6 @@ def _compiled(request: TransferRequest, reading_problem: ReadingProblem, kappa: 
         else:
             values[:, :, excitations] = found
     return FrequencyPoints(values, conditioning, uncertain)
-
-
-def _readings(reading_problem: ReadingProblem, kappa: LawStiffness, loops: ClosedLoops) -> ComplexArray:
-    """Readings of all outputs and measured inputs per unit excitation, shape (n_points, n_readings, n_exc)."""
-    values = np.empty((kappa.n_points, len(reading_problem.parts), loops.values.shape[1]), dtype=complex)
-    for number, part in enumerate(reading_problem.parts):
-        values[:, number] = part.of(kappa, loops.values).T
-        for action, factor in reading_problem.driven[number].items():
-            values[:, number] += float(factor) * loops.torques[action].T
-    return values
 
 
 def _shares(

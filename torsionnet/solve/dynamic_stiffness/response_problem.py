@@ -96,44 +96,37 @@ class _Taping:
     def _eliminate(self, step: EliminationStep) -> _Eliminated:
         writer = self.writer
         terms = [self._link(slot) for slot, _ in step.terms]
-        S = self._pivot(step, terms)
+        # Pivot S = sum kappa_e a_ev^2 in N m/rad, the total stiffness on the coordinate.
+        pivot = None
+        for term, (_, square) in zip(terms, step.terms, strict=True):
+            pivot = writer.plus(pivot, writer.times(term, TapeQuantity(-1, square)), of_terms=False)
+        S = pivot or TapeQuantity(writer.new(CONSTANT, factor=0.0), 1.0)
+        # Shares s_i = kappa_i/S; several of them by one reciprocal, as a product takes less than a quotient.
         if len(step.shared) > 1:
             inverse = writer.over(_ONE, S)
             shares = {i: writer.times(terms[i], inverse) for i in step.shared}
         else:
             shares = {i: writer.over(terms[i], S) for i in step.shared}
         self.losses.eliminate(step, terms, shares, S)
+        # D' = sum_{i<j} factor s_i kappa_j b b^T. All errors first: they depend on what the sums have not yet changed.
         errors = [self.losses.of_pair(pair) for pair in step.pairs]
         for (i, j, factor, target), error in zip(step.pairs, errors, strict=True):
             self._add_link(target, writer.times(writer.times(shares[i], terms[j]), TapeQuantity(-1, factor)), error)
         loads = {}
         for excitation, weights in enumerate(self.weights):
-            load = self._load(step, weights, shares)
+            # w[target] += factor s_i w[slot]: loads on the coordinate pass on to other rows ...
+            for slot, i, factor, target in step.passed:
+                if slot in weights:
+                    passed = writer.times(writer.times(weights[slot], shares[i]), TapeQuantity(-1, factor))
+                    self._add(weights, target, passed)
+            # ... and their sum over S is the motion that they cause on the spot.
+            load = None
+            for slot, factor in step.loads:
+                if slot in weights:
+                    load = writer.plus(load, writer.times(weights[slot], TapeQuantity(-1, factor)))
             if load is not None:
                 loads[excitation] = writer.over(load, S)
         return _Eliminated(step, shares, loads)
-
-    def _pivot(self, step: EliminationStep, terms: Sequence[TapeQuantity]) -> TapeQuantity:
-        """Pivot S of an elimination step in N m/rad, the total stiffness on its coordinate."""
-        total = None
-        for term, (_, square) in zip(terms, step.terms, strict=True):
-            total = self.writer.plus(total, self.writer.times(term, TapeQuantity(-1, square)), of_terms=False)
-        return total or TapeQuantity(self.writer.new(CONSTANT, factor=0.0), 1.0)
-
-    def _load(
-        self, step: EliminationStep, weights: dict[int, TapeQuantity], shares: dict[int, TapeQuantity]
-    ) -> TapeQuantity | None:
-        """Pass an excitation's loads on to other rows, and return their sum on the eliminated coordinate, or None."""
-        writer = self.writer
-        for slot, i, factor, target in step.passed:
-            if slot in weights:
-                passed = writer.times(writer.times(weights[slot], shares[i]), TapeQuantity(-1, factor))
-                self._add(weights, target, passed)
-        load = None
-        for slot, factor in step.loads:
-            if slot in weights:
-                load = writer.plus(load, writer.times(weights[slot], TapeQuantity(-1, factor)))
-        return load
 
     def _written(self, values: dict[tuple[int, int], TapeQuantity], n_read: int) -> Tape:
         for (reading, excitation), value in values.items():
