@@ -75,14 +75,9 @@ class LawStiffness:
     @property
     def s(self) -> ComplexArray:
         """Laplace variable s = j omega of all points in rad/s, shape (n_points,)."""
-        return np.asarray(1j * self._all_omega, dtype=np.complex128)
-
-    @property
-    def _all_omega(self) -> FloatArray:
-        """Circular frequency of all points in rad/s, shape (n_points,)."""
-        if self.omega.size == self.n_points:
-            return self.omega.ravel()
-        return np.tile(self.omega, len(self.stiffness))
+        own = self.omega.size == self.n_points  # each variant has frequencies of its own, or all have the same
+        omega = self.omega.ravel() if own else np.tile(self.omega, len(self.stiffness))
+        return np.asarray(1j * omega, dtype=np.complex128)
 
     def of(self, law: int) -> ComplexArray:
         """Dynamic stiffness of one law at all points in N m/rad, complex, shape (n_points,)."""
@@ -238,18 +233,16 @@ class LawStiffness:
         for first in range(0, len(self.stiffness), together):
             variants = slice(first, first + together)
             for start in range(0, max(1, n_f), max(1, size)):
-                yield self._part(variants, slice(start, start + size))
-
-    def _part(self, variants: slice, frequencies: slice) -> LawStiffness:
-        return replace(
-            self,
-            inertia=self.inertia[variants],
-            damping=self.damping[variants],
-            stiffness=self.stiffness[variants],
-            omega=self.omega[frequencies] if self.omega.ndim == 1 else self.omega[variants, frequencies],
-            sampled=tuple((law, values[variants, frequencies]) for law, values in self.sampled),
-            actions=tuple(values[variants, frequencies] for values in self.actions),
-        )
+                frequencies = slice(start, start + size)
+                yield replace(
+                    self,
+                    inertia=self.inertia[variants],
+                    damping=self.damping[variants],
+                    stiffness=self.stiffness[variants],
+                    omega=self.omega[frequencies] if self.omega.ndim == 1 else self.omega[variants, frequencies],
+                    sampled=tuple((law, values[variants, frequencies]) for law, values in self.sampled),
+                    actions=tuple(values[variants, frequencies] for values in self.actions),
+                )
 
 
 def _squared(damping: Any, stiffness: Any, square: float) -> Any:
@@ -379,10 +372,18 @@ def functional(drivetrain: AssembledModel, sensor: Sensor, name: str = "") -> Fu
     actions = ((one.owner, one.nodes) for one in assembly.system.actions)
     read = reading(sensor, drivetrain.elements, values, laws, assembly.kinematics.constraints, actions)
     found = Functional(name or str(sensor), UNITS[sensor.quantity], (), sensor=sensor)
-    if read.row is not None:
-        return replace(found, terms=(_motion(assembly, read.row, read.power),))
+    n_coordinates = assembly.system.n_coordinates
+    if read.row is not None:  # a motion: s^power times a row over coordinates, theta = T q
+        row = exact_row(assembly.kinematics.reduced(read.row))
+        motion = Term(assembly.columns_of(row), n_coordinates, row, factor=Fraction(1), power=read.power)
+        return replace(found, terms=(motion,))
+    # A torque: laws that carry it, and through a rigid connection what the balance of torques leaves to it.
     balanced = balance(read, assembly.kinematics, [law.row for law in assembly.laws])
-    terms = tuple(_law_term(assembly, law, factor) for law, factor in balanced.laws if factor)
+    terms = tuple(
+        Term(assembly.law_columns[law], n_coordinates, assembly.exact_rows[law], factor=factor, law=law)
+        for law, factor in balanced.laws
+        if factor
+    )
     own = {number: exact(factor) for number, factor in read.actions.items()}
     return replace(found, terms=terms, applied=balanced.applied, actions=own)
 
@@ -393,13 +394,3 @@ def _require(name: str, known: Any, what: str, switched_off: Any = ()) -> None:
     if name in switched_off:
         raise UsageError(f'{what} "{name}" is switched off in this configuration; nothing can be measured there')
     raise UsageError(f'no {what} is named "{name}"{did_you_mean(name, known)}')
-
-
-def _motion(assembly: Assembly, row: Mapping[str, Any], power: int) -> Term:
-    exact = exact_row(assembly.kinematics.reduced(row))
-    return Term(assembly.columns_of(exact), assembly.system.n_coordinates, exact, factor=Fraction(1), power=power)
-
-
-def _law_term(assembly: Assembly, index: int, factor: Fraction) -> Term:
-    columns, n_coordinates = assembly.law_columns[index], assembly.system.n_coordinates
-    return Term(columns, n_coordinates, assembly.exact_rows[index], factor=factor, law=index)

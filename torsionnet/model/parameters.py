@@ -264,33 +264,26 @@ def evaluation_order(parameters: Mapping[str, Parameter]) -> tuple[list[str], li
     """Names of parameters in the order in which they are evaluated, and the cycles among them."""
     order: list[str] = []
     cycles: list[list[str]] = []
-    state: dict[str, int] = {}
+    done: dict[str, bool] = {}
     for start in parameters:
-        _visit(start, parameters, state, order, cycles)
+        # Depth first, without recursion: a chain of parameters may be longer than Python's stack.
+        stack: list[tuple[str, Iterator[str]]] = []
+        if start not in done:
+            stack, done[start] = [(start, iter(sorted(parameters[start].value.names)))], False
+        while stack:
+            name, uses = stack[-1]
+            used = next(uses, None)
+            if used is None:
+                stack.pop()
+                done[name] = True
+                order.append(name)
+            elif used in parameters and used not in done:
+                done[used] = False
+                stack.append((used, iter(sorted(parameters[used].value.names))))
+            elif done.get(used) is False:
+                path = [entry for entry, _ in stack]
+                cycles.append(path[path.index(used) :])
     return order, cycles
-
-
-def _visit(
-    start: str, parameters: Mapping[str, Parameter], state: dict[str, int], order: list[str], cycles: list[list[str]]
-) -> None:
-    """Append to ``order`` all parameters that ``start`` uses, depth first without recursion; state 1: open, 2: done."""
-    if start in state:
-        return
-    stack: list[tuple[str, Iterator[str]]] = [(start, iter(sorted(parameters[start].value.names)))]
-    state[start] = 1
-    while stack:
-        name, uses = stack[-1]
-        used = next(uses, None)
-        if used is None:
-            stack.pop()
-            state[name] = 2
-            order.append(name)
-        elif used in parameters and used not in state:
-            state[used] = 1
-            stack.append((used, iter(sorted(parameters[used].value.names))))
-        elif state.get(used) == 1:
-            path = [entry for entry, _ in stack]
-            cycles.append(path[path.index(used) :])
 
 
 def resolve(parameters: Mapping[str, Parameter]) -> tuple[dict[str, Fraction | float], list[Fault]]:

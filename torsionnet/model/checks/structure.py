@@ -245,44 +245,41 @@ CHECKS = (
 
 def check_structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
     """Faults of all structural checks of one configuration; contradicting gears make the rest meaningless."""
-    unfit = _unfit_references(definition, values)
-    if unfit:
-        return unfit
+    on = definition.active
+    # Values quoted at another shaft first: without the speed ratio to it no element has laws.
+    if any(one.enabled and one.referred_to is not None for one in definition.elements.values()):
+        from torsionnet.model.referral import referral_faults
+
+        if unfit := list(referral_faults([one for one in definition.elements.values() if one.enabled], values)):
+            return unfit
     kinematics = solve_kinematics(definition, Values(values))
-    slipping = _while_it_slips(definition, values)
+    # Friction that sticks holds its row in linear results; what turns is judged as it is while it slips.
+    slipping = None
+    if has_motion_laws := any(element.has_motion_laws for element in on):
+        from torsionnet.model.checks.free_laws import loose_kinematics, open_gaps, sticking_loops, stuck_friction
+
+        slipping = loose_kinematics(definition, values)
     faults = contradicting_gears(definition, slipping or kinematics)
     if faults:
         return faults
     faults = locked_channels(definition, kinematics)
     faults = faults if slipping is None else _stuck_channels(faults, locked_channels(definition, slipping))
     faults += [fault for check in CHECKS for fault in check(definition, kinematics)]
-    faults += unreachable_shafts(definition, values) + _open_or_stuck(definition, values, slipping or kinematics)
-    sound = all(fault.severity != "error" for fault in faults)
-    return faults + _unfit_operation(definition, values, kinematics, sound=sound)
+    faults += unreachable_shafts(definition, values)
+    if has_motion_laws:
+        operated = bool(definition.load or definition.operating_point)
+        faults += [] if operated else open_gaps(definition, values, slipping or kinematics)
+        faults += stuck_friction(definition, values, slipping or kinematics, operated=operated)
+        faults += sticking_loops(definition, values, slipping or kinematics)
+    # An operating point is checked where there is one, a parameter follows it, or an element reads a curve there.
+    rated = definition.speeds is not None and definition.speeds.rated and definition.excitations
+    operates = definition.load or definition.operating_point or definition.following or rated
+    if operates or any(element.reads_off for element in on):
+        from torsionnet.model.checks.operation import unfit_operation
 
-
-def _open_or_stuck(definition: Definition, values: Mapping[str, Any], kinematics: Kinematics) -> list[Fault]:
-    """Notes on laws of motion that stand open where no operating point presses them together, or stick.
-
-    ``kinematics`` are those in which no friction sticks.
-    """
-    if not any(one.has_motion_laws for one in definition.active):
-        return []
-    from torsionnet.model.checks.free_laws import open_gaps, sticking_loops, stuck_friction
-
-    operated = bool(definition.load or definition.operating_point)
-    gaps = [] if operated else open_gaps(definition, values, kinematics)
-    stuck = stuck_friction(definition, values, kinematics, operated=operated)
-    return gaps + stuck + sticking_loops(definition, values, kinematics)
-
-
-def _while_it_slips(definition: Definition, values: Mapping[str, Any]) -> Kinematics | None:
-    """Kinematics without the laws of motion that hold their rows still, as friction that sticks; None without any."""
-    if not any(element.has_motion_laws for element in definition.active):
-        return None
-    from torsionnet.model.checks.free_laws import loose_kinematics
-
-    return loose_kinematics(definition, values)
+        sound = all(fault.severity != "error" for fault in faults)
+        faults += unfit_operation(definition, values, kinematics, sound=sound)
+    return faults
 
 
 def _stuck_channels(stuck: Sequence[Fault], always: Sequence[Fault]) -> list[Fault]:
@@ -293,26 +290,3 @@ def _stuck_channels(stuck: Sequence[Fault], always: Sequence[Fault]) -> list[Fau
         fault if fault.path in paths else replace(fault, message=text.format(fault.message), severity="note", kind="")
         for fault in stuck
     ]
-
-
-def _unfit_references(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
-    """Faults of elements whose values are quoted at a shaft to which there is no speed ratio."""
-    on = [element for element in definition.elements.values() if element.enabled]
-    if all(element.referred_to is None for element in on):
-        return []
-    from torsionnet.model.referral import referral_faults
-
-    return list(referral_faults(on, values))
-
-
-def _unfit_operation(
-    definition: Definition, values: Mapping[str, Any], kinematics: Kinematics, *, sound: bool
-) -> list[Fault]:
-    """Faults of an operating point, where there is one or a parameter follows it."""
-    rated = definition.speeds is not None and definition.speeds.rated and definition.excitations
-    operated = definition.load or definition.operating_point or definition.following or rated
-    if not operated and not any(element.reads_off for element in definition.active):
-        return []
-    from torsionnet.model.checks.operation import unfit_operation
-
-    return unfit_operation(definition, values, kinematics, sound=sound)

@@ -6,7 +6,7 @@ Here as well: warnings about values of unlikely size, as millimetres without the
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from typing import Any
 
@@ -107,38 +107,20 @@ def impossible_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
             text = f"{name} = {float(value):g} is outside its bounds {bounds[0]:g} to {bounds[1]:g}"
             faults.append(Fault(text, ("parameters", name), "warning"))
     for element in definition.elements.values():
-        found = _field_sizes(element, numbers)
-        faults += found or _law_sizes(element, numbers)
-    return faults + _point_sizes(definition, numbers) + _scenario_sizes(definition, numbers)
-
-
-def _point_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
-    """Faults of mean speeds and torques that cannot be calculated, or are of an impossible size."""
-    point = definition.operating_point
-    found = {
-        (name, node): _size_fault(None, expression, numbers, measure=False, wanted=name)
-        for name, table in (("speed", point.speed), ("torque", point.torque))
-        for node, expression in table.items()
-    }
-    return [Fault(text, ("operating_point", *place)) for place, text in found.items() if text]
-
-
-def _scenario_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
-    """Faults of values of scenarios that cannot be calculated, or are of an impossible size."""
-    return [
-        Fault(text, ("scenarios", name, *path))
-        for name, scenario in definition.scenarios.items()
-        for path, spec, expression, wanted in scenario.expressions()
-        if (text := _size_fault(spec, expression, numbers, measure=False, wanted=wanted))
-    ]
-
-
-def _field_sizes(element: Element, numbers: Numbers) -> list[Fault]:
-    faults = []
-    for path, spec, expression, wanted in element.expressions():
-        text = _size_fault(spec, expression, numbers, measure=is_in_measure(spec, path), wanted=wanted)
-        if text:
-            faults.append(Fault(text, ("elements", element.name, *path)))
+        of_entries = [
+            Fault(text, ("elements", element.name, *path))
+            for path, spec, expression, wanted in element.expressions()
+            if (text := _size_fault(spec, expression, numbers, measure=is_in_measure(spec, path), wanted=wanted))
+        ]
+        faults += of_entries or _law_sizes(element, numbers)
+    for entry, table in (("speed", definition.operating_point.speed), ("torque", definition.operating_point.torque)):
+        for node, expression in table.items():
+            if text := _size_fault(None, expression, numbers, measure=False, wanted=entry):
+                faults.append(Fault(text, ("operating_point", entry, node)))
+    for name, scenario in definition.scenarios.items():
+        for path, spec, expression, wanted in scenario.expressions():
+            if text := _size_fault(spec, expression, numbers, measure=False, wanted=wanted):
+                faults.append(Fault(text, ("scenarios", name, *path)))
     return faults
 
 
@@ -237,21 +219,20 @@ PERCENT_FROM = {"zeta": 1.0, "eta": 2.0}
 
 def unusual_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
     """Warnings about values outside the usual range of their entry, or likely in another unit."""
-    return [fault for element in definition.elements.values() for fault in _of(element, numbers)]
-
-
-def _of(element: Element, numbers: Numbers) -> Iterator[Fault]:
-    for entry, (spec, value) in element.scalars().items():
-        path: Path = ("elements", element.name, entry)
-        if isinstance(value, DampingMeasure):
-            text = _percent(value, numbers)
-            path = (*path, value.measure)
-        elif isinstance(spec, LossFactor):
-            text = _percent(DampingMeasure("eta", value, None), numbers)
-        else:
-            text = _unusual(spec, value, numbers) if isinstance(spec, QuantityKind) else None
-        if text:
-            yield Fault(text, path, "warning")
+    faults = []
+    for name, element in definition.elements.items():
+        for entry, (spec, value) in element.scalars().items():
+            path: Path = ("elements", name, entry)
+            if isinstance(value, DampingMeasure):
+                text = _percent(value, numbers)
+                path = (*path, value.measure)
+            elif isinstance(spec, LossFactor):
+                text = _percent(DampingMeasure("eta", value, None), numbers)
+            else:
+                text = _unusual(spec, value, numbers) if isinstance(spec, QuantityKind) else None
+            if text:
+                faults.append(Fault(text, path, "warning"))
+    return faults
 
 
 def _unusual(spec: QuantityKind[object], value: Expression, numbers: Numbers) -> str | None:

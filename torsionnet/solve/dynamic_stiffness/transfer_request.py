@@ -174,28 +174,20 @@ def resolve_inputs(
         raise UsageError(NO_CHANNELS_MESSAGE)
     resolved = [_input(drivetrain, entry) for entry in entries]
     excitations = tuple(entry for entry in resolved if isinstance(entry, Input))
-    if len(excitations) < len(resolved):
-        return _measured(drivetrain, entries, resolved, excitation)
-    if excitation is not None and _chosen(drivetrain, excitation) != excitations:
-        raise UsageError("excitation= goes with measured inputs; here the input itself is the excitation")
-    pairs = zip(entries, excitations, strict=True)
-    inputs = tuple(Functional(str(entry), UNITS[one.quantity], ()) for entry, one in pairs)
-    return TransferRequest((), inputs, excitations, is_measured=False, assembly=drivetrain.assembly)
-
-
-def _measured(
-    drivetrain: AssembledModel,
-    entries: Sequence[str | Sensor | Input],
-    resolved: Sequence[Input | Functional],
-    excitation: str | Input | Sequence[str | Input] | None,
-) -> TransferRequest:
-    unmeasured = [str(entry) for entry, found in zip(entries, resolved, strict=True) if isinstance(found, Input)]
-    if unmeasured:
+    measured = tuple(entry for entry in resolved if isinstance(entry, Functional))
+    if not measured:
+        if excitation is not None and _chosen(drivetrain, excitation) != excitations:
+            raise UsageError("excitation= goes with measured inputs; here the input itself is the excitation")
+        pairs = zip(entries, excitations, strict=True)
+        inputs = tuple(Functional(str(entry), UNITS[one.quantity], ()) for entry, one in pairs)
+        return TransferRequest((), inputs, excitations, is_measured=False, assembly=drivetrain.assembly)
+    if excitations:
+        unmeasured = [str(entry) for entry, one in zip(entries, resolved, strict=True) if isinstance(one, Input)]
         raise UsageError(
             f"{', '.join(unmeasured)} is an excitation and the other inputs are measured; "
             "put a sensor where the excitation acts, or name measured inputs only"
         )
-    measured = tuple(entry for entry in resolved if isinstance(entry, Functional))
+    # Y_out Y_in^-1 needs as many independent excitations as there are measured inputs.
     excitations = _chosen(drivetrain, excitation) if excitation is not None else _default(drivetrain)
     if len(excitations) != len(measured):
         raise UsageError(

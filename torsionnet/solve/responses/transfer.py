@@ -309,18 +309,13 @@ def evaluate_laws(
     if method != "dense":
         found = refine_uncertain_points(assemblies, request, frequencies, kappa, found, method)
     shape = (len(assemblies), frequencies.shape[-1])
-    if request.is_measured:
-        _warn_poor(found.conditioning, request, np.broadcast_to(frequencies, shape).ravel())
-    return Evaluated(found.values.reshape(*shape, *found.values.shape[1:]), found.conditioning.reshape(shape))
-
-
-def _warn_poor(conditioning: FloatArray, request: TransferRequest, frequencies: FloatArray) -> None:
-    poor = np.flatnonzero(conditioning < VANISHING_INPUT_RATIO)
+    poor = np.flatnonzero(found.conditioning < VANISHING_INPUT_RATIO) if request.is_measured else ()
     if len(poor):
         names = ", ".join(reading.name for reading in request.measured)
-        where = f"{len(poor)} frequencies, the first {frequencies[poor[0]]:.6g} Hz"
-        text = f"{names}: the measured input all but vanishes at {where}"
-        warnings.warn(text, TorsionnetWarning, stacklevel=5)
+        first = np.broadcast_to(frequencies, shape).ravel()[poor[0]]
+        text = f"{names}: the measured input all but vanishes at {len(poor)} frequencies, the first {first:.6g} Hz"
+        warnings.warn(text, TorsionnetWarning, stacklevel=4)
+    return Evaluated(found.values.reshape(*shape, *found.values.shape[1:]), found.conditioning.reshape(shape))
 
 
 def warn_infinite(values: ComplexArray, conditioning: FloatArray, f: FloatArray) -> None:
