@@ -26,7 +26,6 @@ from stubs import write_stubs
 from study_pages import study_file_page
 from validation_pages import bench_numbers_page, cases_page, paper_page
 from verification_pages import verification_page
-from walk_pages import walks_page
 
 import torsionnet as tn
 from torsionnet.core.entries.declared import Declared
@@ -605,7 +604,6 @@ PAGES = {
     "report_texts.md": report_texts_page,
     "layers.md": layers_page,
     "house.svg": picture,
-    "walks.md": walks_page,
 }
 WRITERS: dict[str, tuple[str, Callable[[Path], None]]] = {
     "sign pictures": ("docs/generated", sign_pictures),

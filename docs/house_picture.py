@@ -64,8 +64,8 @@ def layers_page() -> str:
     floors = [[code(name), " < ".join(code(floor or "*") for floor in floors)] for name, floors in FLOORS.items()]
     return (
         table(["layer", "modules", "knows about"], levels)
-        + "\nWhere a layer has {term}`floors <floor>`, a module imports from its own and from those below it; no "
-        "folder has more than\n35 files. `*` are the files that stand in no folder of the layer.\n\n"
+        + "\nWhere a layer has {term}`floors <floor>`, a module imports from its own and from those "
+        "below it. `*` are the files\nthat stand in no folder of the layer.\n\n"
         + table(["layer", "floors, the lowest first"], floors)
     )
 

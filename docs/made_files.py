@@ -30,7 +30,7 @@ ROOT = Path(__file__).resolve().parents[1]
 RECORD = ROOT / ".cache" / "made_files.json"
 IN_REPOSITORY = (
     *("elements.md", "units.md", "damping.md", "traps.md", "bench.md", "file_entries.md", "study_file.md", "report.md"),
-    *("report_texts.md", "layers.md", "house.svg", "walks.md", "stubs", "schemas"),
+    *("report_texts.md", "layers.md", "house.svg", "stubs", "schemas"),
 )
 """Names of what is read without a build, for which ``generate.write`` has pages and other writers."""
 FOR_PAGES = (
