@@ -24,12 +24,12 @@ def write(name, root):
         text = (ROOT / "library" / "trap.yaml").read_text(encoding="utf-8")
     elif name == "report.md":
         text = " ".join(sorted(path.stem for path in (ROOT / "library").glob("*.yaml")))
-    elif name == "walks.md":
+    elif name == "layers.md":
         call = [sys.executable, "-c", "import torsionnet.units; print(torsionnet.units.FACTOR)"]
         text = subprocess.run(call, cwd=ROOT, check=True, capture_output=True, text=True).stdout
     (folder / name).write_text(text, encoding="utf-8")
 """
-NAMES = ("units.md", "traps.md", "report.md", "walks.md")
+NAMES = ("units.md", "traps.md", "report.md", "layers.md")
 
 
 @pytest.fixture
@@ -64,7 +64,7 @@ def made(checkout, *more, code=0):
     ("place", "text", "changed"),
     [
         # Bytecode of the same second is told apart by its size alone.
-        ("torsionnet/units.py", "FACTOR = 10\n", {"units.md", "walks.md"}),
+        ("torsionnet/units.py", "FACTOR = 10\n", {"units.md", "layers.md"}),
         ("library/trap.yaml", "off", {"traps.md"}),
         ("library/another.yaml", "", {"report.md"}),
         ("docs/generated/units.md", "written by hand", {"units.md"}),
