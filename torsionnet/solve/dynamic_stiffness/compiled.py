@@ -118,13 +118,13 @@ def _walk(
     for number in range(operations.shape[0]):
         code, t, a, b, slots = operations[number]
         f = factors[number]
-        if code == PRODUCT:
+        if code == PRODUCT:  # (a + jb)(c + jd), on real and imaginary parts apart: complex numbers give no vector code
             for i in range(POINTS_AT_ONCE):
                 real = r[a, 0, i] * r[b, 0, i] - r[a, 1, i] * r[b, 1, i]
                 imag = r[a, 0, i] * r[b, 1, i] + r[a, 1, i] * r[b, 0, i]
                 r[t, 0, i] = real
                 r[t, 1, i] = imag
-        elif code == SUM:
+        elif code == SUM:  # r_a + f r_b
             for i in range(POINTS_AT_ONCE):
                 more, beside = f * r[b, 0, i], f * r[b, 1, i]
                 real, imag = r[a, 0, i] + more, r[a, 1, i] + beside
@@ -146,11 +146,11 @@ def _walk(
         elif code == RATIO:
             for i in range(POINTS_AT_ONCE):
                 r[t, 0, i] = r[a, 0, i] / r[b, 0, i]
-        elif code == REST:
+        elif code == REST:  # |1 - f r_a|: what a pivot keeps beside a share
             for i in range(POINTS_AT_ONCE):
                 real, imag = 1.0 - f * r[a, 0, i], f * r[a, 1, i]
                 r[t, 0, i] = math.sqrt(real * real + imag * imag)
-        elif code == LAW:
+        elif code == LAW:  # kappa = k - J omega^2 + j c omega, and the sample of a table where there is one
             k, J, c, at = stiffness[a], inertia[a], damping[a], place[a]
             if at < 0:
                 for i in range(POINTS_AT_ONCE):
@@ -161,14 +161,15 @@ def _walk(
                     value = sampled[at, first + min(i, n - 1)]
                     r[t, 0, i] = k - J * w2[i] + value.real
                     r[t, 1, i] = c * w[i] + value.imag
-        elif code == TERMS:
+        elif code == TERMS:  # bound E of a law: the larger of |kappa| and its inertia term, which may nearly cancel k
             J = inertia[b]
             for i in range(POINTS_AT_ONCE):
                 size = math.sqrt(r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i])
                 against = J * w2[i]
                 r[t, 0, i] = against if against > size else size
-        elif code == PASSED:
+        elif code == PASSED:  # a loss at law p, as a multiple of law q: f |kappa_p/kappa_q| r_a r_b
             p, q = slots // stiffness.shape[0], slots % stiffness.shape[0]
+            # Springs with the same c/k have a ratio that no frequency changes.
             alike = damping[p] * stiffness[q] == damping[q] * stiffness[p] and inertia[p] == inertia[q] == 0.0
             if alike and place[p] < 0 and place[q] < 0:
                 ratio = abs(stiffness[p] / stiffness[q]) if stiffness[q] != 0.0 else abs(damping[p] / damping[q])
@@ -179,7 +180,9 @@ def _walk(
                     above = _squared(inertia, damping, stiffness, place, sampled, w2[i], w[i], first + min(i, n - 1), p)
                     below = _squared(inertia, damping, stiffness, place, sampled, w2[i], w[i], first + min(i, n - 1), q)
                     r[t, 0, i] = f * math.sqrt(above / below) * (r[a, 0, i] * r[b, 0, i])
-        elif code == OPEN:
+        elif (
+            code == OPEN
+        ):  # the bound of a pivot's rest at a leaf: |1 - f r_a|, and the leaf's own inertia term beside k
             for i in range(POINTS_AT_ONCE):
                 real, imag = 1.0 - f * r[a, 0, i], f * r[a, 1, i]
                 r[t, 0, i] = math.sqrt(real * real + imag * imag)
@@ -190,14 +193,14 @@ def _walk(
                     below = _squared(inertia, damping, stiffness, place, sampled, w2[i], w[i], first + min(i, n - 1), q)
                     other = inertia[p] * w2[i] * math.sqrt(size / below)
                     r[t, 0, i] = other if other > r[t, 0, i] else r[t, 0, i]
-        elif code == QUOTIENT:
+        elif code == QUOTIENT:  # r_a conj(r_b)/|r_b|^2
             for i in range(POINTS_AT_ONCE):
                 scale = 1.0 / (r[b, 0, i] * r[b, 0, i] + r[b, 1, i] * r[b, 1, i])
                 real = r[a, 0, i] * r[b, 0, i] + r[a, 1, i] * r[b, 1, i]
                 imag = r[a, 1, i] * r[b, 0, i] - r[a, 0, i] * r[b, 1, i]
                 r[t, 0, i] = real * scale
                 r[t, 1, i] = imag * scale
-        elif code == MARK:
+        elif code == MARK:  # uncertain where the error f r_a is above MOST_LOST roundings of the size r_b
             for i in range(POINTS_AT_ONCE):
                 left[i] = left[i] if f * r[a, 0, i] <= MOST_LOST * r[b, 0, i] else -1.0
         elif code == INVERSE:
@@ -213,7 +216,7 @@ def _walk(
             for i in range(POINTS_AT_ONCE):
                 r[t, 0, i] = f
                 r[t, 1, i] = 0.0
-        else:
+        else:  # OUTPUT
             for i in range(POINTS_AT_ONCE):
                 y[t, 0, i] = f * r[a, 0, i]
                 y[t, 1, i] = f * r[a, 1, i]

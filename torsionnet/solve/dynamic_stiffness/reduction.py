@@ -236,12 +236,15 @@ def first_order(
     whose symmetric part is -(C^ + D^) <= 0 for real stiffness: no unstable pole, unless a damping is negative.
     """
     damping = system.damping if damping is None else damping
+    # Springs as E = K^(1/2) rows, over motions with inertia (X), damped without (N_1) and held by springs alone (N_2).
     E = _spring_rows(system, spaces, stiffness)
     E_x, E_1, E_2 = E @ spaces.moving, E @ spaces.damped, E @ spaces.held
+    # Spring forces are coordinates of their own: K is never formed, and slow modes keep the digits of E.
     Y = _force_basis(E, E_2, spaces.spring_rank)
     split = _driven if np.any(damping < 0) else _dissipated
     part = split(system, spaces, damping, E_1.T @ Y)
     forces = Y.T @ E_x - part.cross
+    # Y^T Y = I for real springs; loss factors make Y complex, and its basis is not orthonormal under the transpose.
     gram_inverse = np.linalg.inv(Y.T @ Y) if np.iscomplexobj(Y) else np.eye(Y.shape[1])
     coupling = gram_inverse @ forces if np.iscomplexobj(Y) else forces
     matrix = np.block([[-part.drag, -forces.T], [coupling, -gram_inverse @ part.yielding]])

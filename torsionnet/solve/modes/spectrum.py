@@ -112,7 +112,9 @@ def solve_spectrum(system: RowSystem, spaces: Subspaces, stiffness: AnyArray, *,
     """
     damping = np.zeros_like(system.damping) if undamped else system.damping
     form = first_order(system, spaces, stiffness, damping)
+    # Undamped, A = [[0, -F^T], [F, 0]]: its eigenvalues are +-j times the singular values of F, each to its last digit.
     values, states, condition = _singular(form) if undamped else _standard(form)
+    # First-order perturbation |d lambda| <= cond(lambda) ||dA||, with dA a few roundings of the largest entries.
     safety = 4.0 if not (spaces.damped.size or spaces.held.size) else 100.0
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         errors = safety * _EPS * form.size * condition / np.abs(values)
@@ -141,6 +143,7 @@ def _standard(form: FirstOrder) -> tuple[ComplexArray, ComplexArray, FloatArray]
 def refined_spectrum(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None) -> Spectrum:
     """Eigenvalues and shapes with the uncertain ones of the wanted solved in mpmath, as far as work allows."""
     squared = spectrum.undamped
+    # det(lambda^2 M + lambda C + K) = 0 over exact rows; undamped in lambda^2, which halves the degree.
     starts, coefficients = _polynomial_problem(spectrum)
     wanted = np.ones(len(starts), dtype=bool) if wanted is None else wanted
     chosen = wanted & (spectrum.errors > REFINE_ABOVE)
@@ -149,6 +152,7 @@ def refined_spectrum(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None
         return spectrum
     import torsionnet.solve.modes.ehrlich_aberth as ehrlich_aberth
 
+    # Isolated roots first, each by itself; what is left in clusters needs all roots at once (Ehrlich-Aberth).
     p = ehrlich_aberth.polynomial(spectrum.system.law_rows, coefficients)
     limit = MAX_OPERATIONS // max(p.operations, 1)
     chosen = most_uncertain(chosen, spectrum.errors, limit)
