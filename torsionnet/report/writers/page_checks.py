@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
+from contextlib import suppress
 
-from jinja2 import TemplateSyntaxError, nodes
+from jinja2 import Environment, TemplateSyntaxError, nodes
 
 from torsionnet.core.errors import Fault, suggestion_or
 from torsionnet.report.template_folder import TemplateFolder
 from torsionnet.report.writers.templating import environment_of, shipped_blocks
 
 _TAGS = ("block", "endblock", "if", "elif", "else", "endif", "for", "endfor", "set", "endset", "macro", "endmacro")
-_UNKNOWN_TAG = re.compile(r"Encountered unknown tag '(\w+)'")
+_REFUSED_TAGS = ("extends", "include", "import", "from", "with", "endwith", "call", "endcall", "filter", "endfilter",
+                 "raw", "endraw", "autoescape", "endautoescape", "print")  # fmt: skip
+"""Names of the other tags of Jinja, which no page of a template needs."""
 _OTHERS = (nodes.Extends, nodes.Include, nodes.Import, nodes.FromImport)
 _SILENT = (nodes.Block, nodes.Macro, nodes.Assign, nodes.AssignBlock, *_OTHERS)
 """Kinds of Jinja statements that show nothing outside of all blocks, or are refused in any place."""
@@ -27,15 +29,21 @@ def page_faults(template: TemplateFolder, name: str) -> list[Fault]:
         if not found:
             environment.get_template(name)
     except TemplateSyntaxError as error:
-        found = [(error.lineno, _explained(error.message or "this is no template"))]
+        tag = _unknown_tag(environment, template.texts[name], error.lineno)
+        text = f'no tag is named "{tag}"{suggestion_or(tag, _TAGS, "known: " + ", ".join(_TAGS))}' if tag else ""
+        found = [(error.lineno, text or (error.message or "this is no template").rstrip("."))]
     return [Fault(text, position=template.position(name, line)) for line, text in found]
 
 
-def _explained(message: str) -> str:
-    tag = _UNKNOWN_TAG.match(message)
-    if not tag:
-        return message.rstrip(".")
-    return f'no tag is named "{tag[1]}"{suggestion_or(tag[1], _TAGS, "known: " + ", ".join(_TAGS))}'
+def _unknown_tag(environment: Environment, text: str, line: int) -> str:
+    """First tag of a line that Jinja does not have, or the empty text."""
+    begun = False
+    with suppress(TemplateSyntaxError):  # what cannot even be cut into words ends the search
+        for number, kind, word in environment.lex(text):
+            if begun and kind == "name" and number == line and word not in (*_TAGS, *_REFUSED_TAGS):
+                return str(word)
+            begun = kind == "block_begin" or (begun and kind == "whitespace")
+    return ""
 
 
 def _faults(tree: nodes.Template, known: tuple[str, ...]) -> Iterator[tuple[int, str]]:
