@@ -7,7 +7,7 @@ from support.broken_models import BASE, CASES
 
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.loading import load, loads
-from torsionnet.model.files import read_file
+from torsionnet.model.files import located_yaml, read_file
 from torsionnet.model.files.located_yaml import PythonParser, compose
 from torsionnet.model.files.reader import read_text
 
@@ -69,6 +69,38 @@ def test_python_parser_agrees(case):
             return len(error.faults)
 
     assert outcome(PythonParser) == outcome(None)
+
+
+BREAKS = [  # the kind of a break and a text that has it: PyYAML says both only in words, which versions may change
+    (located_yaml.OPEN_BRACKET, "a: {b: 1\nc: 2\n"),
+    (located_yaml.OPEN_BRACKET, "a: [b, 1\nc: 2\n"),
+    (located_yaml.OPEN_QUOTE, "a: 'b\nc: 2\n"),
+    (located_yaml.OPEN_QUOTE, 'a: "b\nc: 2\n'),
+    (located_yaml.NOT_CLOSED, "a: [,]\n"),
+    (located_yaml.NOT_CLOSED, "a: }\n"),
+    (located_yaml.INDENTATION, "a:\n  b: 1\n c: 2\n"),
+    (located_yaml.INDENTATION, "a: {b: 1}}\n"),
+    (located_yaml.OUTSIDE, "  a: 1\nb: 2\n"),
+    (located_yaml.TAB, "a:\n\tb: 1\n"),
+    (located_yaml.NO_COLON, "a: 1\nb\nc: 2\n"),
+    (located_yaml.NO_BLANK, "a:\n  b {c: 1, e: 2}\n"),
+    (located_yaml.STRAY_COLON, "a: b: c\n"),
+    (located_yaml.BAD_BEGINNING, "a: @b\n"),
+    (located_yaml.BAD_BEGINNING, "a: %b\n"),
+    (located_yaml.TO_QUOTE, "a: !x!y 1\n"),
+    (located_yaml.BACKSLASH, 'a: "\\q"\n'),
+    (located_yaml.CHARACTER, "a: \x01\n"),
+    (located_yaml.TAG, "a: !b 1\n"),
+    (located_yaml.UNKNOWN_ALIAS, "a: *b\n"),
+]
+
+
+@pytest.mark.parametrize("parser", [PythonParser, None])
+@pytest.mark.parametrize(("kind", "text"), BREAKS)
+def test_the_kind_of_a_break_is_known_with_every_version_of_pyyaml(kind, text, parser):
+    with pytest.raises(ModelError) as caught:
+        compose(text, "model.yaml", parser)
+    assert caught.value.faults[-1].kind == kind
 
 
 def test_two_faults_both_shown():

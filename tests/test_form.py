@@ -12,6 +12,7 @@ from structure.rules import (
     MAX_LINES,
     Fault,
     aliases_of_anything,
+    data_from_prose,
     evaluation,
     faults_of_theory,
     fragmentary_sentences,
@@ -145,11 +146,17 @@ def test_forbidden_thing_is_found(tmp_path, rule, source):
         ("plot/bode.py", plotting, "import matplotlib.pyplot as plt"),
         ("solve/grid.py", plotting, "if TYPE_CHECKING:\n    from matplotlib.figure import Figure"),
         ("cli/app.py", printing, "print('x')"),
+        ("text/fixes/names.py", data_from_prose, "written.text, fault.kind"),
         ("solve/grid.py", idle_dataclasses, "@dataclass(eq=False, repr=False)\nclass A(B):\n    x: int = 1"),
     ],
 )
 def test_its_allowed_neighbour_is_not(tmp_path, place, rule, source):
     assert list(rule(a_module(tmp_path, place, source))) == []
+
+
+@pytest.mark.parametrize("source", ["'not used' in fault.message", "re.match('x', place.fault.text)"])
+def test_a_quick_fix_that_reads_a_message_is_found(tmp_path, source):
+    assert len(list(data_from_prose(a_module(tmp_path, "text/fixes/names.py", source)))) == 1
 
 
 def test_class_names_twice_are_found_and_file_names_are_not(tmp_path):

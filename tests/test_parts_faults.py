@@ -85,6 +85,43 @@ def test_a_fault_inside_a_part_is_told_once_with_its_line_and_where_it_is_used()
     assert "model.yaml:16:3: used here" in str(fault)
 
 
+IN_PART = """\
+torsionnet: 1
+name: prefix
+parts:
+  half:
+    ports: [inner]
+    parameters: {g: 1 kN*m/rad}
+    elements:
+      disc: {type: inertia, node: inner, inertia: 1}
+      k: {type: spring, nodes: [inner, ground], stiffness: %s}
+use:
+  %s: {part: half, at: {inner: x}}
+elements:
+  J: {type: inertia, node: x, inertia: 1}
+"""
+
+
+@pytest.mark.parametrize("use", ["a", "data", "named", "g", "disc", "m", "left"])
+@pytest.mark.parametrize(
+    ("stiffness", "message"),
+    [
+        ("data.stiff", 'no parameter is named "data.stiff"'),
+        ("2*gg", 'no parameter is named "gg"; did you mean "g"?'),
+        ("-g", "-g = -1000: torsional stiffness must not be less than 0"),
+        ("g**2", '"g**2" has the dimension of kg^2*m^4*s^-4; expected stiffness in N*m/rad'),
+    ],
+)
+def test_a_message_has_the_names_of_the_part_whatever_its_use_is_called(use, stiffness, message):
+    (fault,) = errors(IN_PART % (stiffness, use))
+    assert (fault.message, fault.position.line, [one.line for one in fault.used_at]) == (message, 9, [11])
+
+
+def test_the_name_meant_in_a_part_is_that_of_the_part():
+    (fault,) = errors(IN_PART % ("gg", "left"))
+    assert (fault.about, fault.meant) == ("gg", "g")
+
+
 def test_a_fault_of_reading_a_part_is_told_once():
     (fault,) = errors(MODEL.replace("stiffness: 21 kN*m/rad", "stiffness: 21 kg"))
     assert (fault.position.line, fault.used_at) == (10, ())

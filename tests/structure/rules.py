@@ -100,6 +100,17 @@ def evaluation(module: Module) -> Iterator[Fault]:
             yield Fault(f"{module.relative}:{line}", f"calls {name}", remedy)
 
 
+def data_from_prose(module: Module) -> Iterator[Fault]:
+    """Quick fixes that read the sentence of a fault, instead of the fields in which it says the same."""
+    if module.relative.startswith("torsionnet/text/fixes/"):
+        for node in ast.walk(module.tree):
+            if isinstance(node, ast.Attribute) and (
+                node.attr == "message" or (node.attr == "text" and ast.unparse(node.value).endswith("fault"))
+            ):
+                remedy = "take its kind, about, meant or remedy"
+                yield Fault(f"{module.relative}:{node.lineno}", f"reads {ast.unparse(node)}", remedy)
+
+
 def untyped_entries(module: Module) -> Iterator[Fault]:
     """Entries whose type is, or holds, anything: mypy checks the others against their specifications."""
     for node in module.statements:

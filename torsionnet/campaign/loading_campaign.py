@@ -11,7 +11,7 @@ from typing import Any
 from torsionnet.campaign.campaign import Campaign
 from torsionnet.campaign.checking_responses import response_faults
 from torsionnet.core.entries.declared import version_faults
-from torsionnet.core.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean
+from torsionnet.core.errors import MISSING_KEY, Fault, ModelError, TorsionnetError, UsageError, did_you_mean
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.orders.parametric_orders import parameters_of_drivetrain
 from torsionnet.io.wheel_pattern_files import read_wheel_pattern
@@ -162,7 +162,7 @@ def _records(plan: CampaignFile, model: Drivetrain, folder: Path) -> Iterator[Fa
             known = ", ".join(model.configurations[:MOST_NAMED])
             more = "" if len(model.configurations) <= MOST_NAMED else ", ..."
             text = f"a record is of one configuration of the model: name one of {known}{more}"
-            yield Fault(text, ("records", name), on_key=True, kind="missing key", about="configuration")
+            yield Fault(text, ("records", name), on_key=True, kind=MISSING_KEY, about="configuration")
         if record.configuration:
             try:
                 model.configured(record.configuration)

@@ -37,8 +37,41 @@ class Position:
     source: str = ""
 
 
+UNKNOWN_KEY, MISSING_KEY, UNKNOWN_NAME = "unknown key", "missing key", "unknown name"
+"""Kinds of faults of a key that an entry has not, of a key that it lacks, and of a name that nothing defines."""
 USELESS = "useless"
 """Kind of a fault of an entry that cannot be used in this configuration, while another may allow it."""
+UNUSED, UNCONNECTED = "unused", "unconnected"
+"""Kinds of faults of a parameter that nothing uses, and of nodes that no element connects to the rest."""
+GIVEN_TWICE, NO_VALUE, NO_TYPE, INVALID_NAME = "given twice", "no value", "no type", "invalid name"
+"""Kinds of faults of a key that stands twice, has no value, of an element without ``type:``, of a word that is no
+name."""
+NO_TABLE, NO_NODE, NO_NODES = "no table", "no node", "no two nodes"
+"""Kinds of faults of a value that is no table of entries by name, no name of a node, no two names of nodes."""
+NO_NUMBER, UNKNOWN_UNIT, DECIMAL_COMMA, LEADING_ZERO = "no number", "unknown unit", "decimal comma", "leading zero"
+"""Kinds of faults of a text that is no number, or has no known unit, a decimal comma, a 0 before its digits."""
+
+
+@dataclass(frozen=True)
+class Remedy:
+    """Remedy of a fault as data, which its message tells in words and quick fixes turn into edits.
+
+    ``how`` says what is done with the entry of the fault, by one of the constants below. ``new`` is what is written and
+    ``old`` the text that it replaces, empty for the whole value with its quotes. ``keys`` are entries that are inserted
+    or left out instead of the fault's own; ``place`` is line and column, from 0, of what is to be closed.
+    """
+
+    how: str
+    new: str = ""
+    old: str = ""
+    keys: tuple[str, ...] = ()
+    place: tuple[int, int] | None = None
+
+
+WRITE, IN_UNIT, QUOTE, BRACKET = "write", "in unit", "quote", "bracket"
+"""Remedies of a value: write another, give its number that unit, put it in quotes or in brackets."""
+INSERT, LEAVE_OUT, SEPARATE, CLOSE = "insert", "leave out", "separate", "close"
+"""Remedies of entries: insert one, leave one out, set a key apart from its value, close a bracket."""
 
 
 @dataclass(frozen=True)
@@ -46,10 +79,11 @@ class Fault:
     """Fault in a model (``severity="error"``), or remark on it (``"warning"``, ``"note"``), with the path of its entry.
 
     ``path`` names the entry in the model's own structure; a reader of files adds ``position``.
-    ``on_key`` marks the entry's name instead of its value. ``kind`` is ``"unknown key"``, ``"missing key"``,
-    ``"unknown name"``, :data:`USELESS` or empty, ``about`` the key or name in question and ``meant`` the one probably
-    intended; ``configuration`` is set where only that configuration has the fault. Of an entry of a part, ``uses`` are
-    the paths, outermost first, where the part is used that has the fault; a reader of files adds ``used_at``.
+    ``on_key`` marks the entry's name instead of its value. ``kind`` is one of the constants above or of those in
+    ``model/files/located_yaml.py``, or empty, ``about`` the key, name or text in question, ``meant`` the one probably
+    intended, and ``remedy`` what else mends the fault; ``configuration`` is set where only that configuration has the
+    fault. Of an entry of a part, ``uses`` are the paths, outermost first, where the part is used that has the fault; a
+    reader of files adds ``used_at``. ``causes`` are the keys of an alternative that may bring the fault about.
     ``defined`` is the path of what is used wrongly, where that says what would be right; a reader adds ``defined_at``.
     """
 
@@ -66,6 +100,8 @@ class Fault:
     used_at: tuple[Position, ...] = ()
     defined: Path = ()
     defined_at: Position | None = None
+    remedy: Remedy | None = None
+    causes: tuple[str, ...] = ()
 
     def under(self, *prefix: str | int) -> Fault:
         """Copy of the fault with its path below the path ``prefix``."""
@@ -162,7 +198,20 @@ class ModelError(TorsionnetError, ValueError):
         return "\n".join([*(str(fault) for fault in self.faults), total])
 
 
-class UsageError(TorsionnetError, ValueError):
+def fault_of(what: str | Fault) -> Fault:
+    """Fault with a message, or the fault itself."""
+    return Fault(what) if isinstance(what, str) else what
+
+
+class FaultyValueError(TorsionnetError, ValueError):
+    """Error of a text or number that cannot be read, with the fault that it will be in a file."""
+
+    def __init__(self, fault: str | Fault) -> None:
+        self.fault = fault_of(fault)
+        super().__init__(self.fault.message)
+
+
+class UsageError(FaultyValueError):
     """Error of a name or option that does not exist or does not fit (exit code 2 on the command line)."""
 
     exit_code = 2
@@ -232,7 +281,7 @@ def did_you_mean(name: str, candidates: Iterable[str]) -> str:
     >>> did_you_mean("gerbox", ["gearbox", "motor"])
     '; did you mean "gearbox"?'
     """
-    return _question(nearest(name, candidates))
+    return question(nearest(name, candidates))
 
 
 def suggestion_or(name: str, candidates: Iterable[str], rest: str) -> str:
@@ -244,7 +293,12 @@ def suggestion_or(name: str, candidates: Iterable[str], rest: str) -> str:
     return f"{did_you_mean(name, candidates)}; {rest}".replace("?; ", "? ")
 
 
-def _question(meant: str) -> str:
+def question(meant: str) -> str:
+    """Question whether ``meant`` was meant, or the empty string where nothing is likely.
+
+    >>> question("gearbox")
+    '; did you mean "gearbox"?'
+    """
     return f'; did you mean "{meant}"?' if meant else ""
 
 
@@ -255,21 +309,39 @@ def unknown_key(key: object, known: Iterable[str], path: Path, rest: str) -> Fau
 
     meant, advice = familiar_key(name, known)
     meant = meant or ("" if advice else nearest(name, known))
-    text = f'unknown key "{name}"{f"; {advice}" if advice else _question(meant)}; {rest}'.replace("?; ", "? ")
-    return Fault(text, path, on_key=True, kind="unknown key", about=name, meant=meant)
+    text = f'unknown key "{name}"{f"; {advice}" if advice else question(meant)}; {rest}'.replace("?; ", "? ")
+    return Fault(text, path, on_key=True, kind=UNKNOWN_KEY, about=name, meant=meant)
 
 
 def unknown_name(
-    what: str, name: str, known: Iterable[str], path: Path, *, on_key: bool = False, rest: str = ""
+    what: str, name: str, known: Iterable[str], path: Path = (), *, on_key: bool = False, rest: str = ""
 ) -> Fault:
     """Fault of a name in the model that nothing defines.
 
     ``no node is named "x"; did you mean "y"?``; ``rest`` says which there are.
     """
-    meant = nearest(name, known)
-    text = f'no {what} is named "{name}"{_question(meant)}'
-    text = f"{text}; {rest}".replace("?; ", "? ") if rest else text
-    return Fault(text, path, on_key=on_key, kind="unknown name", about=name, meant=meant)
+    return replace(
+        unfit_word(f'no {what} is named "{name}"', name, known, path, rest, on_key=on_key), kind=UNKNOWN_NAME
+    )
+
+
+def unfit_word(
+    text: str,
+    word: str,
+    known: Iterable[str],
+    path: Path = (),
+    rest: str = "",
+    *,
+    meant: str = "",
+    on_key: bool = False,
+) -> Fault:
+    """Fault of a word that is none of those that fit, with the question whether ``meant`` or the nearest was meant.
+
+    ``rest`` follows the question, as which there are.
+    """
+    meant = meant or nearest(word, known)
+    asked = f"{question(meant)} {rest}" if meant and rest else f"{question(meant)}{rest and f'; {rest}'}"
+    return Fault(f"{text}{asked}", path, on_key=on_key, about=word, meant=meant)
 
 
 def comma_list(names: Iterable[object], most: int | None = None, more: str = " and {} more", none: str = "") -> str:

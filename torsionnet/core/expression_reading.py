@@ -15,11 +15,13 @@ import ast
 import keyword
 import numbers
 import re
+from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
 import torsionnet.core.units as units
+from torsionnet.core.errors import NO_NUMBER, Fault
 from torsionnet.core.expressions import RATIONAL, Compound, Expression, ExpressionError, Name, Number
 from torsionnet.core.units import NUMERAL, UnitError
 
@@ -84,7 +86,7 @@ def parse_expression(text: str) -> Expression:
     except (ExpressionError, UnitError) as error:
         offset = error.offset if isinstance(error, ExpressionError) else None
         where = "" if offset is None else f" at column {offset + 1}"
-        raise ExpressionError(f'"{_short(text)}"{where}: {error}', offset) from None
+        raise ExpressionError(replace(error.fault, message=f'"{_short(text)}"{where}: {error}'), offset) from None
 
 
 def _short(text: str) -> str:
@@ -102,7 +104,7 @@ class _Reader:
         self.columns = [blanks + i for i, sign in enumerate(text[blanks:]) for _ in range(1 + (sign == "^"))]
         self.check_pieces()
 
-    def fault(self, message: str, node: ast.expr | int) -> ExpressionError:
+    def fault(self, message: str | Fault, node: ast.expr | int) -> ExpressionError:
         column = node if isinstance(node, int) else node.col_offset
         return ExpressionError(message, self.columns[min(column, len(self.columns) - 1)])
 
@@ -129,7 +131,7 @@ class _Reader:
         try:
             return Number(units.parse_number(numeral))
         except UnitError as error:
-            raise self.fault(str(error), start) from None
+            raise self.fault(error.fault, start) from None
 
     def expression(self) -> Expression:
         try:
@@ -208,7 +210,7 @@ def scalar(value: object) -> Expression:
     try:
         return _from_text(value) if isinstance(value, str) else _from_object(value)
     except UnitError as error:
-        raise ExpressionError(str(error)) from None
+        raise ExpressionError(error.fault) from None
 
 
 def _from_object(value: Any) -> Expression:
@@ -217,7 +219,7 @@ def _from_object(value: Any) -> Expression:
     if hasattr(value, "magnitude") and hasattr(value, "units"):
         return _from_quantity(_of_pint(value))
     got = str(value).lower() if isinstance(value, bool) else _short(repr(value))
-    raise ExpressionError(f"expected a number, got {got}")
+    raise ExpressionError(Fault(f"expected a number, got {got}", kind=NO_NUMBER))
 
 
 def _of_pint(quantity: Any) -> units.Quantity:
@@ -230,12 +232,12 @@ def _of_pint(quantity: Any) -> units.Quantity:
     try:
         return _read_given(quantity.to_base_units())
     except UnitError as error:
-        raise UnitError(f"{quantity}: {error}") from None
+        raise UnitError(replace(error.fault, message=f"{quantity}: {error}")) from None
 
 
 def _read_given(quantity: Any) -> units.Quantity:
     if not isinstance(quantity.magnitude, numbers.Real):
-        raise UnitError(f"expected one real number, got {quantity.magnitude}")
+        raise UnitError(Fault(f"expected one real number, got {quantity.magnitude}", kind=NO_NUMBER))
     return units.parse_quantity(f"{float(units.exact(quantity.magnitude))!r} {quantity.units:~}")
 
 
@@ -248,9 +250,10 @@ def _from_text(text: str) -> Expression:
     try:
         return _from_quantity(units.parse_quantity(written))
     except UnitError as error:
-        if not _NAME.fullmatch(rest) or check_name(rest) or "did you mean" in str(error):
+        if not _NAME.fullmatch(rest) or check_name(rest) or error.fault.meant or rest in units.AMBIGUOUS:
             raise
-        raise ExpressionError(f"{error}; if it is a parameter, write {numeral[0]}*{rest}") from None
+        text = f"{error}; if it is a parameter, write {numeral[0]}*{rest}"
+        raise ExpressionError(replace(error.fault, message=text)) from None
 
 
 def _from_quantity(given: units.Quantity) -> Expression:

@@ -22,7 +22,7 @@ from functools import cached_property
 from typing import Any, ClassVar, Literal, TypeAlias
 
 import torsionnet.core.units as units
-from torsionnet.core.errors import TorsionnetError, UsageError, did_you_mean
+from torsionnet.core.errors import Fault, FaultyValueError, UsageError, unknown_name
 from torsionnet.core.units import DIMENSIONS, Dimension
 
 SMALLEST_SIZE, LARGEST_SIZE = 1e-40, 1e40
@@ -64,11 +64,11 @@ _SUM, _PRODUCT, _UNARY, _ATOM = 1, 2, 3, 4
 _Kind = Dimension | Literal["bare", "unknown"]
 
 
-class ExpressionError(TorsionnetError, ValueError):
+class ExpressionError(FaultyValueError):
     """Error of an expression that cannot be read or evaluated; ``offset`` is the column from 0, or None."""
 
-    def __init__(self, message: str, offset: int | None = None) -> None:
-        super().__init__(message)
+    def __init__(self, fault: str | Fault, offset: int | None = None) -> None:
+        super().__init__(fault)
         self.offset = offset
 
 
@@ -213,7 +213,7 @@ class Name(Expression):
 
     def _look_up(self, mapping: Mapping[str, Any]) -> Any:
         if self.name not in mapping:
-            raise ExpressionError(f'no parameter is named "{self.name}"{did_you_mean(self.name, mapping)}')
+            raise ExpressionError(unknown_name("parameter", self.name, mapping, ()))
         return mapping[self.name]
 
     def renamed(self, name: Callable[[str], str]) -> Expression:

@@ -21,7 +21,19 @@ from functools import lru_cache
 from numbers import Integral
 from numbers import Real as RealNumber
 
-from torsionnet.core.errors import TorsionnetError, did_you_mean
+from torsionnet.core.errors import (
+    DECIMAL_COMMA,
+    LEADING_ZERO,
+    NO_NUMBER,
+    UNKNOWN_UNIT,
+    WRITE,
+    Fault,
+    FaultyValueError,
+    Remedy,
+    did_you_mean,
+    nearest,
+    question,
+)
 
 __all__ = [
     "DIMENSIONS",
@@ -45,7 +57,7 @@ _SAFE_LENGTH = 40
 unit."""
 
 
-class UnitError(TorsionnetError, ValueError):
+class UnitError(FaultyValueError):
     """Error of a unit or quantity that cannot be read, or has the wrong dimension."""
 
 
@@ -167,8 +179,9 @@ _TOKEN = re.compile(
     r"(?!\d)|%|r/min(?![A-Za-z])|[A-Za-z_]+\d*)|(?P<one>1(?![\d.]))|(?P<sign>[*/()]))",
 )
 _MEAN = {"lbin": "lbf*in", "inlb": "lbf*in", "lbft": "lbf*ft", "ftlb": "lbf*ft", "sec": "s", "Kg": "kg", "KNm": "kNm",
-         "NM": "Nm", "kgm": 'kg*m" or "kgm^2', "degree": "deg", "rads": "rad/s", "inch": "in", "°": "deg",
-         "U": 'rpm" or "rev', "r": "rev", "KN": "kN"}  # fmt: skip
+         "NM": "Nm", "degree": "deg", "rads": "rad/s", "inch": "in", "°": "deg", "r": "rev", "KN": "kN"}  # fmt: skip
+AMBIGUOUS = {"kgm": '"kg*m" or "kgm^2"', "U": '"rpm" or "rev"'}
+"""Units that may be meant, as messages list them, by a text that could be any of them."""
 CELSIUS = "degC"
 """Name of the unit of a temperature in °C, not of a difference: it stands alone after a number, and has an offset
 instead of a factor."""
@@ -193,7 +206,9 @@ class _Parser:
         while position < len(text):
             token = _TOKEN.match(text, position)
             if token is None:
-                raise self.error(f'cannot be read from "{text[position:].strip()}" on{_hint(text[position:], written)}')
+                raise self.error(
+                    f'cannot be read from "{text[position:].strip()}" on{_hint(text[position:], written)[0]}'
+                )
             self.tokens.append(token)
             position = token.end()
 
@@ -253,27 +268,33 @@ class _Parser:
     def atom(self, name: str) -> _Atom:
         self.angular |= name in _ANGULAR
         if name not in _ATOMS:
-            raise UnitError(f'"{name}" is not a known unit{_hint(name)}')
+            hint, meant = _hint(name)
+            raise UnitError(Fault(f'"{name}" is not a known unit{hint}', kind=UNKNOWN_UNIT, about=name, meant=meant))
         return _ATOMS[name]
 
 
-def _hint(name: str, written: str = "") -> str:
+def _hint(name: str, written: str = "") -> tuple[str, str]:
+    """End of the message on an unknown unit, and the one unit that was probably meant, both of which may be empty."""
     bare = name.rstrip("0123456789")
     if name == CELSIUS:
-        return "; degC stands alone after a temperature, as in 60 degC; differences are in K"
+        return "; degC stands alone after a temperature, as in 60 degC; differences are in K", ""
+    if name in AMBIGUOUS:
+        return f"; did you mean {AMBIGUOUS[name]}?", ""
     if name in _MEAN:
-        return f'; did you mean "{_MEAN[name]}"?'
+        return question(_MEAN[name]), _MEAN[name]
     if bare != name and bare in _ATOMS:
-        return f'; did you mean "{bare}^{name[len(bare) :]}"?'
+        meant = f"{bare}^{name[len(bare) :]}"
+        return question(meant), meant
     if bare in ("GD", "WR", "WK"):
-        return f"; {name} stands once, at the end, after a unit of inertia"
+        return f"; {name} stands once, at the end, after a unit of inertia", ""
     if name.startswith(("-", ".")):
         products = re.sub(r"(?<=[A-Za-z0-9²³])[.\-](?=[A-Za-z])", "*", written)
         forms = [] if re.search(r"[.\-]", products) else [products, with_forces(products)]
         known = [f", as in {text}" for text in forms if _is_known(text)]
-        return '; write "*" between units' + "".join(known[:1])
+        return '; write "*" between units' + "".join(known[:1]), ""
     near = [known for known in _ATOMS if len(name) >= _LEAST_SUGGESTED or (len(name) > 1 and set(name) <= set(known))]
-    return did_you_mean(name, near)
+    meant = nearest(name, near)
+    return question(meant), meant
 
 
 def with_forces(text: str) -> str:
@@ -325,14 +346,15 @@ def parse_number(text: str) -> Fraction:
     """
     numeral = NUMERAL.fullmatch(text)
     if numeral is None:
-        raise UnitError(f'expected a number, got "{text}"')
+        raise UnitError(Fault(f'expected a number, got "{text}"', kind=NO_NUMBER))
     return Fraction(*_ratio(numeral))
 
 
 def _ratio(numeral: re.Match[str]) -> tuple[int, int]:
     sign, mantissa, exponent = numeral.groups()
     if mantissa[0] == "0" and mantissa[1:2].isdigit():
-        raise UnitError(f'"{numeral[0]}" begins with 0, which some programs read as octal; leave the 0 out')
+        text = f'"{numeral[0]}" begins with 0, which some programs read as octal; leave the 0 out'
+        raise UnitError(Fault(text, kind=LEADING_ZERO))
     if exponent and (len(exponent) > len("+0330") or abs(int(exponent)) > _MAX_DECIMAL_EXPONENT):
         raise UnitError(f'"{numeral[0]}" is too large or too small a number')
     whole, _, decimals = mantissa.partition(".")
@@ -357,7 +379,8 @@ def parse_quantity(text: str) -> Quantity:
     numeral = NUMERAL.match(written)
     if numeral is None:
         infinite = written.lower().lstrip("+-.") in ("inf", "infinity", "nan")
-        raise UnitError(f'expected a number, got "{written}"' + ("; it has to be finite" if infinite else ""))
+        text = f'expected a number, got "{written}"' + ("; it has to be finite" if infinite else "")
+        raise UnitError(Fault(text, kind=NO_NUMBER))
     rest = written[numeral.end() :]
     if rest and _STRAY.match(rest):
         raise UnitError(_misread(written))
@@ -391,21 +414,32 @@ def _times(ratio: tuple[int, int], factor: Real) -> Real:
 _STRAY = re.compile(r"[,:;.'’_]|\s*(?!1\s*/)[0-9]")
 
 
-def _misread(written: str) -> str:
+def _misread(written: str) -> Fault:
+    """Fault of a number whose digits do not stand together."""
     if re.match(r"[+-]?[0-9]+:[0-9]", written):
-        return f'expected a number, got "{written}"; write the ratio as a number (3.0) or give teeth: [z1, z2]'
+        text = f'expected a number, got "{written}"; write the ratio as a number (3.0) or give teeth: [z1, z2]'
+        return Fault(text, kind=NO_NUMBER, remedy=Remedy(WRITE, "3.0", old=written))
     either = re.match(r"([+-]?[0-9]{1,3}),([0-9]{3})(?![0-9,.])", written)
     if either:
         whole, rest = f"{either[1]}{either[2]}", written[either.end() :]
-        return f'"{written}" is ambiguous; write {either[1]}.{either[2]}{rest} or {whole}{rest}'
+        return Fault(f'"{written}" is ambiguous; write {either[1]}.{either[2]}{rest} or {whole}{rest}')
     comma = re.match(r"([+-]?[0-9]+),([0-9]+)(?![0-9,.])", written)
     if comma:
-        return f'"{written}" has a decimal comma; write {comma[1]}.{comma[2]}{written[comma.end() :]}'
+        return decimal_comma(written, f"{comma[1]}.{comma[2]}{written[comma.end() :]}")
     grouped = re.match(r"([+-]?[0-9]{1,3}(?:[,.'’_\s][0-9]{3})+)(?:[.,]([0-9]+))?", written)
     if grouped:
         decimals = f".{grouped[2]}" if grouped[2] else ""
-        return f'"{written}" has thousands separators; write {re.sub("[^0-9+-]", "", grouped[1])}{decimals}'
-    return f'expected a number and a unit, got "{written}"; digits stand together, with one decimal point'
+        number = f"{re.sub('[^0-9+-]', '', grouped[1])}{decimals}"
+        text = f'"{written}" has thousands separators; write {number}'
+        digits = re.match(r"[-+0-9_' .,]*[0-9]", written)
+        return Fault(text, remedy=Remedy(WRITE, number, old=digits[0] if digits else written))
+    text = f'expected a number and a unit, got "{written}"; digits stand together, with one decimal point'
+    return Fault(text, kind=NO_NUMBER)
+
+
+def decimal_comma(written: str, meant: str) -> Fault:
+    """Fault of a number with a decimal comma, and ``meant`` with a point."""
+    return Fault(f'"{written}" has a decimal comma; write {meant}', kind=DECIMAL_COMMA)
 
 
 def _check_range(value: Real, written: str) -> None:
@@ -430,7 +464,8 @@ def exact(value: Real | RealNumber) -> Fraction:
     except OverflowError:
         raise UnitError("the number is too large") from None
     if not math.isfinite(size) or (size == 0.0 and value != 0):
-        raise UnitError(f"expected a finite number that is not too small, got {value}")
+        text = f"expected a finite number that is not too small, got {value}"
+        raise UnitError(Fault(text, kind=NO_NUMBER))
     if isinstance(value, Fraction):
         return value
     # numpy's integers and floats come here, too, and write themselves differently.

@@ -18,6 +18,7 @@ from lsprotocol.types import (
 )
 
 from torsionnet.core import errors
+from torsionnet.core.errors import MISSING_KEY
 from torsionnet.language_server.editor_text import EditorText
 from torsionnet.language_server.open_model import OpenModel, is_parts_text
 from torsionnet.text.text_edits import TextLines, TextSpan
@@ -42,7 +43,7 @@ def faults_in_editor(model: OpenModel) -> list[LocatedFault]:
 
 
 def _asks_for_a_model(fault: errors.Fault) -> bool:
-    if fault.kind == "missing key":
+    if fault.kind == MISSING_KEY:
         return not fault.path
     return fault.severity == "warning" and len(fault.path) == 2 and fault.path[0] == "parts"
 

@@ -9,7 +9,7 @@ from typing import Any, TypeVar, cast
 
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.spec import EntryError, Json, Renaming, Schema, Spec, Text, reference
-from torsionnet.core.errors import UsageError, did_you_mean, unknown_key
+from torsionnet.core.errors import LEAVE_OUT, NO_NODE, Fault, Remedy, UsageError, unfit_word, unknown_key
 from torsionnet.model.element_base.element_entries import ElementName, NodeText, PlaceOnElement
 from torsionnet.model.elements import GROUND, Element
 
@@ -217,8 +217,8 @@ def pair_fault(first: str, second: Any, quantity: str) -> str | None:
     return None
 
 
-def _wrong_quantity(what: str, quantity: object, known: tuple[str, ...]) -> str:
-    return f"{what} {' or '.join(known)}, not {quantity!r}{did_you_mean(str(quantity), known)}"
+def _wrong_quantity(what: str, quantity: object, known: tuple[str, ...]) -> Fault:
+    return unfit_word(f"{what} {' or '.join(known)}, not {quantity!r}", str(quantity), known)
 
 
 _CALL = re.compile(r"\s*([a-z]+)\s*\(\s*([A-Za-z][\w.]*)\s*(?:,\s*([A-Za-z][\w.]*)\s*)?\)\s*")
@@ -331,13 +331,13 @@ class ChannelEntry(Spec[Made_co]):
             return Input(quantity, of, against)
         at = raw.get("at")
         if at is not None and (quantity not in PORT_QUANTITIES or not isinstance(at, str)):
+            if quantity in PORT_QUANTITIES:
+                raise EntryError(Fault(f"expected the name of a node, got {at!r}", ("at",), kind=NO_NODE))
             only = f"only a torque is taken at a port; leave out at:, or measure a torque instead of the {quantity}"
-            raise EntryError(
-                only if quantity not in PORT_QUANTITIES else f"expected the name of a node, got {at!r}", ("at",)
-            )
+            raise EntryError(Fault(only, ("at",), remedy=Remedy(LEAVE_OUT)))
         shaft = raw.get("referred_to")
         if not isinstance(shaft, str | None):
-            raise EntryError(f"expected the name of a node, got {shaft!r}", ("referred_to",))
+            raise EntryError(Fault(f"expected the name of a node, got {shaft!r}", ("referred_to",), kind=NO_NODE))
         if shaft is not None and quantity == "stress":
             raise EntryError(STRESS_OF_OWN_SHAFT, ("referred_to",))
         return Sensor(quantity, of, at, against, shaft)
@@ -409,8 +409,8 @@ INPUT = ChannelEntry("{torque: node}, {angle: node} or {torque: [node, node]}", 
 SENSOR = ChannelEntry("{angle: node} or {torque: element, at: node}", Sensor, SENSOR_QUANTITIES, "sensor")
 
 
-def port_fault(element: Element, at: str) -> str | None:
-    """Message if ``at`` names no port of the element, by the port's name or its node; else None.
+def port_fault(element: Element, at: str) -> Fault | None:
+    """Fault if ``at`` names no port of the element, by the port's name or its node; else None.
 
     A name that is a port and also the node of another port is refused: either could be meant.
     """
@@ -419,8 +419,8 @@ def port_fault(element: Element, at: str) -> str | None:
     )
     ports = ", ".join(f"{node} ({port})" for port, node in element.ports.items())
     if not by_name and not by_node:
-        hint = did_you_mean(at, [*element.ports.values(), *element.ports])
-        return f'{element.name} is not attached to "{at}"{hint}; it is attached to {ports}'
+        known = [*element.ports.values(), *element.ports]
+        return unfit_word(f'{element.name} is not attached to "{at}"', at, known, (), f"it is attached to {ports}")
     if len({*by_name, *by_node}) > 1:
-        return f'"{at}" could be two ports of {element.name}, which is attached to {ports}; rename the node'
+        return Fault(f'"{at}" could be two ports of {element.name}, which is attached to {ports}; rename the node')
     return None

@@ -10,7 +10,7 @@ from typing import Any, cast
 from torsionnet.core.entries.composite import Listed, Named
 from torsionnet.core.entries.scalars import AnyQuantity, plain_scalar, read_value
 from torsionnet.core.entries.spec import EntryError, Json, Plural, Renaming, Schema, Spec, Text, reference
-from torsionnet.core.errors import Fault, ModelError, UsageError, comma_list, did_you_mean
+from torsionnet.core.errors import Fault, ModelError, UsageError, comma_list, did_you_mean, unfit_word, unknown_name
 from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.element_entries import ElementName
 from torsionnet.model.operating_point import OPERATING_POINT, OperatingPoint
@@ -276,10 +276,10 @@ def _parse_part(part: str, axes: Axes) -> tuple[str, str]:
         axis, name = (piece.strip() for piece in part.split("=", 1))
         if axis not in axes:
             there = comma_list(axes, none="none")
-            raise UsageError(f'no axis of configurations is named "{axis}"{did_you_mean(axis, axes)}; there is {there}')
+            raise UsageError(unknown_name("axis of configurations", axis, axes, rest=f"there is {there}"))
         if name not in axes[axis]:
             there = comma_list(axes[axis], none="none")
-            raise UsageError(f'axis "{axis}" has no "{name}"{did_you_mean(name, axes[axis])}; it has {there}')
+            raise UsageError(unfit_word(f'axis "{axis}" has no "{name}"', name, axes[axis], rest=f"it has {there}"))
         return axis, name
     homes = [axis for axis, alternatives in axes.items() if part in alternatives]
     if len(homes) == 1:
@@ -290,7 +290,7 @@ def _parse_part(part: str, axes: Axes) -> tuple[str, str]:
         )
     names = [name for alternatives in axes.values() for name in alternatives]
     hint = f"there is {comma_list(names)}" if names else "the model has no configurations"
-    raise UsageError(f'no configuration is named "{part}"{did_you_mean(part, names)}; {hint}')
+    raise UsageError(unknown_name("configuration", part, names, rest=hint))
 
 
 def read_overrides(

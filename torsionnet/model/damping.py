@@ -23,7 +23,7 @@ from typing import Any
 
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, QuantityKind, plain_scalar, read_scalar
 from torsionnet.core.entries.spec import EntryError, Json, Schema, full_name
-from torsionnet.core.errors import Fault, Path, TorsionnetError, did_you_mean
+from torsionnet.core.errors import INSERT, Fault, Path, Remedy, TorsionnetError, did_you_mean, unfit_word
 from torsionnet.core.expressions import FLOAT, Algebra, Expression, Number
 from torsionnet.core.units import DIMENSIONS
 
@@ -201,22 +201,16 @@ class DampingQuantity(QuantityKind[Expression | DampingMeasure]):
         given = [key for key in raw if key != "at"]
         for key in given:
             if key not in MEASURES:
-                hint = did_you_mean(str(key), MEASURES)
-                known = f"known: {', '.join(MEASURES)}"
-                raise EntryError(
-                    Fault(
-                        f'"{key}" is not a measure of damping{hint}; {known}',
-                        (key,),
-                        on_key=True,
-                    )
-                )
+                text, known = f'"{key}" is not a measure of damping', f"known: {', '.join(MEASURES)}"
+                raise EntryError(unfit_word(text, str(key), MEASURES, (key,), known, on_key=True))
         if len(given) != 1:
             raise EntryError(
                 f"give one measure of damping ({', '.join(MEASURES)}) and at: the frequency where it holds"
             )
         measure = given[0]
         if "at" not in raw and measure != "c":
-            raise EntryError(f"{measure} gives a viscous coefficient only at a stated frequency; add at: 12 Hz")
+            text = f"{measure} gives a viscous coefficient only at a stated frequency; add at: 12 Hz"
+            raise EntryError(Fault(text, remedy=Remedy(INSERT, "12 Hz", keys=("at",))))
         value = _within(raw[measure], "damping" if measure == "c" else "1", measure)
         at = _within(raw["at"], "frequency", "at") if "at" in raw else None
         return DampingMeasure(measure, value, at)

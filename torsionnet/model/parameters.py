@@ -11,7 +11,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.composite import Nested
+from torsionnet.core.entries.composite import Nested, superfluous
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import AnyQuantity, plain_scalar, read_value
 from torsionnet.core.entries.spec import (
@@ -59,7 +59,7 @@ class LookupTable(Plural[Rows]):
             try:
                 found.append((self.key(key), self.value(value)))
             except EntryError as error:
-                faults.append(Fault(error.fault.message, (key,)))
+                faults.append(replace(error.fault, path=(key,)))
         found.sort(key=lambda row: row[0].value)
         twice = [second for first, second in pairwise(found) if first[0].value == second[0].value]
         faults += [Fault(f"{key} stands twice in the table; keep one row") for key, _ in twice]
@@ -212,9 +212,7 @@ class Parameter(Declared):
                 return [Fault(f"{extra[0]} needs by: {' or '.join(FOLLOWED_QUANTITIES)}", (extra[0],), on_key=True)]
             return [self.missing("value")] if self.value is None else []
         if self.value is not None and not isinstance(self.value, OperatingValue):
-            return [
-                Fault(f"a parameter by {self.by} has no value of its own; leave out value", ("value",), on_key=True)
-            ]
+            return [superfluous(f"a parameter by {self.by} has no value of its own", "value")]
         what, dimension = FOLLOWED_QUANTITIES[self.by]
         if not self.of:
             return [Fault(f"by: {self.by} needs of: the name of {what}", on_key=True)]
@@ -304,7 +302,8 @@ def resolve(parameters: Mapping[str, Parameter]) -> tuple[dict[str, Fraction | f
         try:
             values[name] = expression.evaluate(values)
         except ExpressionError as error:
-            faults.append(Fault(f"{name} cannot be calculated: {error}", ("parameters", name)))
+            causes = (name, *sorted(expression.names))
+            faults.append(Fault(f"{name} cannot be calculated: {error}", ("parameters", name), causes=causes))
     return values, faults
 
 
@@ -320,6 +319,6 @@ def dimensions(parameters: Mapping[str, Parameter]) -> tuple[dict[str, Dimension
         try:
             found[name] = parameters[name].value.dimension(found)
         except ExpressionError as error:
-            faults.append(Fault(str(error), ("parameters", name)))
+            faults.append(replace(error.fault, path=("parameters", name)))
             found[name] = None
     return found, faults

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from torsionnet.core.entries.composite import Named, Nested, Typed
 from torsionnet.core.entries.scalars import QuantityKind
 from torsionnet.core.entries.spec import NAME_SCHEMA, name_fault
-from torsionnet.core.errors import Fault, ModelError, did_you_mean
+from torsionnet.core.errors import MISSING_KEY, NO_TYPE, UNKNOWN_KEY, Fault, ModelError, unfit_word
 from torsionnet.core.expression_reading import check_name
 from torsionnet.core.expressions import Number
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE
@@ -43,7 +43,7 @@ class ElementTable(Named[Element]):
     def read(self, raw: object) -> tuple[dict[str, Element], list[Fault]]:
         """Elements by name that can be made, and all faults."""
         if not isinstance(raw, Mapping) or not raw:
-            return {}, [Fault(f"a model needs elements: {FORM}", kind="missing key", about="elements")]
+            return {}, [Fault(f"a model needs elements: {FORM}", kind=MISSING_KEY, about="elements")]
         elements: dict[str, Element] = {}
         faults: list[Fault] = []
         for name, entry in raw.items():
@@ -58,7 +58,8 @@ def _read_element(name: Any, raw: object) -> tuple[Element | None, list[Fault]]:
     if isinstance(raw, Element):
         return raw, []
     if not isinstance(name, str) or name_fault(name):
-        return None, [Fault(name_fault(str(name)) or f"the name of an element is a text, got {name!r}", on_key=True)]
+        unfit = name_fault(str(name)) or Fault(f"the name of an element is a text, got {name!r}")
+        return None, [replace(unfit, on_key=True)]
     if not isinstance(raw, Mapping):
         return None, [Fault(f"expected {{type: ..., ...}}, got {raw!r}")]
     kind = raw.get("type")
@@ -90,7 +91,7 @@ def _made(cls: type[Element], name: str, entries: Mapping[str, Any]) -> tuple[El
         faults += [fault for fault in found if not (fault.path and fault.path[0] in lacking)]
         return None, [*faults, *_beyond_bounds(cls, known, {fault.path[0] for fault in faults if fault.path})]
     # With unknown keys alone it goes on to the checks, which tell what else is wrong.
-    return (element if all(fault.kind == "unknown key" for fault in faults) else None), faults
+    return (element if all(fault.kind == UNKNOWN_KEY for fault in faults) else None), faults
 
 
 def _beyond_bounds(cls: type[Element], known: Mapping[str, Any], told: Container[Any]) -> Iterator[Fault]:
@@ -107,12 +108,12 @@ def _beyond_bounds(cls: type[Element], known: Mapping[str, Any], told: Container
 def _kind_fault(kind: Any) -> Fault:
     known = ", ".join(ELEMENT_TYPES)
     if kind is None:
-        return Fault(f"an element needs a type: {known}", on_key=True)
+        return Fault(f"an element needs a type: {known}", on_key=True, kind=NO_TYPE)
     from torsionnet.core.familiar_words import ELEMENT_TYPES as FAMILIAR_TYPES
 
-    familiar = FAMILIAR_TYPES.get(str(kind).casefold())
-    hint = f'; did you mean "{familiar}"?' if familiar in ELEMENT_TYPES else did_you_mean(str(kind), ELEMENT_TYPES)
-    return Fault(f'no element type is named "{kind}"{hint}; known: {known}'.replace("?; ", "? "), ("type",))
+    familiar = FAMILIAR_TYPES.get(str(kind).casefold(), "")
+    meant, text = familiar if familiar in ELEMENT_TYPES else "", f'no element type is named "{kind}"'
+    return unfit_word(text, str(kind), ELEMENT_TYPES, ("type",), f"known: {known}", meant=meant)
 
 
 def element_kinds() -> Mapping[str, type[Element]]:

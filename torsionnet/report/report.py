@@ -15,7 +15,7 @@ from torsionnet.core.version import __version__
 from torsionnet.loading import load
 from torsionnet.model.files.reader import find_model
 from torsionnet.model.report import KINDS, LANGUAGES, Pair, ReportPlan, TitleBlock, parse_band
-from torsionnet.model.report.report_plan import section_fault
+from torsionnet.model.report.report_plan import unknown_section
 from torsionnet.report.document_tree import Report
 from torsionnet.report.measured_orders import measured_files
 from torsionnet.report.report_data import ReportData, cases_of, digest_of, document_kind, require_answers
@@ -268,7 +268,7 @@ def _title_block(given: Mapping[str, Any] | TitleBlock, of_file: TitleBlock | No
 
 def _sections(names: Iterable[str]) -> tuple[str, ...]:
     listed = tuple(names)
-    faults = [reason for name in listed if (reason := section_fault(name))]
+    faults = [unknown.message for name in listed if (unknown := unknown_section(name))]
     if faults:
         raise UsageError("\n".join(faults))
     return listed

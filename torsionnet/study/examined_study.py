@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.core.errors import Fault
+from torsionnet.core.errors import UNKNOWN_NAME, Fault
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.model import Model
 from torsionnet.study.answers.answer import ANSWERS, AskedStudy, StudyAnswer
@@ -162,7 +162,7 @@ def _sound_quantities(asked: Mapping[str, StudyQuantity], faults: list[Fault]) -
 
 def _not_about(faults: list[Fault], names: list[str]) -> list[Fault]:
     """Faults of a study without those that call a quantity unknown although the file has one that cannot be read."""
-    return [fault for fault in faults if fault.kind != "unknown name" or fault.about not in names]
+    return [fault for fault in faults if fault.kind != UNKNOWN_NAME or fault.about not in names]
 
 
 def _errors(faults: list[Fault]) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path as FolderPath
 
 from torsionnet.core.entries.spec import name_fault
-from torsionnet.core.errors import Path, UsageError
+from torsionnet.core.errors import Path, UsageError, fault_of
 from torsionnet.core.expression_reading import check_name
 from torsionnet.core.units import UnitError, parse_unit
 from torsionnet.text.name_definition import place_at
@@ -81,7 +81,8 @@ def _no_name(found: NamedPlace, new: str) -> str:
     if found.kind in ("use", "part") and "." in new:
         return f'"{new}" has a dot; that stands between the name of a part and what is in it'
     is_value = found.kind in ("parameter", "use")
-    reason = (check_name(new) if is_value else name_fault(new)) or ""
+    unfit = check_name(new) if is_value else name_fault(new)
+    reason = fault_of(unfit).message if unfit else ""
     if not reason and new == "ground":
         reason = '"ground" is the node that never moves; choose another name'
     if not reason and "." in new and "." not in found.name:

@@ -6,20 +6,17 @@ import re
 from pathlib import Path as FolderPath
 
 from torsionnet.core.entries.declared import files_beside
-from torsionnet.core.errors import Fault, Path
+from torsionnet.core.errors import UNKNOWN_NAME, Fault, Path
 from torsionnet.core.packages import gc_paused
 from torsionnet.model.checks import names
 from torsionnet.model.defining import define
-from torsionnet.model.files.located_yaml import LocatedDocument
+from torsionnet.model.files.located_yaml import INDENTATION, NO_COLON, OUTSIDE, STRAY_COLON, LocatedDocument
 from torsionnet.model.files.part_includes import include_parts
 from torsionnet.model.files.reader import located_faults
 from torsionnet.text.tolerant_reading import tolerant_document
 
-_MISPLACED = re.compile('indentation|":" is not expected|outside of the model')
-"""Expression of the message on a break that leaves it open to which section the entries around belong."""
-
-_WITHOUT_COLON = '":" is missing'
-"""Part of the message on a break that may be the name of a section, which then holds all that follows."""
+_MISPLACED = (INDENTATION, STRAY_COLON, OUTSIDE)
+"""Kinds of breaks that leave it open to which section the entries around belong."""
 
 
 @gc_paused()
@@ -34,10 +31,10 @@ def partial_faults(text: str, file: str, folder: FolderPath | None, broken: Faul
         return []
     line = broken.position.line - 1
     home = _entry_at_line(document, line)
-    if _WITHOUT_COLON in broken.message:
+    if broken.kind == NO_COLON:  # it may be the name of a section, which then holds all that follows
         home = home[:1]
     lines = {line, _line_with_text(document, line, -1), _line_with_text(document, line, 1)}
-    lost = _lost_sections(document, home) if _MISPLACED.search(broken.message) else set()
+    lost = _lost_sections(document, home) if broken.kind in _MISPLACED else set()
     return [
         fault
         for fault in located_faults(_certain_faults(document, text, folder), document)
@@ -58,12 +55,12 @@ def _certain_faults(document: LocatedDocument, text: str, folder: FolderPath | N
         definition, faults = define(document.data)
     for fault in (one for check in names.CHECKS for one in check(definition)):
         # The copies that a use makes have names with dots that no text has.
-        if fault.kind == "unknown name" and "." not in fault.about and _times(fault.about, text) < 2:
+        if fault.kind == UNKNOWN_NAME and "." not in fault.about and _times(fault.about, text) < 2:
             faults.append(fault)
     if definition.authored is not None:
         from torsionnet.model.parts.written_places import at_written_places
 
-        faults = at_written_places(definition.authored.authored, faults)
+        faults = at_written_places(definition, faults)
     return faults
 
 

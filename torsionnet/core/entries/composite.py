@@ -6,7 +6,7 @@ Here as well: checks that one of several alternative entries of an object is giv
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias, TypeVar, cast
 
 from torsionnet.core.entries.declared import Declared
@@ -21,7 +21,7 @@ from torsionnet.core.entries.spec import (
     list_annotation,
     reference,
 )
-from torsionnet.core.errors import Fault, did_you_mean
+from torsionnet.core.errors import BRACKET, LEAVE_OUT, NO_TABLE, Fault, Remedy, fault_of, unfit_word
 
 D = TypeVar("D", bound=Declared)
 Kinds: TypeAlias = Callable[[], Mapping[str, type[D]]]
@@ -121,8 +121,8 @@ class Typed(Composite[D]):
         names = ", ".join(known)
         if not isinstance(raw, Mapping) or kind is None:
             return None, [Fault(f"expected {{{self.key}: ..., ...}} with one of the {self.key}s {names}", on_key=True)]
-        hint = did_you_mean(str(kind), known)
-        return None, [Fault(f'no {self.what} {self.key} is named "{kind}"{hint}; known: {names}', (self.key,))]
+        text = f'no {self.what} {self.key} is named "{kind}"'
+        return None, [unfit_word(text, str(kind), known, (self.key,), f"known: {names}")]
 
     @staticmethod
     def _is_one_of(known: Mapping[str, type[D]], raw: object) -> bool:
@@ -178,7 +178,7 @@ class Named(Composite[Mapping[str, Stored_co]], Plural[Mapping[str, Stored_co]])
     """Entry that holds a table of entries by name."""
 
     of: Spec[Stored_co]
-    refused: Callable[[str], str | None] = field(default=lambda _: None)
+    refused: Callable[[str], Fault | str | None] = field(default=lambda _: None)
     """Function that returns why a name in the table is not allowed, or None where it is."""
     names: Schema = field(default_factory=dict)
     """JSON Schema that every name in the table has to fit."""
@@ -201,13 +201,13 @@ class Named(Composite[Mapping[str, Stored_co]], Plural[Mapping[str, Stored_co]])
 
     def read(self, raw: object) -> tuple[Mapping[str, Stored_co], list[Fault]]:
         if not isinstance(raw, Mapping) or len(raw) < self.fewest:
-            return {}, [Fault(f"expected {self.form}, got {raw!r}")]
+            return {}, [Fault(f"expected {self.form}, got {raw!r}", kind=NO_TABLE)]
         table: dict[str, Stored_co] = {}
         faults: list[Fault] = []
         for name, entry in raw.items():
             reason = self.refused(str(name))
             if reason:
-                faults.append(Fault(reason, (name,), on_key=True))
+                faults.append(replace(fault_of(reason), path=(name,), on_key=True))
                 continue
             empty = entry is None and self.of.may_be_empty
             value, found = (self.of.absent, []) if empty else self.of.read(entry)
@@ -258,7 +258,8 @@ class Listed(Composite[tuple[Stored_co, ...]], Plural[tuple[Stored_co, ...]]):
 
     def read(self, raw: object) -> tuple[tuple[Stored_co, ...], list[Fault]]:
         if not isinstance(raw, list | tuple):
-            return (), [Fault(f"expected {self.form}, got {raw!r}")]
+            remedy = Remedy(BRACKET) if isinstance(raw, str) else None
+            return (), [Fault(f"expected {self.form}, got {raw!r}", remedy=remedy)]
         values: list[Any] = []
         faults: list[Fault] = []
         for index, entry in enumerate(raw):
@@ -339,7 +340,13 @@ def one_at_most(owner: object, *names: str, of: str = "") -> list[Fault]:
     if len(found) < 2:
         return []
     text = f"{of} is given by {found[0]} or by {found[1]}" if of else f"give {found[0]} or {found[1]}"
-    return [Fault(f"{text}, not both", (found[1],), on_key=True)]
+    remedy = None if of else Remedy(LEAVE_OUT, keys=(found[0], found[1]))
+    return [Fault(f"{text}, not both", (found[1],), on_key=True, remedy=remedy)]
+
+
+def superfluous(why: str, key: str) -> Fault:
+    """Fault of an entry that is to be left out, for a reason."""
+    return Fault(f"{why}; leave out {key}", (key,), on_key=True, remedy=Remedy(LEAVE_OUT))
 
 
 def one_exactly(owner: object, *names: str, of: str = "", form: str = "") -> list[Fault]:

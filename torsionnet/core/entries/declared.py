@@ -16,7 +16,20 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any, ClassVar, Self, TypeAlias
 
 from torsionnet.core.entries.spec import EntryError, Json, Renaming, Schema, Spec, spec_of
-from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean, unknown_key
+from torsionnet.core.errors import (
+    MISSING_KEY,
+    NO_VALUE,
+    SEPARATE,
+    UNKNOWN_KEY,
+    WRITE,
+    Fault,
+    ModelError,
+    Remedy,
+    UsageError,
+    nearest,
+    question,
+    unknown_key,
+)
 
 FORMAT_VERSION = 1
 """Number of the version of the file format that this release reads and writes."""
@@ -30,11 +43,12 @@ def version_faults(data: Mapping[Any, Any], kind: str) -> list[Fault]:
     version = data.get(KEY)
     if version is None:
         text = f"the first entry of a {kind} file is {KEY}: {FORMAT_VERSION}, the version of the format"
-        return [Fault(text, kind="missing key", about=KEY)]
+        return [Fault(text, kind=MISSING_KEY, about=KEY)]
     if version != FORMAT_VERSION or isinstance(version, bool):
         shown = f"format {version}" if isinstance(version, int) and not isinstance(version, bool) else repr(version)
         text = f"{KEY}: is the version of the format, {FORMAT_VERSION} for this release; this is {shown}"
-        return [Fault(text, (KEY,))]
+        known = Remedy(WRITE, str(FORMAT_VERSION)) if str(version) in ("1", "1.0") else None
+        return [Fault(text, (KEY,), remedy=known)]
     return []
 
 
@@ -165,7 +179,8 @@ class Declared:
         empty = [key for key, spec in specs.items() if key in raw and raw[key] is None and not spec.may_be_empty]
         for key in empty:
             if key not in required:
-                faults.append(Fault(f"{key} has no value; give one, or leave the entry out", (key,), on_key=True))
+                text = f"{key} has no value; give one, or leave the entry out"
+                faults.append(Fault(text, (key,), on_key=True, kind=NO_VALUE, about=key))
         return faults
 
     @classmethod
@@ -173,7 +188,7 @@ class Declared:
         """Fault of a required entry that is not given."""
         called = f"{cls.article or cls.kind} {name}".rstrip()
         text = f"{called} needs {key}: {dict(cls.specs())[key].example}"
-        return Fault(text, on_key=True, kind="missing key", about=key)
+        return Fault(text, on_key=True, kind=MISSING_KEY, about=key)
 
     @classmethod
     def spec_beside(cls, name: str, spec: Spec[Any], entries: Mapping[str, Any]) -> Spec[Any]:
@@ -263,7 +278,8 @@ def _run_together(key: Any, known: Iterable[str], raw: Mapping[Any, Any]) -> Fau
         return None  # rather a comma in that text
     lacks = f'a blank is missing after "{found[1]}:"' if ":" in found[2] else f'a colon is missing after "{found[1]}"'
     text = f"{lacks}; write {found[1]}: {str(key)[found.end() - 1 :]}"
-    return Fault(text, (key,), on_key=True, kind="unknown key", about=str(key), meant=found[1])
+    apart = Remedy(SEPARATE)
+    return Fault(text, (key,), on_key=True, kind=UNKNOWN_KEY, about=str(key), meant=found[1], remedy=apart)
 
 
 _FOLDER: ContextVar[Path | None] = ContextVar("folder of the file that is being read", default=None)
@@ -356,8 +372,9 @@ def nearby_file(name: str) -> Path:
     except (OSError, RuntimeError):  # the latter of links that lead in a circle, up to Python 3.12
         there, inside, size = False, True, 0
     if not there:
-        hint = _others(path) if inside else ""  # what lies elsewhere, behind a link, is not told
-        raise EntryError(f'there is no file "{name}" beside the model file{hint}')
+        meant = _nearest_file(path) if inside else ""  # what lies elsewhere, behind a link, is not told
+        text = f'there is no file "{name}" beside the model file{question(meant)}'
+        raise EntryError(Fault(text, about=pure.name, meant=meant))
     if not inside:
         raise EntryError(f'"{name}" is a link that leads out of the folder of the model file; put the file there')
     if size > MOST_FILE_BYTES:
@@ -374,8 +391,8 @@ def names_a_file(raw: object) -> bool:
     return isinstance(raw, Path) or (isinstance(raw, str) and _SUFFIXED.search(raw) is not None)
 
 
-def _others(path: Path) -> str:
+def _nearest_file(path: Path) -> str:
     try:
-        return did_you_mean(path.name, [entry.name for entry in path.parent.iterdir() if entry.is_file()])
+        return nearest(path.name, [entry.name for entry in path.parent.iterdir() if entry.is_file()])
     except OSError:
         return ""

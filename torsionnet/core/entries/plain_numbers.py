@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from torsionnet.core.entries.spec import EntryError, Json, Plural, Schema, Spec
+from torsionnet.core.errors import BRACKET, Fault, Remedy
 
 
 class PlainNumber(Spec[float]):
@@ -34,7 +35,8 @@ class PlainNumbers(Plural[tuple[float, ...]]):
     def coerce(self, raw: object) -> tuple[float, ...]:
         raw = raw.tolist() if hasattr(raw, "tolist") else raw
         if not isinstance(raw, list | tuple):
-            raise EntryError(f"expected a list of numbers, got {raw!r}")
+            remedy = Remedy(BRACKET) if isinstance(raw, str) else None
+            raise EntryError(Fault(f"expected a list of numbers, got {raw!r}", remedy=remedy))
         number, values = PlainNumber(self.description), []
         for index, one in enumerate(raw):
             try:

@@ -8,16 +8,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 from torsionnet.core.entries.spec import EntryError, Json, Plural, Schema, Spec, Stored_co, coerce_part
-from torsionnet.core.errors import Path
+from torsionnet.core.errors import IN_UNIT, NO_NUMBER, WRITE, Fault, FaultyValueError, Path, Remedy
 from torsionnet.core.expression_reading import scalar
-from torsionnet.core.expressions import Expression, ExpressionError, Number, Rows, is_beyond_range
-from torsionnet.core.units import DIMENSIONS, UnitError, expected_unit, parse_quantity, with_forces
+from torsionnet.core.expressions import Expression, Number, Rows, is_beyond_range
+from torsionnet.core.units import DIMENSIONS, expected_unit, parse_quantity, with_forces
 
 SCALAR_SCHEMA: Schema = {"type": ["number", "string"]}
 
@@ -32,10 +32,22 @@ def read_scalar(raw: object, dimension: str) -> Expression:
     if isinstance(raw, (Mapping, list, tuple)):
         raise EntryError(f"expected {_wanted(dimension)}, got {'a mapping' if isinstance(raw, Mapping) else 'a list'}")
     try:
-        value = scalar(raw)
-    except (ExpressionError, UnitError, TypeError, ValueError) as error:
-        raise EntryError(_unit_hint(str(error), dimension)) from None
+        value = _scalar(raw)
+    except EntryError as error:
+        if dimension == "1" or error.fault.kind == NO_NUMBER:
+            raise
+        raise EntryError(replace(error.fault, message=f"{error}; expected {_wanted(dimension)}")) from None
     return check_unit(_within_range(value), dimension)
+
+
+def _scalar(raw: object) -> Expression:
+    """Expression from a number or a text, or an EntryError with the fault in it."""
+    try:
+        return scalar(raw)
+    except FaultyValueError as error:
+        raise EntryError(error.fault) from None
+    except (TypeError, ValueError) as error:
+        raise EntryError(str(error)) from None
 
 
 def read_value(raw: object) -> Expression:
@@ -44,10 +56,7 @@ def read_value(raw: object) -> Expression:
         raise EntryError(
             f"expected a number, a quantity with unit or an expression, got {'nothing' if raw is None else repr(raw)}"
         )
-    try:
-        return _within_range(scalar(raw))
-    except (ExpressionError, UnitError, TypeError, ValueError) as error:
-        raise EntryError(str(error)) from None
+    return _within_range(_scalar(raw))
 
 
 def _within_range(value: Expression) -> Expression:
@@ -71,20 +80,21 @@ def check_unit(value: Expression, dimension: str) -> Expression:
         return Number(1 / value.value, wanted, value.text)
     label = "a plain number" if dimension == "1" else dimension
     msg = f'"{value.text}" is not a value of {label}; expected a unit such as {expected_unit(dimension)}'
+    written = value.text or ""
+    remedy = Remedy(IN_UNIT, expected_unit(dimension), old=written)
     if dimension in ("speed", "angular frequency") and value.unit_dimension == DIMENSIONS["frequency"]:
         msg += " (Hz counts cycles, not radians)"
-    forces = with_forces(value.text or "")
+        if value.unit_written == "Hz":
+            remedy = Remedy(WRITE, f"{float(value.value) * 60:.15g} rpm", old=written)
+    forces = with_forces(written)
     if forces != value.text and parse_quantity(forces).dimension == wanted:
         msg += f"; lb, oz and kg are masses, lbf, ozf and kgf forces: write {forces}"
-    raise EntryError(msg)
+        remedy = Remedy(WRITE, forces, old=written)
+    raise EntryError(Fault(msg, remedy=remedy))
 
 
 def _wanted(dimension: str) -> str:
     return "a number" if dimension == "1" else f"{dimension} in {expected_unit(dimension)}, or an expression"
-
-
-def _unit_hint(message: str, dimension: str) -> str:
-    return message if dimension == "1" or "expected" in message else f"{message}; expected {_wanted(dimension)}"
 
 
 def plain_scalar(value: Expression) -> int | float | str:
@@ -215,10 +225,7 @@ class ValueInUnitOfUse(Spec[Number]):
     def coerce(self, raw: object) -> Number:
         if isinstance(raw, Number):
             return raw
-        try:
-            number = scalar(raw)
-        except (ExpressionError, UnitError, TypeError, ValueError) as error:
-            raise EntryError(str(error)) from None
+        number = _scalar(raw)
         Value(self.description, "1", self.lower, self.exclusive).coerce(_number(number))
         assert isinstance(number, Number)
         return number

@@ -11,7 +11,7 @@ from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass, 
 from numbers import Integral
 from typing import Any, ClassVar, Generic, TypeAlias, TypeVar, cast, overload
 
-from torsionnet.core.errors import Fault, Path, did_you_mean
+from torsionnet.core.errors import INVALID_NAME, QUOTE, WRITE, Fault, Path, Remedy, unfit_word
 from torsionnet.core.expressions import Expression
 
 
@@ -299,24 +299,34 @@ MODEL_NAME = "the name of a library model or the path of a model file"
 """Description of the name of a model, for entries and messages."""
 NAME_SCHEMA: Schema = {"pattern": r"^[A-Za-z][A-Za-z0-9_]*(\.[A-Za-z][A-Za-z0-9_]*)*$"}
 """JSON Schema of the name of a node, an element, an input or a sensor."""
+_TRUTH = {**dict.fromkeys(("yes", "on", "y"), "true"), **dict.fromkeys(("no", "off", "n"), "false")}
+"""True or false by the words that stand for it in other programs."""
 
 
-def name_fault(name: str) -> str | None:
-    """Message that ``name`` cannot name a node, an element, an input or a sensor, or None if it can.
+def name_fault(name: str) -> Fault | None:
+    """Fault that ``name`` cannot name a node, an element, an input or a sensor, or None if it can.
 
     What belongs to a part that is used in a model has the name of the use before a dot.
 
     >>> name_fault("hub"), name_fault("left.hub")
     (None, None)
     """
-    if name.isascii() and all(is_single_word(piece) for piece in name.split(".")):
-        return None
-    return f'"{name}" is not a valid name; use letters, digits and _, beginning with a letter'
+    return None if all(is_single_word(piece) for piece in name.split(".")) else _no_name(name)
+
+
+def single_name_fault(name: str) -> Fault | None:
+    """Fault that a name is not one word without a dot, or None, as for a use or a part."""
+    return None if is_single_word(name) else _no_name(name)
+
+
+def _no_name(name: str) -> Fault:
+    text = f'"{name}" is not a valid name; use letters, digits and _, beginning with a letter'
+    return Fault(text, kind=INVALID_NAME, about=name)
 
 
 def is_single_word(name: str) -> bool:
     """Whether a name is one word, without a dot."""
-    return name.isidentifier() and not name.startswith("_")
+    return name.isascii() and name.isidentifier() and not name.startswith("_")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -327,7 +337,7 @@ class Text(Spec[str]):
 
     def coerce(self, raw: object) -> str:
         if not isinstance(raw, str):
-            raise EntryError(f"expected {self.what}, got {raw!r}")
+            raise EntryError(Fault(f"expected {self.what}, got {raw!r}", remedy=Remedy(QUOTE)))
         return raw
 
     def schema(self) -> Schema:
@@ -346,8 +356,8 @@ class OneOf(Spec[str]):
 
     def coerce(self, raw: object) -> str:
         if raw not in self.options:
-            hint = did_you_mean(raw, self.options) if isinstance(raw, str) else ""
-            raise EntryError(f"expected {' or '.join(self.options)}, got {raw!r}{hint}")
+            text = f"expected {' or '.join(self.options)}, got {raw!r}"
+            raise EntryError(unfit_word(text, raw, self.options) if isinstance(raw, str) else text)
         return str(raw)
 
     def schema(self) -> Schema:
@@ -383,7 +393,8 @@ class Flag(Spec[bool]):
 
     def coerce(self, raw: object) -> bool:
         if not isinstance(raw, bool):
-            raise EntryError(f"expected true or false, got {raw!r}")
+            remedy = Remedy(WRITE, _TRUTH[raw.lower()]) if isinstance(raw, str) and raw.lower() in _TRUTH else None
+            raise EntryError(Fault(f"expected true or false, got {raw!r}", remedy=remedy))
         return raw
 
     def schema(self) -> Schema:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from torsionnet.core.entries.scalars import check_unit
 from torsionnet.core.entries.spec import EntryError, not_none
-from torsionnet.core.errors import Fault, Path, did_you_mean
+from torsionnet.core.errors import MISSING_KEY, Fault, Path, did_you_mean
 from torsionnet.core.expressions import Number
 from torsionnet.model.bench.parts import Encoder, Transducer
 from torsionnet.model.bench.plan import Plan, Sensing
@@ -95,7 +95,7 @@ def _channel(name: str, part: Sensing, plan: Plan, definition: Definition) -> It
         return
     if plan.acquisition.bits is not None and part.range is None:
         text = f"an analog input of {plan.acquisition.bits} bits divides a range; give the transducer one"
-        yield Fault(text, on_key=True, kind="missing key", about="range")
+        yield Fault(text, on_key=True, kind=MISSING_KEY, about="range")
     for place, value in _in_unit_of_use(part).items():
         try:
             if value is not None:

@@ -9,7 +9,7 @@ from typing import ClassVar, TypeAlias
 from torsionnet.core.entries.composite import Named, Nested, Typed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.spec import Count, entry
-from torsionnet.core.errors import Fault
+from torsionnet.core.errors import MISSING_KEY, Fault
 from torsionnet.model.bench.bench_motions import MOTIONS, BenchMotion
 from torsionnet.model.bench.parts import Acquisition, Encoder, Exciter, RecordingSystem, Transducer
 from torsionnet.model.bench.strain_gauge import StrainGauge
@@ -87,7 +87,7 @@ class Plan(Declared):
     def contradictions(self) -> list[Fault]:
         if self.excitation is None and self.motion is None:
             text = f"a bench needs excitation: {SWEEP}, which shakes, or motion: {RUN_UP}, which turns"
-            return [Fault(text, on_key=True, kind="missing key", about="excitation")]
+            return [Fault(text, on_key=True, kind=MISSING_KEY, about="excitation")]
         if self.motion is None:
             return list(self._of_motion_only())
         found = []

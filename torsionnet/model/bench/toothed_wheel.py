@@ -10,7 +10,7 @@ from torsionnet.core.entries.composite import Listed, Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import Count, Flag, entry
-from torsionnet.core.errors import Fault
+from torsionnet.core.errors import MISSING_KEY, Fault
 from torsionnet.model.channels import ChannelName, RecordedName
 
 SENSED = 'the angle of its node, if its name is no sensor of the model: "angle(fly)"'
@@ -136,7 +136,7 @@ class ToothedWheel(Declared):
         found = []
         if not self.teeth:
             text = "a toothed wheel needs teeth: 60, or wheel: the channel of the wheel's first pickup"
-            found.append(Fault(text, on_key=True, kind="missing key", about="teeth"))
+            found.append(Fault(text, on_key=True, kind=MISSING_KEY, about="teeth"))
         elif self.missing_teeth and self.missing_teeth >= self.teeth - 1:
             text = f"a wheel of {self.teeth} teeth cannot lack {self.missing_teeth}"
             found.append(Fault(text, ("missing_teeth",)))

@@ -10,7 +10,7 @@ from torsionnet.core.entries.composite import Named, Nested
 from torsionnet.core.entries.declared import KEY, Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import MODEL_NAME, Count, Flag, OneOf, Text, entry
-from torsionnet.core.errors import Fault
+from torsionnet.core.errors import MISSING_KEY, Fault
 from torsionnet.model.campaign.campaign_checks import CampaignChecks
 from torsionnet.model.campaign.campaign_responses import CampaignResponses
 from torsionnet.model.fit.fit_entries import FitParameter, ParameterTable
@@ -221,7 +221,7 @@ class CampaignFile(Declared):
         found = super().key_faults(raw, name)
         if not {"orders", "responses"} & set(raw):
             text = "a campaign needs orders, of turning machines, or responses, of a rig that is shaken or hammered"
-            found.append(Fault(text, on_key=True, kind="missing key", about="orders"))
+            found.append(Fault(text, on_key=True, kind=MISSING_KEY, about="orders"))
         if "orders" in raw and not raw.get("wheels"):
             found.append(cls.missing("wheels", name))
         return found

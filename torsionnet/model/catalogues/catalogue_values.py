@@ -8,7 +8,7 @@ from typing import Any
 
 from torsionnet.core.entries.declared import nearby_file
 from torsionnet.core.entries.spec import EntryError, Spec
-from torsionnet.core.errors import Fault, ModelError, did_you_mean
+from torsionnet.core.errors import Fault, ModelError, nearest, question
 from torsionnet.core.units import expected_unit
 from torsionnet.model.catalogues.catalogue import Catalogue, CatalogueCell, CatalogueRow
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE
@@ -65,8 +65,10 @@ def _path(file: str) -> Path:
     if file in shipped:
         return shipped[file]
     if not Path(file).suffix:
-        hint = did_you_mean(file, shipped) or f"; there are {', '.join(shipped)}"
-        raise EntryError(f'no catalogue that comes with the package is named "{file}"{hint} (a file ends in .csv)')
+        meant = nearest(file, shipped)
+        hint = question(meant) or f"; there are {', '.join(shipped)}"
+        text = f'no catalogue that comes with the package is named "{file}"{hint} (a file ends in .csv)'
+        raise EntryError(Fault(text, about=file, meant=meant))
     return nearby_file(file)
 
 

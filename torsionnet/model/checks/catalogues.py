@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from torsionnet.core.errors import Fault, did_you_mean
+from dataclasses import replace
+
+from torsionnet.core.errors import Fault, unfit_word
 from torsionnet.model.catalogues.catalogue_entries import SIZE
 from torsionnet.model.definition import Definition
 
@@ -23,8 +25,8 @@ def unfit_columns(definition: Definition) -> list[Fault]:
         for one in others:
             if one not in limited:
                 text = f'the column "{one}" of {element.catalogue.file} fits no entry of a {element.kind} and no limit'
-                text += did_you_mean(one, [*known, *limited])
-                faults.append(Fault(text, ("elements", name, "catalogue"), "note"))
+                place = ("elements", name, "catalogue")
+                faults.append(replace(unfit_word(text, one, [*known, *limited], place), severity="note"))
     return faults
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import TypeAlias
 
+from torsionnet.core.errors import question
 from torsionnet.core.units import RPM
 from torsionnet.model.excitations.rating import Rating
 
@@ -43,21 +45,25 @@ def _short(value: float) -> str:
     return f"{float(f'{value:.4g}'):.10g}"
 
 
-def likely_speed(stated: float, expected: float, node: str, known: Mapping[str, float]) -> str:
-    """Text that asks whether a speed in rad/s is that of another node, or in a wrong unit; empty if neither fits."""
-    meant = f'; did you mean "{expected * RPM:.6g} rpm"?'
+Likely: TypeAlias = tuple[str, str]
+"""Type of a question on a likely slip and the value that it asks for, both empty where none is likely."""
+
+
+def likely_speed(stated: float, expected: float, node: str, known: Mapping[str, float]) -> Likely:
+    """Question whether a speed in rad/s is that of another node, or in a wrong unit."""
+    meant = f"{expected * RPM:.6g} rpm"
     other = next((one for one, speed in known.items() if one != node and _is(stated, speed, SAME_SPEED_SHARE)), None)
     if other is not None:
-        return f": that is the speed of {other}{meant}"
+        return f": that is the speed of {other}{question(meant)}", meant
     if _is(stated * RPM, expected, SAME_SPEED_SHARE):
-        return f": rad/s for rpm?{meant[1:].replace('did', 'Did')}"
+        return f': rad/s for rpm? Did you mean "{meant}"?', meant
     if _is(stated, expected * RPM, SAME_SPEED_SHARE):
-        return f": rpm for rad/s?{meant[1:].replace('did', 'Did')}"
-    return ""
+        return f': rpm for rad/s? Did you mean "{meant}"?', meant
+    return "", ""
 
 
-def likely_power(stated: float, expected: float, rating: Rating, ratios: Mapping[str, float]) -> str:
-    """Question whether a power in W that is stated has a likely slip, or an empty text."""
+def likely_power(stated: float, expected: float, rating: Rating, ratios: Mapping[str, float]) -> Likely:
+    """Question whether a power in W that is stated has a likely slip."""
     of_torque = rating.power is None and rating.shares == (1.0, 1.0)
     share = stated / expected
     slips = _OF_TORQUE if of_torque else _THOUSANDS
@@ -65,28 +71,29 @@ def likely_power(stated: float, expected: float, rating: Rating, ratios: Mapping
     found = next((text for factor, text in slips.items() if _is(share, factor, near)), None)
     if found is not None:
         if rating.power is None and not of_torque:
-            return "; is the load in the right unit?"
+            return "; is the load in the right unit?", ""
         right = f"{_short(abs(rating.torque) / share / 1e3)} kN*m" if of_torque else power_text(expected)
-        return f'; {found}? Did you mean "{right}"?'
+        return f'; {found}? Did you mean "{right}"?', right
     if of_torque:
         # A torque on the wrong side of a gear is off by its ratio.
         side = next(
             (node for node, ratio in ratios.items() if _is(share * ratio, 1, 0.01) and not _is(ratio, 1, 0.05)), ""
         )
         if side:
-            return f'; that is the torque at {side}; did you mean "{_short(abs(rating.torque) / share / 1e3)} kN*m"?'
-    return "; one of them is wrong" if share > 10 or share < 0.1 else ""
+            right = f"{_short(abs(rating.torque) / share / 1e3)} kN*m"
+            return f"; that is the torque at {side}{question(right)}", right
+    return "; one of them is wrong" if share > 10 or share < 0.1 else "", ""
 
 
-def likely_load(power: float, share: float, torque: float | None) -> str:
+def likely_load(power: float, share: float, torque: float | None) -> Likely:
     """Question whether a load in W has the right unit, if its power is stated elsewhere as ``share`` times as much."""
     found = next((text for factor, text in (_THOUSANDS if torque is None else _OF_TORQUE).items()
                   if _is(1 / share, factor, SAME_POWER_SHARE)), None)  # fmt: skip
     if found is None:
-        return ""
+        return "", ""
     factor = 10.0 ** round(math.log10(share))
     right = power_text(power * factor) if torque is None else f"{_short(torque * factor / 1e3)} kN*m"
-    return f'; {found}? Did you mean "{right}"?'
+    return f'; {found}? Did you mean "{right}"?', right
 
 
 def _is(value: float, other: float, share: float) -> bool:

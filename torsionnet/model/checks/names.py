@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.core.errors import Fault, ModelError, Path, did_you_mean, unknown_name
+from torsionnet.core.errors import UNUSED, Fault, ModelError, Path, nearest, question, unknown_name
 from torsionnet.core.expressions import Expression
 from torsionnet.model.channels import Input, Sensor, port_fault
 from torsionnet.model.configurations import Overlay
@@ -200,7 +200,7 @@ def unused_parameters(definition: Definition) -> list[Fault]:
     """Warnings about parameters that nothing uses; the model is complete without them."""
     used = {name for _, expression in _expressions(definition) for name in expression.names}
     return [
-        Fault(f'parameter "{name}" is not used', ("parameters", name), "warning", on_key=True, about=name)
+        Fault(f'parameter "{name}" is not used', ("parameters", name), "warning", on_key=True, kind=UNUSED, about=name)
         for name in definition.parameters
         if name not in used
     ]
@@ -276,9 +276,9 @@ def unknown_elements(definition: Definition) -> list[Fault]:
             faults.append(_no_element(sensor.of, definition, path))
             continue
         if sensor.at is not None:
-            reason = port_fault(element, sensor.at)
-            if reason:
-                faults.append(Fault(reason, ("sensors", name, "at")))
+            unfit = port_fault(element, sensor.at)
+            if unfit:
+                faults.append(replace(unfit, path=("sensors", name, "at")))
         reason = section_fault(element) if sensor.quantity == "stress" else None
         if reason:
             faults.append(Fault(reason, path))
@@ -359,9 +359,10 @@ def dead_ends(definition: Definition) -> list[Fault]:
     for node, names in touching.items():
         if len(names) == 1 and node not in used and len(definition.elements[names[0]].ports) > 1:
             others = (other for other in touching if other != node)
-            hint = did_you_mean(node, others) if len(faults) < MOST_HINTS else ""
-            text = f'only {names[0]} is attached to node "{node}"{hint}; it carries no torque there'
-            faults.append(Fault(text, ("elements", names[0]), "warning", on_key=True))
+            meant = nearest(node, others) if len(faults) < MOST_HINTS else ""
+            text = f'only {names[0]} is attached to node "{node}"{question(meant)}; it carries no torque there'
+            place = ("elements", names[0])
+            faults.append(Fault(text, place, "warning", on_key=True, about=node, meant=meant))
     return faults
 
 

@@ -91,9 +91,9 @@ def unknown_in_load(definition: Definition, load: Load) -> Iterator[Fault]:
             if node not in nodes:
                 yield unknown_name("node", node, nodes, path, on_key=bool(load.absorbers))
     for name in load.driven_by:
-        fault = unknown_driver(definition, name)
+        fault = unknown_driver(definition, name, ("load", "driven_by", name))
         if fault:
-            yield Fault(fault, ("load", "driven_by", name), on_key=True)
+            yield fault
 
 
 def unfit_load(external: ExternalTorques) -> list[Fault]:
@@ -210,8 +210,9 @@ def _wrong_way(node: str, torque: float, speeds: Mapping[str, float], name: str,
         return
     sense = "in" if torque * speeds[node] > 0 else "against"
     text = f"{torque:.6g} N*m act {sense} the rotation of {node}, {speeds[node] * RPM:.6g} rpm"
-    text += f", but {name} {'drives' if drives else 'takes power'} there; did you mean {-torque:.6g} N*m?"
-    yield Fault(text, ("operating_point", "torque", node), "warning")
+    meant = f"{-torque:.6g} N*m"
+    text += f", but {name} {'drives' if drives else 'takes power'} there; did you mean {meant}?"
+    yield Fault(text, ("operating_point", "torque", node), "warning", meant=meant)
 
 
 def _beyond_curves(external: ExternalTorques) -> list[Fault]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from torsionnet.core.errors import Fault, Path, UsageError
 from torsionnet.core.units import RPM
-from torsionnet.model.checks.likely_mistakes import likely_load, likely_power, likely_speed, power_text
+from torsionnet.model.checks.likely_mistakes import Likely, likely_load, likely_power, likely_speed, power_text
 from torsionnet.model.definition import LOAD
 from torsionnet.model.excitations import OrderExcitation
 from torsionnet.model.excitations.rating import Rating
@@ -88,8 +88,8 @@ def _of_load(external: ExternalTorques, unlike: Sequence[_Unlike], work: Mapping
     entry = next((name for name in ("power", "torque") if getattr(load, name) is not None), "over_speed")
     stated = " and ".join(f"{one.machine.name} {power_text(one.machine.powers[0])}" for one in unlike)
     text = f"the load takes {power_text(_taken(work))} at rated speed, but stated are of {stated}"
-    cause = likely_load(_taken(work), min(sizes), getattr(load, entry) if entry == "torque" else None)
-    return [Fault(text + cause, ("load", entry), "warning")] if cause else []
+    cause, meant = likely_load(_taken(work), min(sizes), getattr(load, entry) if entry == "torque" else None)
+    return [Fault(text + cause, ("load", entry), "warning", meant=meant)] if cause else []
 
 
 def _machines(external: ExternalTorques, rated: float) -> Iterator[_Machine]:
@@ -127,7 +127,8 @@ def _unlike(
     if abs(stated - expected) > SAME_SPEED_SHARE * expected:
         text = f"a rated speed of {stated * RPM:.6g} rpm, but {node} turns at {expected * RPM:.6g} rpm"
         text += f" with {external.reference} at its rated {known[external.reference] * RPM:.6g} rpm"
-        yield Fault(text + likely_speed(stated, expected, node, known), path, "warning")
+        cause, meant = likely_speed(stated, expected, node, known)
+        yield Fault(text + cause, path, "warning", meant=meant)
 
 
 def _absorbed(external: ExternalTorques, machines: list[_Machine], work: Mapping[str, float]) -> Iterator[_Unlike]:
@@ -140,7 +141,8 @@ def _absorbed(external: ExternalTorques, machines: list[_Machine], work: Mapping
         if taken > 0 and not any(_agree(power, taken, one.rating.shares) for power in one.powers):
             text = f"{one.name} takes {power_text(one.powers[0])} at rated speed"
             text += f", the load there {power_text(taken)}"
-            fault = Fault(text + _cause(one, taken, external), one.path(one.rating.path), "warning", about=LOAD)
+            cause, meant = _cause(one, taken, external)
+            fault = Fault(text + cause, one.path(one.rating.path), "warning", about=LOAD, meant=meant)
             yield _Unlike(one, one.powers[0] / taken, fault)
 
 
@@ -157,10 +159,10 @@ def _given(external: ExternalTorques, machines: list[_Machine], work: Mapping[st
         indicated = " indicated" if one.rating.shares[0] < 1 else ""
         text = f"{one.name} gives {power_text(given)}{indicated} at rated speed"
         text += f", {'the load takes' if work else 'propellers take'} {power_text(wanted)} from it"
-        cause = _cause(one, wanted, external)
+        cause, meant = _cause(one, wanted, external)
         least = given * one.rating.shares[0]
         severity = "note" if least > wanted and not cause else "warning"
-        fault = Fault(text + cause, one.path(one.rating.path), severity, about=LOAD)
+        fault = Fault(text + cause, one.path(one.rating.path), severity, about=LOAD, meant=meant)
         yield _Unlike(one, given / wanted, fault)
 
 
@@ -184,9 +186,9 @@ def _agree(stated: float, expected: float, shares: tuple[float, float]) -> bool:
     return low * (1 - SAME_POWER_SHARE) <= expected <= high * (1 + SAME_POWER_SHARE)
 
 
-def _cause(one: _Machine, wanted: float, external: ExternalTorques) -> str:
+def _cause(one: _Machine, wanted: float, external: ExternalTorques) -> Likely:
     if math.isclose(one.powers[0], 0.0):
-        return ""
+        return "", ""
     ratios = _ratios(external)
     own = ratios[one.excitation.shaft]
     return likely_power(one.powers[0], wanted, one.rating, {node: ratio / own for node, ratio in ratios.items()})

@@ -9,7 +9,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from torsionnet.core.errors import USELESS, Fault, UsageError, comma_list, did_you_mean
+from torsionnet.core.errors import UNCONNECTED, USELESS, Fault, UsageError, comma_list, nearest, question
 from torsionnet.core.registers import Groups
 from torsionnet.model.channels import Input, Sensor, immobility_text, named_nodes
 from torsionnet.model.definition import Definition, all_nodes
@@ -80,10 +80,11 @@ def _unconnected(definition: Definition, names: Sequence[str], main: Sequence[st
     group = set(names)
     owner = next(name for name, element in definition.elements.items() if group & set(element.ports.values()))
     order = [node for node in all_nodes(definition.elements.values()) if node in group]
-    hint = next((text for text in (did_you_mean(node, main) for node in order[:MOST_GROUPS]) if text), "")
+    likely = ((node, nearest(node, main)) for node in order[:MOST_GROUPS])
+    about, meant = next((pair for pair in likely if pair[1]), (order[0], ""))
     verb = "is" if len(order) == 1 else "are"
-    text = f"{comma_list(order, MOST_NAMES)} {verb} not connected to the rest of the drivetrain{hint}"
-    return Fault(text, ("elements", owner), on_key=True)
+    text = f"{comma_list(order, MOST_NAMES)} {verb} not connected to the rest of the drivetrain{question(meant)}"
+    return Fault(text, ("elements", owner), on_key=True, kind=UNCONNECTED, about=about, meant=meant)
 
 
 def contradicting_gears(definition: Definition, kinematics: Kinematics) -> list[Fault]:
@@ -204,7 +205,7 @@ def idle_channels(definition: Definition, kinematics: Kinematics) -> list[Fault]
             missing = [one for one in named if one not in (active if channel.is_on_element else nodes)]
             if missing:
                 text = f"{name} has nothing to act on: {missing[0]} is switched off"
-                faults.append(Fault(text, (table, name), "note", on_key=True))
+                faults.append(Fault(text, (table, name), "note", on_key=True, causes=("off",)))
     return faults
 
 

@@ -11,7 +11,7 @@ from fractions import Fraction
 from typing import Any
 
 from torsionnet.core.entries.scalars import QuantityKind
-from torsionnet.core.errors import Fault, Path, TorsionnetError
+from torsionnet.core.errors import IN_UNIT, WRITE, Fault, Path, Remedy, TorsionnetError
 from torsionnet.core.expressions import Compound, Expression, ExpressionError, Number, is_beyond_range
 from torsionnet.core.units import DIMENSIONS, Dimension, expected_unit
 from torsionnet.model.damping import MEASURES, DampingMeasure, DampingQuantity, LossFactor
@@ -29,12 +29,12 @@ def wrong_dimensions(definition: Definition) -> list[Fault]:
         for path, _, expression, wanted in element.expressions():
             fault = _dimension_fault(expression, wanted, known)
             if fault:
-                faults.append(Fault(fault, ("elements", name, *path)))
+                faults.append(fault.under("elements", name, *path))
     for name, scenario in definition.scenarios.items():
         for path, _, expression, wanted in scenario.expressions():
             fault = _dimension_fault(expression, wanted, known)
             if fault:
-                faults.append(Fault(fault, ("scenarios", name, *path)))
+                faults.append(fault.under("scenarios", name, *path))
     return faults
 
 
@@ -47,7 +47,7 @@ def overlay_dimensions(definition: Definition) -> list[Fault]:
             for name, value in overlay.parameters.items():
                 fault = _overlay_fault(value, known.get(name), known)
                 if fault:
-                    faults.append(Fault(fault, ("configurations", axis, label, name)))
+                    faults.append(fault.under("configurations", axis, label, name))
     return faults
 
 
@@ -64,20 +64,19 @@ def bound_dimensions(definition: Definition) -> list[Fault]:
     return faults
 
 
-def _dimension_fault(expression: Expression, wanted: str, known: Mapping[str, Dimension | None]) -> str | None:
+def _dimension_fault(expression: Expression, wanted: str, known: Mapping[str, Dimension | None]) -> Fault | None:
     if not wanted or not expression.names or not expression.names <= known.keys():
         return None
     try:
         found = expression.dimension(known)
     except ExpressionError as error:
-        return str(error)
+        return error.fault
     if found is None or found == DIMENSIONS[wanted]:
         return None
-    hint = ""
-    if found * DIMENSIONS[wanted] == DIMENSIONS["1"]:
-        hint = f"; write {_inverse(expression)}"
+    inverse = _inverse(expression) if found * DIMENSIONS[wanted] == DIMENSIONS["1"] else ""
     expected = "a plain number" if wanted == "1" else f"{wanted} in {expected_unit(wanted)}"
-    return f'"{expression}" has the dimension of {found}; expected {expected}{hint}'
+    text = f'"{expression}" has the dimension of {found}; expected {expected}{inverse and f"; write {inverse}"}'
+    return Fault(text, remedy=Remedy(WRITE, inverse, old=str(expression)) if inverse else None)
 
 
 def _inverse(expression: Expression) -> str:
@@ -86,16 +85,17 @@ def _inverse(expression: Expression) -> str:
     return f"1/{expression}" if str(expression) in expression.names else f"1/({expression})"
 
 
-def _overlay_fault(value: Expression, base: Dimension | None, known: Mapping[str, Dimension | None]) -> str | None:
+def _overlay_fault(value: Expression, base: Dimension | None, known: Mapping[str, Dimension | None]) -> Fault | None:
     if not value.names <= known.keys():
         return None
     try:
         found = value.dimension(known)
     except ExpressionError as error:
-        return str(error)
+        return error.fault
     if found is None or base is None or found == base:
         return None
-    return f'"{value}" has the dimension of {found}; the parameter is in {base}'
+    text = f'"{value}" has the dimension of {found}; the parameter is in {base}'
+    return Fault(text, remedy=Remedy(IN_UNIT, str(base), old=str(value)))
 
 
 def impossible_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
@@ -105,22 +105,22 @@ def impossible_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
         bounds = definition.parameters[name].bounds
         if bounds and not bounds[0] <= float(value) <= bounds[1]:  # as written: 0.05 is a bound, and 1/20 a value
             text = f"{name} = {float(value):g} is outside its bounds {bounds[0]:g} to {bounds[1]:g}"
-            faults.append(Fault(text, ("parameters", name), "warning"))
+            faults.append(Fault(text, ("parameters", name), "warning", causes=(name,)))
     for element in definition.elements.values():
         of_entries = [
-            Fault(text, ("elements", element.name, *path))
+            fault.under("elements", element.name, *path)
             for path, spec, expression, wanted in element.expressions()
-            if (text := _size_fault(spec, expression, numbers, measure=is_in_measure(spec, path), wanted=wanted))
+            if (fault := _size_fault(spec, expression, numbers, measure=is_in_measure(spec, path), wanted=wanted))
         ]
         faults += of_entries or _law_sizes(element, numbers)
     for entry, table in (("speed", definition.operating_point.speed), ("torque", definition.operating_point.torque)):
         for node, expression in table.items():
-            if text := _size_fault(None, expression, numbers, measure=False, wanted=entry):
-                faults.append(Fault(text, ("operating_point", entry, node)))
+            if fault := _size_fault(None, expression, numbers, measure=False, wanted=entry):
+                faults.append(fault.under("operating_point", entry, node))
     for name, scenario in definition.scenarios.items():
         for path, spec, expression, wanted in scenario.expressions():
-            if text := _size_fault(spec, expression, numbers, measure=False, wanted=wanted):
-                faults.append(Fault(text, ("scenarios", name, *path)))
+            if fault := _size_fault(spec, expression, numbers, measure=False, wanted=wanted):
+                faults.append(fault.under("scenarios", name, *path))
     return faults
 
 
@@ -129,9 +129,14 @@ def is_in_measure(spec: object, path: Path) -> bool:
     return isinstance(spec, DampingQuantity | LossFactor) and path[-1] in (*MEASURES, "at")
 
 
-def _size_fault(spec: object, expression: Expression, numbers: Numbers, *, measure: bool, wanted: str) -> str | None:
+def _size_fault(spec: object, expression: Expression, numbers: Numbers, *, measure: bool, wanted: str) -> Fault | None:
     if not expression.names <= numbers.keys():
         return None
+    text = _size_text(spec, expression, numbers, measure=measure, wanted=wanted)
+    return Fault(text, causes=tuple(sorted(expression.names))) if text else None
+
+
+def _size_text(spec: object, expression: Expression, numbers: Numbers, *, measure: bool, wanted: str) -> str | None:
     try:
         value = float(expression.evaluate(numbers))
     except (ExpressionError, OverflowError) as error:
@@ -171,7 +176,8 @@ def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:
     except ZeroDivisionError:
         return [Fault(f"{element.name} cannot be calculated: something is divided by zero", place)]
     except (TorsionnetError, ArithmeticError) as error:
-        return [Fault(f"{element.name} cannot be calculated: {error}", place)]
+        names = {name for _, _, expression, _ in element.expressions() for name in expression.names}
+        return [Fault(f"{element.name} cannot be calculated: {error}", place, causes=tuple(sorted(names)))]
     if negative_laws(element, laws):
         return [Fault(f"the values of {element.name} give it a negative inertia, damping or stiffness", place)]
     damping = min((law.damping for law in laws), default=0)
@@ -224,37 +230,39 @@ def unusual_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
         for entry, (spec, value) in element.scalars().items():
             path: Path = ("elements", name, entry)
             if isinstance(value, DampingMeasure):
-                text = _percent(value, numbers)
+                text, meant = _percent(value, numbers)
                 path = (*path, value.measure)
             elif isinstance(spec, LossFactor):
-                text = _percent(DampingMeasure("eta", value, None), numbers)
+                text, meant = _percent(DampingMeasure("eta", value, None), numbers)
             else:
-                text = _unusual(spec, value, numbers) if isinstance(spec, QuantityKind) else None
+                text, meant = _unusual(spec, value, numbers) if isinstance(spec, QuantityKind) else ("", "")
             if text:
-                faults.append(Fault(text, path, "warning"))
+                faults.append(Fault(text, path, "warning", meant=meant))
     return faults
 
 
-def _unusual(spec: QuantityKind[object], value: Expression, numbers: Numbers) -> str | None:
+def _unusual(spec: QuantityKind[object], value: Expression, numbers: Numbers) -> tuple[str, str]:
+    """Message on a value of unusual size, and the value probably meant; both empty where it is usual."""
     usual = spec.usual or USUAL_SIZES.get(spec.dimension)
     size = _size(value, numbers) if usual else None
     if usual is None or size is None or size == 0 or usual[0] <= abs(size) <= usual[1]:
-        return None
+        return "", ""
     low, high = usual
     unit = expected_unit(spec.dimension)
     text = f"{spec.description.partition(',')[0]} of {size:g} {unit}: usual are {low:g} to {high:g} {unit}"
-    meant, factor = LIKELY_UNITS.get(spec.dimension, ("", 1.0))
+    likely, factor = LIKELY_UNITS.get(spec.dimension, ("", 1.0))
     bare = isinstance(value, Number) and value.unit_dimension is None
-    if meant and bare and low <= size * factor <= high:
-        text += f'; a number without unit is in {unit}: did you mean "{size:g} {meant}"?'
-    return text
+    meant = f"{size:g} {likely}" if likely and bare and low <= size * factor <= high else ""
+    return f'{text}; a number without unit is in {unit}: did you mean "{meant}"?' if meant else text, meant
 
 
-def _percent(value: DampingMeasure, numbers: Numbers) -> str | None:
+def _percent(value: DampingMeasure, numbers: Numbers) -> tuple[str, str]:
+    """Message on a damping measure that was likely given in percent, and its share; else both empty."""
     size, limit = _size(value.value, numbers), PERCENT_FROM.get(value.measure)
     if size is None or limit is None or size < limit:
-        return None
-    return f"{value.measure} = {size:g} is {100 * size:g} %; did you mean {size / 100:g}?"
+        return "", ""
+    meant = f"{size / 100:g}"
+    return f"{value.measure} = {size:g} is {100 * size:g} %; did you mean {meant}?", meant
 
 
 def _size(value: Expression, numbers: Numbers) -> float | None:

@@ -8,7 +8,7 @@ from typing import Any
 
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, plain_scalar, read_value
 from torsionnet.core.entries.spec import EntryError, Json, Renaming, Schema, Spec, coerce_part, full_name
-from torsionnet.core.errors import Fault, Path, did_you_mean
+from torsionnet.core.errors import BRACKET, Fault, Path, Remedy, did_you_mean, unfit_word
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.element_base.control_law import GAIN, MATRICES, PID, POLYNOMIALS, ROOTS, ControlLaw
 from torsionnet.model.element_base.element_entries import NodePair, read_node
@@ -199,8 +199,8 @@ def _form(raw: Mapping[str, Any]) -> str:
     every = set().union(*_FORMS.values())
     for name in raw:
         if str(name) not in every:
-            text = f'"{name}" is not an entry of a control law{did_you_mean(str(name), every)}; give {_WAYS}'
-            raise EntryError(Fault(text, (name,), on_key=True))
+            text = f'"{name}" is not an entry of a control law'
+            raise EntryError(unfit_word(text, str(name), every, (name,), f"give {_WAYS}", on_key=True))
     raise EntryError(f"{', '.join(sorted(names)) or 'nothing'} cannot be combined to a control law; give {_WAYS}")
 
 
@@ -221,7 +221,8 @@ def _scalar(raw: object) -> Expression:
 def _listed(raw: object) -> list[Any]:
     raw = raw.tolist() if hasattr(raw, "tolist") else raw
     if isinstance(raw, str) or not isinstance(raw, Sequence):
-        raise EntryError(f"expected a list of numbers or expressions, got {raw!r}")
+        remedy = Remedy(BRACKET) if isinstance(raw, str) else None
+        raise EntryError(Fault(f"expected a list of numbers or expressions, got {raw!r}", remedy=remedy))
     if len(raw) > _MOST_COEFFICIENTS:
         raise EntryError(f"{len(raw)} values; a law has at most {_MOST_COEFFICIENTS}")
     return list(raw)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from torsionnet.core.entries.composite import given_entries, one_at_most
+from torsionnet.core.entries.composite import given_entries, one_at_most, superfluous
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import RATIONAL
 from torsionnet.model.damping import DampingMeasure, loss_factor
@@ -56,7 +56,7 @@ def _material_faults(coupling: Any) -> list[Fault]:
     others = [*_READ_AT, *_OVER_FREQUENCY, "loss_factor"]
     own = next((name for name in others if getattr(coupling, name)), None)
     if own is not None:
-        return [Fault(f"the material gives stiffness and damping already; leave out {own}", (own,), on_key=True)]
+        return [superfluous("the material gives stiffness and damping already", own)]
     return [*temperature_faults(coupling.material, coupling.temperature), *_frequency_faults(coupling)]
 
 

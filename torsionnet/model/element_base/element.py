@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import QuantityKind
 from torsionnet.core.entries.spec import Flag, Json, Renaming, Schema, Spec, Text, entry, name_fault
-from torsionnet.core.errors import Fault, ModelError, Path
+from torsionnet.core.errors import Fault, ModelError, Path, fault_of
 from torsionnet.core.expressions import Expression
 from torsionnet.core.packages import with_argument_hints
 from torsionnet.core.registers import TypeRegister
@@ -136,7 +136,7 @@ class Element(Declared):
             if isinstance(self.name, str)
             else f"the name of an element is a text, got {self.name!r}"
         )
-        faults = [Fault(reason)] if reason else []
+        faults = [fault_of(reason)] if reason else []
         faults += [] if self.catalogue is None else self._looked_up() or self._resized()
         faults += self.coerced()
         faults = faults or self.contradictions()

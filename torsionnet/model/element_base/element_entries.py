@@ -13,7 +13,7 @@ from numbers import Integral
 from typing import Any, Generic, TypeVar
 
 from torsionnet.core.entries.spec import EntryError, Json, Plural, Renaming, Schema, Spec, Stored_co, Text, name_fault
-from torsionnet.core.errors import Path
+from torsionnet.core.errors import NO_NODE, NO_NODES, Fault, Path
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.element_base.laws import GROUND, Values
 
@@ -41,7 +41,7 @@ class NodeName(Spec[str]):
 def read_node(raw: object, *, allow_ground: bool = True) -> str:
     """Node name that an entry gives; EntryError if it is no valid name, or ground where that is not allowed."""
     if not isinstance(raw, str) or not raw:
-        raise EntryError(f"expected the name of a node, got {raw!r}")
+        raise EntryError(Fault(f"expected the name of a node, got {raw!r}", kind=NO_NODE))
     fault = name_fault(raw)
     if fault:
         raise EntryError(fault)
@@ -90,7 +90,7 @@ class NodePair(Spec[tuple[str, str]]):
     def coerce(self, raw: object) -> tuple[str, str]:
         if isinstance(raw, str) or not isinstance(raw, Sequence) or len(raw) != 2:
             shown = "nothing" if raw is None else repr(raw)
-            raise EntryError(f"expected two nodes [first, second], got {shown}")
+            raise EntryError(Fault(f"expected two nodes [first, second], got {shown}", kind=NO_NODES))
         names = tuple(self._one(entry, index) for index, entry in enumerate(raw))
         if names[0] == names[1]:
             raise EntryError(f'both ends are on node "{names[0]}"; the element would do nothing', (1,))

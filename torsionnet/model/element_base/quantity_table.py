@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
 from torsionnet.core.entries.spec import EntryError, Json, Renaming, Schema, list_annotation, name_fault
@@ -28,8 +28,8 @@ class TableByName(MultipleValues[tuple[str, One_co], One_co]):
         found: list[tuple[str, One_co | None]] = []
         faults: list[Fault] = []
         for name, value in pairs:
-            reason = name_fault(str(name))
-            faults += [Fault(reason, (name,), on_key=True)] if reason else []
+            unfit = name_fault(str(name))
+            faults += [replace(unfit, path=(name,), on_key=True)] if unfit else []
             one, wrong = self.of.read(value)
             found.append((str(name), one))
             faults += [fault.under(name) for fault in wrong]

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, ClassVar
 
+from torsionnet.core.entries.composite import superfluous
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
@@ -114,7 +115,7 @@ class CrankThrow(Element):
         given = [name for name in _SECTIONS if getattr(self, name) is not None]
         if self.stiffness is not None:
             given += [name for name in _BORES if getattr(self, name) != Number(0)]
-            return [Fault(f"the stiffness is given; leave out {name}", (name,), on_key=True) for name in given]
+            return [superfluous("the stiffness is given", name) for name in given]
         missing = [name for name in (*_SECTIONS, "crank_radius") if getattr(self, name) is None]
         if not missing:
             return []

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from torsionnet.core.entries.composite import superfluous
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
@@ -80,7 +81,7 @@ class GridGenerator(Element):
             return [Fault("generator and grid are on one node; give two different nodes", ("grid",))]
         given = [name for name in _BEHIND_A_REACTANCE if getattr(self, name) is not None]
         if self.synchronising_coefficient is not None and given:
-            return [Fault(f"the synchronising coefficient is given; leave out {given[0]}", (given[0],), on_key=True)]
+            return [superfluous("the synchronising coefficient is given", given[0])]
         if self.synchronising_coefficient is None and len(given) < len(_BEHIND_A_REACTANCE):
             wanted = " and ".join([", ".join(_BEHIND_A_REACTANCE[:-1]), _BEHIND_A_REACTANCE[-1]])
             return [Fault(f"a generator on a grid needs synchronising_coefficient, or {wanted}", on_key=True)]

@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import Any, ClassVar
 
 from torsionnet.core.entries.spec import EntryError, Plural, Renaming, Schema, entry
-from torsionnet.core.errors import Fault, did_you_mean
+from torsionnet.core.errors import Fault, nearest, question
 from torsionnet.core.expression_reading import scalar
 from torsionnet.core.plain_names import free_name
 from torsionnet.model.damping import DampingMeasure
@@ -98,9 +98,11 @@ class MassElastic(Element):
         for mass, node in self.at:
             found = _mass_called(mass, masses)
             if found is None:
-                known = ", ".join(one.name for one in masses)
-                hint = did_you_mean(mass, [one.name for one in masses]) or f"; there are {known}"
-                faults.append(Fault(f'the sheet has no mass "{mass}"{hint}', ("at", mass), on_key=True))
+                known = [one.name for one in masses]
+                meant = nearest(mass, known)
+                rest = question(meant) or f"; there are {', '.join(known)}"
+                text = f'the sheet has no mass "{mass}"{rest}'
+                faults.append(Fault(text, ("at", mass), on_key=True, about=mass, meant=meant))
             elif found in taken:
                 faults.append(Fault(f'mass "{found}" is put on two nodes; keep one of them', ("at", mass), on_key=True))
             if sum(node == other for _, other in self.at) > 1:

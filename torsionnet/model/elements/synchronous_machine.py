@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.composite import one_at_most
+from torsionnet.core.entries.composite import one_at_most, superfluous
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import Count, entry
 from torsionnet.core.errors import Fault
@@ -88,7 +88,7 @@ class SynchronousMachine(Element):
         if self.stiffness is not None:
             given = ("pull_out_torque", *_AT_A_PULL_OUT_TORQUE)
             also = [name for name in given if getattr(self, name) is not None]
-            return [Fault(f"the stiffness is given; leave out {name}", (name,), on_key=True) for name in also]
+            return [superfluous("the stiffness is given", name) for name in also]
         if self.pull_out_torque is None:
             return [Fault("a synchronous machine needs its magnetic stiffness, or its pull_out_torque", on_key=True)]
         if self.pole_pairs is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.entries.composite import Nested, given_entries, one_at_most
+from torsionnet.core.entries.composite import Nested, given_entries, one_at_most, superfluous
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry, not_none
 from torsionnet.core.errors import Fault
@@ -84,9 +84,7 @@ class ViscousDamper(Element):
         if len(films) > 1:
             return one_at_most(self, *_FILMS, of="the film")
         if self.damping is None and self.stiffness != Number(0):
-            return [
-                Fault(f"the {films[0]} gives the stiffness already; leave out stiffness", ("stiffness",), on_key=True)
-            ]
+            return [superfluous(f"the {films[0]} gives the stiffness already", "stiffness")]
         if self.damping is not None and self.scale is not None:
             return [
                 Fault(

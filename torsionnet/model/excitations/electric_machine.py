@@ -12,7 +12,7 @@ from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import Count, entry, not_none
-from torsionnet.core.errors import Fault, Path
+from torsionnet.core.errors import LEAVE_OUT, Fault, Path, Remedy
 from torsionnet.model.element_base.element_entries import NodeName
 from torsionnet.model.excitations.harmonic_torque import FREQUENCY, PHASE, TableByOrder
 from torsionnet.model.excitations.order_excitation import (
@@ -91,7 +91,13 @@ class ShortCircuit(Declared):
 
     def contradictions(self) -> list[Fault]:
         if self.phases == 3 and self.twice:
-            return [Fault("three phases short give a torque at the line frequency only; leave out twice", ("twice",))]
+            return [
+                Fault(
+                    "three phases short give a torque at the line frequency only; leave out twice",
+                    ("twice",),
+                    remedy=Remedy(LEAVE_OUT),
+                )
+            ]
         return []
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from torsionnet.core.entries.spec import not_none
-from torsionnet.core.errors import Fault
+from torsionnet.core.errors import Fault, question
 from torsionnet.model.excitations.engine_entries import EngineEntries
 from torsionnet.model.excitations.gas_torque import GasPressure
 
@@ -30,14 +30,10 @@ def impossible_lengths(engine: EngineEntries) -> Iterator[Fault]:
         size = getattr(engine, name)
         if size > most:
             text = f"a {name.replace('_', ' ')} of {size:g} m is too large for an engine"
-            yield Fault(text + _meant_length(name, size), (name,))
-
-
-def _meant_length(name: str, size: float) -> str:
-    low, high = USUAL_LENGTHS[name]
-    if low <= size / 1e3 <= high:
-        return f"; a bare number is m, write {size:g} mm"
-    return f'; did you mean "{size * 100:g} mm"?' if low <= size / 10 <= high else ""
+            low, high = USUAL_LENGTHS[name]
+            meant = f"{size * 100:g} mm" if low <= size / 10 <= high else ""
+            hint = f"; a bare number is m, write {size:g} mm" if low <= size / 1e3 <= high else question(meant)
+            yield Fault(text + hint, (name,), meant=meant)
 
 
 def unusual_sizes_of(engine: EngineEntries) -> Iterator[Fault]:
@@ -63,7 +59,7 @@ def _mass(engine: EngineEntries) -> Iterator[Fault]:
     text += f": usual are {_rounded(low * volume)} to {_rounded(high * volume)} kg"
     meant = {mass / 1e3: f"{mass:g} g", mass * 1e3: f"{mass:g} t"}
     found = next((words for one, words in meant.items() if low <= one / volume <= high), "")
-    yield Fault(f'{text}; did you mean "{found}"?' if found else text, ("reciprocating_mass",), "warning")
+    yield Fault(text + question(found), ("reciprocating_mass",), "warning", meant=found)
 
 
 def _rounded(size: float) -> str:
@@ -77,11 +73,11 @@ def _crankcase(gas: GasPressure) -> Iterator[Fault]:
     if gas.reference != "absolute" or not pressure or low <= pressure <= high:
         return
     text = f"a pressure below the pistons of {pressure / 1e5:g} bar: usual are {low / 1e5:g} to {high / 1e5:g} bar"
-    if low <= pressure / 100 <= high:
-        text += f'; did you mean "{pressure / 1e5:g} kPa"?'
-    elif low <= pressure * 1e5 <= high:
+    meant = f"{pressure / 1e5:g} kPa" if low <= pressure / 100 <= high else ""
+    text += question(meant)
+    if not meant and low <= pressure * 1e5 <= high:
         text += f"; a bare number is Pa, write {pressure:g} bar"
-    yield Fault(text, ("crankcase",), "warning").under("gas")
+    yield Fault(text, ("crankcase",), "warning", meant=meant).under("gas")
 
 
 def _peaks(gas: GasPressure) -> Iterator[Fault]:

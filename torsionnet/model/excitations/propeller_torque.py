@@ -12,7 +12,7 @@ from torsionnet.core.entries.composite import Named, Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import Count, OneOf, Text, entry, name_fault
-from torsionnet.core.errors import Fault, Path, suggestion_or
+from torsionnet.core.errors import Fault, Path, unfit_word
 from torsionnet.model.element_base.element_entries import NodeName
 from torsionnet.model.excitations.harmonic_torque import TableByOrder
 from torsionnet.model.excitations.order_excitation import FloatArray, OrderExcitation, OrderTorques, register_excitation
@@ -122,8 +122,9 @@ class PropellerTorque(OrderExcitation):
             if table and all(order % self.blades == 0 for order in table):
                 first = min(table)
                 text = f"blade order {first:g} of {self.blades} blades is {first * self.blades:g} times a revolution"
-                text += f"; blade orders are multiples of the blades: did you mean {first / self.blades:g}?"
-                yield Fault(text, path, "warning")
+                meant = f"{first / self.blades:g}"
+                text += f"; blade orders are multiples of the blades: did you mean {meant}?"
+                yield Fault(text, path, "warning", meant=meant)
 
     def _wrong_conditions(self) -> Iterator[Fault]:
         if self.pitch == "fixed" and ZERO_PITCH in self.conditions:
@@ -131,8 +132,9 @@ class PropellerTorque(OrderExcitation):
             yield Fault(text, ("conditions", ZERO_PITCH), on_key=True)
         if self.condition and self.condition not in self.conditions:
             known = ", ".join(self.conditions)
-            hint = suggestion_or(self.condition, self.conditions, f"there are {known}" if known else "there are none")
-            yield Fault(f'the propeller has no condition "{self.condition}"{hint}', ("condition",))
+            rest = f"there are {known}" if known else "there are none"
+            text = f'the propeller has no condition "{self.condition}"'
+            yield unfit_word(text, self.condition, self.conditions, ("condition",), rest)
 
     def _wrong_zero(self) -> Iterator[Fault]:
         if self.phase_zero == "blade" and self.blade_angle is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -36,7 +36,7 @@ class TableByPressure(Composite[Mapping[float, Stored_co]]):
             try:
                 pressure = mean_pressure(key)
             except EntryError as error:
-                faults.append(Fault(str(error), (key,), on_key=True))
+                faults.append(replace(error.fault, path=(key,), on_key=True))
                 continue
             if pressure in table:
                 faults.append(Fault(f"{key} stands twice; keep one", (key,), on_key=True))

@@ -22,66 +22,86 @@ from typing import Any, NamedTuple, TypeAlias
 import yaml
 from yaml.events import AliasEvent, MappingEndEvent, ScalarEvent, SequenceEndEvent, SequenceStartEvent, StreamEndEvent
 
-from torsionnet.core.errors import Fault, ModelError, Path, Position
+from torsionnet.core.errors import CLOSE, GIVEN_TWICE, Fault, ModelError, Path, Position, Remedy, fault_of
+
+OPEN_BRACKET, OPEN_QUOTE, NOT_CLOSED = "open bracket", "open quote", "not closed"
+"""Kinds of breaks of the YAML at a bracket or quote that is never closed, or at a value that may be such a one."""
+INDENTATION, OUTSIDE, TAB = "indentation", "outside", "tab"
+"""Kinds of breaks at a line that does not fit those above, stands outside of the model, or begins with a tab."""
+NO_COLON, NO_BLANK, STRAY_COLON = "no colon", "no blank", "stray colon"
+"""Kinds of breaks at a name without a colon, a colon without a blank, and a colon where none can be."""
+BAD_BEGINNING, TO_QUOTE, BACKSLASH = "bad beginning", "to quote", "backslash"
+"""Kinds of breaks at a sign with which no value begins, at a text that needs quotes, at an escape in quotes."""
+CHARACTER, TAG, UNKNOWN_ALIAS = "character", "tag", "unknown alias"
+"""Kinds of breaks at a character that no text holds, at a tag, and at an alias without its anchor."""
 
 _MEANINGS = (
     (
         "mapping values are not allowed",
+        STRAY_COLON,
         'a ":" is not expected here; check the indentation, and put text that holds ": " in quotes',
     ),
-    (r"expected ',' or '}'", 'a "," between two entries or the closing "}" is missing{since}'),
-    (r"expected ',' or '\]'", 'a "," between two values or the closing "]" is missing{since}'),
-    ("unexpected end of stream", "a quote is opened here and never closed"),
-    ("unexpected document separator", "a quote is opened here and never closed"),
-    ("could not find expected ':'", 'a ":" is missing after this name'),
-    ("expected (key|<block end>|'-' indicator)", "this does not fit the indentation of the lines above"),
-    ("expected <?document start", "this stands outside of the model; check the indentation of the lines above"),
+    (r"expected ',' or '}'", OPEN_BRACKET, 'a "," between two entries or the closing "}" is missing{since}'),
+    (r"expected ',' or '\]'", OPEN_BRACKET, 'a "," between two values or the closing "]" is missing{since}'),
+    ("unexpected end of stream", OPEN_QUOTE, "a quote is opened here and never closed"),
+    ("unexpected document separator", OPEN_QUOTE, "a quote is opened here and never closed"),
+    ("could not find expected ':'", NO_COLON, 'a ":" is missing after this name'),
+    ("expected (key|<block end>|'-' indicator)", INDENTATION, "this does not fit the indentation of the lines above"),
+    (
+        "expected '?<document start",
+        OUTSIDE,
+        "this stands outside of the model; check the indentation of the lines above",
+    ),
     (
         "(unknown escape|escape sequence|hexdecimal)",
+        BACKSLASH,
         'a backslash in double quotes begins an escape; use single quotes or write "\\\\"',
     ),
-    ("(undefined tag handle|tag|directive)", 'words that begin with "!" or "%" need quotes'),
-    ("(anchor|alias)", 'text that begins with "&" or "*" needs quotes'),
+    ("(undefined tag handle|tag|directive)", TO_QUOTE, 'words that begin with "!" or "%" need quotes'),
+    ("(anchor|alias)", TO_QUOTE, 'text that begins with "&" or "*" needs quotes'),
     (
         "block (sequence|mapping) entries are not allowed|block sequence entries",
+        "",
         'a list item ("- ") is not expected here',
     ),
-    ("node content", "a value is missing or is not closed here"),
-    ("indentation", "this does not fit the indentation of the lines above"),
+    ("node content", NOT_CLOSED, "a value is missing or is not closed here"),
+    ("indentation", INDENTATION, "this does not fit the indentation of the lines above"),
 )
-"""Message to the user by regular expression of the problem that PyYAML reports."""
+"""Kind of the break and message to the user by regular expression of the problem that PyYAML reports."""
 
 
 _UNSEPARATED = re.compile(r"(\s*)(\w+)(\s*|:)[{\[]")
 
 
-def explain(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> tuple[str, tuple[int, int]]:
-    """Message about a fault of YAML syntax, and its line and column, from 0."""
+def explain(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> tuple[Fault, tuple[int, int]]:
+    """Fault of YAML syntax, and its line and column, from 0."""
     problem = error.problem or "this is no YAML"
     mark = _mark(error.problem_mark or error.context_mark, lines)
     character = lines[mark[0]][mark[1] : mark[1] + 1] if mark[0] < len(lines) else ""
     if "cannot start any token" in problem:
         return _no_start(character), mark
-    since = ""
-    unseparated = _UNSEPARATED.match(lines[mark[0]]) if "mapping values are not allowed" in problem else None
+    remedy, since = None, ""
+    kind, meaning = _meaning(problem)
+    unseparated = _UNSEPARATED.match(lines[mark[0]]) if kind == STRAY_COLON else None
     if unseparated:
-        return f'write "{unseparated[2]}: " with a colon and a blank after the name', (mark[0], unseparated.start(2))
+        text = f'write "{unseparated[2]}: " with a colon and a blank after the name'
+        return Fault(text, kind=NO_BLANK), (mark[0], unseparated.start(2))
     if error.context_mark is not None:
         opened = _mark(error.context_mark, lines)
         since = f"; it began at line {opened[0] + 1}, column {opened[1] + 1}"
         if "end of stream" in problem or "document separator" in problem:
             mark = opened
-        elif "{since}" in _meaning(problem) and opened[0] < mark[0] and _is_whole(lines[opened[0]]):
-            return (
-                f'the "{lines[opened[0]][opened[1]]}" opened here is not closed, or a comma is missing after it',
-                opened,
-            )
-    return _meaning(problem).replace("{since}", since), mark
+        elif kind == OPEN_BRACKET and opened[0] < mark[0] and _is_whole(lines[opened[0]]):
+            text = f'the "{lines[opened[0]][opened[1]]}" opened here is not closed, or a comma is missing after it'
+            return Fault(text, kind=OPEN_BRACKET), opened
+        remedy = Remedy(CLOSE, place=opened) if kind == OPEN_BRACKET else None
+    return Fault(meaning.replace("{since}", since), kind=kind, remedy=remedy), mark
 
 
-def _meaning(problem: str) -> str:
-    known = (meaning for pattern, meaning in _MEANINGS if re.search(pattern, problem))
-    return next(known, f"this cannot be read as YAML: {problem}")
+def _meaning(problem: str) -> tuple[str, str]:
+    """Kind of the break that PyYAML calls a problem, and the message on it."""
+    known = ((kind, meaning) for pattern, kind, meaning in _MEANINGS if re.search(pattern, problem))
+    return next(known, ("", f"this cannot be read as YAML: {problem}"))
 
 
 def _is_whole(line: str) -> bool:
@@ -89,10 +109,10 @@ def _is_whole(line: str) -> bool:
     return not line.rstrip().endswith(("{", "[", ","))
 
 
-def _no_start(character: str) -> str:
+def _no_start(character: str) -> Fault:
     if character == "\t":
-        return "a tab stands here; YAML is indented with spaces"
-    return f'a value cannot begin with "{character}"; put it in quotes'
+        return Fault("a tab stands here; YAML is indented with spaces", kind=TAB)
+    return Fault(f'a value cannot begin with "{character}"; put it in quotes', kind=BAD_BEGINNING)
 
 
 def _mark(mark: yaml.Mark | None, lines: Sequence[str]) -> tuple[int, int]:
@@ -264,9 +284,9 @@ class LocatedDocument:
         shown = "" if len(source) > LONGEST_EXCERPT else "".join(char if char.isprintable() else " " for char in source)
         return Position(self.file, span.line + 1, span.column + 1, max(end, span.column + 1) + 1, shown.rstrip())
 
-    def fault(self, message: str, span: Span, path: Path = ()) -> Fault:
-        """Fault with a message at a span of the file."""
-        return Fault(message, path, position=self.place(span))
+    def fault(self, what: str | Fault, span: Span) -> Fault:
+        """Fault, or a fault with that message, at a span of the file."""
+        return fault_of(what).at(self.place(span))
 
 
 def compose(text: str, file: str, parser: Any = None) -> LocatedDocument:
@@ -284,12 +304,12 @@ def compose(text: str, file: str, parser: Any = None) -> LocatedDocument:
         line = len(_BREAK.findall(text, 0, control.start()))
         column = control.start() - max((end.end() for end in _BREAK.finditer(text, 0, control.start())), default=0)
         what = f"a character that text cannot hold (U+{ord(control[0]):04X}); delete it"
-        raise ModelError([document.fault(what, Span(line, column, line, column + 1))])
+        raise ModelError([document.fault(Fault(what, kind=CHARACTER), Span(line, column, line, column + 1))])
     try:
         _Composer((parser or fastest_parser())(text), document).document()
     except yaml.MarkedYAMLError as error:
-        message, mark = explain(error, document.lines)
-        raise ModelError([document.fault(message, Span(mark[0], mark[1], mark[0], mark[1] + 1))]) from None
+        fault, mark = explain(error, document.lines)
+        raise ModelError([document.fault(fault, Span(mark[0], mark[1], mark[0], mark[1] + 1))]) from None
     return document
 
 
@@ -312,8 +332,8 @@ class _Composer:
         if type(more) is not StreamEndEvent:
             raise self.refusal("a second document begins here (---); a file holds one model", _span(more))
 
-    def refusal(self, message: str, span: Span) -> ModelError:
-        return ModelError([*self.result.faults, self.result.fault(message, span)])
+    def refusal(self, what: str | Fault, span: Span) -> ModelError:
+        return ModelError([*self.result.faults, self.result.fault(what, span)])
 
     def node(self, event: Any, path: Path, depth: int) -> LocatedNode:
         if depth > MOST_LEVELS:
@@ -322,9 +342,7 @@ class _Composer:
         if kind is AliasEvent:
             return self.grow(self.alias(event), event)
         if event.tag is not None and not (event.tag == "!" and kind is ScalarEvent):
-            raise self.refusal(
-                f'tags such as "{_tag(event.tag)}" have no meaning in a model file; delete it', _span(event)
-            )
+            raise self.refusal(_no_tag(event.tag), _span(event))
         if kind is ScalarEvent:
             node = LocatedNode(plain_value(event.value) if event.implicit[0] else event.value, _place(event), _NOTHING)
         else:
@@ -345,10 +363,8 @@ class _Composer:
 
     def alias(self, event: Any) -> LocatedNode:
         if event.anchor not in self.anchors:
-            raise self.refusal(
-                f'no anchor "&{event.anchor}" stands before this alias; text that begins with * needs quotes',
-                _span(event),
-            )
+            text = f'no anchor "&{event.anchor}" stands before this alias; text that begins with * needs quotes'
+            raise self.refusal(Fault(text, kind=UNKNOWN_ALIAS), _span(event))
         return replace(self.anchors[event.anchor], place=_place(event), key_place=None)
 
     def sequence(self, event: Any, path: Path, depth: int) -> LocatedNode:
@@ -381,9 +397,7 @@ class _Composer:
         if event.value == "<<" and event.implicit[0]:
             raise self.refusal("merging with << is not supported; write the entries out", _span(event))
         if event.tag is not None:
-            raise self.refusal(
-                f'tags such as "{_tag(event.tag)}" have no meaning in a model file; delete it', _span(event)
-            )
+            raise self.refusal(_no_tag(event.tag), _span(event))
         return event.value
 
     def duplicate(self, first: LocatedNode, second: LocatedNode, path: Path) -> None:
@@ -392,7 +406,7 @@ class _Composer:
         assert second.key is not None
         where = f"line {first.key.line + 1}, column {first.key.column + 1}"
         text = f'"{path[-1]}" was already given at {where}; each name stands once'
-        self.result.faults.append(self.result.fault(text, second.key, path))
+        self.result.faults.append(self.result.fault(Fault(text, path, kind=GIVEN_TWICE), second.key))
         self.result.dropped.append((path, second.value))
 
 
@@ -409,5 +423,6 @@ def _between(first: Any, last: Any) -> Place:
     return first.start_mark.line, first.start_mark.column, last.end_mark.line, last.end_mark.column
 
 
-def _tag(tag: str) -> str:
-    return tag.replace("tag:yaml.org,2002:", "!!")
+def _no_tag(tag: str) -> Fault:
+    shown = tag.replace("tag:yaml.org,2002:", "!!")
+    return Fault(f'tags such as "{shown}" have no meaning in a model file; delete it', kind=TAG)

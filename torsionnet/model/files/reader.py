@@ -14,9 +14,19 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from torsionnet.core.entries.declared import files_beside, version_faults
-from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean, nearest
+from torsionnet.core.errors import (
+    MISSING_KEY,
+    UNKNOWN_KEY,
+    UNKNOWN_NAME,
+    Fault,
+    ModelError,
+    UsageError,
+    did_you_mean,
+    nearest,
+)
 from torsionnet.core.errors import Path as EntryPath
 from torsionnet.core.packages import gc_paused
+from torsionnet.core.units import decimal_comma
 from torsionnet.model.checks import check_definition, has_errors, names, values
 from torsionnet.model.configurations import DEFAULT_AXIS
 from torsionnet.model.defining import define
@@ -31,7 +41,6 @@ LONGEST_MESSAGE = 600
 
 _PLAIN = {"got None": "got nothing", "got True": "got true", "got False": "got false"}
 _PYTHON = re.compile("got (None|True|False)$")
-_WORD = re.compile(r"[^\W\d]\w*")
 
 
 def located_faults(faults: Iterable[Fault], document: LocatedDocument) -> list[Fault]:
@@ -44,7 +53,7 @@ def presentable_faults(faults: Iterable[Fault]) -> list[Fault]:
     """Faults without duplicates, in the order of the file, each message one printable line."""
     unique: dict[Any, Fault] = {}
     for fault in faults:
-        what, _, _ = fault.message.partition(";")
+        what = (fault.kind, fault.about) if fault.kind and fault.about else fault.message
         unique.setdefault((what, fault.severity, fault.position), replace(fault, message=_one_line(fault.message)))
     return sorted(unique.values(), key=_reading_order)
 
@@ -76,23 +85,23 @@ def _path_in_file(fault: Fault, data: Any) -> EntryPath:
     """Path of a fault's entry as the file spells it: the name of a single axis may be left out there."""
     path = fault.path
     if fault.configuration and path[:1] != ("configurations",):
-        path = _alternative(fault.configuration, fault.message, data) or path
+        path = _alternative(fault, data) or path
     table = entry_at(data, ("configurations",))
     if path[:2] == ("configurations", DEFAULT_AXIS) and isinstance(table, Mapping) and DEFAULT_AXIS not in table:
         return ("configurations", *path[2:])
     return path
 
 
-def _alternative(label: str, message: str, data: Any) -> EntryPath:
-    """Path of the alternative that causes a fault of a configuration, or of the change that the message names."""
+def _alternative(fault: Fault, data: Any) -> EntryPath:
+    """Path of the alternative that causes a fault of a configuration, or of the change in it that does."""
     table = entry_at(data, ("configurations",))
-    for part in reversed(label.split(",")):
+    for part in reversed(fault.configuration.split(",")):
         axis, _, name = part.rpartition("=")
         for path in [(axis, name)] if axis else [(name,), *((outer, name) for outer in table)]:
             changes = entry_at(table, path)
             if isinstance(changes, Mapping):
-                named = [word for word in _WORD.findall(message) if word in changes]
-                return ("configurations", *path, *named[:1])
+                changed = [key for key in changes if key in fault.causes]
+                return ("configurations", *path, *changed[:1])
     return ()
 
 
@@ -110,20 +119,20 @@ def entry_at(data: Any, path: EntryPath) -> Any:
 
 def _reworded(fault: Fault, document: LocatedDocument) -> Fault:
     """Fault of a decimal comma instead of an unknown key, where a flow mapping split the number."""
-    if not fault.path or fault.kind != "unknown key" or not str(fault.path[-1])[:1].isdigit():
+    if not fault.path or fault.kind != UNKNOWN_KEY or not str(fault.path[-1])[:1].isdigit():
         return fault
     key, entries = str(fault.path[-1]), entry_at(document.data, fault.path[:-1])
     names = list(entries) if isinstance(entries, Mapping) else []
     before = entries[names[names.index(key) - 1]] if names.index(key) else None
     if entries.get(key) is not None or not isinstance(before, int):
         return fault
-    return replace(fault, message=f'"{before},{key}" has a decimal comma; write {before}.{key}')
+    return replace(decimal_comma(f"{before},{key}", f"{before}.{key}"), path=fault.path, on_key=True)
 
 
 def _without_consequences(faults: list[Fault]) -> list[Fault]:
     """Faults without those that a key is missing which is only misspelt."""
-    meant = {(fault.path[:-1], fault.meant) for fault in faults if fault.kind == "unknown key"}
-    return [fault for fault in faults if fault.kind != "missing key" or (_parent(fault), fault.about) not in meant]
+    meant = {(fault.path[:-1], fault.meant) for fault in faults if fault.kind == UNKNOWN_KEY}
+    return [fault for fault in faults if fault.kind != MISSING_KEY or (_parent(fault), fault.about) not in meant]
 
 
 def _parent(fault: Fault) -> EntryPath:
@@ -150,7 +159,7 @@ def check_partial_model(definition: Definition, document: LocatedDocument, fault
 
 def _with_hint(fault: Fault, lost: set[str]) -> Fault:
     """Fault with the question whether its name is that of an entry that could not be read, misspelt."""
-    meant = "" if fault.kind != "unknown name" or fault.meant else nearest(fault.about, sorted(lost))
+    meant = "" if fault.kind != UNKNOWN_NAME or fault.meant else nearest(fault.about, sorted(lost))
     return replace(fault, message=f'{fault.message}; did you mean "{meant}"?', meant=meant) if meant else fault
 
 
@@ -250,7 +259,7 @@ def read_document(
         if definition.authored is not None:
             from torsionnet.model.parts.written_places import at_written_places
 
-            faults = at_written_places(definition.authored.authored, faults)
+            faults = at_written_places(definition, faults)
     found = located_faults([*document.faults, *faults], document)
     return (None if has_errors(found) else definition), found
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import numpy as np
@@ -49,7 +49,7 @@ class AllowedTable(Plural[Pairs]):
             try:
                 at = _KEYS[self.over].coerce(key)
             except EntryError as error:
-                faults.append(Fault(str(error), (key,), on_key=True))
+                faults.append(replace(error.fault, path=(key,), on_key=True))
                 continue
             if at in found:
                 faults.append(Fault(f"{key} stands twice", (key,), on_key=True))

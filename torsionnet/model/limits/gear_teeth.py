@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -59,7 +59,7 @@ class GearLimit(ElementLimit):
     def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
         reason = port_fault(subject.elements[self.element], self.at) if self.at else None
         if reason:
-            yield Fault(reason, ("at",))
+            yield replace(reason, path=("at",))
         needs = self.vibratory_share is not None and self.rated_torque is None
         if needs and subject.rated is None:
             text = "a share is of the mean torque at rated speed: give rated_torque, or speeds: {rated: 750 rpm}"

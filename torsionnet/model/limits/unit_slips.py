@@ -31,8 +31,8 @@ def unit_slips(limit: Limit) -> Iterator[Fault]:
 
 
 def _unlike(dimension: str, name: str, value: float, largest: str, most: float) -> Fault:
-    unit, (factor, meant) = expected_unit(dimension), PREFIXES[dimension]
+    unit, (factor, likely) = expected_unit(dimension), PREFIXES[dimension]
     text = f"{name} of {value:g} {unit} beside {largest} of {most:g} {unit}"
-    if value * factor <= most * UNIT_SLIP_RATIO / 10:
-        text += f'; a number without unit is in {unit}: did you mean "{value:g} {meant}"?'
-    return Fault(text, (name,), "warning")
+    meant = f"{value:g} {likely}" if value * factor <= most * UNIT_SLIP_RATIO / 10 else ""
+    text += f'; a number without unit is in {unit}: did you mean "{meant}"?' if meant else ""
+    return Fault(text, (name,), "warning", meant=meant)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, cast
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import EntryError, Json, Plural, Schema, entry
-from torsionnet.core.errors import Fault, UsageError
+from torsionnet.core.errors import LEAVE_OUT, Fault, Remedy, UsageError
 from torsionnet.core.units import RPM
 
 _SPEED = Value("a speed", "speed", below=1e6)
@@ -40,7 +40,7 @@ class TorqueOverSpeed(Plural[tuple[tuple[float, float], ...]]):
             try:
                 speed = _SPEED.coerce(key)
             except EntryError as error:
-                faults.append(Fault(str(error), (key,), on_key=True))
+                faults.append(replace(error.fault, path=(key,), on_key=True))
                 continue
             if speed in found:
                 faults.append(Fault(f"the speed {key} stands twice", (key,), on_key=True))
@@ -97,7 +97,14 @@ class Absorber(Declared):
         sizes = [name for name in ("power", "torque") if getattr(self, name) is not None]
         law = [*sizes, *(name for name in ("torque_exponent", "rated") if getattr(self, name) is not None)]
         if self.over_speed and law:
-            return [Fault(f"a table over speed says it all; leave out {' and '.join(law)}", (law[0],), on_key=True)]
+            return [
+                Fault(
+                    f"a table over speed says it all; leave out {' and '.join(law)}",
+                    (law[0],),
+                    on_key=True,
+                    remedy=Remedy(LEAVE_OUT),
+                )
+            ]
         if not self.over_speed and len(sizes) != 1:
             text = "what is absorbed is a power or a torque at rated speed, or a table over_speed"
             return [Fault(f"{text}; here is {'both' if sizes else 'none of them'}", tuple(sizes[1:]), on_key=True)]

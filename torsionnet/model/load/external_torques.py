@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.core.errors import UsageError, suggestion_or
+from torsionnet.core.errors import Fault, Path, UsageError, unfit_word
 from torsionnet.model.channels import Input, parse_pair
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.operating_point import torque_place
@@ -78,13 +78,13 @@ def on_nodes(acting: Iterable[tuple[Input, float]]) -> dict[str, float]:
     return found
 
 
-def unknown_driver(definition: Definition, name: str) -> str | None:
-    """Message that a node or excitation of this name cannot drive, or None."""
+def unknown_driver(definition: Definition, name: str, path: Path) -> Fault | None:
+    """Fault, at a path, that a node or excitation of this name cannot drive, or None."""
     nodes = all_nodes(definition.elements.values())
     if name in definition.excitations or all(node in nodes for node in torque_place(name).nodes):
         return None
-    known = [*definition.excitations, *nodes]
-    return f'no node or excitation is named "{name}"{suggestion_or(name, known, "driven_by has nodes or excitations")}'
+    known, rest = [*definition.excitations, *nodes], "driven_by has nodes or excitations"
+    return unfit_word(f'no node or excitation is named "{name}"', name, known, path, rest, on_key=True)
 
 
 UNKNOWN = "the load determines no mean torques here"

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from torsionnet.core.entries.composite import Listed, Named, Nested
-from torsionnet.core.entries.spec import Schema, is_single_word
+from torsionnet.core.entries.spec import Schema, single_name_fault
+from torsionnet.core.errors import Fault
 from torsionnet.core.expression_reading import check_name
 from torsionnet.model.element_base.element_entries import NodeName
 
@@ -22,16 +23,9 @@ def _use() -> type[Use]:
     return Use
 
 
-def use_name_fault(name: str) -> str | None:
-    """Message that a name is not allowed for a use or a part, or None."""
-    if name.isascii() and is_single_word(name):
-        return None
-    return f'"{name}" is not a valid name; use letters, digits and _, beginning with a letter'
-
-
-def prefix_fault(name: str) -> str | None:
-    """Message that a name is not allowed for a use, as names of parameters begin with it, or None."""
-    return use_name_fault(name) or check_name(name)
+def prefix_fault(name: str) -> Fault | str | None:
+    """Fault that a name is not allowed for a use, as names of parameters begin with it, or None."""
+    return single_name_fault(name) or check_name(name)
 
 
 USE = Named(

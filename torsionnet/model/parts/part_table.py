@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.core.entries.composite import Listed, Named, Nested
-from torsionnet.core.entries.spec import Text
+from torsionnet.core.entries.spec import Text, single_name_fault
 from torsionnet.core.errors import Fault
-from torsionnet.model.parts.part_entries import PLAIN_NAME_SCHEMA, use_name_fault
+from torsionnet.model.parts.part_entries import PLAIN_NAME_SCHEMA
 
 if TYPE_CHECKING:
     from torsionnet.model.parts.part import Part
@@ -33,15 +34,15 @@ class PartTable(Named["Part"]):
         for name, one in raw.items():
             part, found = self.of.read(one)
             faults += [fault.under(name) for fault in found]
-            if part is not None and not use_name_fault(str(name)):
+            if part is not None and not single_name_fault(str(name)):
                 table[str(name)] = part
         return table, faults
 
     def _name_faults(self, raw: Mapping[str, Any]) -> Iterator[Fault]:
         for name in raw:
-            reason = use_name_fault(str(name))
-            if reason:
-                yield Fault(reason, (name,), on_key=True)
+            unfit = single_name_fault(str(name))
+            if unfit:
+                yield replace(unfit, path=(name,), on_key=True)
 
 
 PARTS = PartTable(

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Iterator, Set
 from dataclasses import dataclass, replace
 
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.configurations import DEFAULT_AXIS
-from torsionnet.model.definition import Definition
+from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.parts.authored_model import owner
 from torsionnet.model.parts.flattening import SECTIONS
 from torsionnet.model.parts.part import Part
+
+_DOTTED = re.compile(r"(?<![\w.])[A-Za-z]\w*(?:\.\w+)+")
+"""Expression of a word with dots, as which a message has the names of a flat model."""
 
 
 @dataclass(frozen=True)
@@ -69,20 +73,37 @@ def _renamed_back(section: str, rest: Path, before: str) -> Path:
     return (rest[0], str(rest[1]).removeprefix(before), *rest[2:])
 
 
-def at_written_places(authored: Definition, faults: Iterable[Fault]) -> list[Fault]:
+def at_written_places(flat: Definition, faults: Iterable[Fault]) -> list[Fault]:
     """Faults of a flat model with the paths where their entries are written.
 
     A fault in every use of a part is kept once, in its words.
     """
+    if flat.authored is None:
+        return list(faults)
+    names = {name for section in SECTIONS for name in getattr(flat, section)} | {*all_nodes(flat.elements.values())}
     found: dict[tuple[object, ...], Fault] = {}
     for fault in faults:
-        told = _in_part(fault, place_in_part(authored, fault.path))
+        told = _in_part(fault, place_in_part(flat.authored.authored, fault.path), names)
         found.setdefault((told.message, told.severity, told.configuration, told.path), told)
     return list(found.values())
 
 
-def _in_part(fault: Fault, place: PlaceInPart) -> Fault:
+def _in_part(fault: Fault, place: PlaceInPart, names: Set[str]) -> Fault:
+    """Fault at its place in a part, in whose words the names of the flat model have no prefix."""
     if not place.prefix:
         return replace(fault, path=place.path)
-    message, about = (text.replace(place.prefix, "") for text in (fault.message, fault.about))
-    return replace(fault, path=place.path, message=message, about=about, uses=place.uses)
+    known = names | {fault.about, fault.meant}
+
+    def own(word: str) -> str:
+        return word.removeprefix(place.prefix) if any(name in known for name in _leading(word)) else word
+
+    message = _DOTTED.sub(lambda found: own(found[0]), fault.message)
+    about, meant = own(fault.about), own(fault.meant)
+    return replace(fault, path=place.path, message=message, about=about, meant=meant, uses=place.uses)
+
+
+def _leading(word: str) -> Iterator[str]:
+    """Names with which a word with dots may begin, itself first: an entry stands behind the name of its element."""
+    while word:
+        yield word
+        word = word.rpartition(".")[0]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from torsionnet.core.errors import Fault, Path, UsageError, comma_list, suggestion_or
+from torsionnet.core.errors import Fault, Path, UsageError, comma_list, unknown_name
 from torsionnet.core.units import RPM
 from torsionnet.model.channels import parse_pair, parse_sensor
 from torsionnet.model.configurations import parse_choice
@@ -48,8 +49,7 @@ def pair_faults(pair: Pair, definition: Definition) -> Iterator[Fault]:
         is_written_out = what != "input or node" and parse_sensor(name) is not None
         is_written_out |= what != "sensor or node" and set(parse_pair(name) or "?") <= nodes
         if name and name not in names and not is_written_out:
-            text = f'no {what} is named "{name}"{suggestion_or(name, names, _declared(definition, what))}'
-            yield Fault(text, kind="unknown name", about=name)
+            yield unknown_name(what, name, names, rest=_declared(definition, what))
 
 
 def _over_speed(key: str, names: tuple[str, ...], definition: Definition) -> Iterator[Fault]:
@@ -61,8 +61,7 @@ def _over_speed(key: str, names: tuple[str, ...], definition: Definition) -> Ite
     for index, name in enumerate(names):
         if name not in definition.sensors and name not in nodes and parse_sensor(name) is None:
             known = [*definition.sensors, *nodes]
-            text = f'no sensor or node is named "{name}"{suggestion_or(name, known, _declared(definition, "sensor"))}'
-            yield Fault(text, (key, index), kind="unknown name", about=name)
+            yield unknown_name("sensor or node", name, known, (key, index), rest=_declared(definition, "sensor"))
 
 
 def _declared(definition: Definition, what: str) -> str:
@@ -89,4 +88,4 @@ def _configurations(plan: ReportPlan, definition: Definition) -> Iterator[Fault]
         try:
             parse_choice(name, definition.configurations)
         except UsageError as error:
-            yield Fault(str(error), ("configurations", index))
+            yield replace(error.fault, path=("configurations", index))

@@ -25,7 +25,7 @@ from torsionnet.core.entries.spec import (
     entry,
     reference,
 )
-from torsionnet.core.errors import UsageError, suggestion_or
+from torsionnet.core.errors import Fault, UsageError, unfit_word
 from torsionnet.model.channels import ChannelName
 from torsionnet.model.report.title_block import KINDS, SECTIONS, TITLE_BLOCK, TitleBlock
 
@@ -131,11 +131,10 @@ LANGUAGES = ("en", "de")
 """Codes of the languages in which a report can be written: English and German."""
 
 
-def section_fault(name: Any) -> str:
-    """Message that there is no section of that name in a report, or an empty text."""
-    if name in SECTIONS:
-        return ""
-    return f'no section is named "{name}"{suggestion_or(str(name), SECTIONS, "known: " + ", ".join(SECTIONS))}'
+def unknown_section(name: Any) -> Fault | None:
+    """Fault that there is no section of that name in a report, or None."""
+    rest = f"known: {', '.join(SECTIONS)}"
+    return None if name in SECTIONS else unfit_word(f'no section is named "{name}"', str(name), SECTIONS, rest=rest)
 
 
 class SectionName(Spec[str]):
@@ -143,7 +142,7 @@ class SectionName(Spec[str]):
 
     def coerce(self, raw: object) -> str:
         name = ConfigurationName("").coerce(raw)
-        if reason := section_fault(name):
+        if reason := unknown_section(name):
             raise EntryError(reason)
         return name
 

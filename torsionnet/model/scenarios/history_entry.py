@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 from typing import Any, TypeAlias
 
@@ -18,7 +18,7 @@ from torsionnet.core.entries.scalars import (
     plain_scalar,
 )
 from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec
-from torsionnet.core.errors import Fault, Path, unknown_key
+from torsionnet.core.errors import MISSING_KEY, Fault, Path, unknown_key
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.elements import Values
 from torsionnet.model.scenarios.time_history import HistoryPiece, TimeHistory, Wave
@@ -124,7 +124,7 @@ class HistoryEntry(Composite[Course]):
         try:
             return SteadyCourse(self.of.coerce(raw)), []
         except EntryError as error:
-            return None, [Fault(f"{one.message}; over time, as {self.example}", one.path) for one in error.faults]
+            return None, [replace(one, message=f"{one.message}; over time, as {self.example}") for one in error.faults]
 
     def _rows(self, raw: list[tuple[Any, Any]], *, keyed: bool) -> tuple[Course | None, list[Fault]]:
         if not raw:
@@ -158,7 +158,7 @@ class HistoryEntry(Composite[Course]):
         rest = f"a sinusoid has {', '.join(_WORDS)}"
         faults = [unknown_key(key, list(_WORDS), (key,), rest) for key in raw if key not in specs]
         faults += [
-            Fault(f"a sinusoid needs its {key}", on_key=True, kind="missing key")
+            Fault(f"a sinusoid needs its {key}", on_key=True, kind=MISSING_KEY)
             for key in ("amplitude", "frequency")
             if raw.get(key) is None
         ]

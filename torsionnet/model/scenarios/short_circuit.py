@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from math import cos, pi, sin
 from typing import Any, ClassVar
 
+from torsionnet.core.entries.composite import superfluous
 from torsionnet.core.entries.scalars import PhysicalQuantity, Value
 from torsionnet.core.entries.spec import Count, entry
-from torsionnet.core.errors import Fault, unknown_name
+from torsionnet.core.errors import MISSING_KEY, Fault, unknown_name
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.operating_point import MachineName
 from torsionnet.model.scenarios.grid_tie import GridTie
@@ -107,11 +108,11 @@ class ShortCircuitScenario(Scenario):
             text = "give the phases that are short, as phases: 2, or the angle of a faulty synchronisation"
             faults.append(Fault(text, on_key=True))
         if self.decay_double is not None and self.phases != 2:
-            text = "only a short circuit of two phases has a torque at twice the line frequency; leave out decay_double"
-            faults.append(Fault(text, ("decay_double",), on_key=True))
+            text = "only a short circuit of two phases has a torque at twice the line frequency"
+            faults.append(superfluous(text, "decay_double"))
         if self.pole_pairs is not None and self.angle is None:
-            text = "only the torque of a faulty synchronisation follows the pole pairs; leave out pole_pairs"
-            faults.append(Fault(text, ("pole_pairs",), on_key=True))
+            text = "only the torque of a faulty synchronisation follows the pole pairs"
+            faults.append(superfluous(text, "pole_pairs"))
         if isinstance(self.angle, Number) and not 0 < abs(float(self.angle.value)) <= pi * ROUNDING:
             faults.append(Fault("the angle is from -180 deg to 180 deg, and not 0", ("angle",)))
         if self.duration is not None and self.duration <= self.at:
@@ -150,10 +151,10 @@ class ShortCircuitScenario(Scenario):
         faults = []
         if self.rated_torque is None and found.torque is None:
             text = f"{self.machine} does not say which torque is 1 per unit; give rated_torque: 2.4 MN*m"
-            faults.append(Fault(text, on_key=True, kind="missing key"))
+            faults.append(Fault(text, on_key=True, kind=MISSING_KEY))
         if self.frequency is None and found.frequency is None:
             text = f"{self.machine} does not say the frequency of its line; give frequency: 50 Hz"
-            faults.append(Fault(text, on_key=True, kind="missing key"))
+            faults.append(Fault(text, on_key=True, kind=MISSING_KEY))
         return faults if self.angle is None else [*faults, *self._grid_faults(model, found)]
 
     def _grid_faults(self, model: ScenarioSubject, machine: FaultedMachine) -> list[Fault]:
@@ -164,7 +165,7 @@ class ShortCircuitScenario(Scenario):
                 return [Fault(f"{text}, and give rated_torque and frequency", ("machine",))]
         if self._frequency(model, machine) is not None and self._pairs(model, machine) is None:
             text = f"{self.machine} does not say its pole pairs, nor a speed that fits the line; give pole_pairs: 1"
-            return [Fault(text, on_key=True, kind="missing key")]
+            return [Fault(text, on_key=True, kind=MISSING_KEY)]
         return []
 
     def _frequency(self, model: ScenarioSubject, machine: FaultedMachine) -> float | None:

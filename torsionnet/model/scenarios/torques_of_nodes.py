@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.composite import Named
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import Json, Schema, Spec, entry, name_fault
-from torsionnet.core.errors import Fault, Path, TorsionnetError, did_you_mean, unknown_name
+from torsionnet.core.errors import Fault, Path, TorsionnetError, unfit_word, unknown_name
 from torsionnet.core.expressions import Expression
 from torsionnet.model.element_base.element_entries import ElementName
 from torsionnet.model.elements import GROUND, Element, MotionLaw, Values
@@ -153,8 +153,8 @@ class TorqueScenario(Scenario):
             for what in table:
                 if what not in scales:
                     rest = f"{name} is scaled by {', '.join(scales)}" if scales else NOTHING_SCALES
-                    text = f'the torque of {name} does not follow "{what}"{did_you_mean(what, scales)}; {rest}'
-                    faults.append(Fault(text, (name, what), on_key=True))
+                    text = f'the torque of {name} does not follow "{what}"'
+                    faults.append(unfit_word(text, what, scales, (name, what), rest, on_key=True))
         return faults
 
     def histories(self, value: Values) -> dict[str, TimeHistory]:

@@ -13,7 +13,7 @@ from torsionnet.core.entries.composite import Composite, Listed
 from torsionnet.core.entries.declared import nearby_file
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.core.entries.spec import EntryError, Json, OneOf, Schema, Text, entry, not_none
-from torsionnet.core.errors import Fault, TorsionnetError, UsageError
+from torsionnet.core.errors import MISSING_KEY, Fault, TorsionnetError, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.recording_files import read_recording
 from torsionnet.solve.dynamic_stiffness.transfer_request import named_output, resolve_inputs
@@ -172,9 +172,7 @@ class TransientPeak(StudyQuantity):
         faults = []
         if self.duration is None:
             faults.append(
-                Fault(
-                    "a torque needs the duration that is simulated, as duration: 2 s", on_key=True, kind="missing key"
-                )
+                Fault("a torque needs the duration that is simulated, as duration: 2 s", on_key=True, kind=MISSING_KEY)
             )
         if self.torque == 0:
             faults.append(Fault("a torque of 0 moves nothing; give its size, as 500 N*m", ("torque",)))

@@ -9,7 +9,7 @@ from math import inf
 import numpy as np
 
 from torsionnet.core.entries.scalars import QuantityKind
-from torsionnet.core.errors import Fault, Path, unknown_name
+from torsionnet.core.errors import UNKNOWN_NAME, Fault, Path, unknown_name
 from torsionnet.model.changes import value_of_entry
 from torsionnet.model.elements import Element
 from torsionnet.model.model import Model
@@ -132,12 +132,12 @@ def _unknown(name: str, model: Model) -> Fault:
     if name in model.axes:
         alternatives = ", ".join(model.axes[name])
         text = f'"{name}" is no parameter but an axis of configurations; a study takes these as configurations:'
-        return Fault(f"{text} {alternatives}", path, on_key=True, kind="unknown name", about=name)
+        return Fault(f"{text} {alternatives}", path, on_key=True, kind=UNKNOWN_NAME, about=name)
     value = value_of_entry(model.definition, name)
     if value is not None and value.names:
         used = ", ".join(sorted(value.names))
         text = f'"{name}" follows from parameters, it is "{value}"; vary {used}'
-        return Fault(text, path, on_key=True, kind="unknown name", about=name, meant=used)
+        return Fault(text, path, on_key=True, kind=UNKNOWN_NAME, about=name, meant=used)
     element, _, key = name.rpartition(".")
     if element in model.definition.elements:
         return _no_entry(model.definition.elements[element], key, path)

@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 
-from torsionnet.core.errors import ModelError
+from torsionnet.core.errors import (
+    GIVEN_TWICE,
+    INSERT,
+    LEAVE_OUT,
+    MISSING_KEY,
+    NO_VALUE,
+    UNKNOWN_KEY,
+    UNUSED,
+    ModelError,
+)
 from torsionnet.model.files.located_yaml import compose
 from torsionnet.text.entry_edits import WrittenText
 from torsionnet.text.fixes.example_values import example_values
@@ -18,7 +26,7 @@ _SECTIONS_OF_NAMES = ("elements", "parameters", "inputs", "sensors", "excitation
 def missing_entry(place: FaultPlace) -> Iterator[TextFix]:
     """An entry that is missing, with an example of its value."""
     fault, written = place.fault, place.written
-    if fault.kind != "missing key" or not fault.about:
+    if fault.kind != MISSING_KEY or not fault.about:
         return
     root = written.node(())
     if fault.about == "torsionnet" and not written.is_flow(root):
@@ -31,11 +39,8 @@ def missing_entry(place: FaultPlace) -> Iterator[TextFix]:
         yield TextFix("insert torsionnet: 1", (TextEdit(TextSpan(first, first), text),))
         return
     for value in example_values(written.document, fault.path, fault.about):
-        fixes = list(
-            place.fix(
-                f"insert {written.entry_text(fault.about, value)}", written.insertion(fault.path, fault.about, value)
-            )
-        )
+        edit = written.insertion(fault.path, fault.about, value)
+        fixes = list(place.fix(f"insert {written.entry_text(fault.about, value)}", edit))
         if fixes:
             yield from fixes
             return
@@ -43,13 +48,13 @@ def missing_entry(place: FaultPlace) -> Iterator[TextFix]:
 
 def entry_without_value(place: FaultPlace) -> Iterator[TextFix]:
     """A value for an entry that has none, or the entry left out."""
-    found = re.match(r"(\w+) has no value", place.fault.message)
-    if not found or place.value_span is None:
+    fault = place.fault
+    if fault.kind != NO_VALUE or place.value_span is None:
         return
-    yield from place.without(place.fault.path)
-    for value in example_values(place.written.document, place.fault.path[:-1], found[1]):
-        edit = place.written.replacement(place.fault.path, value)
-        fixes = list(place.fix(f"write {place.written.entry_text(found[1], value)}", edit))
+    yield from place.without(fault.path)
+    for value in example_values(place.written.document, fault.path[:-1], fault.about):
+        edit = place.written.replacement(fault.path, value)
+        fixes = list(place.fix(f"write {place.written.entry_text(fault.about, value)}", edit))
         if fixes:
             yield from fixes
             return
@@ -58,7 +63,7 @@ def entry_without_value(place: FaultPlace) -> Iterator[TextFix]:
 def given_twice(place: FaultPlace) -> Iterator[TextFix]:
     """Another name for the second of two entries with one name, or one of both left out."""
     fault, text = place.fault, place.written.text
-    if " was already given at " not in fault.message or not fault.path:
+    if fault.kind != GIVEN_TWICE:
         return
     name, span = str(fault.path[-1]), place.span
     siblings = place.written.node(fault.path[:-1]).entries
@@ -83,33 +88,29 @@ def given_twice(place: FaultPlace) -> Iterator[TextFix]:
 
 def unused_parameter(place: FaultPlace) -> Iterator[TextFix]:
     """Parameter deleted that nothing uses; with errors in the text, what cannot be read may be its use."""
-    if re.fullmatch(r'parameter "[^"]*" is not used', place.fault.message) and not any(
-        one.severity == "error" for one in place.others
-    ):
+    if place.fault.kind == UNUSED and not any(one.severity == "error" for one in place.others):
         yield from place.without(place.fault.path)
 
 
 def left_out(place: FaultPlace) -> Iterator[TextFix]:
     """An entry left out that contradicts another."""
-    path, message = place.fault.path, place.fault.message
-    both = re.match(r"give (\w+) or (\w+), not both", message)
-    if both:
-        yield from place.without(*((*path[:-1], key) for key in both.groups()))
-    one = re.search(r"leave out (\w+)", message)
-    if one and path and path[-1] == one[1]:
-        yield from place.without(path)
+    path, remedy = place.fault.path, place.remedy(LEAVE_OUT)
+    if remedy is not None:
+        yield from place.without(*((*path[:-1], key) for key in remedy.keys or path[-1:]))
 
 
 def spring_for_shaft(place: FaultPlace) -> Iterator[TextFix]:
     """A spring where a shaft is given by its stiffness."""
-    if "a shaft of known stiffness is a spring" in place.fault.message:
-        edit = place.written.replacement((*place.fault.path[:-1], "type"), "spring")
+    path = place.fault.path
+    if place.fault.kind == UNKNOWN_KEY and path[-1:] == ("stiffness",) and place.element_type == "shaft":
+        edit = place.written.replacement((*path[:-1], "type"), "spring")
         yield from place.fix("write type: spring", edit)
 
 
 def entry_to_add(place: FaultPlace) -> Iterator[TextFix]:
-    """An entry that the message says to add, with the value it names."""
-    found = re.search(r"; add (\w+): ([^;:]+)$", place.fault.message)
-    if found:
-        edit = place.written.insertion(place.fault.path, found[1], found[2])
-        yield from place.fix(f"insert {found[1]}: {found[2]}", edit)
+    """Entries that the remedy says to add, with the value it names."""
+    remedy = place.remedy(INSERT)
+    if remedy is not None:
+        for key in remedy.keys:
+            edit = place.written.insertion(place.fault.path, key, remedy.new)
+            yield from place.fix(f"insert {key}: {remedy.new}", edit)

@@ -4,21 +4,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from torsionnet.core.entries.composite import Named
-from torsionnet.core.errors import Fault, ModelError
+from torsionnet.core.errors import GIVEN_TWICE, Fault, ModelError, Remedy
 from torsionnet.model.definition import Definition
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.model.files.value_editing import node_at
 from torsionnet.text.entry_edits import WrittenText
 from torsionnet.text.text_edits import TextEdit, TextFix, TextSpan, edited
 
-MEANT = re.compile(r'did you mean "?([^"?]+)"?\?')
-"""Expression of the question of a message whether something else was meant."""
-QUOTED = re.compile(r'"([^"]*)"')
-"""Expression of what a message quotes."""
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 """Expression of a decimal number."""
 
@@ -37,11 +33,27 @@ class FaultPlace:
         """Text that the fault marks."""
         return self.written.text[self.span.start : self.span.end]
 
+    def remedy(self, how: str) -> Remedy | None:
+        """Remedy of the fault if it is of that kind, else None."""
+        remedy = self.fault.remedy
+        return remedy if remedy is not None and remedy.how == how else None
+
     @cached_property
     def value_span(self) -> TextSpan | None:
         """Stretch of the value at the path of the fault, None where there is none."""
         node = node_at(self.written.document, self.fault.path)
         return self.written.value_span(node) if node is not None and self.fault.path else None
+
+    @property
+    def element_type(self) -> object:
+        """Value of the entry ``type`` beside the one of the fault, None where there is none."""
+        return getattr(node_at(self.written.document, (*self.fault.path[:-1], "type")), "value", None)
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether the fault is that the entry at its path has no value."""
+        node = node_at(self.written.document, self.fault.path)
+        return node is not None and node.value is None and not self.fault.on_key and self.fault.kind != GIVEN_TWICE
 
     def fix(self, title: str, *edits: TextEdit) -> Iterator[TextFix]:
         """Fix by some edits, if reading the changed entry finds nothing new."""
@@ -69,21 +81,21 @@ class FaultPlace:
         except (ModelError, ValueError):
             return False
         before, after = self._faults_read, section_faults(document, self.fault)
-        return after <= before and (after < before or self.fault.message not in before)
+        return after <= before and (after < before or _bare(self.fault) not in before)
 
     @cached_property
-    def _faults_read(self) -> set[str]:
+    def _faults_read(self) -> set[Fault]:
         return section_faults(self.written.document, self.fault)
 
 
-def section_faults(document: LocatedDocument, fault: Fault) -> set[str]:
-    """Messages of the faults in reading the section of a fault, or the one entry of it that it is about."""
+def section_faults(document: LocatedDocument, fault: Fault) -> set[Fault]:
+    """Faults, without their places, in reading the section of a fault, or the one entry of it that it is about."""
     data = document.data
     section = fault.path[0] if fault.path else ""
     specs = dict(Definition.specs())
-    found = {one.message for one in document.faults}
+    found = {_bare(one) for one in document.faults}
     if isinstance(data, dict) and (section not in specs or section not in data):
-        return found | {one.message for one in Definition.key_faults(data)}
+        return found | {_bare(one) for one in Definition.key_faults(data)}
     if not isinstance(data, dict):
         return found
     raw, spec = data[section], specs[str(section)]
@@ -92,7 +104,12 @@ def section_faults(document: LocatedDocument, fault: Fault) -> set[str]:
         raw = {name: raw[name]} if name in raw else {}
         if not raw:
             return found
-    return found | {one.message for one in spec.read(raw)[1]}
+    return found | {_bare(one) for one in spec.read(raw)[1]}
+
+
+def _bare(fault: Fault) -> Fault:
+    """Fault without its place, which an edit before it moves."""
+    return replace(fault, path=(), position=None)
 
 
 def word_edits(word: str, text: str, start: int, new: str) -> Iterator[TextEdit]:

@@ -5,47 +5,41 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+from torsionnet.core.errors import INVALID_NAME, UNCONNECTED, UNKNOWN_KEY
 from torsionnet.model.files.value_editing import node_at
-from torsionnet.text.fixes.fault_place import MEANT, NUMBER, QUOTED, FaultPlace, word_edits
+from torsionnet.text.fixes.fault_place import NUMBER, FaultPlace, word_edits
 from torsionnet.text.text_edits import TextEdit, TextFix, TextSpan
 
-_GOT = re.compile(r"got '([^']*)'")
 _FRAGMENT_OF_TEXT = ("description", "source", "name")
 
 
 def name_meant(place: FaultPlace) -> Iterator[TextFix]:
-    """Another word where the message asks whether that was meant."""
-    fault, text = place.fault, place.written.text
-    found = MEANT.search(fault.message)
-    meant = fault.meant or (found[1] if found else "")
-    if not meant or ": " in meant or NUMBER.match(meant):
+    """Another word where that was probably meant."""
+    fault, text, meant = place.fault, place.written.text, place.fault.meant
+    if not meant or not fault.about or NUMBER.match(meant):
         return
     if fault.path == ("parameters", meant):  # it would define itself
         return
-    if "is not connected to the rest" in fault.message:
-        both = (fault.message.partition(" ")[0], meant)
-        rare, right = sorted(both, key=lambda word: len(list(word_edits(word, text, 0, ""))))
+    if fault.kind == UNCONNECTED:
+        rare, right = sorted((fault.about, meant), key=lambda word: len(list(word_edits(word, text, 0, ""))))
         yield from place.fix(f'write "{right}"', *word_edits(rare, text, 0, right))
         return
     siblings = node_at(place.written.document, fault.path[:-1])
-    if fault.on_key and siblings is not None and meant in siblings.entries and fault.kind == "unknown key":
+    if fault.on_key and siblings is not None and meant in siblings.entries and fault.kind == UNKNOWN_KEY:
         yield from place.without(fault.path)
         return
-    quoted, got = QUOTED.search(fault.message), _GOT.search(fault.message)
-    wrong = [fault.about, quoted[1] if quoted else "", got[1] if got else "", fault.message.partition(" ")[0]]
-    spans = [place.span, *([place.value_span] if place.value_span else [])]
-    for word in wrong:
-        for span in spans:
-            edits = tuple(word_edits(word, text[span.start : span.end], span.start, meant)) if word else ()
-            if edits and word != meant:
-                yield from place.fix(f'write "{meant}"', *edits)
-                return
+    for span in (place.span, *([place.value_span] if place.value_span else [])):
+        edits = tuple(word_edits(fault.about, text[span.start : span.end], span.start, meant))
+        if edits and fault.about != meant:
+            yield from place.fix(f'write "{meant}"', *edits)
+            return
 
 
 def valid_name(place: FaultPlace) -> Iterator[TextFix]:
     """A name of letters, digits and _ in all places that have it."""
-    found = re.match(r'"([^"]*)" is not a valid name; use letters', place.fault.message)
-    name = found[1] if found else ""
+    name = place.fault.about
+    if place.fault.kind != INVALID_NAME or '"' in name:
+        return
     split = re.fullmatch(r"(\w+)(\s*)([{\[]\w*)", name)
     if split:  # a colon is missing before the bracket
         start = place.span.start + place.shown.find(name) + split.end(1)
@@ -64,7 +58,7 @@ def text_with_comma(place: FaultPlace) -> Iterator[TextFix]:
     """Quotes around a text whose comma split it."""
     fault, written = place.fault, place.written
     node = node_at(written.document, fault.path)
-    if "text with a comma needs quotes" not in fault.message or node is None or node.value is not None:
+    if fault.kind != UNKNOWN_KEY or node is None or node.value is not None:
         return
     siblings = written.node(fault.path[:-1]).entries
     keys = list(siblings)

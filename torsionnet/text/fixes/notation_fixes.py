@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+from torsionnet.core.errors import NO_NODE, NO_NODES, NO_TABLE, NO_TYPE, SEPARATE, UNKNOWN_KEY
 from torsionnet.model.files.located_yaml import LocatedNode
 from torsionnet.model.files.value_editing import node_at
 from torsionnet.text.entry_edits import STEP
@@ -20,13 +21,13 @@ _TWO_NAMES = re.compile(r"(\w+)\s*(?:\s|[-–/>;]|->|\bto\b)\s*(\w+)")
 def colon_for_equals(place: FaultPlace) -> Iterator[TextFix]:
     """A colon and a blank between a name and its value, where an equals sign or nothing stands."""
     path, span = place.fault.path, place.span
-    if place.fault.message.startswith("expected entries by name, got '"):
+    if place.fault.kind == NO_TABLE:
         found = _NAME_AND_VALUE.fullmatch(place.shown)
-    elif " is missing after " in place.fault.message and place.fault.kind == "unknown key":
+    elif place.remedy(SEPARATE):
         found = _RUN_TOGETHER.fullmatch(place.shown)
-    elif place.fault.kind == "unknown key":
+    elif place.fault.kind == UNKNOWN_KEY:
         found = _EQUALS.fullmatch(place.shown)
-    elif place.fault.message.startswith("an element needs a type"):
+    elif place.fault.kind == NO_TYPE:
         node = node_at(place.written.document, path)
         key = next((key for key in (node.entries if node else ()) if re.fullmatch(r"type[\s=:]+\w+", str(key))), "")
         if not key or node is None:
@@ -43,11 +44,11 @@ def colon_for_equals(place: FaultPlace) -> Iterator[TextFix]:
 
 def nodes_in_brackets(place: FaultPlace) -> Iterator[TextFix]:
     """Two nodes as a list in brackets, one node without."""
-    message, text, span = place.fault.message, place.written.text, place.value_span
+    text, span = place.written.text, place.value_span
     if span is None:
         return
     shown = text[span.start : span.end]
-    if message.startswith("expected two nodes"):
+    if place.fault.kind == NO_NODES:
         several = re.match(r"\(?\s*(\w+)\s*[,;]\s*(\w+)\s*\)?(?=\s*([,}]|$))", text[span.start :], re.MULTILINE)
         named = _TWO_NAMES.fullmatch(shown)
         listed = re.fullmatch(r"\[\s*(\w+)\s*[;/-]\s*(\w+)\s*\]", shown)
@@ -55,7 +56,7 @@ def nodes_in_brackets(place: FaultPlace) -> Iterator[TextFix]:
         if found:
             new = f"[{found[1]}, {found[2]}]"
             yield from place.fix(f"write {new}", TextEdit(TextSpan(span.start, span.start + found.end()), new))
-    elif message.startswith("expected the name of a node, got ["):
+    elif place.fault.kind == NO_NODE:
         one = re.fullmatch(r"\[\s*(\w+)\s*\]", shown)
         if one:
             yield from place.fix(f"write {one[1]}", TextEdit(span, one[1]))
@@ -65,9 +66,9 @@ def damper_to_ground(place: FaultPlace) -> Iterator[TextFix]:
     """Ground as the second node of a damper that is given one."""
     path, written = place.fault.path, place.written
     node = node_at(written.document, path)
-    if place.fault.kind != "unknown key" or path[-1:] != ("node",) or node is None or not isinstance(node.value, str):
+    if place.fault.kind != UNKNOWN_KEY or path[-1:] != ("node",) or place.element_type != "damper":
         return
-    if getattr(node_at(written.document, (*path[:-1], "type")), "value", None) != "damper":
+    if node is None or not isinstance(node.value, str):
         return
     new = f"[{node.value}, ground]"
     edits = (TextEdit(place.span, "nodes"), TextEdit(written.value_span(node), new))
@@ -77,7 +78,7 @@ def damper_to_ground(place: FaultPlace) -> Iterator[TextFix]:
 def entries_indented(place: FaultPlace) -> Iterator[TextFix]:
     """Entries of an element indented that stand in one column with its name."""
     path, written = place.fault.path, place.written
-    if not place.fault.message.endswith("got nothing") or len(path) < 2 or path[-2] != "elements":
+    if len(path) < 2 or path[-2] != "elements" or not place.is_empty:
         return
     siblings = written.node(path[:-1])
     if written.is_flow(siblings):

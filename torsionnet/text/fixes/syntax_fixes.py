@@ -9,7 +9,24 @@ from dataclasses import dataclass
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.core.packages import gc_paused
 from torsionnet.model.definition import Definition
-from torsionnet.model.files.located_yaml import compose
+from torsionnet.model.files.located_yaml import (
+    BACKSLASH,
+    BAD_BEGINNING,
+    CHARACTER,
+    INDENTATION,
+    NO_BLANK,
+    NO_COLON,
+    NOT_CLOSED,
+    OPEN_BRACKET,
+    OPEN_QUOTE,
+    OUTSIDE,
+    STRAY_COLON,
+    TAB,
+    TAG,
+    TO_QUOTE,
+    UNKNOWN_ALIAS,
+    compose,
+)
 from torsionnet.text.text_edits import TextEdit, TextFix, TextLines, TextSpan, edited
 
 _COMMENT = re.compile(r"\s#")
@@ -93,9 +110,8 @@ def _faults_left(text: str, file: str) -> int | None:
 
 
 def _candidates(here: _Break) -> Iterator[TextFix]:
-    message = here.fault.message
-    for beginning, rule in _RULES:
-        if re.search(beginning, message):
+    for rule, kinds in _RULES:
+        if here.fault.kind in kinds:
             yield from rule(here)
 
 
@@ -150,8 +166,8 @@ def _quote(here: _Break) -> Iterator[TextFix]:
 
 
 def _bracket(here: _Break) -> Iterator[TextFix]:
-    began = re.search(r"it began at line (\d+), column (\d+)", here.fault.message)
-    opened = here.lines.offset(int(began[1]) - 1, int(began[2]) - 1) if began else here.offset
+    began = here.fault.remedy.place if here.fault.remedy else None
+    opened = here.lines.offset(*began) if began else here.offset
     if here.text[opened : opened + 1] not in ("{", "["):
         return
     close = "}" if here.text[opened] == "{" else "]"
@@ -260,21 +276,21 @@ def _alias(here: _Break) -> Iterator[TextFix]:
 
 
 _RULES = (
-    ("a character that text cannot hold", _character),
-    ("a tab stands here", _tabs),
-    ("does not fit the indentation|outside of the model", _indentation),
-    ("a quote is opened", _quote),
-    (r"missing; it began|is not closed|closing \"[}\]]\"", _bracket),
-    ("with a colon and a blank after the name", _colon),
-    ('a ":" is not expected|fit the indentation', _joined),
-    ('a ":" is not expected|fit the indentation', _opening),
-    ('a ":" is not expected|cannot begin with|fit the indentation', _behind),
-    ('a ":" is missing|a ":" is not expected|does not fit the indentation', _missing_colon),
-    ('a ":" is not expected', _indentation),
-    ('a ":" is not expected|cannot begin with|needs? quotes', _quoted_value),
-    ("outside of the model|does not fit|cannot begin with|is missing or is not closed", _surplus),
-    ("a backslash in double quotes", _single_quotes),
-    ("^tags such as", _tag),
-    ("no anchor .* stands before this alias", _alias),
+    (_character, (CHARACTER,)),
+    (_tabs, (TAB,)),
+    (_indentation, (INDENTATION, OUTSIDE)),
+    (_quote, (OPEN_QUOTE,)),
+    (_bracket, (OPEN_BRACKET, NOT_CLOSED)),
+    (_colon, (NO_BLANK,)),
+    (_joined, (STRAY_COLON, INDENTATION)),
+    (_opening, (STRAY_COLON, INDENTATION)),
+    (_behind, (STRAY_COLON, BAD_BEGINNING, INDENTATION)),
+    (_missing_colon, (NO_COLON, STRAY_COLON, INDENTATION)),
+    (_indentation, (STRAY_COLON,)),
+    (_quoted_value, (STRAY_COLON, BAD_BEGINNING, TO_QUOTE, UNKNOWN_ALIAS)),
+    (_surplus, (OUTSIDE, INDENTATION, BAD_BEGINNING, NOT_CLOSED)),
+    (_single_quotes, (BACKSLASH,)),
+    (_tag, (TAG,)),
+    (_alias, (UNKNOWN_ALIAS,)),
 )
-"""Rule for the fixes of a break by regular expression of its message, as model/files/syntax.py words them."""
+"""Kinds of breaks that a rule may mend, in the order in which the rules are tried."""

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from torsionnet.core.entries.spec import OneOf, entry
-from torsionnet.core.errors import Fault
+from torsionnet.core.errors import UNKNOWN_KEY, Fault
 from torsionnet.core.expressions import Number
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.space.many import Many
@@ -51,7 +51,7 @@ class ValueRange(Variation):
     def key_faults(cls, raw: Mapping[Any, Any], name: str = "") -> list[Fault]:
         return [
             replace(fault, message=f'unknown key "{fault.about}"; the ends of a range are low and high')
-            if fault.kind == "unknown key" and fault.about in OTHER_ENDS
+            if fault.kind == UNKNOWN_KEY and fault.about in OTHER_ENDS
             else fault
             for fault in super().key_faults(raw, name)
         ]
