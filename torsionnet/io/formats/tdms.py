@@ -82,6 +82,7 @@ def _channel(item: StoredArray, number: int) -> FileChannel:
     group = _group(item)
     unit = attribute_text(item, "unit_string", "NI_UnitDescription")
     found = channel_of(item, number, f"{group}/{item.name}" if "group" in item.attributes else item.name, unit)
+    found = replace(found, group=group)
     interval, offset, begun = (float(item.attributes.get(key) or 0.0) for key in (INCREMENT, OFFSET, START_TIME))
     if ZERO in item.attributes:
         return replace(found, unit="s")

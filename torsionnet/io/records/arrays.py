@@ -26,7 +26,7 @@ from torsionnet.io.foreign.content import (
 )
 from torsionnet.io.records.axes import other_axis
 from torsionnet.io.records.recording_description import with_description
-from torsionnet.io.records.source import FileChannel, Source, clock_entry, is_time, nearest, structure_of
+from torsionnet.io.records.source import FileChannel, Source, clock_entry, is_time, nearest, structure_of, time_note
 from torsionnet.io.records.table_clocks import with_named_clocks
 from torsionnet.response.recording import FloatArray
 
@@ -86,7 +86,7 @@ def array_source(
         notes=tuple(notes),
     )  # fmt: skip
     described = with_description(source, stored)
-    return described if stored else _with_clock_of_file(with_named_clocks(described))
+    return described if stored else _with_clock_of_file(_of_its_own(with_named_clocks(described)))
 
 
 def _with_starts_in_seconds(arrays: Sequence[StoredArray]) -> list[StoredArray]:
@@ -147,6 +147,34 @@ def _with_clock_of_file(source: Source) -> Source:
     return replace(source, channels=tuple(clocked))
 
 
+def _of_its_own(source: Source) -> Source:
+    """Source whose time stamps hold for the structure that they stand in, where other channels do so, and for inner ones.
+
+    A channel over another dimension scale than the time stamps has no clock.
+    """
+    time = source.time
+    if time is None:
+        return source
+    around = structure_of(time.name)
+    # A structure of time stamps alone holds the clock of all others.
+    if not any(structure_of(one.name) == around for one in source.channels):
+        around = ""
+
+    def belongs(channel: FileChannel) -> bool:
+        inside = not around or f"{channel.name}.".startswith(f"{around}.")
+        scales = [channel.scale.name if channel.scale else time.name, time.scale.name if time.scale else time.name]
+        return inside and (scales[0] in (time.name, scales[1]))
+
+    if all(belongs(channel) or channel.over for channel in source.channels):
+        return source
+    own = (
+        replace(channel, clock=time) if belongs(channel) and not (channel.clock or channel.over) else channel
+        for channel in source.channels
+    )
+    notes = tuple(note for note in source.notes if note != time_note(time))
+    return replace(source, channels=tuple(own), time=None, notes=notes)
+
+
 def _clocked(channel: FileChannel, clock: tuple[float | None, float] | None) -> FileChannel:
     return channel if clock is None or channel.rate else replace(channel, rate=clock[0], start=clock[1])
 
@@ -154,14 +182,14 @@ def _clocked(channel: FileChannel, clock: tuple[float | None, float] | None) -> 
 def _with_scales(
     channels: Sequence[FileChannel], arrays: Sequence[StoredArray], places: Sequence[tuple[int, int]]
 ) -> tuple[FileChannel, ...]:
-    """Channels with the dimension scales that their arrays name: time stamps, or what they are over instead."""
+    """Channels with the dimension scales that their arrays name: time stamps, what they are over instead, or unknown."""
     named = {channel.name: channel for channel in channels}
     found, others = list[FileChannel](), dict[str, str]()
     for channel, (number, _) in zip(channels, places, strict=True):
         scale = named.get(attribute_text(arrays[number], "clock"))
         over = other_axis(scale.unit, scale.name) if scale else ""
         clock = scale if scale and not over and is_time(scale) else None
-        found.append(replace(channel, clock=clock, over=over))
+        found.append(replace(channel, clock=clock, over=over, scale=None if clock or over else scale))
         others |= {scale.name: over} if scale and over else {}
     return tuple(replace(channel, over=others.get(channel.name, channel.over)) for channel in found)
 

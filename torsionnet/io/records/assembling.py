@@ -37,14 +37,16 @@ from torsionnet.response.recording import FloatArray, Recording, Signal, is_rate
 def with_given_clock(source: Source, options: ReadOptions) -> tuple[Source, ReadOptions]:
     """Source whose time stamps are the channel that the caller gives a unit of time, and the options left over.
 
-    A unit of time stamps that only some channels have stays with these channels.
+    A unit of time stamps, or of a dimension scale, that only some channels have stays with these channels.
     """
-    clocks = {channel.clock.name for channel in source.channels if channel.clock}
-    own = {name: plain_unit(unit) for name, unit in options.units.items() if name in clocks}
+    axes = {axis.name for channel in source.channels if (axis := channel.clock or channel.scale)}
+    own = {name: plain_unit(unit) for name, unit in options.units.items() if name in axes}
     if own:
         left = {name: unit for name, unit in options.units.items() if name not in own}
-        channels = tuple(_with_unit_of_clock(channel, own) for channel in source.channels)
-        source, options = replace(source, channels=channels), replace(options, units=left)
+        # Channels without an axis of their own keep the time stamps of all.
+        timed = (one if one.scale or one.clock or one.over else replace(one, clock=source.time) for one in source.channels)
+        channels = tuple(_with_unit_of_axis(channel, own) for channel in timed if channel.name not in own)
+        source, options = replace(source, channels=channels, time=None), replace(options, units=left)
     every = source.every
     for name, unit in options.units.items():
         channel = replace(every[name], unit=plain_unit(unit)) if name in every else None
@@ -56,12 +58,13 @@ def with_given_clock(source: Source, options: ReadOptions) -> tuple[Source, Read
     return source, options
 
 
-def _with_unit_of_clock(channel: FileChannel, units: Mapping[str, str]) -> FileChannel:
-    clock = channel.clock
-    if clock is None or clock.name not in units:
+def _with_unit_of_axis(channel: FileChannel, units: Mapping[str, str]) -> FileChannel:
+    axis = channel.clock or channel.scale
+    if axis is None or axis.name not in units:
         return channel
-    over = other_axis(units[clock.name])
-    return replace(channel, clock=None if over else replace(clock, unit=units[clock.name]), over=over)
+    over = other_axis(units[axis.name])
+    clock = None if over else replace(axis, unit=units[axis.name])
+    return replace(channel, clock=clock, scale=None, over=over)
 
 
 def with_given_courses(source: Source, between: Mapping[str, str], file: str) -> Source:

@@ -24,7 +24,7 @@ from torsionnet.io.records.rasters import (
     rasters_of,
 )
 from torsionnet.io.records.read_options import ReadOptions
-from torsionnet.io.records.source import FileChannel, Source, time_note
+from torsionnet.io.records.source import FileChannel, Source, group_of, time_note
 from torsionnet.response.recording import FloatArray, Recording, Signal
 from torsionnet.signals.resampling import band_loss, interpolated_at, resampled
 
@@ -53,23 +53,22 @@ def choose_rate(source: Source, choices: Sequence[ChannelChoice], options: ReadO
         names = comma_list([choice.channel.name for choice in single], MOST_NAMED)
         source = replace(source, notes=(*source.notes, f"left out, as they are single samples: {names}"))
         choices = [choice for choice in choices if choice not in single]
-    single = [choice for choice in choices if choice.channel.clock and choice.channel.clock.length == 1]
-    if options.names is None and 0 < len(single) < len(choices):
-        names = comma_list([choice.channel.name for choice in single], MOST_NAMED)
-        source = replace(source, notes=(*source.notes, f"left out, as they are single samples: {names}"))
-        choices = [choice for choice in choices if choice not in single]
     clocks = {choice.channel.clock.column: choice.channel.clock for choice in choices if choice.channel.clock}
     if len(clocks) == 1 and all(choice.channel.clock for choice in choices):
         return RateChoice(_on_clock(source, next(iter(clocks.values()))), list(choices))
     own = own_clocks(source, choices, options.sampling_rate)
     rasters, source = rasters_of(own.choices), replace(source, notes=(*source.notes, *own.notes))
-    unclocked = [choice.channel.name for choice in own.choices if rasters and not choice.channel.rate]
-    if unclocked:
-        note = f"{comma_list(unclocked, MOST_NAMED)}: no clock in the file, taken to be sampled with the others"
-        source = replace(source, notes=(*source.notes, note))
     if own.faults or not rasters:
         return RateChoice(source, own.choices, faults=own.faults)
     given = options.sampling_rate
+    unclocked = [choice for choice in own.choices if not choice.channel.rate]
+    if unclocked:
+        names = comma_list([choice.channel.name for choice in unclocked], MOST_NAMED)
+        note = f"{names}: no clock in the file, taken to be sampled with the others"
+        source = replace(source, notes=(*source.notes, note))
+        doubtful = [choice for choice in unclocked if not _sampled_with(choice, rasters, choices)]
+        if doubtful and not given:
+            return RateChoice(source, own.choices, faults=[_without_clock(doubtful, rasters, source)])
     wanted = [raster for raster in rasters if given is None or abs(given / raster.rate - 1) < SAME_RATE_TOLERANCE]
     if len(rasters) == 1 and not wanted:
         text = f"the file says {listed(own.choices, source)}, {remedy('sampling_rate=', f'{given:g}')} was given"
@@ -84,6 +83,32 @@ def choose_rate(source: Source, choices: Sequence[ChannelChoice], options: ReadO
         found = _on_clock(source, raster.choices[0].channel.clock)
         chosen = _with_others_or_without(found, kept, others, raster.rate, options)
     return replace(chosen, stamps=own.stamps)
+
+
+def _sampled_with(choice: ChannelChoice, rasters: Sequence[Raster], choices: Sequence[ChannelChoice]) -> bool:
+    """Whether a channel without a clock was surely sampled with others: as many values in the same group, of one raster.
+
+    Time stamps that are named after a channel, or its dimension scale, are those of this channel alone.
+    """
+    channel = choice.channel
+    beside = [one.channel for one in choices if one.channel.clock or one.channel.rate]
+    return len(rasters) == 1 and channel.scale is None and any(
+        one.clock is None and group_of(one) == group_of(channel) and one.length == channel.length for one in beside
+    )
+
+
+def _without_clock(unclocked: Sequence[ChannelChoice], rasters: Sequence[Raster], source: Source) -> Fault:
+    """Fault that nothing tells when channels were sampled that stand beside others with a clock."""
+    said = [
+        f"{one.name} (over {one.scale.name})" if one.scale else one.name
+        for one in (choice.channel for choice in unclocked)
+    ]
+    have = "have" if len(said) > 1 else "has"
+    text = f"{comma_list(said, MOST_NAMED)} {have} no clock in the file, {listed(rasters[0].choices, source)} another; "
+    scales = {scale.name: "s" for choice in unclocked if (scale := choice.channel.scale)}
+    unit = f"{remedy('units=', dict(list(scales.items())[:1]))} if that is the time, " if scales else ""
+    rate = remedy("sampling_rate=", f"{rasters[0].rate:g}")
+    return Fault(f"{text}give {unit}{rate} if they were sampled together, or read them one by one")
 
 
 def _without_other_axes(source: Source, options: ReadOptions) -> Source:

@@ -38,7 +38,8 @@ class FileChannel:
 
     ``quantity`` is None where the file says nothing, empty where it says that none is known. ``rate`` (Hz) and
     ``start`` (s) are those of the channel alone, where the file has them for each, or ``clock`` is the channel of its
-    time stamps; ``over`` is the unit or name of its axis where that is no time. ``implied`` has the factor to SI by
+    time stamps; ``over`` is the unit or name of its axis where that is no time, ``scale`` the channel of its axis where
+    nothing tells what that is. ``group`` is where it stands in the file. ``implied`` has the factor to SI by
     quantity where the file has units for all channels, for those without one of their own. Time stamps count from
     ``zero``. ``between`` and ``course_rate`` are those of a :class:`~torsionnet.response.recording.Signal`.
     """
@@ -54,6 +55,8 @@ class FileChannel:
     start: float | None = None
     clock: FileChannel | None = None
     over: str = ""
+    scale: FileChannel | None = None
+    group: str = ""
     implied: Mapping[str, float] = field(default_factory=dict)
     zero: float = 0.0
     between: Between = "band_limited"
@@ -136,6 +139,11 @@ def _timed(channel: FileChannel, named: Mapping[str, FileChannel]) -> FileChanne
     if channel.rate and (stamps is None or channel.start or stamps.length != channel.length):
         return channel
     return replace(channel, rate=None, start=None, clock=stamps)
+
+
+def group_of(channel: FileChannel) -> str:
+    """Group or structure of a file that a channel is in, empty for none."""
+    return channel.group or structure_of(channel.name)
 
 
 def structure_of(name: str) -> str:
