@@ -124,15 +124,20 @@ def _letters(item: Any) -> str:
 def _is_channel(name: str, item: Any) -> bool:
     text = item.attrs.get(CLASS, b"double") in (b"char", b"cell", "char", "cell")
     known = item.dtype.kind in "fiub" and item.shape is not None and 0 <= item.ndim <= 2
-    return bool(not text and not name.startswith("#") and known)
+    return bool(not text and not name.startswith("#") and known and not _is_bare_dimension(item))
+
+
+def _is_bare_dimension(item: Any) -> bool:
+    """Whether a dataset stands for a dimension of netCDF without coordinates, and has no values of its own."""
+    return str(item.attrs.get("NAME", "")).removeprefix("b'").startswith(NO_SCALE)
 
 
 def _is_other(name: str, item: Any) -> bool:
     """Whether a dataset holds numbers, but no columns of them: a table of fields, complex ones, or a picture."""
     text = item.attrs.get(CLASS, b"double") in (b"char", b"cell", "char", "cell")
-    return bool(
-        item.dtype.kind in "fiubcV" and item.size and not text and not name.startswith("#")
-    ) and not _is_channel(name, item)
+    return bool(item.dtype.kind in "fiubcV" and item.size and not text and not name.startswith("#")) and not (
+        _is_channel(name, item) or _is_bare_dimension(item)
+    )
 
 
 def _is_across(item: Any, transposed: bool) -> bool:
@@ -158,12 +163,14 @@ def _single(value: Any) -> Any:
 
 
 def _scale_of_times(item: Any) -> dict[str, Plain]:
-    """Name of the dimension scale of the samples of a dataset, as ``clock``, where it has one beside itself."""
+    """Name of the dimension scale of the samples of a dataset, as ``clock``, where it has one beside itself.
+
+    One without values tells which datasets were sampled together.
+    """
     if not item.ndim or not len(item.dims[0]):
         return {}
     scale = item.dims[0][0]
-    is_named = not str(scale.attrs.get("NAME", "")).removeprefix("b'").startswith(NO_SCALE)
-    return {"clock": scale.name.strip("/").replace("/", ".")} if is_named and scale.name != item.name else {}
+    return {"clock": scale.name.strip("/").replace("/", ".")} if scale.name != item.name else {}
 
 
 def _reader(item: Any, *, across: bool) -> Slice:

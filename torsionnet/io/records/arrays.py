@@ -26,7 +26,16 @@ from torsionnet.io.foreign.content import (
 )
 from torsionnet.io.records.axes import other_axis
 from torsionnet.io.records.recording_description import with_description
-from torsionnet.io.records.source import FileChannel, Source, clock_entry, is_time, nearest, structure_of, time_note
+from torsionnet.io.records.source import (
+    NOWHERE,
+    FileChannel,
+    Source,
+    clock_entry,
+    is_time,
+    nearest,
+    structure_of,
+    time_note,
+)
 from torsionnet.io.records.table_clocks import with_named_clocks
 from torsionnet.response.recording import FloatArray
 
@@ -148,9 +157,9 @@ def _with_clock_of_file(source: Source) -> Source:
 
 
 def _of_its_own(source: Source) -> Source:
-    """Source whose time stamps hold for the structure that they stand in, where other channels do so, and for inner ones.
+    """Source whose time stamps hold for the structure that they stand in, and for those inside it.
 
-    A channel over another dimension scale than the time stamps has no clock.
+    They hold for all channels where none stands beside them, and never for one over another dimension scale.
     """
     time = source.time
     if time is None:
@@ -162,8 +171,7 @@ def _of_its_own(source: Source) -> Source:
 
     def belongs(channel: FileChannel) -> bool:
         inside = not around or f"{channel.name}.".startswith(f"{around}.")
-        scales = [channel.scale.name if channel.scale else time.name, time.scale.name if time.scale else time.name]
-        return inside and (scales[0] in (time.name, scales[1]))
+        return inside and channel.shares_axis(time)
 
     if all(belongs(channel) or channel.over for channel in source.channels):
         return source
@@ -182,11 +190,12 @@ def _clocked(channel: FileChannel, clock: tuple[float | None, float] | None) -> 
 def _with_scales(
     channels: Sequence[FileChannel], arrays: Sequence[StoredArray], places: Sequence[tuple[int, int]]
 ) -> tuple[FileChannel, ...]:
-    """Channels with the dimension scales that their arrays name: time stamps, what they are over instead, or unknown."""
+    """Channels with the dimension scales that their arrays name: time stamps, what is no time, or unknown."""
     named = {channel.name: channel for channel in channels}
     found, others = list[FileChannel](), dict[str, str]()
     for channel, (number, _) in zip(channels, places, strict=True):
-        scale = named.get(attribute_text(arrays[number], "clock"))
+        axis = attribute_text(arrays[number], "clock")
+        scale = named.get(axis) or (FileChannel(axis, NOWHERE) if axis else None)
         over = other_axis(scale.unit, scale.name) if scale else ""
         clock = scale if scale and not over and is_time(scale) else None
         found.append(replace(channel, clock=clock, over=over, scale=None if clock or over else scale))

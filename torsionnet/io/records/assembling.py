@@ -27,7 +27,7 @@ from torsionnet.io.records.clock import (
     value_faults,
 )
 from torsionnet.io.records.read_options import ReadOptions
-from torsionnet.io.records.several_rates import choose_rate, read_others, shares_time, with_others
+from torsionnet.io.records.several_rates import choose_rate, read_others, shares_time, unit_of_scale, with_others
 from torsionnet.io.records.source import FileChannel, Source, is_time
 from torsionnet.io.records.stored_pulses import names_of_signals, rate_of, stored_pulses, with_pulses
 from torsionnet.response.measured.between_samples import Between, check_between
@@ -43,9 +43,8 @@ def with_given_clock(source: Source, options: ReadOptions) -> tuple[Source, Read
     own = {name: plain_unit(unit) for name, unit in options.units.items() if name in axes}
     if own:
         left = {name: unit for name, unit in options.units.items() if name not in own}
-        # Channels without an axis of their own keep the time stamps of all.
-        timed = (one if one.scale or one.clock or one.over else replace(one, clock=source.time) for one in source.channels)
-        channels = tuple(_with_unit_of_axis(channel, own) for channel in timed if channel.name not in own)
+        rest = (channel for channel in source.channels if channel.name not in own)
+        channels = tuple(_with_unit_of_axis(channel, own, source.time) for channel in rest)
         source, options = replace(source, channels=channels, time=None), replace(options, units=left)
     every = source.every
     for name, unit in options.units.items():
@@ -58,10 +57,11 @@ def with_given_clock(source: Source, options: ReadOptions) -> tuple[Source, Read
     return source, options
 
 
-def _with_unit_of_axis(channel: FileChannel, units: Mapping[str, str]) -> FileChannel:
+def _with_unit_of_axis(channel: FileChannel, units: Mapping[str, str], time: FileChannel | None) -> FileChannel:
+    """Channel whose axis has its unit; one without an axis of its own keeps the time stamps of all."""
     axis = channel.clock or channel.scale
     if axis is None or axis.name not in units:
-        return channel
+        return replace(channel, clock=channel.clock or time) if not (channel.scale or channel.over) else channel
     over = other_axis(units[axis.name])
     clock = None if over else replace(axis, unit=units[axis.name])
     return replace(channel, clock=clock, scale=None, over=over)
@@ -120,7 +120,7 @@ def _sampled(source: Source, options: ReadOptions, file: str, seconds: float | N
     faults += chosen.faults or length_faults(source, choices)
     has_axes = any(one.rate or one.clock or one.over for one in source.channels)
     if not chosen.faults and (choices or (source.channels and not has_axes)):
-        faults += _rate_faults(source, options)
+        faults += _rate_faults(source, options, choices)
     if faults:
         raise ModelError([*faults, *([Fault(source.hint, (), "note")] if source.hint and not has_axes else [])], file)
     source = _with_rate_note(source, options)
@@ -141,13 +141,14 @@ def _sampled(source: Source, options: ReadOptions, file: str, seconds: float | N
         raise ModelError([Fault("there are no samples in the file; export the record again")], file)
 
 
-def _rate_faults(source: Source, options: ReadOptions) -> list[Fault]:
+def _rate_faults(source: Source, options: ReadOptions, choices: Sequence[ChannelChoice]) -> list[Fault]:
     if source.time is None and not options.sampling_rate and source.rate and not is_rate(source.rate):
         text = f"the file has a sampling rate of {source.rate:g} Hz, which no recorder has"
         return [Fault(f"{text}; give {remedy('sampling_rate=')} in Hz")]
     if source.time is not None or options.sampling_rate or source.rate:
         return []
-    return [Fault(f"nothing in the file tells the sampling rate; give {remedy('sampling_rate=')} in Hz")]
+    advice = f"{unit_of_scale(one.channel for one in choices)}{remedy('sampling_rate=')} in Hz"
+    return [Fault(f"nothing in the file tells the sampling rate; give {advice}")]
 
 
 def _with_rate_note(source: Source, options: ReadOptions) -> Source:

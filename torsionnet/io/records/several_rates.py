@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -24,7 +24,7 @@ from torsionnet.io.records.rasters import (
     rasters_of,
 )
 from torsionnet.io.records.read_options import ReadOptions
-from torsionnet.io.records.source import FileChannel, Source, group_of, time_note
+from torsionnet.io.records.source import NOWHERE, FileChannel, Source, group_of, time_note
 from torsionnet.response.recording import FloatArray, Recording, Signal
 from torsionnet.signals.resampling import band_loss, interpolated_at, resampled
 
@@ -53,30 +53,29 @@ def choose_rate(source: Source, choices: Sequence[ChannelChoice], options: ReadO
         names = comma_list([choice.channel.name for choice in single], MOST_NAMED)
         source = replace(source, notes=(*source.notes, f"left out, as they are single samples: {names}"))
         choices = [choice for choice in choices if choice not in single]
+    axes = {choice.channel.scale.name for choice in choices if choice.channel.scale}
+    if options.names is None and any(choice.channel.clock or choice.channel.rate for choice in choices):
+        choices = [choice for choice in choices if choice.channel.name not in axes]
     clocks = {choice.channel.clock.column: choice.channel.clock for choice in choices if choice.channel.clock}
     if len(clocks) == 1 and all(choice.channel.clock for choice in choices):
         return RateChoice(_on_clock(source, next(iter(clocks.values()))), list(choices))
     own = own_clocks(source, choices, options.sampling_rate)
     rasters, source = rasters_of(own.choices), replace(source, notes=(*source.notes, *own.notes))
     if own.faults or not rasters:
-        return RateChoice(source, own.choices, faults=own.faults)
+        return RateChoice(_told_of_scales(source, choices), own.choices, faults=own.faults)
     given = options.sampling_rate
-    unclocked = [choice for choice in own.choices if not choice.channel.rate]
-    if unclocked:
-        names = comma_list([choice.channel.name for choice in unclocked], MOST_NAMED)
-        note = f"{names}: no clock in the file, taken to be sampled with the others"
-        source = replace(source, notes=(*source.notes, note))
-        doubtful = [choice for choice in unclocked if not _sampled_with(choice, rasters, choices)]
-        if doubtful and not given:
-            return RateChoice(source, own.choices, faults=[_without_clock(doubtful, rasters, source)])
     wanted = [raster for raster in rasters if given is None or abs(given / raster.rate - 1) < SAME_RATE_TOLERANCE]
     if len(rasters) == 1 and not wanted:
-        text = f"the file says {listed(own.choices, source)}, {remedy('sampling_rate=', f'{given:g}')} was given"
+        text = f"the file says {listed(rasters[0].choices, source)}, {remedy('sampling_rate=', f'{given:g}')} was given"
         return RateChoice(source, own.choices, faults=[Fault(f"{text}; leave it out to take the rate of the file")])
     if len(rasters) > 1 and (not wanted or (given is None and not options.resample)):
         return RateChoice(source, own.choices, faults=[_which(rasters, source, given)])
     raster = max(wanted, key=lambda one: (one.is_even, one.rate))
-    kept, others = in_raster(raster, own.choices)
+    stamped = {choice.channel.column for choice in choices if choice.channel.clock}
+    source, placed, faults = _placed(source, own.choices, raster, stamped, surely=len(rasters) > 1 or not given)
+    if faults:
+        return RateChoice(source, placed, faults=faults)
+    kept, others = in_raster(raster, placed)
     if raster.is_even:
         chosen = _together(source, kept, others, raster.rate, options)
     else:
@@ -85,30 +84,63 @@ def choose_rate(source: Source, choices: Sequence[ChannelChoice], options: ReadO
     return replace(chosen, stamps=own.stamps)
 
 
-def _sampled_with(choice: ChannelChoice, rasters: Sequence[Raster], choices: Sequence[ChannelChoice]) -> bool:
-    """Whether a channel without a clock was surely sampled with others: as many values in the same group, of one raster.
+def _told_of_scales(source: Source, choices: Sequence[ChannelChoice]) -> Source:
+    """Source with a warning where channels over several dimension scales are put on one clock."""
+    scales = dict.fromkeys(one.channel.scale.name for one in choices if one.channel.scale)
+    if len(scales) < 2:
+        return source
+    note = f"warning: channels over {comma_list(list(scales), MOST_NAMED)} were taken to begin together, at one rate"
+    return replace(source, notes=(*source.notes, note))
 
-    Time stamps that are named after a channel, or its dimension scale, are those of this channel alone.
+
+def _placed(
+    source: Source, choices: Sequence[ChannelChoice], raster: Raster, stamped: Collection[int], *, surely: bool
+) -> tuple[Source, list[ChannelChoice], list[Fault]]:
+    """Channels without a clock placed at the start of a raster, told in the notes of the source, and what forbids it.
+
+    With ``surely`` they have to stand in one group with channels that have rates of their own, and as many values.
+    Time stamps, as the columns ``stamped`` have them, may be those of these channels alone.
     """
-    channel = choice.channel
-    beside = [one.channel for one in choices if one.channel.clock or one.channel.rate]
-    return len(rasters) == 1 and channel.scale is None and any(
-        one.clock is None and group_of(one) == group_of(channel) and one.length == channel.length for one in beside
-    )
-
-
-def _without_clock(unclocked: Sequence[ChannelChoice], rasters: Sequence[Raster], source: Source) -> Fault:
-    """Fault that nothing tells when channels were sampled that stand beside others with a clock."""
-    said = [
-        f"{one.name} (over {one.scale.name})" if one.scale else one.name
-        for one in (choice.channel for choice in unclocked)
+    timed = [choice for choice in raster.choices if choice.channel.rate]
+    unclocked = [choice.channel for choice in choices if not choice.channel.rate]
+    starts, doubtful = dict[int, float](), list[FileChannel]()
+    for channel in unclocked:
+        alike = [one for one in timed if one.channel.length == channel.length]
+        near = [one for one in alike if group_of(one.channel) == group_of(channel)]
+        beside = [one for one in near if one.channel.column not in stamped and channel.scale is None]
+        begun = {own_start(one, source) for one in (beside if surely else near or alike or timed)}
+        if len(begun) == 1:
+            starts[channel.column] = begun.pop()
+        else:
+            doubtful.append(channel)
+    if doubtful:
+        return source, list(choices), [_without_clock(doubtful, raster, source, surely=surely)]
+    if unclocked:
+        names = comma_list([channel.name for channel in unclocked], MOST_NAMED)
+        note = f"{names}: no clock in the file, taken to be sampled with the others"
+        source = replace(source, notes=(*source.notes, note))
+    placed = [
+        replace(one, channel=replace(one.channel, start=starts[one.channel.column])) if not one.channel.rate else one
+        for one in choices
     ]
+    return source, placed, []
+
+
+def _without_clock(unclocked: Sequence[FileChannel], raster: Raster, source: Source, *, surely: bool) -> Fault:
+    """Fault that nothing tells when channels were sampled that stand beside others with a clock."""
+    said = [f"{one.name} (over {one.scale.name})" if one.scale else one.name for one in unclocked]
     have = "have" if len(said) > 1 else "has"
-    text = f"{comma_list(said, MOST_NAMED)} {have} no clock in the file, {listed(rasters[0].choices, source)} another; "
-    scales = {scale.name: "s" for choice in unclocked if (scale := choice.channel.scale)}
-    unit = f"{remedy('units=', dict(list(scales.items())[:1]))} if that is the time, " if scales else ""
-    rate = remedy("sampling_rate=", f"{rasters[0].rate:g}")
-    return Fault(f"{text}give {unit}{rate} if they were sampled together, or read them one by one")
+    text = f"{comma_list(said, MOST_NAMED)} {have} no clock in the file, {listed(raster.choices, source)} another; "
+    if surely:
+        rate = remedy("sampling_rate=", f"{raster.rate:g}")
+        text += f"give {unit_of_scale(unclocked)}{rate} if they were sampled together, or "
+    return Fault(f"{text}read them one by one")
+
+
+def unit_of_scale(channels: Iterable[FileChannel]) -> str:
+    """Advice to give the first dimension scale of channels, if it is the time, its unit; empty without scales."""
+    scales = [one.scale for one in channels if one.scale and one.scale.column != NOWHERE]
+    return f"{remedy('units=', {scales[0].name: 's'})} if {scales[0].name} is the time, or " if scales else ""
 
 
 def _without_other_axes(source: Source, options: ReadOptions) -> Source:

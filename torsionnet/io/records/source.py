@@ -62,6 +62,10 @@ class FileChannel:
     between: Between = "band_limited"
     course_rate: float | None = None
 
+    def shares_axis(self, stamps: FileChannel) -> bool:
+        """Whether a channel may have these time stamps, going over no other dimension scale than they do."""
+        return self.scale is None or self.scale.name in (stamps.name, stamps.scale.name if stamps.scale else "")
+
 
 @dataclass(frozen=True)
 class StoredPulses:
@@ -137,6 +141,8 @@ def _timed(channel: FileChannel, named: Mapping[str, FileChannel]) -> FileChanne
     """Channel with the time stamps of the nearest structure; one with a rate has those of its own, which say more."""
     stamps = named.get(structure_of(channel.name)) if channel.rate else nearest(channel.name, named)
     if channel.rate and (stamps is None or channel.start or stamps.length != channel.length):
+        return channel
+    if stamps and not channel.shares_axis(stamps):
         return channel
     return replace(channel, rate=None, start=None, clock=stamps)
 

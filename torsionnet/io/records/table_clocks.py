@@ -60,11 +60,13 @@ def with_named_clocks(source: Source) -> Source:
     A warning says where other times than those taken for all channels are in the file, and nothing tells of what.
     """
     alone = [one for one in source.channels if not one.clock and not one.rate]
-    clocks = {one.name: time for one in alone for time in alone if time is not one and _is_time_of(time, one)}
+    times = [*alone, *([source.time] if source.time else [])]
+    clocks = {one.name: time for one in alone for time in times if time is not one and _is_time_of(time, one)}
     if clocks:
         stamps = {time.column for time in clocks.values()}
         rest = [one for one in source.channels if one.column not in stamps]
-        paired = [replace(one, clock=clocks.get(one.name, one.clock or source.time)) for one in rest]
+        of_all = None if source.time in clocks.values() else source.time
+        paired = [replace(one, clock=clocks.get(one.name, one.clock or of_all)) for one in rest]
         return replace(source, channels=tuple(paired), time=None)
     if source.time is None:
         return source
