@@ -20,6 +20,12 @@ RATE_NAMES, INTERVAL_NAMES = ("sampling_rate", "fs", "sample_rate"), ("sampling_
 """Attributes under which programs keep the sampling rate of an array in Hz, or its sampling interval in s."""
 START_NAMES = ("start", "start_time", "start_offset", "t0")
 """Attributes under which programs keep the time of the first sample of an array in s."""
+WAVE_INTERVAL, WAVE_OFFSET, WAVE_START = "wf_increment", "wf_start_offset", "wf_start_time"
+"""Waveform properties of LabVIEW with the sampling interval, the start within the record, and the time it began."""
+WAVE_UNIT, WAVE_NAME = "wf_xunit_string", "wf_xname"
+"""Waveform properties of LabVIEW with unit and name of the axis."""
+MISSING = "missing"
+"""Attribute of an array that says in words which of its values were taken for missing ones, as NaN."""
 FACTOR_NAMES = ("scale", "gain", "slope", "factor", "sensitivity", "calibration")
 """Attributes under which programs keep a factor of the values of an array, or its inverse: nothing says which."""
 OFFSET_NAMES = ("offset", "zero_offset", "bias")

@@ -7,15 +7,22 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.io.foreign.content import Content, Plain, Slice, StoredArray, plain_attributes, sliced_blocks
+from torsionnet.io.foreign.content import (
+    WAVE_START,
+    Content,
+    Plain,
+    Slice,
+    StoredArray,
+    plain_attributes,
+    sliced_blocks,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-START_TIME, ZERO = "wf_start_time", "zero"
-"""Waveform property with the time at which a channel began, passed on in s from the earliest in the file; attribute of
-time stamps with that earliest time, in UTC."""
+ZERO = "zero"
+"""Attribute of time stamps with the earliest time in the file, in UTC."""
 
 
 def load() -> None:
@@ -55,7 +62,7 @@ def open_content(path: Path) -> Iterator[Content]:
 def _begun(items: Sequence[Any]) -> dict[int, Any]:
     """Times at which channels began, and first time stamps, by number; LabVIEW writes 0 where it knows none."""
     times = {
-        number: item[0] if _is_stamped(item) else item.properties.get(START_TIME) for number, item in enumerate(items)
+        number: item[0] if _is_stamped(item) else item.properties.get(WAVE_START) for number, item in enumerate(items)
     }
     return {number: time for number, time in times.items() if getattr(time, "seconds", 0)}
 
@@ -68,7 +75,7 @@ def _origin(item: Any, begun: Any, zero: Any) -> dict[str, Plain]:
     """Start of a channel in s from ``zero``, of time stamps ``zero`` itself; empty where none is known."""
     if _is_stamped(item):
         return {ZERO: _text(item[0] if zero is None else zero)}
-    return {} if begun is None else {START_TIME: float(_seconds_between(begun, zero))}
+    return {} if begun is None else {WAVE_START: float(_seconds_between(begun, zero))}
 
 
 def _seconds_between(time: Any, zero: Any) -> Any:

@@ -9,17 +9,15 @@ from pathlib import Path
 
 from torsionnet.core.atomic import atomic_replacement
 from torsionnet.io.foreign import StoredArray
+from torsionnet.io.foreign.content import WAVE_INTERVAL, WAVE_OFFSET, WAVE_START
 from torsionnet.io.formats.extras import import_extra, open_foreign
 from torsionnet.io.records.arrays import attribute_text, channel_of
-from torsionnet.io.records.axes import other_axis, seconds_in
 from torsionnet.io.records.recording_description import KEY, recording_json, saved_columns, with_description
 from torsionnet.io.records.source import FileChannel, Source, is_time
 from torsionnet.response.recording import Recording
 
-GROUP, INCREMENT, OFFSET = "recording", "wf_increment", "wf_start_offset"
-"""Name of the group written, and the waveform properties with the sampling interval and the start, both in s."""
-AXIS_UNIT, AXIS_NAME, START_TIME = "wf_xunit_string", "wf_xname", "wf_start_time"
-"""Waveform properties with unit and name of the axis, and with the time at which a channel began."""
+GROUP = "recording"
+"""Name of the group written."""
 ZERO = "zero"
 """Attribute of a channel of time stamps with the first of them, from which the seconds count."""
 PIECE = 1 << 20
@@ -46,7 +44,7 @@ def open_source(path: Path) -> Iterator[Source]:
         notes = (
             [f"begins at {start:g} s, its wf_start_offset"] if start and len(set(starts)) == 1 and not stamps else []
         )
-        begun = [START_TIME in item.attributes for item in items if item.attributes.get(INCREMENT)]
+        begun = [WAVE_START in item.attributes for item in items if item.attributes.get(WAVE_INTERVAL)]
         if any(begun) and not all(begun):
             notes.append("channels without wf_start_time were taken to begin with the first of the others")
         rate = rates[0] if rates else None
@@ -83,15 +81,7 @@ def _channel(item: StoredArray, number: int) -> FileChannel:
     unit = attribute_text(item, "unit_string", "NI_UnitDescription")
     found = channel_of(item, number, f"{group}/{item.name}" if "group" in item.attributes else item.name, unit)
     found = replace(found, group=group)
-    interval, offset, begun = (float(item.attributes.get(key) or 0.0) for key in (INCREMENT, OFFSET, START_TIME))
-    if ZERO in item.attributes:
-        return replace(found, unit="s")
-    axis = attribute_text(item, AXIS_UNIT)
-    over = other_axis(axis, attribute_text(item, AXIS_NAME))
-    if over or not 0 < abs(interval) < float("inf"):
-        return replace(found, over=over if interval else "")
-    seconds = seconds_in(axis)
-    return replace(found, rate=1 / (interval * seconds), start=begun + offset * seconds)
+    return replace(found, unit="s") if ZERO in item.attributes else found
 
 
 def write(recording: Recording, path: Path) -> None:
@@ -99,7 +89,7 @@ def write(recording: Recording, path: Path) -> None:
     columns = saved_columns(recording)
     nptdms = import_extra("tdms")
     root = nptdms.RootObject({"name": recording.title or path.stem, KEY: recording_json(recording)})
-    wave = {INCREMENT: 1 / recording.sampling_rate, OFFSET: recording.start}
+    wave = {WAVE_INTERVAL: 1 / recording.sampling_rate, WAVE_OFFSET: recording.start}
     with atomic_replacement(path) as temporary, nptdms.TdmsWriter(str(temporary)) as writer:
         writer.write_segment([root, nptdms.GroupObject(GROUP)])
         for first in range(0, max((len(column.values) for column in columns), default=0), PIECE):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from datetime import UTC, datetime
 from typing import TypeAlias
 
 import numpy as np
@@ -17,14 +16,20 @@ from torsionnet.io.foreign.content import (
     COMPLEX,
     FACTOR_NAMES,
     INTERVAL_NAMES,
+    MISSING,
     OFFSET_NAMES,
     RATE_NAMES,
     START_NAMES,
     UNIT_NAMES,
+    WAVE_INTERVAL,
+    WAVE_NAME,
+    WAVE_OFFSET,
+    WAVE_START,
+    WAVE_UNIT,
     Blocks,
     Plain,
 )
-from torsionnet.io.records.axes import other_axis
+from torsionnet.io.records.axes import other_axis, seconds_in
 from torsionnet.io.records.recording_description import with_description
 from torsionnet.io.records.source import (
     NOWHERE,
@@ -64,7 +69,6 @@ def array_source(
         Such a number is no rate or interval, or two of them contradict each other.
     """
     channels, places, notes, clocks = list[FileChannel](), list[tuple[int, int]](), list[str](), dict[str, _Numbers]()
-    arrays = _with_starts_in_seconds(arrays)
     of_file = {} if stored else _clock_numbers(StoredArray("", (), attributes or {}))
     if of_file:
         clocks[""] = of_file
@@ -96,22 +100,6 @@ def array_source(
     )  # fmt: skip
     described = with_description(source, stored)
     return described if stored else _with_clock_of_file(_of_its_own(with_named_clocks(described)))
-
-
-def _with_starts_in_seconds(arrays: Sequence[StoredArray]) -> list[StoredArray]:
-    """Arrays whose attribute of a start, where it is a date and time (ISO 8601), is in s from the earliest of them."""
-    begun = dict[int, datetime]()
-    for number, item in enumerate(arrays):
-        with contextlib.suppress(ValueError):
-            begin = datetime.fromisoformat(attribute_text(item, *START_NAMES))
-            begun[number] = begin if begin.tzinfo else begin.replace(tzinfo=UTC)
-    first = min(begun.values(), default=None)
-    return [
-        replace(item, attributes={**item.attributes, START_NAMES[0]: (begun[number] - first).total_seconds()})
-        if first and number in begun
-        else item
-        for number, item in enumerate(arrays)
-    ]
 
 
 def with_left_out(source: Source, names: Sequence[str]) -> Source:
@@ -198,6 +186,7 @@ def _with_scales(
         scale = named.get(axis) or (FileChannel(axis, NOWHERE) if axis else None)
         over = other_axis(scale.unit, scale.name) if scale else ""
         clock = scale if scale and not over and is_time(scale) else None
+        over = over or channel.over
         found.append(replace(channel, clock=clock, over=over, scale=None if clock or over else scale))
         others |= {scale.name: over} if scale and over else {}
     return tuple(replace(channel, over=others.get(channel.name, channel.over)) for channel in found)
@@ -226,9 +215,24 @@ def channel_of(item: StoredArray, number: int, name: str, unit: str) -> FileChan
     rate, start = _rate_and_start(numbers)
     quantity = attribute_text(item, "quantity") or None
     own = FileChannel(name, number, unit, quantity, item.length, notes=_packing_notes(item))
+    if WAVE_INTERVAL in item.attributes:
+        return _with_waveform(own, item)
     if rate and 0 < rate < np.inf:
         return replace(own, rate=rate, start=start)
     return replace(own, start=start) if "start" in numbers else own
+
+
+def _with_waveform(channel: FileChannel, item: StoredArray) -> FileChannel:
+    """Channel with the clock, or other axis, that the waveform properties of LabVIEW say."""
+    keys = WAVE_INTERVAL, WAVE_OFFSET, WAVE_START
+    interval, offset, begun = (float(item.attributes.get(key) or 0.0) for key in keys)
+    axis = attribute_text(item, WAVE_UNIT)
+    over = other_axis(axis, attribute_text(item, WAVE_NAME))
+    if over or not 0 < abs(interval) < float("inf"):
+        return replace(channel, over=over if interval else "")
+    # The time of day at which it began is in s, interval and offset are in the unit of the axis.
+    seconds = seconds_in(axis)
+    return replace(channel, rate=1 / (interval * seconds), start=begun + offset * seconds)
 
 
 def _clock_numbers(item: StoredArray) -> _Numbers:
@@ -253,14 +257,11 @@ def _packing_notes(item: StoredArray) -> tuple[str, ...]:
     """Notes on what was done to the values of an array that is packed into whole numbers."""
     scale, offset = _number_of(item, "scale_factor"), _number_of(item, "add_offset")
     packed = f"multiplied by {scale or 1:g}, then {offset or 0:g} added, as the file says"
-    fills = [
-        f"{number:g}" for name in ("_FillValue", "missing_value") if (number := _number_of(item, name)) is not None
-    ]
-    missing = f"values of {', '.join(dict.fromkeys(fills))} are missing, as NaN"
+    missing = attribute_text(item, MISSING)
     plain = dict.fromkeys(FACTOR_NAMES, (None, 0.0, 1.0)) | dict.fromkeys(OFFSET_NAMES, (None, 0.0))
     unused = [f"{name} ({number:g})" for name, none in plain.items() if (number := _number_of(item, name)) not in none]
     doubt = f"warning: not applied, as nothing says how: its attribute{'s' * (len(unused) > 1)} {', '.join(unused)}"
-    return (*([packed] if scale or offset else []), *([missing] if fills else []), *([doubt] if unused else []))
+    return (*([packed] if scale or offset else []), *([missing] if missing else []), *([doubt] if unused else []))
 
 
 def told_apart(names: Sequence[str], longer: Sequence[str]) -> list[str]:
