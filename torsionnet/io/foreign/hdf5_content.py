@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.io.foreign.content import (
+    COMPLEX,
     FACTOR_NAMES,
     INTERVAL_NAMES,
     MISSING,
@@ -57,8 +58,11 @@ NO_SCALE = "This is a netCDF dimension"
 """Beginning of the name of a dimension scale that netCDF writes for a dimension without coordinates."""
 CLASS = "MATLAB_class"
 """Attribute of a dataset in which MATLAB keeps the class of a variable."""
-MOST_LETTERS = 1000
-"""Most letters of a text in a structure, and cells of an array of texts, that are read from an HDF5 file."""
+PARTS = ("real", "imag")
+"""Fields in which MATLAB keeps complex numbers."""
+MOST_LETTERS, LONGEST_VARIABLE = 1000, 10**6
+"""Most letters of a text in a structure, and cells of an array of texts, and letters of a variable that is a text, that
+are read from an HDF5 file."""
 HERE = "."
 """Name by which a virtual dataset of HDF5 refers to its own file."""
 
@@ -78,7 +82,11 @@ def open_content(path: Path) -> Iterator[Content]:
         # MATLAB keeps rows and columns the other way round, and text and references as numbers.
         matlab = any(CLASS in item.attrs for _, item in found)
         across = {scale.name for _, item in found if len(item.shape or ()) == 2 for scale in _scales(item, matlab, 1)}
-        kept = [(name, item) for name, item in found if _is_channel(name, item) and item.name not in across]
+        kept = [
+            (name, item)
+            for name, item in found
+            if (_is_channel(name, item) and item.name not in across) or (matlab and _is_complex(name, item))
+        ]
         arrays = [_stored(name, item, matlab) for name, item in kept]
         begun = _begun([(item, stored) for (_, item), stored in zip(kept, arrays, strict=True)])
         first = min(begun.values(), default=None)
@@ -86,7 +94,8 @@ def open_content(path: Path) -> Iterator[Content]:
         readers = [_reader(item, first, across=_is_across(item, matlab)) for _, item in kept]
         texts = dict(_texts(file, found)) if matlab else {}
         blocks = sliced_blocks(readers, [item.length for item in arrays])
-        others = [name.replace("/", ".") for name, item in found if _is_other(name, item)]
+        taken = {name for name, _ in kept}
+        others = [name.replace("/", ".") for name, item in found if name not in taken and _is_other(name, item)]
         yield Content(tuple(arrays), blocks, texts | _attributes(file), tuple(others))
 
 
@@ -127,15 +136,15 @@ def _attributes(item: Any) -> dict[str, Plain]:
 
 
 def _texts(file: Any, found: list[tuple[str, Any]]) -> Iterator[tuple[str, Plain]]:
-    """Yield the texts in structures of MATLAB, also those in cells, by their names."""
+    """Yield the texts of MATLAB, also those in structures and in cells of these, by their names."""
     for name, item in found:
         kind = item.attrs.get(CLASS, b"")
-        if "/" not in name or name.startswith("#") or item.size > MOST_LETTERS:
+        if name.startswith("#") or item.size > (MOST_LETTERS if "/" in name else LONGEST_VARIABLE):
             continue
         label = name.replace("/", ".")
         if kind in (b"char", "char") and item.dtype.kind == "u":
             yield label, _letters(item)
-        elif kind in (b"cell", "cell") and item.dtype.kind == "O":
+        elif kind in (b"cell", "cell") and item.dtype.kind == "O" and "/" in name:
             for number, reference in enumerate(item[()].ravel(), 1):
                 cell: Any = file[reference] if reference else None
                 if getattr(getattr(cell, "dtype", None), "kind", "") == "u" and cell.size <= MOST_LETTERS:
@@ -153,6 +162,11 @@ def _is_channel(name: str, item: Any) -> bool:
     return bool(not text and not name.startswith("#") and known and not _is_bare_dimension(item))
 
 
+def _is_complex(name: str, item: Any) -> bool:
+    """Whether a dataset holds complex numbers of MATLAB, of up to three dimensions."""
+    return bool(item.dtype.names == PARTS and item.shape is not None and 1 <= item.ndim <= 3 and name[0] != "#")
+
+
 def _is_bare_dimension(item: Any) -> bool:
     """Whether a dataset stands for a dimension of netCDF without coordinates, and has no values of its own."""
     return str(item.attrs.get("NAME", "")).removeprefix("b'").startswith(NO_SCALE)
@@ -168,7 +182,7 @@ def _is_other(name: str, item: Any) -> bool:
 
 def _is_across(item: Any, transposed: bool) -> bool:
     if item.ndim != 2:
-        return False
+        return bool(item.ndim == 3)
     # Channels by samples, of which dimension scales tell both: samples are more than channels.
     scaled = len(item.dims[0]) and len(item.dims[1]) and item.shape[1] > item.shape[0]
     # A row of MATLAB has one column in the file, and is a channel like a column of its.
@@ -182,8 +196,8 @@ def _scales(item: Any, transposed: bool, along: int) -> list[Any]:
 
 
 def _stored(name: str, item: Any, transposed: bool) -> StoredArray:
-    rows, columns = (*item.shape, 1, 1)[:2]
-    shape = (columns, rows) if _is_across(item, transposed) else (rows, columns)
+    given = (*item.shape, 1, 1)[: max(item.ndim, 2)]
+    shape = given[::-1] if _is_across(item, transposed) else given
     above = plain_attributes({key: _single(item.parent.attrs[key]) for key in CLOCK_NAMES if key in item.parent.attrs})
     given = plain_attributes({key: _single(item.attrs[key]) for key in ATTRIBUTES if key in item.attrs})
     for names in ((*RATE_NAMES, *INTERVAL_NAMES), START_NAMES):
@@ -192,6 +206,8 @@ def _stored(name: str, item: Any, transposed: bool) -> StoredArray:
     if _is_text(item):
         return StoredArray(name.replace("/", "."), shape, given | {"unit": "s"})
     given |= {MISSING: missing} if (missing := _packing(item).missing) else {}
+    if item.dtype.names:
+        return StoredArray(name.replace("/", "."), shape, {COMPLEX: True})
     value = float(item[()].ravel()[0]) if shape == (1, 1) else None
     return StoredArray(name.replace("/", "."), shape, given, value)
 
@@ -206,7 +222,8 @@ def _scale_of_times(item: Any, transposed: bool) -> dict[str, Plain]:
 
     One without values tells which datasets were sampled together.
     """
-    return {"clock": scale.name.strip("/").replace("/", ".") for scale in _scales(item, transposed, 0)[:1]}
+    scales = _scales(item, transposed, 0)
+    return {"clock": scales[0].name.strip("/").replace("/", ".")} if scales else {}
 
 
 def _begun(found: Sequence[tuple[Any, StoredArray]]) -> dict[str, datetime]:
@@ -323,11 +340,11 @@ def _packing(item: Any) -> _Packing:
 def _reader(item: Any, first: datetime | None, *, across: bool) -> Slice:
     if _is_text(item) and first:
         return _stamps(item, first)
-    packing = _packing(item)
+    packing = None if item.dtype.names else _packing(item)
 
     def read(begin: int, end: int) -> NDArray[Any]:
-        if item.ndim == 0:
-            return packing.unpacked(item[()].reshape(1))
-        return packing.unpacked(item[:, begin:end].T if across else item[begin:end])
+        stored = item[()].reshape(1) if item.ndim == 0 else item[..., begin:end].T if across else item[begin:end]
+        real, imaginary = PARTS
+        return packing.unpacked(stored) if packing else stored[real] + 1j * stored[imaginary]
 
     return read

@@ -14,6 +14,7 @@ from torsionnet.io.records.arrays import array_source, with_left_out
 from torsionnet.io.records.exported_structures import structured_source, unknown_structures
 from torsionnet.io.records.recording_description import KEY, channel_names, plain_keys, recording_json, saved_columns
 from torsionnet.io.records.source import Source
+from torsionnet.io.responses.plain_arrays import refuse_response
 from torsionnet.response.recording import Recording
 
 CHUNK_LENGTH = 65536
@@ -26,6 +27,8 @@ def open_source(path: Path) -> Iterator[Source]:
     with open_foreign(path, "hdf5") as content:
         text = str(content.attributes.get(KEY, ""))
         known = None if text else structured_source(content.arrays, content.blocks, content.attributes, path.stem)
+        if not (text or known):
+            refuse_response(content.arrays)
         hint = "" if text else unknown_structures(content.arrays)
         given = content.arrays, content.blocks, text, path.stem, content.attributes
         yield known or with_left_out(replace(array_source(*given), hint=hint), content.others)

@@ -17,7 +17,7 @@ import numpy as np
 from torsionnet.core.atomic import write_bytes
 from torsionnet.core.errors import UsageError
 from torsionnet.io.foreign import Content
-from torsionnet.io.foreign.content import COMPLEX, ROW
+from torsionnet.io.foreign.content import ROW
 from torsionnet.io.formats import hdf5
 from torsionnet.io.formats.extras import open_foreign
 from torsionnet.io.records.arrays import array_source, with_left_out
@@ -32,7 +32,7 @@ from torsionnet.io.records.recording_description import (
 )
 from torsionnet.io.records.source import Source
 from torsionnet.io.responses import response_description
-from torsionnet.io.responses.plain_arrays import response_arrays, response_of_arrays
+from torsionnet.io.responses.plain_arrays import refuse_response, response_arrays, response_of_arrays
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.recording import Recording
 
@@ -59,18 +59,10 @@ def open_source(path: Path) -> Iterator[Source]:
         text = str(content.attributes.get(KEY, ""))
         known = None if text else structured_source(content.arrays, content.blocks, content.attributes, path.stem)
         hint = "" if text else unknown_structures(content.arrays)
-        response = None if text or known else response_arrays(content.arrays)
-        if response and not _has_record(content, response[0]):
-            names = ", ".join(content.arrays[number].name for number in (response[0], *response[1]))
-            raise ValueError(f"{names} are a frequency response, no record over time; fit and report read responses")
+        if not (text or known):
+            refuse_response(content.arrays)
         source = known or replace(array_source(content.arrays, content.blocks, text, path.stem), hint=hint)
         yield with_left_out(source, content.others)
-
-
-def _has_record(content: Content, axis: int) -> bool:
-    """Whether a file with a frequency response has other real arrays than the frequencies."""
-    others = (item for number, item in enumerate(content.arrays) if number != axis and item.length > 1)
-    return any(not item.attributes.get(COMPLEX) and item.length != content.arrays[axis].length for item in others)
 
 
 def _is_hdf5(path: Path) -> bool:
@@ -95,9 +87,7 @@ def write(recording: Recording, path: Path) -> None:
 
 def read_response(path: Path) -> FrequencyResponse:
     """Frequency response in SI from a MAT file that :func:`write_response` has written, or of arrays as Freq and H."""
-    if _is_hdf5(path):
-        raise ValueError("responses are read from MAT files up to version 7; save it again with -v7")
-    with open_foreign(path, "mat") as content:
+    with open_foreign(path, "hdf5" if _is_hdf5(path) else "mat") as content:
         names = [item.name for item in content.arrays]
         plain = None if response_description.KEY in content.attributes else response_arrays(content.arrays)
         if plain:

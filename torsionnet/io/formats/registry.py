@@ -78,6 +78,10 @@ EXPORTS = {
 """Files of programs that are not read, by their endings, with what they are and the export to make."""
 
 
+SIGNATURES = {b"MDF     ": "MDF", b"UnFinMF ": "MDF", b"TDSm": "TDMS", b"\x89HDF\r\n": "HDF5", b"PAR1": "Parquet"}
+"""First bytes of files of other formats that may have an ending of text, with the label of their format."""
+
+
 def format_of(path: Path, what: Holding) -> Format:
     """File format of a path by its ending.
 
@@ -108,6 +112,8 @@ def reading(path: Path, what: Holding) -> Iterator[Format]:
     form = format_of(path, what)
     if not path.is_file():
         raise UsageError(f'there is no file "{path}"')
+    if form.label == "text":
+        form = _by_signature(path) or form
     try:
         yield form
     except TorsionnetError:
@@ -116,3 +122,11 @@ def reading(path: Path, what: Holding) -> Iterator[Format]:
     except Exception as error:
         said = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise ModelError([Fault(f"the file cannot be read as {form.label}: {said}")], path.name) from error
+
+
+def _by_signature(path: Path) -> Format | None:
+    """Format of a file of records that its first bytes tell, whatever its ending; None where they tell none."""
+    with path.open("rb") as file:
+        start = file.read(max(map(len, SIGNATURES)))
+    label = next((label for signature, label in SIGNATURES.items() if start.startswith(signature)), None)
+    return next((form for form in FORMATS if form.label == label), None)

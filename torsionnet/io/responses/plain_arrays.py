@@ -37,6 +37,18 @@ def response_arrays(arrays: Sequence[StoredArray]) -> tuple[int, list[int]] | No
     return None
 
 
+def refuse_response(arrays: Sequence[StoredArray]) -> None:
+    """Refuse to read a record from arrays that are a frequency response without other real arrays than frequencies."""
+    response = response_arrays(arrays)
+    if response is None:
+        return
+    axis, values = response
+    others = (item for number, item in enumerate(arrays) if number != axis and item.length > 1)
+    if not any(not item.attributes.get(COMPLEX) and item.length != arrays[axis].length for item in others):
+        names = ", ".join(arrays[number].name for number in (axis, *values))
+        raise ValueError(f"{names} are a frequency response, no record over time; fit and report read responses")
+
+
 def _plain(name: str) -> str:
     return name.rpartition(".")[2].casefold()
 
