@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -22,14 +22,18 @@ _WITHIN = re.compile(rf"(.*[\s_.:-]){_TIME}[\s_.:-]+(.+)")
 """Pattern of the name of times that have the name of their channel around them, as ``Data1_time_T``."""
 
 
-def with_table_clocks(source: Source) -> Source:
+def with_table_clocks(source: Source, stamped: Collection[int] = ()) -> Source:
     """Source of a table whose columns have the time stamps to the left of them, where there are several of these.
 
     Times of other things (pulses, durations) are columns like others: their name is none of a time, or they do not
-    rise, or equal the first stamps.
+    rise, or equal the first stamps. Columns ``stamped`` held dates and times, whatever their name.
     """
     ordered = sorted((*source.channels, *([source.time] if source.time else [])), key=lambda one: one.column)
-    named = [one for one, behind in pairwise(ordered) if _is_clock(one, behind)]
+    named = [
+        one
+        for one, behind in pairwise(ordered)
+        if _is_clock(one, behind) or (one.column in stamped and not is_time(behind))
+    ]
     if len(named) < 2 or source.time not in (None, named[0]):
         return source
     stamps = _read(source, named)

@@ -13,6 +13,7 @@ from torsionnet.core.delimited.dialect import Dialect, data_start, detect_dialec
 from torsionnet.core.delimited.headings import Headings, headings
 from torsionnet.core.delimited.number_rows import NumberRows
 from torsionnet.core.delimited.stamp_formats import stamp_columns
+from torsionnet.core.delimited.time_stamps import StampReader
 from torsionnet.core.errors import Fault, ModelError, Position, UsageError
 from torsionnet.core.remedies import remedy
 from torsionnet.io.formats.text.channel_lengths import check_lengths, count_empty
@@ -34,6 +35,8 @@ from torsionnet.response.recording import FloatArray, Recording
 
 SNIFFED_LINES = 400
 """Number of lines at the beginning from which the format of a text file is detected."""
+STAMP_UNIT = "s"
+"""Unit in which columns of time stamps are read."""
 READ_ONLY_ENDING = ".lvm"
 """Ending of LabVIEW's measurement files, which are read but not written."""
 
@@ -75,7 +78,10 @@ def open_source(path: Path, separator: str | None = None, decimal: str | None = 
         notes = _notes(dialect, encoding, len(above) - heading.lines, heading)
         if scope:
             source = _with_stated_clock(source, scope)
-        yield with_description(source, described) if described is not None else _with_notes(source, notes, scope)
+        stamps = {columns[0] for columns in stamped}
+        yield (
+            with_description(source, described) if described is not None else _with_notes(source, notes, scope, stamps)
+        )
 
 
 def _with_stated_clock(source: Source, scope: ScopeHeading) -> Source:
@@ -86,10 +92,13 @@ def _with_stated_clock(source: Source, scope: ScopeHeading) -> Source:
     return replace(source, channels=channels, rate=1 / scope.interval, start=scope.start)
 
 
-def _with_notes(source: Source, notes: tuple[str, ...], scope: ScopeHeading | None) -> Source:
-    found = source if scope else with_table_clocks(source.with_time_channel())
+def _with_notes(source: Source, notes: tuple[str, ...], scope: ScopeHeading | None, stamps: set[int]) -> Source:
+    """Source with the clocks of its columns; those of time stamps that hold for none, being equal, are left out."""
+    found = source if scope else with_table_clocks(source.with_time_channel(), stamps)
     source.discovered[:0] = notes
-    return found
+    equal = [one for one in found.channels if one.column in stamps]
+    kept = tuple(one for one in found.channels if one not in equal)
+    return replace(found, channels=kept, notes=(*found.notes, *(_left_out(one.name) for one in equal)))
 
 
 def _headings(dialect: Dialect, above: Sequence[str], width: int, stamped: Sequence[tuple[int, ...]]) -> Headings:
@@ -140,19 +149,23 @@ def _source(
     ]
     if len(channels) > 1 and all(not dialect.cells(line)[-1] for line in lines[first:] if line.strip()):
         channels.pop()  # every row ends with a separator
-    channels, clock, notes = _with_clock(channels, stamped)
-    unread = frozenset(column for columns in stamped for column in columns if columns != clock)
-
+    channels, clocks, notes = _with_clocks(channels, stamped)
+    every = {column for columns in stamped for column in columns}
     known = {channel.column: channel for channel in channels}
+    late = _later(dialect, lines[first:], clocks)
 
     def blocks(columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
         file.seek(start)
+        clock = next((one for one in clocks if one[0] in columns), clocks[0] if clocks else ())
+        unread = frozenset(every - {*clock})
         rows = NumberRows(file, path.name, dialect, width, first + 1, heading.names, own, unread=unread, stamped=clock)
-        for block in rows.blocks(columns, count):
+        for read in rows.blocks(columns, count):
+            # Each column of stamps counts from its own first one.
+            block = [values + late[clock] if at in clock else values for at, values in zip(columns, read, strict=True)]
             if not count:
                 check_lengths(rows, [known[column] for column in columns], path.name)
             count_empty(rows, columns, discovered)
-            if clock and rows.stamps.first and not rows.faults:
+            if clocks and clock == clocks[0] and rows.stamps.first and not rows.faults:
                 zero_note = f"time counts from the first stamp, {rows.stamps.first}"
                 discovered[:] = [*(note for note in discovered if note != zero_note), zero_note]
             yield block
@@ -167,24 +180,40 @@ def _source(
     )
 
 
-def _with_clock(
+def _with_clocks(
     channels: Sequence[FileChannel], stamped: Sequence[tuple[int, ...]]
-) -> tuple[list[FileChannel], tuple[int, ...], tuple[str, ...]]:
-    """Channels of a text file with the first column of time stamps, unless a column of numbers holds the time.
+) -> tuple[list[FileChannel], list[tuple[int, ...]], tuple[str, ...]]:
+    """Channels of a text file with its columns of time stamps, unless a column of numbers holds the time.
 
-    Also returned: the columns of these stamps, and notes on other columns of stamps, which are left out.
+    Also returned: the columns of these stamps, the first of each run of them, and notes on others, which are left out.
     """
     every = {column for columns in stamped for column in columns}
     numbers = [channel for channel in channels if channel.column not in every]
-    clock = stamped[0] if stamped and not any(is_time(channel) for channel in numbers) else ()
-    names = {channel.column: channel.name for channel in channels}
-    left = [" ".join(names[column] for column in columns) for columns in stamped if columns != clock]
-    notes = tuple(f'"{name}" holds dates and times of day, and was left out' for name in left)
-    if clock:
-        name = " ".join(filter(None, (names[column] for column in clock)))
-        time = replace(next(one for one in channels if one.column == clock[0]), name=name, unit="s")
-        numbers = sorted([*numbers, time], key=lambda channel: channel.column)
-    return numbers, clock, notes
+    is_needed = not any(is_time(channel) for channel in numbers)
+    clocks = [columns for columns in stamped if is_needed and columns[0] - 1 not in every]
+    clocks = [columns for columns in clocks if columns == clocks[0] or numbers[-1].column > columns[0]]
+    by_column = {channel.column: channel for channel in channels}
+    named = {columns: " ".join(filter(None, (by_column[at].name for at in columns))) for columns in stamped}
+    notes = tuple(_left_out(name) for columns, name in named.items() if columns not in clocks)
+    times = [replace(by_column[columns[0]], name=named[columns], unit=STAMP_UNIT) for columns in clocks]
+    return sorted([*numbers, *times], key=lambda channel: channel.column), clocks, notes
+
+
+def _left_out(name: str) -> str:
+    return f'"{name}" holds dates and times of day, and was left out'
+
+
+def _later(dialect: Dialect, lines: Sequence[str], clocks: Sequence[tuple[int, ...]]) -> dict[tuple[int, ...], float]:
+    """Time in s by which the first stamp in columns of time stamps is later than that in the first of them."""
+    rows = [dialect.cells(line) for line in lines if line.strip()] if len(clocks) > 1 else []
+    texts = [
+        next((text for row in rows if (text := " ".join(row[at] for at in clock if at < len(row)).strip())), "")
+        for clock in clocks
+    ]
+    found, wrong = StampReader().seconds(texts)
+    if wrong and rows:
+        raise ValueError(f"columns of time stamps are not written alike: {wrong[0][1]}")
+    return {clock: float(late) if rows else 0.0 for clock, late in zip(clocks, found, strict=True)}
 
 
 def write(recording: Recording, path: Path) -> None:
