@@ -10,6 +10,7 @@ import numpy as np
 from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.errors import Fault, ModelError, UsageError, unknown_name
 from torsionnet.core.expressions import LARGEST_SIZE
+from torsionnet.core.listing import comma_list
 from torsionnet.core.remedies import remedy
 from torsionnet.io.records.axes import other_axis, seconds_in
 from torsionnet.io.records.channel_choice import ChannelChoice, choose, length_faults
@@ -26,10 +27,12 @@ from torsionnet.io.records.clock import (
     time_unit_warnings,
     value_faults,
 )
+from torsionnet.io.records.rasters import MOST_NAMED
 from torsionnet.io.records.read_options import ReadOptions
 from torsionnet.io.records.several_rates import choose_rate, read_others, shares_time, unit_of_scale, with_others
 from torsionnet.io.records.source import FileChannel, Source, is_time
 from torsionnet.io.records.stored_pulses import names_of_signals, rate_of, stored_pulses, with_pulses
+from torsionnet.io.records.table_clocks import with_doubts
 from torsionnet.response.measured.between_samples import Between, check_between
 from torsionnet.response.recording import FloatArray, Recording, Signal, is_rate
 
@@ -47,13 +50,22 @@ def with_given_clock(source: Source, options: ReadOptions) -> tuple[Source, Read
         channels = tuple(_with_unit_of_axis(channel, own, source.time) for channel in rest)
         source, options = replace(source, channels=channels, time=None), replace(options, units=left)
     every = source.every
+    times = [
+        name
+        for name, unit in options.units.items()
+        if name in every and is_time(replace(every[name], unit=plain_unit(unit))) and name not in (options.names or ())
+    ]
+    times = [name for name in times if not {name} & {*options.pulses, *options.readings}]
+    if len(times) > 1:
+        text = f"{comma_list(times, MOST_NAMED)} were given units of time, and nothing tells which channels go with "
+        raise ModelError([Fault(f"{text}which; give one, and name its channels")], source.title)
     for name, unit in options.units.items():
         channel = replace(every[name], unit=plain_unit(unit)) if name in every else None
         is_clock = channel is not None and (source.time is None or source.time.name == name)
         if channel is not None and is_clock and is_time(channel) and not {name} & {*options.pulses, *options.readings}:
             others = tuple(other for other in source.channels if other.name != name)
             left = {other: word for other, word in options.units.items() if other != name}
-            return replace(source, channels=others, time=channel), replace(options, units=left)
+            return with_doubts(replace(source, channels=others, time=channel)), replace(options, units=left)
     return source, options
 
 

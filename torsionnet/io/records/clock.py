@@ -111,6 +111,7 @@ def order_faults(stamps: FloatArray, source: Source, first: int = 0) -> list[Fau
         return [_fault(_coarse_text(stamps, column), source, first + int(np.argmax(np.diff(stamps) == 0)) + 1)]
     for row in np.flatnonzero(np.diff(stamps) <= 0)[:MOST_FAULTS]:
         text = f"the time stamp {stamps[row + 1]:.9g} s follows {stamps[row]:.9g} s in {column}: time has to increase"
+        text += "; where it begins again, save each record in a file of its own" if stamps[row + 1] <= stamps[0] else ""
         texts[int(row) + 1] = text
     return [_fault(text, source, first + row) for row, text in texts.items()]
 

@@ -59,10 +59,7 @@ def with_table_clocks(source: Source, stamped: Collection[int] = ()) -> Source:
 
 
 def with_named_clocks(source: Source) -> Source:
-    """Source of arrays without order, of which times may be named after a channel, as ``t_T`` with ``T``.
-
-    A warning says where other times than those taken for all channels are in the file, and nothing tells of what.
-    """
+    """Source of arrays without order, of which times may be named after a channel, as ``t_T`` with ``T``."""
     alone = [one for one in source.channels if not one.clock and not one.rate]
     times = [*alone, *([source.time] if source.time else [])]
     clocks = {one.name: time for one in alone for time in times if time is not one and _is_time_of(time, one)}
@@ -72,8 +69,14 @@ def with_named_clocks(source: Source) -> Source:
         of_all = None if source.time in clocks.values() else source.time
         paired = [replace(one, clock=clocks.get(one.name, one.clock or of_all)) for one in rest]
         return replace(source, channels=tuple(paired), time=None)
+    return with_doubts(source)
+
+
+def with_doubts(source: Source) -> Source:
+    """Source with a warning where it has other times than those taken for all channels, and nothing tells of what."""
     if source.time is None:
         return source
+    alone = [one for one in source.channels if not one.clock and not one.rate]
     doubted = [one for one in alone if (not one.unit or is_time(one)) and _NUMBERED.fullmatch(one.name)]
     stamps_of = _read(source, [source.time, *doubted]) if doubted else {}
     first = stamps_of.get(source.time.column, np.empty(0))

@@ -6,6 +6,7 @@ import contextlib
 import io
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import islice
 from pathlib import Path
 
@@ -153,12 +154,16 @@ def _source(
     every = {column for columns in stamped for column in columns}
     known = {channel.column: channel for channel in channels}
     late = _later(dialect, lines[first:], clocks)
+    no_number = partial(_no_number, names=heading.names)
 
     def blocks(columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
         file.seek(start)
         clock = next((one for one in clocks if one[0] in columns), clocks[0] if clocks else ())
         unread = frozenset(every - {*clock})
-        rows = NumberRows(file, path.name, dialect, width, first + 1, heading.names, own, unread=unread, stamped=clock)
+        rows = NumberRows(
+            file, path.name, dialect, width, first + 1, heading.names, own, no_number=no_number, unread=unread,
+            stamped=clock,
+        )  # fmt: skip
         for read in rows.blocks(columns, count):
             # Each column of stamps counts from its own first one.
             block = [values + late[clock] if at in clock else values for at, values in zip(columns, read, strict=True)]
@@ -178,6 +183,11 @@ def _source(
         discovered=discovered,
         place=lambda row: Position(path.name, first + 1 + row, 1, 1),
     )
+
+
+def _no_number(cell: str, names: Sequence[str]) -> str:
+    again = "is the heading again, of another record or segment: save each in a file of its own"
+    return f'"{cell}" {again if cell in names else "is not a number"}'
 
 
 def _with_clocks(
