@@ -48,9 +48,10 @@ def folder(tmp_path, monkeypatch):
 def response_of(record, seconds, band):
     """What the command compares: of a record, between two frequencies."""
     from torsionnet.cli.commands.report import _measured
-    from torsionnet.cli.record_options import Averaging
+    from torsionnet.cli.record_options import Averaging, RecordReading
 
-    return _measured(record, tn.load("dmf_rig"), "theta_1", "T_T", Averaging(seconds=seconds), band).response
+    how = RecordReading(), Averaging(seconds=seconds)
+    return _measured(record, tn.load("dmf_rig"), ("theta_1", "T_T"), how, band).response
 
 
 class TestCommand:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from support.command_line import run
 
 import torsionnet as tn
 from torsionnet.core.entries.scalars import Band, Bands
@@ -124,7 +125,7 @@ class TestPlan:
 
 MEASUREMENT = (
     "record, response, orders, output, input, configuration, model_output, model_input, excitation, band, excluded, delay, gain, "
-    "reference, settling, error, orders_used, speeds, speed_of, reference_angle, pulses, between"
+    "reference, settling, error, orders_used, speeds, speed_of, reference_angle, pulses, between, reading"
 )
 FAULTS = [
     ("torsionnet: 1", "torsionnet: 2", "torsionnet: is the version of the format, 1 for this release; this is format 2"),
@@ -226,3 +227,37 @@ def test_bands_in_every_way_of_writing(raw, found):
 def test_a_plot_over_decades_does_not_begin_at_zero():
     with pytest.raises(EntryError, match="both above 0"):
         Band("").coerce(["0 Hz", "20 Hz"])
+
+
+class TestReading:
+    """What the file of a record does not tell, said in a fit file; and what a message advises there."""
+
+    @pytest.fixture
+    def bare(self, plan, tmp_path):
+        np.savez(tmp_path / "bare.npz", **{name: np.arange(50.0) for name in ("phi", "T")})
+
+        def read(reading=""):
+            measurement = f"measurements:\n  soft: {{record: bare.npz, output: phi, input: T{reading}}}\n"
+            return plan(f"torsionnet: 1\nmodel: rig.yaml\nparameters: [k]\n{measurement}")
+
+        return read
+
+    def test_rate_quantities_and_units_are_taken(self, bare):
+        told = "quantities: {phi: angle, T: torque}, units: {T: kN*m}"
+        record = bare(f", reading: {{rate: 0.1 kHz, {told}}}").measurements[0].data
+        assert (record.sampling_rate, record["T"].values[2], record["phi"].quantity) == (100, 2000, "angle")
+
+    def test_the_command_advises_these_entries(self, bare, tmp_path):
+        with pytest.raises(ModelError, match="give sampling_rate= in Hz"):
+            bare(", reading: {quantities: {phi: angle, T: torque}}")
+        (tmp_path / "fit.yaml").write_text(
+            "torsionnet: 1\nmodel: rig.yaml\nparameters: [k]\nmeasurements:\n"
+            "  soft: {record: bare.npz, output: phi, input: T, reading: {quantities: {phi: angle, T: torque}}}\n"
+        )
+        said = run("fit", tmp_path / "fit.yaml", code=1).stderr
+        assert "give reading: {rate: ...} in Hz" in said
+        assert "--rate" not in said
+
+    def test_a_fault_in_it_has_its_place(self, bare):
+        with pytest.raises(ModelError, match=r'unknown key "rat"; did you mean "rate"\?'):
+            bare(", reading: {rat: 1 kHz}")

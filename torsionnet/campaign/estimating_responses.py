@@ -12,7 +12,7 @@ from torsionnet.core.entries.spec import not_none
 from torsionnet.core.errors import Fault, ModelError, UsageError
 from torsionnet.identification import Measurement
 from torsionnet.identification.residuals.welch_choice import record_settings, welch_settings
-from torsionnet.io.recording_files import read_recording
+from torsionnet.io.recording_files import read_even
 from torsionnet.io.response_files import read_frequency_response, write_frequency_response
 from torsionnet.response.frequency_response import FrequencyResponse
 from torsionnet.response.recording import Recording
@@ -83,11 +83,10 @@ def response_record(campaign: Campaign, name: str) -> Recording:
     asked, one, channels = not_none(campaign.plan.responses), campaign.plan.records[name], campaign.plan.channels or {}
     names = list(dict.fromkeys(filter(None, [*asked.outputs, asked.input, asked.reference])))
     try:
-        record = read_recording(
+        record = read_even(
             campaign.file_of(one),
             names=names,
-            quantities={key: channel.quantity for key in names if (channel := channels.get(key)) and channel.quantity},
-            units={key: channel.unit for key in names if (channel := channels.get(key)) and channel.unit},
+            **one.arguments({key: channels[key] for key in names if key in channels}),
         )
         signals = [
             without_delay(with_gain(signal, channel.gain), channel.delay, record.time)

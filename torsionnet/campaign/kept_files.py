@@ -60,6 +60,7 @@ def record_key(campaign: Campaign, name: str, sections: Iterable[str]) -> str:
     one = campaign.plan.records[name]
     asked = {key: plan.get(key) for key in sections}
     asked |= {"start": one.start, "stop": one.stop, "version": __version__, "title": campaign.title}
+    asked |= {"reading": one.reading.arguments} if one.reading else {}
     digest = hashlib.sha256(json.dumps(asked, sort_keys=True, default=str).encode())
     for pattern in campaign.patterns.values():
         digest.update(pattern.positions.tobytes())

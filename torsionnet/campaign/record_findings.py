@@ -90,12 +90,9 @@ def _of_samples(campaign: Campaign, name: str) -> Iterator[tuple[str, str, int, 
         names = list(dict.fromkeys([*names, *asked.outputs, asked.input]))
     if not names:
         return
-    record = record_or_blocks(
-        campaign.file_of(campaign.plan.records[name]),
-        names=names,
-        quantities={key: channel.quantity for key, channel in channels.items() if key in names and channel.quantity},
-        units={key: channel.unit for key, channel in channels.items() if key in names and channel.unit},
-    )
+    one = campaign.plan.records[name]
+    of_names = {key: channels[key] for key in names if key in channels}
+    record = record_or_blocks(campaign.file_of(one), names=names, **one.arguments(of_names))
     counts = {(key, check): 0 for key in names for check in ("clipping", "drop_outs")}
     samples = 0
     for block in [record] if isinstance(record, Recording) else record:

@@ -91,7 +91,8 @@ def _pulses(campaign: Campaign, one: CampaignRecord) -> tuple[dict[str, WheelRot
     plan, phase = campaign.plan, campaign.plan.phase
     names = {"index": phase.index, "cam": phase.cam} if phase is not None else {}
     marks = {name: _reading(campaign, name) for name in names.values() if name}
-    record = read_turning_record(campaign.file_of(one), plan.wheels, marks).between(one.start, one.stop)
+    found = read_turning_record(campaign.file_of(one), plan.wheels, marks, **one.arguments({}))
+    record = found.between(one.start, one.stop)
     rotations = rotations_of_wheels(record, plan.wheels, campaign.patterns, marks=marks)
     if phase is None:
         return rotations, PhaseMark()
@@ -115,8 +116,7 @@ def _signals(path: Path, channels: Mapping[str, CampaignChannel], delay: float, 
     record = record_or_blocks(
         path,
         names=list(channels),
-        quantities={name: channel.quantity for name, channel in channels.items() if channel.quantity},
-        units={name: channel.unit for name, channel in channels.items() if channel.unit},
+        **one.arguments(channels),
     )
     if isinstance(record, Recording):
         return _calibrated(record, channels, delay).between(one.start, one.stop)

@@ -16,10 +16,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import click
 
 from torsionnet.cli.declarations import Arguments, option, parameters
+from torsionnet.cli.failures import remedy_words
 from torsionnet.cli.options import OutputFile, plot_option
 from torsionnet.cli.terminal import print_file_written, print_json, print_line, print_table
 from torsionnet.core.atomic import write_text
 from torsionnet.core.number_text import screen_text
+from torsionnet.core.remedies import remedies
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -86,12 +88,14 @@ def click_command(name: str, declared: type[Command]) -> click.Command:
         command = declared(**values)
         if command.output.as_json and command.output.digits:
             raise click.UsageError("--digits rounds tables and --json has all digits: leave one of them out")
-        write_answer(command.answer(), command.output)
+        with remedies(words):
+            write_answer(command.answer(), command.output)
 
     forms = {one.name: one for one in parameters(Output)}
     params = [one for one in parameters(declared) if one.name not in forms]
     params += [forms[form] for form in declared.forms]
     params += [plot_option(declared.picture).parameter("plot_file", str | None)] if declared.picture else []
+    words = remedy_words([option for one in params for option in one.opts])
     return click.Command(name, callback=run, params=params, help=inspect.getdoc(declared))
 
 

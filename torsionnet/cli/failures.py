@@ -7,7 +7,7 @@ import io
 import os
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Any, TextIO
 
 import click
@@ -15,21 +15,37 @@ import click
 BUG, INPUT_OUTPUT, INTERRUPTED = 70, 74, 130  # exit codes: EX_SOFTWARE and EX_IOERR of sysexits.h, 128 + SIGINT
 DEBUG = "TORSIONNET_DEBUG"
 OPTIONS = {
-    "sampling_rate=": "--rate", "resample=True": "--resample", "resampled()": "--resample", "quantities=": "--quantity",
-    "units=": "--unit", "separator=": "--separator", "decimal=": "--decimal", "angle_from_pulses()": "--pulses",
-    "unwrapped()": "counting the angle on", "iter_blocks()": "torsionnet estimate",
-    "align=True": "torsionnet estimate --align", "bridge_gaps=True": "a record without them",
+    "sampling_rate=": ("--rate", "reading: {rate: *}"), "resample=True": ("--resample", "reading: {resample: true}"),
+    "resampled()": ("--resample", "reading: {resample: true}"), "units=": ("--unit", "reading: {units: *}"),
+    "quantities=": ("--quantity", "reading: {quantities: *}"), "separator=": ("--separator", "reading: {separator: *}"),
+    "decimal=": ("--decimal", "reading: {decimal: *}"), "angle_from_pulses()": ("--pulses", "torsionnet angle"),
+    "align=True": ("--align", "torsionnet estimate --align"),
 }  # fmt: skip
-"""Options, and other words, for arguments and functions of Python in messages."""
+"""Options for arguments and functions of Python in messages, each with what a command that lacks it has instead:
+entries of the file that it is given."""
+WORDS = {
+    "unwrapped()": "counting the angle on",
+    "iter_blocks()": "torsionnet estimate",
+    "bridge_gaps=True": "a record without them",
+}
+"""Words for arguments and functions of Python in messages that no option stands for."""
+
+
+def remedy_words(options: Collection[str]) -> dict[str, str]:
+    """Words of a command with these options for arguments and functions of Python in messages.
+
+    >>> remedy_words(["--rate"])["sampling_rate="], remedy_words([])["sampling_rate="]
+    ('--rate', 'reading: {rate: *}')
+    """
+    return WORDS | {name: option if option in options else entry for name, (option, entry) in OPTIONS.items()}
 
 
 @contextlib.contextmanager
 def exit_code_for_errors() -> Iterator[None]:
     """Context in which an exception becomes a message on stderr and the exit code of the command."""
     from torsionnet.core.errors import TorsionnetWarning
-    from torsionnet.core.remedies import remedies
 
-    with warnings.catch_warnings(), remedies(OPTIONS):
+    with warnings.catch_warnings():
         warnings.simplefilter("always", TorsionnetWarning)
         warnings.showwarning = _Warnings()
         try:

@@ -7,6 +7,8 @@ import json
 from collections.abc import Iterator, Mapping
 from contextvars import ContextVar
 
+VALUE = "*"
+"""Mark in a name at which the value stands, instead of behind it."""
 _NAMES: ContextVar[Mapping[str, str]] = ContextVar("names of arguments in messages", default={})  # noqa: B039
 
 
@@ -18,10 +20,19 @@ def remedy(argument: str, value: str | Mapping[str, str] = "") -> str:
     >>> with remedies({"sampling_rate=": "--rate", "quantities=": "--quantity"}):
     ...     remedy("sampling_rate="), remedy("sampling_rate=", "1000"), remedy("quantities=", {"M1": "torque"})
     ('--rate', '--rate 1000', '--quantity M1=torque')
+
+    Of a file of entries ``*`` stands for the value.
+
+    >>> with remedies({"sampling_rate=": "reading: {rate: *}", "units=": "reading: {units: *}"}):
+    ...     remedy("sampling_rate="), remedy("units=", {"M1": "kNm"})
+    ('reading: {rate: ...}', 'reading: {units: {M1: kNm}}')
     """
     name = _NAMES.get().get(argument)
     if name is None:
         return f"{argument}{value if isinstance(value, str) else json.dumps(dict(value), ensure_ascii=False)}"
+    if VALUE in name:
+        entries = value if isinstance(value, str) else f"{{{', '.join(f'{key}: {one}' for key, one in value.items())}}}"
+        return name.replace(VALUE, entries or "...")
     values = [value] if isinstance(value, str) else [f"{key}={word}" for key, word in value.items()]
     return " ".join(f"{name} {one}".strip() for one in values)
 

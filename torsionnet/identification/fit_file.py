@@ -18,12 +18,12 @@ from torsionnet.identification.residuals.instrument import set_points
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.welch_choice import record_settings, welch_settings
 from torsionnet.identification.unknown_parameter import Unknown
-from torsionnet.io.recording_files import channel_names, read_recording
+from torsionnet.io.recording_files import channel_names, read_even
 from torsionnet.loading import load
 from torsionnet.model.files.library import decode
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.model.files.reader import is_file, located_faults, presentable_faults
-from torsionnet.model.fit import FitFile, FitMeasurement, FitParameter, FitSettings
+from torsionnet.model.fit import FileReading, FitFile, FitMeasurement, FitParameter, FitSettings
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.recording import Recording
 from torsionnet.signals.welch import Welch
@@ -198,10 +198,12 @@ class _Reader:
                 return self.read_response(target)
             if key == "orders":
                 return read_order_data(target, given.output, given.model_output, model, configuration)
-            there = channel_names(target)
+            reading = given.reading or FileReading()
+            there = channel_names(target, **reading.dialect)
             offered = [name for name in set_points(model) if name in there] if model else []
             wanted = [name for name in (given.output, given.input, given.reference) if name]
-            return read_recording(target, names=list(dict.fromkeys([*wanted, *offered])), pulses=given.pulses)
+            names = list(dict.fromkeys([*wanted, *offered]))
+            return read_even(target, names=names, pulses=given.pulses, **reading.arguments)
         except ModelError as error:
             self.faults += [Fault(f"{file}: {fault.message}", (*path, key)) for fault in error.faults]
         except UsageError as error:

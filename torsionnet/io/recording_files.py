@@ -18,6 +18,7 @@ from torsionnet.io.records.read_options import ReadOptions
 from torsionnet.io.records.source import Source
 from torsionnet.io.records.stored_pulses import with_readings
 from torsionnet.response.recording import Recording
+from torsionnet.signals.resampling import resampled
 from torsionnet.signals.rotation.pulse_reading import PulseReading
 
 
@@ -95,6 +96,12 @@ def read_recording(
     return found[0]
 
 
+def read_even(path: str | os.PathLike[str], **reading: Any) -> Recording:
+    """Recording as :func:`read_recording` gives it; ``resample`` makes uneven time stamps even, too."""
+    found = read_recording(path, **reading)
+    return resampled(found) if reading.get("resample") and found.times is not None else found
+
+
 def read_tests(path: str | os.PathLike[str], **reading: Any) -> list[Recording]:
     """Recordings of a file in SI, one, or one for each of its blocks that do not follow each other.
 
@@ -138,9 +145,9 @@ def iter_blocks(
     return _read(Path(path), options, seconds, dialect)
 
 
-def channel_names(path: str | os.PathLike[str]) -> tuple[str, ...]:
+def channel_names(path: str | os.PathLike[str], **dialect: str) -> tuple[str, ...]:
     """Names of the channels in a file that :func:`read_recording` can read without further arguments."""
-    with _opened(Path(path), {}) as source:
+    with _opened(Path(path), dialect) as source:
         names = dict.fromkeys(channel.name for channel in source.channels)
         return tuple(name for name in names if not choose(source, [name], {}, {})[1])
 

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from torsionnet.core.errors import Fault, ModelError
-from torsionnet.io.recording_files import pulse_names, read_recording
+from torsionnet.io.recording_files import pulse_names, read_even
 from torsionnet.response.recording import Recording
-from torsionnet.signals.resampling import resampled
 from torsionnet.signals.rotation.pulse_reading import PulseReading
 from torsionnet.signals.rotation.wheel_channel import WheelChannel, counted_reading
 
@@ -96,10 +95,7 @@ def _read(
     reading: Mapping[str, Any],
 ) -> Recording:
     as_in_file = dict.fromkeys(sampled, "")
-    found = read_recording(
-        path, names=names, quantities={**as_in_file, **quantities}, pulse_readings=stamped, **reading
-    )  # fmt: skip
-    return resampled(found) if reading.get("resample") and found.times is not None else found
+    return read_even(path, names=names, quantities={**as_in_file, **quantities}, pulse_readings=stamped, **reading)
 
 
 def _channels(faults: Iterable[Fault]) -> set[str]:

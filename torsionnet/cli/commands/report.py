@@ -92,6 +92,7 @@ class ReportCommand(ModelCommand):
         help="Orders measured on board, beside those of the measurement plan: CSV, as speed [rpm], order, amplitude "
         "[mrad]. Repeatable.",
     )
+    reading: RecordReading
     sensor: str | None = option("--output", metavar="NAME", help="Channel of the records, and sensor of the model.")
     into: str | None = option("--input", metavar="NAME", help="Channel of the records, and input or sensor.")
     preset: str | None = option(
@@ -137,7 +138,8 @@ class ReportCommand(ModelCommand):
         )
         fits = [_fit(name) for name in self.fits]
         studies = _studies(self.studies, rig.configured(**dict(self.settings)) if self.settings else rig, show)
-        tests = [_measured(name, rig, self.sensor, self.into, averaging, compared) for name in self.records]
+        how = self.reading, averaging
+        tests = [_measured(name, rig, (self.sensor, self.into), how, compared) for name in self.records]
         report = make_report(
             rig if piped else self.model,
             kind=self.kind,
@@ -199,9 +201,8 @@ def _band(option: str, band: tuple[float, float] | None) -> tuple[float, float] 
 def _measured(
     name: str,
     rig: Drivetrain,
-    output: str | None,
-    into: str | None,
-    averaging: Averaging,
+    names: tuple[str | None, str | None],
+    how: tuple[RecordReading, Averaging],
     band: tuple[float, float] | None,
 ) -> Measured:
     """Measured response of a test with its configuration, cut to the band in Hz where it is compared."""
@@ -209,7 +210,7 @@ def _measured(
     from torsionnet.report.report_request import Measured
 
     configuration, file = configuration_and_file(name, rig)
-    whole = _response(file, output, into, averaging)
+    whole = _response(file, *names, *how)
     if band is None:
         return Measured(whole, configuration)
     part = whole.between(*band)
@@ -232,7 +233,9 @@ def configuration_and_file(name: str, rig: Drivetrain) -> tuple[str, str]:
         raise UsageError(f'--record "{name}": {error}') from None
 
 
-def _response(file: str, output: str | None, into: str | None, averaging: Averaging) -> FrequencyResponse:
+def _response(
+    file: str, output: str | None, into: str | None, reading: RecordReading, averaging: Averaging
+) -> FrequencyResponse:
     """Measured frequency response read from its file, or estimated from a record."""
     from torsionnet.core.errors import ModelError, UsageError
 
@@ -246,7 +249,7 @@ def _response(file: str, output: str | None, into: str | None, averaging: Averag
             raise
     from torsionnet.cli.commands.estimate import estimate_record
 
-    return estimate_record(file, RecordReading(), (str(output),), (str(into),), averaging, Estimator(), (0.0, None))
+    return estimate_record(file, reading, (str(output),), (str(into),), averaging, Estimator(), (0.0, None))
 
 
 command = click_command("report", ReportCommand)

@@ -196,8 +196,8 @@ def _scales(item: Any, transposed: bool, along: int) -> list[Any]:
 
 
 def _stored(name: str, item: Any, transposed: bool) -> StoredArray:
-    given = (*item.shape, 1, 1)[: max(item.ndim, 2)]
-    shape = given[::-1] if _is_across(item, transposed) else given
+    sizes = (*item.shape, 1, 1)[: max(item.ndim, 2)]
+    shape = sizes[::-1] if _is_across(item, transposed) else sizes
     above = plain_attributes({key: _single(item.parent.attrs[key]) for key in CLOCK_NAMES if key in item.parent.attrs})
     given = plain_attributes({key: _single(item.attrs[key]) for key in ATTRIBUTES if key in item.attrs})
     for names in ((*RATE_NAMES, *INTERVAL_NAMES), START_NAMES):
@@ -274,7 +274,7 @@ def _stamps(item: Any, first: datetime) -> Slice:
 
 @dataclass(frozen=True)
 class _Packing:
-    """What the attributes of a dataset say of its values, by the conventions of netCDF (NUG, appendix A; CF, 2.5, 8.1).
+    """Packing of the values of a dataset, by the conventions of netCDF (NUG, appendix A; CF, 2.5 and 8.1).
 
     ``fills`` and the ``least`` and ``most`` valid value are those of the packed values, or with ``of_unpacked`` the two
     limits are those of the values themselves.

@@ -13,7 +13,7 @@ from torsionnet.core.entries.spec import MODEL_NAME, Count, Flag, OneOf, Text, e
 from torsionnet.core.errors import MISSING_KEY, Fault
 from torsionnet.model.campaign.campaign_checks import CampaignChecks
 from torsionnet.model.campaign.campaign_responses import CampaignResponses
-from torsionnet.model.fit.fit_entries import FitParameter, ParameterTable
+from torsionnet.model.fit.fit_entries import QUANTITIES, READING, FileReading, FitParameter, ParameterTable
 from torsionnet.model.report.report_plan import ReportPlan
 from torsionnet.signals.orders.tracking_entries import BANDWIDTH, ORDERS, OrderList
 from torsionnet.signals.orders.vold_kalman import VoldKalman
@@ -45,10 +45,7 @@ class CampaignChannel(Declared):
     form: ClassVar[str] = "{sensor: torque(shaft), gain: 1.02}"
 
     sensor: str = entry(Text("sensor of the model; by default that of its name"), "")
-    quantity: str | None = entry(
-        OneOf("what it is, where its unit does not tell it", ("torque", "angle", "velocity", "acceleration", "stress")),
-        None,
-    )
+    quantity: str | None = entry(OneOf("what it is, where its unit does not tell it", QUANTITIES), None)
     unit: str = entry(Text("its unit, where the file has none or a wrong one"), "")
     gain: float = entry(
         Value("factor by which its values are multiplied, as from a shunt calibration", "1", lower=None), 1.0
@@ -93,6 +90,15 @@ class CampaignRecord(Declared):
     )
     start: float | None = entry(Value("time from which the record counts", "time", lower=None), None)
     stop: float | None = entry(Value("time up to which the record counts", "time", lower=None), None)
+    reading: FileReading | None = entry(READING, None)
+
+    def arguments(self, channels: Mapping[str, CampaignChannel]) -> dict[str, Any]:
+        """Keyword arguments of :func:`read_recording` for channels of a campaign: what these and the record say."""
+        given = (self.reading or FileReading()).arguments
+        quantities = {name: channel.quantity for name, channel in channels.items() if channel.quantity}
+        units = {name: channel.unit for name, channel in channels.items() if channel.unit}
+        own = {"quantities": quantities | given.get("quantities", {}), "units": units | given.get("units", {})}
+        return given | own
 
     def contradictions(self) -> list[Fault]:
         if self.start is not None and self.stop is not None and not self.start < self.stop:

@@ -1,5 +1,13 @@
 """Entries of fit files."""
 
-from torsionnet.model.fit.fit_entries import FitFile, FitMeasurement, FitParameter, FitSettings
+from torsionnet.model.fit.fit_entries import (
+    QUANTITIES,
+    READING,
+    FileReading,
+    FitFile,
+    FitMeasurement,
+    FitParameter,
+    FitSettings,
+)
 
-__all__ = ["FitFile", "FitMeasurement", "FitParameter", "FitSettings"]
+__all__ = ["QUANTITIES", "READING", "FileReading", "FitFile", "FitMeasurement", "FitParameter", "FitSettings"]

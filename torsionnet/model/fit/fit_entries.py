@@ -14,6 +14,8 @@ from torsionnet.core.errors import MISSING_KEY, Fault
 from torsionnet.model.excitations.speed_range import SpeedBand
 
 _ORDER = Value("vibrations per revolution", "1", exclusive=True, below=10_000)
+QUANTITIES = ("torque", "angle", "velocity", "acceleration", "stress")
+"""Quantities of channels."""
 RANGES = ("band", "from", "to", "start", "stop", "low", "high", "frequencies")
 """Keys of a range of frequencies that users may write in the settings of a fit instead of in a measurement."""
 
@@ -45,6 +47,43 @@ class FitSettings(Declared):
 
 
 @dataclass(frozen=True, kw_only=True)
+class FileReading(Declared):
+    """Rate, units and the like of a record whose file does not tell them, or tells them wrongly."""
+
+    kind: ClassVar[str] = "reading"
+    article: ClassVar[str] = "the section reading"
+    form: ClassVar[str] = "{rate: 1 kHz, units: {M1: kNm}}"
+
+    rate: float | None = entry(
+        Value("sampling rate, if the file has none, or which of several", "frequency", exclusive=True), None
+    )
+    quantities: Mapping[str, str] = entry(
+        Named("what channels are, where their units do not tell", OneOf("a quantity", QUANTITIES)), None
+    )
+    units: Mapping[str, str] = entry(Named("units of channels in the file", Text("unit")), None)
+    resample: bool = entry(Flag("make uneven time stamps even, and bring other rates to this or the highest"), False)
+    separator: str | None = entry(Text("between the cells of a text file"), None)
+    decimal: str | None = entry(OneOf("decimal sign of a text file", (".", ",")), None)
+
+    @property
+    def dialect(self) -> dict[str, str]:
+        """Separator and decimal sign of a text file, as far as they are given."""
+        given = {"separator": self.separator, "decimal": self.decimal}
+        return {key: value for key, value in given.items() if value}
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """Keyword arguments of :func:`read_recording` that follow from these entries, by name."""
+        given = {"sampling_rate": self.rate, "quantities": self.quantities, "units": self.units}
+        more = {"resample": True} if self.resample else {}
+        return {key: value for key, value in given.items() if value} | more | self.dialect
+
+
+READING = Nested("how its file is read, where it does not tell", lambda: FileReading, "reading", optional=True)
+"""Entry of a record for what its file does not tell."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class FitMeasurement(Declared):
     """Measurement to be fitted: a record of signals, a response already estimated, or orders of turning machinery."""
 
@@ -53,7 +92,7 @@ class FitMeasurement(Declared):
     form: ClassVar[str] = "{record: FILE, output: ..., input: ...}"
     SOURCES: ClassVar[tuple[str, ...]] = ("record", "response", "orders")
     NOT_OF_ORDERS: ClassVar[tuple[str, ...]] = (
-        "input", "model_input", "excitation", "reference", "settling", "pulses", "between",
+        "input", "model_input", "excitation", "reference", "settling", "pulses", "between", "reading",
     )  # fmt: skip
     ONLY_OF_ORDERS: ClassVar[tuple[str, ...]] = ("orders_used", "speeds", "speed_of", "reference_angle")
 
@@ -98,6 +137,7 @@ class FitMeasurement(Declared):
             ("held", "straight", "band_limited")),
         None,
     )  # fmt: skip
+    reading: FileReading | None = entry(READING, None)
 
     @classmethod
     def key_faults(cls, raw: Mapping[Any, Any], name: str = "") -> list[Fault]:

@@ -14,8 +14,10 @@ from torsionnet.core.entries.declared import nearby_file
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.core.entries.spec import EntryError, Json, OneOf, Schema, Text, entry, not_none
 from torsionnet.core.errors import MISSING_KEY, Fault, TorsionnetError, UsageError
+from torsionnet.core.remedies import remedy
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.io.recording_files import read_recording
+from torsionnet.io.recording_files import read_even
+from torsionnet.model.fit import READING, FileReading
 from torsionnet.solve.dynamic_stiffness.transfer_request import named_output, resolve_inputs
 from torsionnet.solve.modes.modes import natural_modes
 from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
@@ -48,10 +50,13 @@ class TorqueHistoryEntry(Composite[TorqueHistory]):
             return raw, []
         if isinstance(raw, Mapping) and set(raw) == {"rate", "values"}:
             return self._listed(raw)
-        if not isinstance(raw, Mapping) or set(raw) != {"file", "channel"}:
+        if not isinstance(raw, Mapping) or set(raw) - {"reading"} != {"file", "channel"}:
             return None, [Fault(f"expected {HISTORY_FORM}, got {raw!r}")]
+        reading, wrong = READING.read(raw.get("reading"))
+        if wrong:
+            return None, [fault.under("reading") for fault in wrong]
         try:
-            return _recorded(str(raw["file"]), str(raw["channel"])), []
+            return _recorded(str(raw["file"]), str(raw["channel"]), reading), []
         except EntryError as error:
             return None, [fault.under("file") for fault in error.faults]
         except TorsionnetError as error:
@@ -71,25 +76,25 @@ class TorqueHistoryEntry(Composite[TorqueHistory]):
     def schema(self) -> Schema:
         samples: Schema = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2}
         forms: tuple[Schema, ...] = (
-            {"file": {"type": "string"}, "channel": {"type": "string"}},
+            {"file": {"type": "string"}, "channel": {"type": "string"}, "reading": READING.schema()},
             {"rate": SCALAR_SCHEMA, "values": samples},
         )
         return {
             "description": self.description,
             "anyOf": [
-                {"type": "object", "properties": form, "required": list(form), "additionalProperties": False}
+                {"type": "object", "properties": form, "required": list(form)[:2], "additionalProperties": False}
                 for form in forms
             ],
         }
 
 
-def _recorded(file: str, channel: str) -> TorqueHistory:
-    record = read_recording(nearby_file(file), names=[channel])
+def _recorded(file: str, channel: str, reading: FileReading | None) -> TorqueHistory:
+    record = read_even(nearby_file(file), names=[channel], **(reading or FileReading()).arguments)
     signal = record[channel]
     if signal.quantity != "torque":
         raise EntryError(f'"{channel}" of {file} is no torque, but {signal.quantity or "of unknown quantity"}')
     if record.times is not None:
-        raise EntryError(f"{file} was not sampled at even steps; resample it first")
+        raise EntryError(f"{file} was not sampled at even steps; {remedy('resample=True')} makes them even")
     if not np.isfinite(signal.values).all() or len(signal.values) < 2:
         raise EntryError(f'"{channel}" of {file} has gaps, or less than two samples')
     return TorqueHistory(record.sampling_rate, tuple(signal.values.tolist()))
