@@ -8,9 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from torsionnet.core.delimited.headings import plain_unit
-from torsionnet.core.errors import Fault, ModelError, UsageError, unknown_name
+from torsionnet.core.errors import Fault, ModelError, UsageError, comma_list, unknown_name
 from torsionnet.core.expressions import LARGEST_SIZE
-from torsionnet.core.errors import comma_list
 from torsionnet.core.remedies import remedy
 from torsionnet.io.records.axes import other_axis, seconds_in
 from torsionnet.io.records.channel_choice import ChannelChoice, choose, length_faults
