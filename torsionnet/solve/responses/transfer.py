@@ -309,8 +309,8 @@ def evaluate_laws(
     if method != "dense":
         found = refine_uncertain_points(assemblies, request, frequencies, kappa, found, method)
     shape = (len(assemblies), frequencies.shape[-1])
-    poor = np.flatnonzero(found.conditioning < VANISHING_INPUT_RATIO) if request.is_measured else ()
-    if len(poor):
+    poor = np.flatnonzero(found.conditioning < VANISHING_INPUT_RATIO)
+    if request.is_measured and len(poor):
         names = ", ".join(reading.name for reading in request.measured)
         first = np.broadcast_to(frequencies, shape).ravel()[poor[0]]
         text = f"{names}: the measured input all but vanishes at {len(poor)} frequencies, the first {first:.6g} Hz"
