@@ -241,11 +241,17 @@ def test_a_torque_over_time_comes_from_a_recording_or_a_list(tmp_path) -> None:
         _, unknown = QUANTITIES["transient_peak"].read(
             {"output": "T_T", "input": "T_M", "history": {"file": "shock.csv", "channel": "T_N"}}
         )
+        (tmp_path / "bare.csv").write_text("T_M\n" + "\n".join(str(value / 1000) for value in torque) + "\n")
+        reading = {"rate": "1 kHz", "quantities": {"T_M": "torque"}, "units": {"T_M": "kN*m"}}
+        told, wrong = QUANTITIES["transient_peak"].read(
+            {"output": "T_T", "input": "T_M", "history": {"file": "bare.csv", "channel": "T_M", "reading": reading}}
+        )
     listed = made("transient_peak", output="T_T", input="T_M", history={"rate": "1 kHz", "values": torque})
     assert not faults
+    assert not wrong
     assert unknown[0].path == ("history", "channel")
     expected = np.abs(dmf_rig().configured(k_2=400).simulate("T_T", {"T_M": torque}, 1000)["T_T"].values).max()
-    for one in (recorded, listed, QUANTITIES["transient_peak"].read(recorded.to_data())[0]):
+    for one in (recorded, told, listed, QUANTITIES["transient_peak"].read(recorded.to_data())[0]):
         assert one.evaluate(singly(dmf_rig(), {"k_2": np.array([400.0])}))[0, 0] == pytest.approx(expected, rel=1e-12)
 
 

@@ -52,7 +52,7 @@ class TorqueHistoryEntry(Composite[TorqueHistory]):
             return self._listed(raw)
         if not isinstance(raw, Mapping) or set(raw) - {"reading"} != {"file", "channel"}:
             return None, [Fault(f"expected {HISTORY_FORM}, got {raw!r}")]
-        reading, wrong = READING.read(raw.get("reading"))
+        reading, wrong = READING.read(raw["reading"]) if "reading" in raw else (None, [])
         if wrong:
             return None, [fault.under("reading") for fault in wrong]
         try:
