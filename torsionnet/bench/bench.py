@@ -27,6 +27,7 @@ from torsionnet.response.measured.pulse_channel import PULSE_TIMES
 from torsionnet.response.recording import Recording, Signal
 from torsionnet.response.table import Column, Table
 from torsionnet.signals.excitation.excitation import Excitation
+from torsionnet.solve.running.simulate import read_notes
 
 
 @dataclass(frozen=True, repr=False)
@@ -203,8 +204,10 @@ class Bench(NotebookResult):
             for (name, part), rng in zip(self.plan.channels.items(), generators, strict=True)
             if not isinstance(part, ToothedWheel)
         )
-        notes = (f"virtual test: {self.drivetrain.title}, {self._described}, seed {number}", *self.exciter_output.notes)
-        return Recording((set_point, *channels), self.plan.acquisition.rate, title=self.drivetrain.title, notes=notes)
+        rate, title = self.plan.acquisition.rate, self.drivetrain.title
+        first = f"virtual test: {title}, {self._described}, seed {number}"
+        notes = (first, *self.exciter_output.notes, *read_notes(self.drivetrain, rate))
+        return Recording((set_point, *channels), rate, title=title, notes=notes)
 
     @property
     def _described(self) -> str:

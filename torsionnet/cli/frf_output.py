@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated
 
+import numpy as np
+
 from torsionnet.cli.cases import ConfiguredCase
+from torsionnet.core.collected_warnings import collected_warnings
 from torsionnet.core.result_rows import Out
 from torsionnet.response import Column, Conventions, FrequencyResponse, Table
 from torsionnet.response.frequency_response import SIGN_NOTE, FloatArray
@@ -61,7 +65,13 @@ def peak_table(response: FrequencyResponse, solve: Solver, shown: DisplayUnits) 
             rows.append((label, unit, name, peak.frequency * conventions.frequency_scale, magnitude, peak.phase))
     low, high = (edge * conventions.frequency_scale for edge in (response.frequencies[0], response.frequencies[-1]))
     span = f"{len(response.frequencies)} frequencies from {low:g} to {high:g} {conventions.frequency}"
-    return Table(response.title, columns, tuple(rows), (span, *response.notes, SIGN_NOTE))
+    return Table(response.title, columns, tuple(rows), (span, *_notes(response, solve), SIGN_NOTE))
+
+
+def _notes(response: FrequencyResponse, solve: Solver) -> tuple[str, ...]:
+    """Notes on a frequency response with its static values, which read tables over frequency at 0 Hz."""
+    with collected_warnings(Counter()):  # of infinite values, which the table shows
+        return solve(np.array([0.0, *response.frequencies[[0, -1]]])).notes
 
 
 def _points(response: FrequencyResponse, solve: Solver, o: int, i: int) -> Iterator[tuple[str, Peak]]:
@@ -157,7 +167,7 @@ def responses_record(
         )
         static = static_value(solve, o, i) * scale
         rows.append(SolvedCurveRow(**vars(_curve(response, conventions, o, i)), static=static, peaks=found))
-    notes = (*response.notes, SIGN_NOTE)
+    notes = (*_notes(response, solve), SIGN_NOTE)
     return ResponsesRecord(response.title, case.configuration, notes, response.frequencies, tuple(rows))
 
 

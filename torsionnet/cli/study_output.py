@@ -38,7 +38,9 @@ def study_json(study: Study, answered: AnsweredStudy) -> dict[str, Any]:
 
     Statistics of its variants, if it has any, between the title and the answers.
     """
-    answers = {name: ConclusionRow(one.sentences, one.to_data()) for name, one in answered.conclusions.items()}
+    answers = {
+        name: ConclusionRow(answered.sentences(name), one.to_data()) for name, one in answered.conclusions.items()
+    }
     unanswered = {name: str(error) for name, error in answered.unanswered.items()}
     record = to_json(StudyRecord(study.title, answers, unanswered or None))
     statistics = {} if answered.result is None else answered.result.to_data()

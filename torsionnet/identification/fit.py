@@ -9,6 +9,7 @@ from dataclasses import fields
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
+from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.errors import TorsionnetError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.fit_problem import FitProblem
@@ -176,7 +177,9 @@ def _notes(problem: FitProblem, loss: str, factor: float, *, scaled: bool) -> tu
     first = f"from {', '.join(labels)}{robust}; reduced chi squared {factor:.3g}{by}"
     remarks = (*filter(None, (block.remark for block in problem.blocks)), *unnamed_configurations(problem))
     has_laws = any(following_elements(block.response.drivetrain.definition) for block in problem.blocks)
-    return (first, *remarks, *([ABOUT_FITTED] if has_laws else []))
+    read = (range_notes(block.response.drivetrain.assembly, np.abs(block.frequencies)) for block in problem.blocks)
+    beyond = dict.fromkeys(note for notes in read for note in notes)
+    return (first, *remarks, *([ABOUT_FITTED] if has_laws else []), *beyond)
 
 
 def unnamed_configurations(problem: FitProblem) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
+from torsionnet.assembly.table_range import told_of_reads
 from torsionnet.core.errors import TorsionnetWarning
 from torsionnet.model.report import SECTIONS
 from torsionnet.report.document_tree import Facts, Report, Section, Text
@@ -79,9 +80,10 @@ def build(subject: ReportData, version: str, progress: Callable[[str, int, int],
         subject = replace(subject, warning_messages=warned)
         wanted = [name for name in SECTIONS if subject.request.wants(name)]
         made = {}
-        for done, name in enumerate(wanted):
-            progress(name, done, len(wanted))
-            made[name] = _builder(name)(subject.by_drivetrain if name in DRIVETRAIN_SECTIONS else subject)
+        with told_of_reads(subject.table_reads.add):
+            for done, name in enumerate(wanted):
+                progress(name, done, len(wanted))
+                made[name] = _builder(name)(subject.by_drivetrain if name in DRIVETRAIN_SECTIONS else subject)
     title_block = title_table(subject, version)
     facts = _facts(subject, version)
     return Report(

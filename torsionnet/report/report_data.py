@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsionnet.assembly.table_range import TableReads
 from torsionnet.core.errors import UsageError
 from torsionnet.model.configurations import parse_choice
 from torsionnet.model.report import Pair
@@ -83,6 +84,8 @@ class ReportData:
         Name of the model's file and its SHA-256; of a model that has no file, those of its text.
     warning_messages : list of WarningMessage
         What the calculation warned of on the way.
+    table_reads : TableReads
+        Frequencies at which its sections read tables over frequency.
     """
 
     model: Drivetrain
@@ -91,6 +94,7 @@ class ReportData:
     file: str = ""
     digest: str = ""
     warning_messages: list[warnings.WarningMessage] = field(default_factory=list)
+    table_reads: TableReads = field(default_factory=TableReads)
 
     @property
     def conventions(self) -> Conventions:

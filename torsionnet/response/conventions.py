@@ -95,7 +95,21 @@ RIGID, REAL, OSCILLATORY = "rigid body", "real pole", "oscillatory"
 MODE_KIND: Schema = {"enum": [RIGID, REAL, OSCILLATORY]}
 """JSON Schema of the kind of a mode, a text: rigid body, real pole or oscillatory."""
 COUNTING_NOTE = "mode 1 is the lowest vibration; rigid bodies and real poles have no number"
+NO_VIBRATION = "none of these is a vibration; rigid bodies and real poles have no number"
 """Text of the note below tables of modes on how they are counted."""
+
+
+def counting_notes(numbers: Sequence[int | None]) -> tuple[str, ...]:
+    """Note on how modes with these numbers are counted, nothing where all have one.
+
+    Examples
+    --------
+    >>> counting_notes([None, None])
+    ('none of these is a vibration; rigid bodies and real poles have no number',)
+    """
+    if None not in numbers:
+        return ()
+    return (NO_VIBRATION if set(numbers) == {None} else COUNTING_NOTE,)
 
 
 def mode_numbers(kinds: Sequence[str]) -> tuple[int | None, ...]:

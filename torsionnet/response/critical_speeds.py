@@ -14,7 +14,7 @@ from torsionnet.core.number_text import screen_text
 from torsionnet.core.packages import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.core.units import RPM
-from torsionnet.response.conventions import COUNTING_NOTE
+from torsionnet.response.conventions import COUNTING_NOTE, NO_VIBRATION
 from torsionnet.response.frequency_response import Channel
 from torsionnet.response.margin_rules import MarginRule
 from torsionnet.response.order_line import OrderLine
@@ -419,7 +419,7 @@ class CriticalSpeeds(NotebookResult):
     def mode_table(self) -> Table:
         """Table with a row per vibration mode, frequencies in Hz with and without damping, and damping ratio."""
         overdamped = any(math.isnan(one.natural_frequency) for one in self.modes)
-        notes = (COUNTING_NOTE, *([OVERDAMPED_NOTE] if overdamped else []))
+        notes = (COUNTING_NOTE if self.modes else NO_VIBRATION, *([OVERDAMPED_NOTE] if overdamped else []))
         return result_table(f"{self.title}: natural frequencies", self.modes, VibrationMode, notes=notes)
 
     def record(self, configuration: str = "") -> CriticalSpeedsRecord:

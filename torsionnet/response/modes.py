@@ -15,7 +15,6 @@ from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.packages import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.response.conventions import (
-    COUNTING_NOTE,
     MODE_KIND,
     MODE_NUMBER,
     OSCILLATORY,
@@ -23,6 +22,7 @@ from torsionnet.response.conventions import (
     RIGID,
     SI,
     Conventions,
+    counting_notes,
     mode_names,
     mode_numbers,
 )
@@ -207,8 +207,11 @@ class Modes(NotebookResult):
 
         scale = conventions.frequency_scale
         undamped = ", ".join(f"{value * scale:.6g}" for value in self.undamped_natural_frequencies)
-        counting = [COUNTING_NOTE] if None in self.numbers else []
-        notes = (*counting, f"undamped natural frequencies [{conventions.frequency}]: {undamped}", *self.notes)
+        notes = (
+            *counting_notes(self.numbers),
+            f"undamped natural frequencies [{conventions.frequency}]: {undamped}",
+            *self.notes,
+        )
         return result_table(self.title, self.rows(), ModeRow, MODE_COLUMNS, conventions, notes)
 
     def rows(self) -> tuple[ModeRow, ...]:

@@ -23,6 +23,7 @@ from torsionnet.core.result_rows import Out, to_json
 from torsionnet.core.version import __version__
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.response.table import Column, Table
+from torsionnet.study.answers.answer import AskedStudy
 from torsionnet.study.labelled_variants import labelled_variants
 from torsionnet.study.reductions.histogram import ACCURACY
 from torsionnet.study.reductions.kept_values import KeptValues
@@ -48,6 +49,13 @@ class StatisticsRecord:
     quantities: tuple[QuantityRow, ...]
     notes: tuple[str, ...]
     kept_every: Annotated[int | None, Out(optional=True)]
+
+
+def read_notes(study: AskedStudy, read: Mapping[str, FloatArray]) -> tuple[str, ...]:
+    """Notes on tables over frequency that are read beyond their rows, from the frequencies (2,) by configuration."""
+    found = {name: at for name, at in read.items() if np.isfinite(at).any()}
+    notes = (note for name, at in found.items() for note in range_notes(study.model_in(name).assembly, at))
+    return tuple(dict.fromkeys(notes))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -198,10 +206,7 @@ class StudyResult(NotebookResult):
             texts.append(f"percentiles are within {ACCURACY:.1%} of themselves")
         if self.kept.every > 1:
             texts.append(f"values of single variants are kept of {self.kept.words(self.study.count)}")
-        reading = {name: at for name, at in self.read.items() if np.isfinite(at).any()}
-        texts += dict.fromkeys(
-            note for name, at in reading.items() for note in range_notes(self.study.model_in(name).assembly, at)
-        )
+        texts += read_notes(self.study, self.read)
         total: Counter[str] = Counter()
         for one in self.remarks.values():
             total.update(one)

@@ -114,6 +114,7 @@ class ExportCommand(ModelCommand):
     def _written(self, drivetrain: Drivetrain) -> Drivetrain:
         if self.viscous_at is None:
             return drivetrain
+        from torsionnet.assembly.table_range import range_notes
         from torsionnet.model.viscous_equivalent import viscous_equivalent
 
         equivalent = viscous_equivalent(drivetrain, self.viscous_at)
@@ -122,6 +123,8 @@ class ExportCommand(ModelCommand):
             "stiffness and damping over frequency are replaced by springs and "
             f"viscous dampers with their values at {self.viscous_at:g} Hz",
         )
+        for note in range_notes(drivetrain.assembly, [self.viscous_at]):
+            message("note", note)
         return equivalent
 
 

@@ -79,7 +79,7 @@ class StudyCommand(Command):
         for name, error in answered.unanswered.items():
             message("error", f"{name}: {error}")
         return Answer(
-            screen=lambda: _screen(result, conclusions),
+            screen=lambda: _screen(answered),
             data=lambda: study_json(study, answered),
             csv=lambda: _tables(result, conclusions),
             files=[(self.variants_file, lambda file: _write_variants(study, result, file))],
@@ -135,14 +135,14 @@ def _announce(workload: Workload) -> None:
         message("note", workload.words)
 
 
-def _screen(result: StudyResult | None, conclusions: Conclusions) -> Iterator[Table | str]:
-    if result is not None:
-        yield result.table()
-    for conclusion in conclusions.values():
+def _screen(answered: AnsweredStudy) -> Iterator[Table | str]:
+    if answered.result is not None:
+        yield answered.result.table()
+    for name, conclusion in answered.conclusions.items():
         yield ""
         table = conclusion.table()
         yield _beginning(table)
-        yield from (one for one in conclusion.sentences if one not in table.notes)
+        yield from (one for one in answered.sentences(name) if one not in table.notes)
 
 
 def _beginning(table: Table) -> Table:

@@ -26,7 +26,7 @@ from torsionnet.report.document_tree import (
 from torsionnet.report.report_data import FEW_CASES, MOST_MODES, ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, pair_latex, sentence, symbol_or_words
-from torsionnet.response.conventions import COUNTING_NOTE, OSCILLATORY
+from torsionnet.response.conventions import OSCILLATORY, counting_notes
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -171,7 +171,8 @@ def _notes(subject: ReportData, found: tuple[Modes, ...]) -> list[Text]:
     listed = "; ".join(str(note[0]) for note in notes)
     remarks = dict.fromkeys(note for modes in found for note in modes.notes)
     lead = ("Undamped natural frequencies: ", listed)
-    counting: list[Text] = [(capital(COUNTING_NOTE) + ".",)] if any(None in modes.numbers for modes in found) else []
+    counted = counting_notes([number for modes in found for number in modes.numbers])
+    counting: list[Text] = [(capital(note) + ".",) for note in counted]
     return [*counting, lead, *(sentence(capital(note) + ".", subject.model) for note in remarks)]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from torsionnet.core.errors import SolveError
@@ -27,6 +28,7 @@ from torsionnet.report.sections.varied_parameters import correlations, varied_pa
 from torsionnet.report.shown_numbers import in_shown_units
 from torsionnet.study.run.answering import study_for_answers
 from torsionnet.study.shown_units import ShownUnits, shown_units
+from torsionnet.study.study_result import read_notes
 
 if TYPE_CHECKING:
     from torsionnet.response.table import Table
@@ -66,11 +68,12 @@ def _study(subject: ReportData, result: StudyResult, number: int) -> Section:
         blocks.append(_results(subject, study, kept, "Quantities over all variants", units))
     if result.notes:
         blocks.append(Listing(tuple(_said(subject, study, note) for note in result.notes)))
-    with study_for_answers(study, result.folder) as (asked, _):
-        blocks += [
-            _answer(subject, asked, result, f"study_{number}_{place}", name, units)
-            for place, name in enumerate(study.answers, 1)
-        ]
+    with study_for_answers(study, result.folder) as (asked, calculator):
+        for place, name in enumerate(study.answers, 1):
+            calculator.read.clear()
+            answer = _answer(subject, asked, result, f"study_{number}_{place}", name, units)
+            notes = tuple(_said(subject, study, text) for text in read_notes(study, calculator.read))
+            blocks.append(replace(answer, blocks=(*answer.blocks, Listing(notes))) if notes else answer)
     return Section(f"study_{number}", sentence(study.title, subject.model), tuple(blocks))
 
 

@@ -19,7 +19,7 @@ from torsionnet.model.elements import (
 from torsionnet.model.motion_balance.law_network import keeps_own_point
 from torsionnet.report.document_tree import Cell, Listing, Math, Section, inlines
 from torsionnet.report.report_data import ReportData, is_damped
-from torsionnet.report.report_text import as_words, first_names, pair_latex, symbol_or_words
+from torsionnet.report.report_text import as_words, capital, first_names, pair_latex, symbol_or_words
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -100,6 +100,7 @@ def _notes(subject: ReportData) -> Iterator[Cell]:
         yield UNDAMPED
     yield from _about(subject, HYSTERETIC, HystereticSpring)
     yield from _about(subject, TABULATED, TabulatedSpring)
+    yield from (f"{capital(note)}." for note in subject.table_reads.notes())
     for text, lash in ((GEARS, False), (GEARS_WITH_BACKLASH, True)):
         gears = _named(subject, partial(_is_gear, lash))
         if gears:

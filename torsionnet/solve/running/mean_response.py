@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.law_stiffness import Functional, LawStiffness, functional, law_stiffness
 from torsionnet.assembly.rows import refuse_actions
+from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.checks.structure import rigid_motions
@@ -138,7 +139,8 @@ def _mean_response(
         values[places], left_over[places] = found[:, : len(wanted)], found[:, len(wanted) :]
         _require_balance(found[:, len(wanted) :], sizes[:, len(wanted) :])
     channels = tuple(one.channel for one in wanted)
-    notes = (*_rest(drivetrain, left_over), *(() if all_working else lost_power_notes(drivetrain, float(at[-1]))))
+    lost = () if all_working else lost_power_notes(drivetrain, float(at[-1]))
+    notes = (*_rest(drivetrain, left_over), *lost, *range_notes(drivetrain.assembly, [0.0]))
     return MeanResponse(at, reference, values, channels, drivetrain.title, notes)
 
 

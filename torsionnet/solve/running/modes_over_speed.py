@@ -19,6 +19,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.table_range import told_of_reads
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.model.operating_values import OperatingPoints
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
@@ -166,7 +167,8 @@ class ModesOverSpeed:
 
         def solved() -> tuple[VibrationMode, ...]:
             ((rig, _),) = drivetrains_at_speeds(self.drivetrain, self.reference, np.array([speed]))
-            return tuple(vibration_modes(rig, modes(rig)))
+            with told_of_reads(None):
+                return tuple(vibration_modes(rig, modes(rig)))
 
         (values,) = (
             values_at_speeds(self.drivetrain, self.reference, np.array([speed])) if self.is_speed_dependent else ({},)

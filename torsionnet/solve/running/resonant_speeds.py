@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.table_range import told_of_reads
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.order_line import OrderLine
 from torsionnet.solve.modes.modes import modes
@@ -44,7 +45,9 @@ def around_resonances(
     over_speed = ModesOverSpeed(drivetrain, reference, limits, highest=highest)
     if over_speed.is_speed_dependent:
         return _around(_following(over_speed, _distinct(lines), limits), speeds)
-    return around_poles(modes(drivetrain).eigenvalues, lines, speeds)
+    with told_of_reads(None):
+        poles = modes(drivetrain).eigenvalues
+    return around_poles(poles, lines, speeds)
 
 
 def around_poles(poles: ComplexArray, lines: Sequence[OrderLine], speeds: FloatArray) -> FloatArray:

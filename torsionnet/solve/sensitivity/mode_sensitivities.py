@@ -16,7 +16,7 @@ from torsionnet.core.result_rows import Out
 from torsionnet.model.channels import Sensor
 from torsionnet.model.operating_values import operating_speed_notes
 from torsionnet.response import Table
-from torsionnet.response.conventions import COUNTING_NOTE, MODE_NUMBER, RIGID
+from torsionnet.response.conventions import MODE_NUMBER, RIGID, counting_notes
 from torsionnet.response.table import result_table
 from torsionnet.solve.dynamic_stiffness.transfer_request import resolve_inputs
 from torsionnet.solve.modes.modes import modes_against
@@ -169,14 +169,10 @@ class ModeSensitivities(NotebookResult):
             found.append(f"{self.name(mode)} ({f:.4g} Hz{kind}): {'; '.join(parts) or 'hardly moved by any of these'}")
         return tuple(found)
 
-    @property
-    def _counting(self) -> list[str]:
-        return [COUNTING_NOTE] if None in self.numbers else []
-
     def table(self) -> Table:
         """Table of effects with a row for each mode and parameter, in % per % and per SI unit."""
         rows = [row for mode in range(len(self.poles)) for row in self.rows(mode)]
-        notes = (*self.words(), *self._counting, *self.notes)
+        notes = (*self.words(), *counting_notes(self.numbers), *self.notes)
         return result_table(f"{self.title}: what moves the modes", rows, ModeEffect, notes=notes)
 
     def rows(self, mode: int) -> list[ModeEffect]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.entries.spec import Json
 from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
@@ -54,6 +55,8 @@ class DamperOverConditions:
     parameters : tuple of DesignParameter
     conditions : tuple of DamperInCondition
     title : str
+    notes : tuple of str
+        On tables over frequency that end before the levels do.
     """
 
     channel: Channel
@@ -61,6 +64,7 @@ class DamperOverConditions:
     parameters: tuple[DesignParameter, ...]
     conditions: tuple[DamperInCondition, ...]
     title: str = ""
+    notes: tuple[str, ...] = ()
 
     @property
     def values(self) -> dict[str, float]:
@@ -89,7 +93,7 @@ class DamperOverConditions:
         bounds = [f"{one.name} is at its {one.bound} bound" for one in self.parameters if one.bound]
         if not after.condition:  # a model without configurations
             levels = f"{before.before.level:.5g} to {after.after.level:.5g} {self.channel.unit}"
-            return f"the largest {self.channel.name} goes from {levels}", *bounds
+            return f"the largest {self.channel.name} goes from {levels}", *bounds, *self.notes
         said = [
             f"the largest {self.channel.name} of all conditions goes from {before.before.level:.5g} "
             f"({before.condition}) to {after.after.level:.5g} {self.channel.unit} ({' and '.join(self.holding)})"
@@ -98,7 +102,7 @@ class DamperOverConditions:
         dear = max(self.conditions, key=lambda one: one.after.level / one.alone.level)
         more = 100 * (dear.after.level / dear.alone.level - 1)
         said.append(f"one damper for all costs at most {more:.3g} % against one for {dear.condition} alone")
-        return tuple(said)
+        return (*said, *self.notes)
 
     def table(self) -> Table:
         """Table of the largest levels without and with the best damper, a row for each operating condition."""
@@ -201,6 +205,7 @@ def damper_over_conditions(
         kept(f"{label} alone", partial(smallest_maximum, levels, box, start))
         for label, levels in zip(labels, parts, strict=True)
     ]
+    read = (range_notes(rig.assembly, levels.frequencies) for rig, levels in zip(rigs, parts, strict=True))
     return DamperOverConditions(
         parts[0].channel,
         parts[0].of,
@@ -210,6 +215,7 @@ def damper_over_conditions(
         ),
         tuple(_in_condition(*one, names, start, best) for one in zip(labels, parts, alone, strict=True)),
         drivetrain.name,
+        tuple(dict.fromkeys(note for notes in read for note in notes)),
     )
 
 

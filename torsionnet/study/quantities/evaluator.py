@@ -33,7 +33,7 @@ class BlockCalculator(Protocol):
     """Calculator of blocks of variants for evaluators, which may return their values from an earlier run."""
 
     def rows(self, evaluator: Evaluator, blocks: Sequence[Values], names: tuple[str, ...]) -> list[FloatArray]:
-        """Quantities of each block of variants, (n, n_points of all) in SI, as :meth:`Evaluator.rows` returns them."""
+        """Rows of each block of variants, (n, n_points of all + 2), as :meth:`Evaluator.rows` returns them."""
         ...
 
     def once(
@@ -87,9 +87,13 @@ class Evaluator:
         )
 
     def rows(self, values: Values, names: tuple[str, ...]) -> FloatArray:
-        """Quantities of some variants side by side (n, n_points of all) in SI, calculated in this process."""
+        """Quantities of some variants side by side (n, n_points of all + 2) in SI, calculated in this process.
+
+        The last two columns are the lowest and the highest frequency in Hz at which laws over frequency were read.
+        """
         block = self.block(values)
-        return np.concatenate([block.of(name) for name in names], axis=1)
+        found = [block.of(name) for name in names]
+        return np.concatenate([*found, np.tile(block.read, (len(block), 1))], axis=1)
 
     def __call__(self, values: Values, names: tuple[str, ...] = ()) -> dict[str, FloatArray]:
         """Quantities by name in SI, (n,) of numbers, (n, n_points) of curves, all of them or those in ``names``.
@@ -110,7 +114,7 @@ class Evaluator:
         else:
             rows = np.concatenate(self.calculator.rows(self, blocks, wanted))
         forms = [self.quantities[name].measured(self.model, self.quantities) for name in wanted]
-        parts = np.split(rows, np.cumsum([len(form.points) for form in forms])[:-1], axis=1)
+        parts = np.split(rows, np.cumsum([len(form.points) for form in forms]), axis=1)[:-1]
         return {
             name: part if form.is_curve else part[:, 0] for name, form, part in zip(wanted, forms, parts, strict=True)
         }

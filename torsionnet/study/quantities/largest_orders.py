@@ -30,7 +30,6 @@ def order_responses(
         for index in range(len(block)):
             run = block.call(index, lambda model: model.order_response(output, speeds=speeds, excitations=excitations))
             if run is not None:
-                block.reads(np.abs(run.frequencies))
                 yield index, run
         return
     loads = question.loads(speeds)
@@ -96,7 +95,6 @@ def largest_orders(
                 lambda model: model.order_response(output, speeds=speeds, excitations=excitations, refine=several),
             )
             if run is not None:
-                block.reads(np.abs(run.frequencies))
                 yield index, float(sizes(run).max())
         return
     first = fill_speed_gaps(speeds)

@@ -65,12 +65,7 @@ class ScenarioPeak(StudyQuantity):
         return QuantityForm(named_output(model, self.output).unit)
 
     def evaluate(self, block: VariantBlock) -> FloatArray:
-        def peak(model: Drivetrain) -> float:
-            record = self._motion(model)
-            block.reads([0, record.sampling_rate / 2])
-            return READ[self.value](record.signals[-1].values)
-
-        return block.one_by_one(peak)
+        return block.one_by_one(lambda model: READ[self.value](self._motion(model).signals[-1].values))
 
     def _motion(self, model: Drivetrain) -> Recording:
         return model.simulate(self.output, sampling_rate=self.rate, scenario=self.scenario)

@@ -210,7 +210,6 @@ class TransientPeak(StudyQuantity):
 
     def evaluate(self, block: VariantBlock) -> FloatArray:
         history = self.torques(block.model)
-        block.reads([0, history.rate / 2])
         return block.one_by_one(lambda model: READ[self.value](self._motion(model, history)))
 
     def torques(self, model: Drivetrain) -> TorqueHistory:

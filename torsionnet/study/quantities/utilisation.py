@@ -12,7 +12,6 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.spec import Text, entry
 from torsionnet.core.errors import Fault, unknown_name
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.solve.running.order_response import OrderRequest
 from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
 from torsionnet.study.quantities.speed_quantity import SpeedQuantity
 from torsionnet.study.quantities.transfer_quantity import usage_faults
@@ -72,12 +71,6 @@ class Utilisation(SpeedQuantity):
         return QuantityForm()
 
     def evaluate(self, block: VariantBlock) -> FloatArray:
-        if block.is_over_frequency:
-            speeds = self.at(block.model)
-            request = OrderRequest.of(
-                block.model, speeds if len(speeds) else None, excitations=self.excitations or None
-            )
-            block.reads(request.loads(request.speeds).frequencies)
         return block.one_by_one(self._of)
 
     def _of(self, model: Drivetrain) -> float:

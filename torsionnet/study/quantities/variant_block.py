@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.assembly.table_range import told_of_reads
 from torsionnet.core.collected_warnings import collected_warnings
 from torsionnet.core.errors import TorsionnetError
 from torsionnet.drivetrain import Drivetrain
@@ -170,7 +171,8 @@ class VariantBlock:
         None where the variant is refused or the function fails.
         """
         try:
-            return ask(self.single(index))
+            with told_of_reads(lambda _assembly, frequencies: self.reads(frequencies)):
+                return ask(self.single(index))
         except TorsionnetError as error:
             self.remark(str(error))
             return None

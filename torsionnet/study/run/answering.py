@@ -28,7 +28,7 @@ from torsionnet.study.run.workers import Workers
 from torsionnet.study.run.workload import Workload
 from torsionnet.study.shown_units import ShownUnits, shown_units
 from torsionnet.study.study import Study
-from torsionnet.study.study_result import StudyResult
+from torsionnet.study.study_result import StudyResult, read_notes
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,12 +65,19 @@ class AnsweredStudy:
         Name of an answer that failed -> its error.
     units : ShownUnits
         Units in which a notebook draws the answers: those written in the study and in the model.
+    notes : mapping
+        Name of an answer -> its notes on tables over frequency that end before its own variants do.
     """
 
     result: StudyResult | None
     conclusions: Conclusions
     unanswered: Mapping[str, SolveError] = field(default_factory=dict)
     units: ShownUnits = field(default_factory=ShownUnits)
+    notes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    def sentences(self, name: str) -> tuple[str, ...]:
+        """Conclusion of an answer in words, with its notes."""
+        return (*self.conclusions[name].sentences, *self.notes.get(name, ()))
 
     def __repr__(self) -> str:
         found = [f"{name}: {' '.join(one.sentences)}" for name, one in self.conclusions.items()]
@@ -79,8 +86,9 @@ class AnsweredStudy:
     def _repr_html_(self) -> str:
         tables = [self.result.table()] if self.result is not None else []
         parts = [thinned(table).to_html() for table in tables]
-        for one in self.conclusions.values():
-            parts += [thinned(one.table()).to_html(), *(f"<p>{html.escape(text)}</p>" for text in one.sentences)]
+        for name, one in self.conclusions.items():
+            said = (f"<p>{html.escape(text)}</p>" for text in self.sentences(name))
+            parts += [thinned(one.table()).to_html(), *said]
             parts.append(drawn(partial(one.figure, units=self.units)))
         parts += [f"<p>{html.escape(f'{name}: {error}')}</p>" for name, error in self.unanswered.items()]
         return "\n".join(parts)
@@ -179,14 +187,17 @@ def _answered(
 ) -> AnsweredStudy:
     conclusions: dict[str, Conclusion] = {}
     unanswered: dict[str, SolveError] = {}
+    notes: dict[str, tuple[str, ...]] = {}
     for name, answer in study.answers.items():
         if not answer.of_variants:
             calculator.progress = _counted(answering, name, answer.variants(study))
+        calculator.read.clear()
         try:
             conclusions[name] = answer.conclude(study, cast("VariantValues", result))  # None: it needs no variants
         except SolveError as error:
             unanswered[name] = error
-    return AnsweredStudy(result, conclusions, unanswered, shown_units(study))
+        notes[name] = read_notes(study, calculator.read)
+    return AnsweredStudy(result, conclusions, unanswered, shown_units(study), notes)
 
 
 def _counted(answering: Answering, name: str, known: int | None) -> Callable[[int], None]:

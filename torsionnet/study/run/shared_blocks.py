@@ -17,6 +17,8 @@ import numpy as np
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.study.quantities.evaluator import Evaluator, Values
+from torsionnet.study.quantities.variant_block import NOTHING_READ
+from torsionnet.study.run.chunk_values import widest
 from torsionnet.study.run.evaluation_memory import EvaluationLog, EvaluationMemory, LogPlace, array_bytes
 from torsionnet.study.run.executor import Executor
 
@@ -65,13 +67,13 @@ class BlockWork:
             raise UsageError(f"the study cannot be handed to other processes ({error}); {text}") from None
 
     def __call__(self, block: AskedBlock) -> FloatArray | LogPlace:
-        """Quantities of the block (n, n_points of all) in SI, or the place of the record where they were written."""
+        """Rows of the block (n, n_points of all + 2), or the place of the record where they were written."""
         rows = self.evaluator.rows(block.values, self.names)
         return rows if self._log is None else self._log.append(block.key, array_bytes(rows), shared=True)
 
     def block(self, place: int, values: Values) -> AskedBlock:
         """Block of variants with these parameter values and its key."""
-        return AskedBlock(place, values, key_of(self.evaluator, ("rows", *self.names), values))
+        return AskedBlock(place, values, key_of(self.evaluator, ("rows and frequencies read", *self.names), values))
 
 
 def key_of(evaluator: Evaluator, what: tuple[str, ...], values: Mapping[str, FloatArray]) -> bytes:
@@ -116,17 +118,20 @@ class SharedBlocks:
         Stored evaluations.
     progress : callable
         Called with a number of variants as soon as they are done.
+    read : dict
+        Configuration -> lowest and highest frequency in Hz at which laws over frequency were read, (2,).
     """
 
     executor: Executor
     memory: EvaluationMemory | None = None
     progress: Callable[[int], None] = lambda _count: None
+    read: dict[str, FloatArray] = field(default_factory=dict)
     _works: dict[tuple[object, ...], BlockWork] = field(default_factory=dict)
     _paces: dict[tuple[str, ...], _Pace] = field(default_factory=dict)
     _seconds: float = 0.0
 
     def rows(self, evaluator: Evaluator, blocks: Sequence[Values], names: tuple[str, ...]) -> list[FloatArray]:
-        """Quantities ``names`` (n, n_points of all) in SI of every block of variants."""
+        """Quantities ``names`` of every block of variants, as :meth:`Evaluator.rows` returns them."""
         work = self._work(evaluator, names)
         found: dict[int, FloatArray] = {}
         left: deque[AskedBlock] = deque()
@@ -141,6 +146,9 @@ class SharedBlocks:
         for block, rows in self._calculated(work, left):
             found[block.place] = rows
             self.progress(len(block))
+        pairs = [self.read.get(evaluator.configuration, np.array(NOTHING_READ))]
+        pairs += [rows[0, -2:] for rows in found.values()]
+        self.read[evaluator.configuration] = widest(pairs)
         return [found[place] for place in range(len(blocks))]
 
     def once(
