@@ -8,6 +8,7 @@ import pytest
 from support.models import geared_line
 
 import torsionnet as tn
+from torsionnet.core.errors import UsageError
 from torsionnet.solve.modes import frozen_stiffness
 from torsionnet.solve.modes.eigen import undamped_modes
 
@@ -312,3 +313,41 @@ class TestTables:
         np.testing.assert_allclose(
             few.undamped_natural_frequencies, every.undamped_natural_frequencies[:5], rtol=1e-9, atol=1e-12
         )
+
+
+NOTHING_VIBRATES = {
+    "real": [tn.Spring("t", nodes=("a", "ground"), stiffness=400, damping=80)],  # s^2 + 80 s + 400
+    "rigid": [tn.Inertia("B", node="b", inertia=2), tn.Damper("t", nodes=("a", "b"), damping=3)],
+    "nothing": [],
+}
+
+
+class TestWithoutVibrations:
+    """Models of which no mode vibrates, by overdamping or for want of springs."""
+
+    @staticmethod
+    def model(kind):
+        return tn.Drivetrain(
+            kind,
+            [tn.Inertia("J", node="a", inertia=1), *NOTHING_VIBRATES[kind]],
+            inputs={"T": {"torque": "a"}},
+            sensors={"th": {"angle": "a"}},
+            speeds={"of": "a", "range": "600..1500 rpm", "step": "50 rpm"},
+            excitations={"m": {"type": "harmonic", "node": "a", "orders": {1: {"amplitude": "1 N*m"}}}},
+        )
+
+    @pytest.mark.parametrize("kind", NOTHING_VIBRATES)
+    def test_no_sentence_speaks_of_a_lowest_vibration(self, kind, tmp_path):
+        model = self.model(kind)
+        none = "none of these is a vibration; rigid bodies and real poles have no number"
+        assert none in model.modes().table().notes
+        (counted, *others) = model.critical_speeds().mode_table().notes
+        left = "damping leaves none of these a vibration; they are numbered as without damping"
+        assert (counted, others) == (left if kind == "real" else none, [])
+        (file, *_) = tn.write_report(model, tmp_path / "report.md", date=None)
+        assert "lowest vibration" not in file.read_text(encoding="utf-8")
+
+    def test_a_mode_that_is_asked_for_is_refused_with_the_reason(self):
+        for ask in (lambda rig: rig.holzer_table(mode=1), lambda rig: rig.critical_speeds().mode(1)):
+            with pytest.raises(UsageError, match="there is no mode 1; nothing vibrates here"):
+                ask(self.model("rigid"))

@@ -60,6 +60,8 @@ def interference_diagram(result: CriticalSpeeds, *, highest: float | None = None
     # Modes that follow the speed have other frequencies at their crossings than at the operating point.
     tops = [_natural(one.mode) for one in result.crossings]
     tops += [_natural(mode) for mode in result.modes if mode.number in met or (mode is result.modes[0] and not met)]
+    if not tops:  # nothing vibrates: the lines of the orders alone
+        tops = [float(np.abs(line.frequency(np.array(result.speed_range))).max()) for line in result.lines] or [1.0]
     top = highest or HEADROOM * max(tops)
     axes.set(xlim=(0, end), ylim=(0, top))
     _shade(axes, result, low, high)

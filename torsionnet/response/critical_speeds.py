@@ -28,6 +28,7 @@ zero."""
 SAME_MODE_DISTANCE = 0.02
 """Relative difference of natural frequencies up to which modes of two conditions count as the same mode."""
 OVERDAMPED_NOTE = "undamped modes that damping leaves no vibration are counted behind all others"
+UNDAMPED_ALONE = "damping leaves none of these a vibration; they are numbered as without damping"
 """Text of the note below tables of modes on how overdamped modes are counted."""
 EXCITED: Schema = {"type": ["boolean", "null"], "description": "null where nothing says what acts"}
 """JSON Schema of the flag whether a mode is excited, null where no torques are known."""
@@ -357,7 +358,12 @@ class CriticalSpeeds(NotebookResult):
         for mode in self.modes:
             if mode.number == number:
                 return mode
-        raise UsageError(f"there is no mode {number}; there are {len(self.modes)}, counted from 1 without rigid bodies")
+        known = (
+            f"there are {len(self.modes)}, counted from 1 without rigid bodies"
+            if self.modes
+            else "nothing vibrates here"
+        )
+        raise UsageError(f"there is no mode {number}; {known}")
 
     def in_conditions(self, others: Sequence[CriticalSpeeds]) -> CriticalSpeeds:
         """Copy of the critical speeds, each with names of other conditions that excite its mode (``excited_in``)."""
@@ -418,8 +424,9 @@ class CriticalSpeeds(NotebookResult):
 
     def mode_table(self) -> Table:
         """Table with a row per vibration mode, frequencies in Hz with and without damping, and damping ratio."""
-        overdamped = any(math.isnan(one.natural_frequency) for one in self.modes)
-        notes = (COUNTING_NOTE if self.modes else NO_VIBRATION, *([OVERDAMPED_NOTE] if overdamped else []))
+        vibrating = [math.isfinite(one.natural_frequency) for one in self.modes]
+        first = COUNTING_NOTE if any(vibrating) else UNDAMPED_ALONE if vibrating else NO_VIBRATION
+        notes = (first, *([OVERDAMPED_NOTE] if any(vibrating) and not all(vibrating) else []))
         return result_table(f"{self.title}: natural frequencies", self.modes, VibrationMode, notes=notes)
 
     def record(self, configuration: str = "") -> CriticalSpeedsRecord:

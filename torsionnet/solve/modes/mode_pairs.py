@@ -71,7 +71,8 @@ def undamped_place(drivetrain: AssembledModel, number: int) -> tuple[int, Vibrat
                     f"mode {number} ({mode.natural_frequency:.5g} Hz) exists with damping only; choose another mode"
                 )
             return place, mode
-    raise UsageError(f"there is no mode {number}; there are {len(found)}, counted from 1 without rigid bodies")
+    known = f"there are {len(found)}, counted from 1 without rigid bodies" if found else "nothing vibrates here"
+    raise UsageError(f"there is no mode {number}; {known}")
 
 
 def _in_order(partners: Mapping[int, int], rates: FloatArray) -> dict[int, int]:
