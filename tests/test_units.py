@@ -153,6 +153,7 @@ def test_a_bare_number_has_no_dimension(text, value):
         ("1 kg*m2", r'did you mean "m\^2"'),
         ("1 N-m", r'write "\*" between units, as in N\*m$'),
         ("1 lb-in-s^2", r'write "\*" between units, as in lbf\*in\*s\^2$'),
+        ("1 oz-in-s2", r'write "\*" between units, as in ozf\*in\*s\^2$'),
         ("1 lb-ft²", r"as in lb\*ft²$"),
         ("1 U/min", 'did you mean "rpm" or "rev"'),
         ("1 V/rad", '"V" is not a known unit$'),

@@ -289,9 +289,9 @@ def _hint(name: str, written: str = "") -> tuple[str, str]:
         return f"; {name} stands once, at the end, after a unit of inertia", ""
     if name.startswith(("-", ".")):
         products = re.sub(r"(?<=[A-Za-z0-9²³])[.\-](?=[A-Za-z])", "*", written)
+        products = re.sub(r"(?<=[A-Za-z])([23])(?=$|[*/)])", r"^\1", products)  # s2 is s^2
         forms = [] if re.search(r"[.\-]", products) else [products, with_forces(products)]
-        known = [f", as in {text}" for text in forms if _is_known(text)]
-        return '; write "*" between units' + "".join(known[:1]), ""
+        return '; write "*" between units' + next((f", as in {text}" for text in forms if _is_known(text)), ""), ""
     near = [known for known in _ATOMS if len(name) >= _LEAST_SUGGESTED or (len(name) > 1 and set(name) <= set(known))]
     meant = nearest(name, near)
     return question(meant), meant
