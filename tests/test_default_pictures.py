@@ -289,3 +289,28 @@ def test_parameters_and_their_bounds_are_inside_the_panel(count):
         assert -0.1 < left < 0
         assert 1 < right < 1.1
         assert set(best.get_xdata()) == {0.75}  # three quarters of the way from 1 to 3
+
+
+def test_labels_of_curves_are_configurations_also_of_a_model_with_brackets_in_its_name():
+    def rig(name):
+        spring = tn.Spring("s", nodes=("a", "ground"), stiffness="k")
+        return tn.Drivetrain(
+            name, [tn.Inertia("r", node="a", inertia=0.5), spring], parameters={"k": 100},
+            configurations={"soft": {"k": 50}, "stiff": {"k": 200}}, inputs={"T": {"torque": "a"}},
+            sensors={"th": {"angle": "a"}},
+        )  # fmt: skip
+
+    def said(responses):
+        figure = plot.bode(responses)
+        legends = [panel.get_legend() for panel in figure.axes if panel.get_legend()] + figure.legends
+        return figure.get_suptitle(), [text.get_text() for legend in legends for text in legend.get_texts()]
+
+    f = np.linspace(1, 5, 5)
+    left, right = rig("rig (left)"), rig("rig (right)")
+    cases = [left.configured(name) for name in ("soft", "stiff")]
+    assert said([one.frequency_response("th", "T", f) for one in cases]) == ("rig (left)", ["soft", "stiff"])
+    assert said([one.symbolic().transfer_function("th", "T").evaluate(f) for one in cases])[1] == ["soft", "stiff"]
+    both = [one.frequency_response("th", "T", f) for one in (left, right)]
+    assert said(both) == ("", ["rig (left)", "rig (right)"])
+    variants = list(cases[0].frequency_responses("th", "T", f, {"k": [50.0, 60.0]}))
+    assert said(variants) == ("rig (left)", ["soft, k = 50", "soft, k = 60"])

@@ -151,8 +151,9 @@ def _common_unit(responses: Sequence[FrequencyResponse], conventions: Convention
 def _labels(responses: Sequence[FrequencyResponse], labels: Sequence[str] | None) -> tuple[str, list[str]]:
     """Text common to the titles of several frequency responses, and list with a label for each response."""
     titles = [response.title for response in responses]
-    models = {title.partition(" (")[0] for title in titles}
-    common = titles[0] if len(set(titles)) == 1 else models.pop() if len(models) == 1 else ""
+    models = {response.model for response in responses}
+    is_one = len(set(titles)) == 1
+    common = titles[0] if is_one else models.pop() if len(models) == 1 else ""
     if labels is not None:
         if len(labels) != len(responses):
             raise UsageError(f"{len(labels)} labels were given for {len(responses)} responses")
@@ -161,8 +162,7 @@ def _labels(responses: Sequence[FrequencyResponse], labels: Sequence[str] | None
         return common, [""]
     if not common:
         return common, titles
-    rest = [title.removeprefix(common).strip() for title in titles]
-    return common, [text[1:-1] if text.startswith("(") and text.endswith(")") else text for text in rest]
+    return common, ["" if is_one else response.configuration for response in responses]
 
 
 def _curves(response: FrequencyResponse, label: str, conventions: Conventions, *, x_log: bool) -> list[Curve]:

@@ -76,6 +76,8 @@ class FrequencyResponse(NotebookResult):
         Averaging by which the response was estimated from records.
     has_phase : bool
         False where only magnitudes are known; the values are then real.
+    model, configuration : str
+        Names of the model and of its configuration, of a calculated response.
 
     Values and coherence of one output over one input may be given as (n_f,).
 
@@ -112,6 +114,8 @@ class FrequencyResponse(NotebookResult):
     usable_up_to: float | None = None
     estimation: Estimation | None = None
     has_phase: bool = True
+    model: str = ""
+    configuration: str = ""
 
     def __post_init__(self) -> None:
         frequencies = np.asarray(self.frequencies, dtype=float)

@@ -27,6 +27,7 @@ class FrequencyResponses:
     conditioning : (n_variants, n_f) array, optional
         As in :class:`FrequencyResponse`.
     notes : tuple of str
+    model, configuration : str
     """
 
     parameters: Mapping[str, FloatArray]
@@ -37,6 +38,8 @@ class FrequencyResponses:
     title: str = ""
     conditioning: FloatArray | None = None
     notes: tuple[str, ...] = ()
+    model: str = ""
+    configuration: str = ""
 
     def __len__(self) -> int:
         return len(self.values)
@@ -51,6 +54,8 @@ class FrequencyResponses:
             f"{self.title}, {settings}" if settings else self.title,
             None if self.conditioning is None else self.conditioning[variant],
             notes=self.notes,
+            model=self.model,
+            configuration=", ".join(filter(None, (self.configuration, settings))),
         )
 
     def __iter__(self) -> Iterator[FrequencyResponse]:

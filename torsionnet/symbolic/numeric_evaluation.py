@@ -49,7 +49,10 @@ def evaluate(function: SymbolicFraction, frequencies: ArrayLike, given: Mapping[
             stacklevel=4,
         )
     above, below = function.channels
-    return FrequencyResponse(f, result[:, None, None], (above,), (below,), function.title, notes=function.notes)
+    return FrequencyResponse(
+        f, result[:, None, None], (above,), (below,), function.title, notes=function.notes, model=function.model,
+        configuration=function.configuration,
+    )  # fmt: skip
 
 
 def _complete(function: SymbolicFraction, given: Mapping[Any, Any]) -> dict[Any, Any]:

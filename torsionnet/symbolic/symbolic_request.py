@@ -211,6 +211,8 @@ class SymbolicFraction:
     tables : dict
         What depends on frequency by the symbolic function that stands for it, kappa(omega).
     notes : tuple of str
+    model, configuration : str
+        Names of the model and of its configuration.
     """
 
     channels: tuple[Channel, Channel]
@@ -222,6 +224,8 @@ class SymbolicFraction:
     title: str = ""
     notes: tuple[str, ...] = ()
     conditions: tuple[Any, ...] = ()
+    model: str = ""
+    configuration: str = ""
 
     @property
     def steps(self) -> Program:

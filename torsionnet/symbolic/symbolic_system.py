@@ -134,6 +134,8 @@ class SymbolicSystem(SymbolicMatrices):
             title=drivetrain.title,
             notes=notes,
             conditions=self.conditions,
+            model=drivetrain.name,
+            configuration=drivetrain.configuration,
         )
 
     def simplified(

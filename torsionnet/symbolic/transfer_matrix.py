@@ -9,7 +9,7 @@ the determinant of Y_in.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import permutations
 from typing import TypeAlias
 
@@ -76,13 +76,11 @@ class TransferMatrix:
         """Frequency response of all entries at frequencies in Hz, values (n_f, n_out, n_in) in SI units."""
         found = [[entry.evaluate(frequencies, **parameters) for entry in row] for row in self.entries]
         first = found[0][0]
-        return FrequencyResponse(
-            first.frequencies,
-            np.stack([np.stack([entry.values[:, 0, 0] for entry in row], axis=1) for row in found], axis=1),
-            tuple(row[0].outputs[0] for row in found),
-            tuple(entry.inputs[0] for entry in found[0]),
-            first.title,
-            notes=first.notes,
+        return replace(
+            first,
+            values=np.stack([np.stack([entry.values[:, 0, 0] for entry in row], axis=1) for row in found], axis=1),
+            outputs=tuple(row[0].outputs[0] for row in found),
+            inputs=tuple(entry.inputs[0] for entry in found[0]),
         )
 
     def to_latex(self, form: str = "mechanical") -> str:

@@ -60,6 +60,8 @@ def frequency_responses(
         drivetrain.title,
         conditioning if request.is_measured else None,
         (*request.notes, *law_notes(drivetrain.definition), *range_notes(drivetrain.assembly, f)),
+        drivetrain.name,
+        drivetrain.configuration,
     )
 
 

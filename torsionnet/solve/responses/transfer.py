@@ -206,6 +206,8 @@ def frequency_response(
         title=drivetrain.title,
         conditioning=conditioning[0] if request.is_measured else None,
         notes=(*request.notes, *law_notes(drivetrain.definition), *range_notes(drivetrain.assembly, f)),
+        model=drivetrain.name,
+        configuration=drivetrain.configuration,
     )
 
 
