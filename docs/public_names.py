@@ -16,7 +16,7 @@ from typing import Any
 
 import torsionnet as tn
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.packages import TABLES, NotebookResult
+from torsionnet.core.packages import TABLES, LazyMethod, NotebookResult
 
 SIGNATURES = Path(__file__).parents[1] / "tests" / "public_signatures.txt"
 HEAD = "# Public names and signatures: a change is a decision (docs/stability.md). Written by `make signatures`.\n"
@@ -162,6 +162,8 @@ def _member(member: Any) -> str:
     if isinstance(member, property | cached_property):
         function = member.fget if isinstance(member, property) else member.func
         return f" -> {_annotation(signature(function).return_annotation)}"
+    if isinstance(member, LazyMethod):  # a solver, whose first parameter is the object
+        return re.sub(r"^\(\w+: \w+", "(self", _call(member.__get__(None)))
     kind = " classmethod" if isinstance(member, classmethod) else ""
     return _call(getattr(member, "__func__", member)) + kind
 

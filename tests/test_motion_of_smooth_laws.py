@@ -8,7 +8,7 @@ import torsionnet as tn
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.model.scenarios.time_history import HistoryPiece, TimeHistory, Wave, constant, straight
 from torsionnet.response.motion.motion_start import MotionStart
-from torsionnet.solve.motion.simulation import simulate
+from torsionnet.solve.motion.simulation import simulate_torques
 
 
 def cosine(mean, amplitude, frequency):
@@ -224,7 +224,7 @@ def test_clutch_locks_under_a_rising_clamp_torque(drop):
         ],
     )
     scale = {("clutch", "clamp"): straight([(0, 0), (0.5, rise * 0.5)])}
-    record = simulate(rig, ["velocity(e)", "velocity(v)"], {"e": np.zeros(401)}, 1000,
+    record = simulate_torques(rig, ["velocity(e)", "velocity(v)"], {"e": np.zeros(401)}, 1000,
                       MotionStart(speeds={"e": slip}), scales=scale)  # fmt: skip
     J = J1 * J2 / (J1 + J2)
     # J w' = -rise t (1 - drop w): w = 1/drop - (1/drop - slip) exp(drop rise t^2/(2 J)), without drop a parabola

@@ -11,10 +11,9 @@ mode shapes and transfer functions between any two sensors, also against a measu
 
 from __future__ import annotations
 
-from types import ModuleType
 from typing import TYPE_CHECKING
 
-from torsionnet.core.packages import Plots, lazy_exports
+from torsionnet.core.packages import lazy_exports
 from torsionnet.core.version import __version__ as __version__
 
 if TYPE_CHECKING:
@@ -77,15 +76,6 @@ _named, _attribute, _ = lazy_exports(
         "torsionnet.core.units",
     ),
 )
-
-
-def _plots() -> ModuleType:
-    import torsionnet.plot
-
-    return torsionnet.plot
-
-
-Plots.package = staticmethod(_plots)
 
 
 def __getattr__(name: str) -> object:

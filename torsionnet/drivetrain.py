@@ -3,39 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Self
 
-from torsionnet.core.packages import AttributeHints
-from torsionnet.running_machinery import RunningMachinery
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.core.packages import AttributeHints, LazyMethod
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from typing import TypeAlias
-
-    import control
-    import networkx as nx
-    from numpy.typing import ArrayLike
-
+    import torsionnet.model.graph
+    import torsionnet.model.overview
+    import torsionnet.solve.batch.variants
+    import torsionnet.solve.design.damper_design
+    import torsionnet.solve.dynamic_stiffness.state_space
+    import torsionnet.solve.modes.holzer
+    import torsionnet.solve.modes.mass_elastic_lines
+    import torsionnet.solve.modes.modes
+    import torsionnet.solve.motion.scenario_run
+    import torsionnet.solve.responses.loop_margin_search
+    import torsionnet.solve.responses.transfer
+    import torsionnet.solve.running.critical_speeds
+    import torsionnet.solve.running.dissipation
+    import torsionnet.solve.running.limit_check
+    import torsionnet.solve.running.mean_response
+    import torsionnet.solve.running.passage_response
+    import torsionnet.solve.running.power_balance
+    import torsionnet.solve.running.refined_response
+    import torsionnet.solve.running.shaft_margins
+    import torsionnet.solve.running.static_state
+    import torsionnet.symbolic.symbolic_system
     from torsionnet.core.errors import Fault
-    from torsionnet.model.channels import Sensor
     from torsionnet.model.motion_balance.balanced_state import BalancedState
-    from torsionnet.model.scenarios.scenario import Scenario
-    from torsionnet.response import FrequencyResponse, FrequencyResponses, Modes
-    from torsionnet.response.critical_speeds import CriticalSpeeds
-    from torsionnet.response.loop_margins import LoopMargins
-    from torsionnet.response.margin_rules import MarginRule
-    from torsionnet.response.motion.motion_start import MotionStart
-    from torsionnet.response.recording import Recording, Signal
-    from torsionnet.solve.responses.grid import Adaptive
-    from torsionnet.symbolic.symbolic_system import SymbolicSystem
-
-    Channels: TypeAlias = str | Sensor | Sequence[str | Sensor]
+else:
+    torsionnet = LazyMethod("torsionnet")
 
 
-class Drivetrain(RunningMachinery, AttributeHints):
+class Drivetrain(AssembledModel, AttributeHints):
     """Torsional model of a drivetrain; every method that changes something returns a changed copy.
 
     Parameters
@@ -80,6 +83,31 @@ class Drivetrain(RunningMachinery, AttributeHints):
     8.755
     """
 
+    # A method is the function that solves it, with its docstring; the module is imported at the first call.
+    graph = torsionnet.model.graph.graph
+    frequency_response = torsionnet.solve.responses.transfer.frequency_response
+    frequency_responses = torsionnet.solve.batch.variants.frequency_responses
+    modes = torsionnet.solve.modes.modes.modes
+    simulate = torsionnet.solve.motion.scenario_run.simulate
+    loop_margins = torsionnet.solve.responses.loop_margin_search.loop_margins
+    symbolic = torsionnet.symbolic.symbolic_system.symbolic
+    to_control = torsionnet.solve.dynamic_stiffness.state_space.to_control
+    _repr_html_ = torsionnet.model.overview.page
+
+    # What is asked of running machinery, with its speeds, load, excitations and limits.
+    order_response = torsionnet.solve.running.refined_response.order_response
+    passage_response = torsionnet.solve.running.passage_response.passage_response
+    critical_speeds = torsionnet.solve.running.critical_speeds.critical_speeds
+    shaft_margins = torsionnet.solve.running.shaft_margins.shaft_margins
+    holzer_table = torsionnet.solve.modes.holzer.holzer_table
+    mass_elastic_table = torsionnet.solve.modes.mass_elastic_lines.mass_elastic_table
+    mean_response = torsionnet.solve.running.mean_response.mean_response
+    static_state = torsionnet.solve.running.static_state.static_state
+    power_balance = torsionnet.solve.running.power_balance.power_balance
+    dissipated_power = torsionnet.solve.running.dissipation.dissipated_power
+    check_limits = torsionnet.solve.running.limit_check.check_limits
+    damper_design = torsionnet.solve.design.damper_design.damper_design
+
     def check(self) -> tuple[Fault, ...]:
         """Warnings and notes about the model, unstable modes included (errors have already been refused)."""
         return (*super().check(), *(self._operating_faults or self._unstable_modes))
@@ -105,209 +133,6 @@ class Drivetrain(RunningMachinery, AttributeHints):
         from torsionnet.solve.modes.stability import unstable_modes
 
         return unstable_modes(self)
-
-    def graph(self) -> nx.MultiGraph[str]:
-        """Graph of the drivetrain (networkx): its nodes, and an edge for each pair of ports that an element connects.
-
-        Node ``ground`` is there if an element is attached to it. Elements with one port are in the node attribute
-        ``elements``; edges carry ``element`` and ``kind``.
-        """
-        from torsionnet.model.graph import build_graph
-
-        return build_graph(self)
-
-    def frequency_response(
-        self,
-        output: Channels,
-        input: Channels,
-        frequencies: ArrayLike | Adaptive,
-        *,
-        excitation: str | Sequence[str] | None = None,
-        method: str = "auto",
-    ) -> FrequencyResponse:
-        """Transfer functions between sensors, inputs and nodes at the given frequencies.
-
-        Parameters
-        ----------
-        output : str, Sensor or sequence of these
-            Names of sensors or nodes (the angle there), or ``torque(element, port)``, ``twist(element)``,
-            ``velocity(node)``, ``acceleration(node)``, ``angle(node)``.
-        input : str, Sensor or sequence of these
-            Names of inputs or nodes (a torque there): response to an excitation. Names of sensors: a *measured*
-            input, Y_out Y_in^-1 under the excitation, equations (8)-(13) and (20) of Galvagno et al. (2015).
-        frequencies : (n_f,) array or Adaptive
-            Hz, >= 0; or ``tn.Adaptive(start, stop)``, which resolves every peak in that range. At 0 the finite limit,
-            or inf with a warning.
-        excitation : str or sequence of str, optional
-            What drives the drivetrain when the input is measured; default: the model's only input.
-        method : str
-            ``"auto"``: elimination along the drivetrain, fast and exact; where numba is installed and the work is large
-            (1000 nodes at 100 000 frequencies), in a compiled loop. ``"graph"``: always in numpy. ``"compiled"``:
-            always in the compiled loop (``pip install "torsionnet[fast]"``; its start takes a second or two).
-            ``"dense"``: LAPACK on the assembled matrices, as a cross-check: one value in twenty is off by more than
-            1e-9 of itself, most of them far below the first natural frequency or where values span many decades.
-
-        Returns
-        -------
-        FrequencyResponse
-            ``values`` of shape (n_f, n_out, n_in).
-
-        Examples
-        --------
-        >>> import torsionnet as tn
-        >>> H = tn.load("dmf_rig").frequency_response("theta_1", "T_T", [8.116])
-        >>> round(float(abs(H.values[0, 0, 0])) * 57.29578, 4)
-        0.2519
-        """
-        from torsionnet.solve.responses.transfer import frequency_response
-
-        return frequency_response(self, output, input, frequencies, excitation=excitation, method=method)
-
-    def frequency_responses(
-        self,
-        output: Channels,
-        input: Channels,
-        frequencies: ArrayLike | Adaptive,
-        variants: Mapping[str, ArrayLike],
-        *,
-        excitation: str | Sequence[str] | None = None,
-        method: str = "auto",
-    ) -> FrequencyResponses:
-        """Transfer functions of many variants of the drivetrain, solved together.
-
-        Parameters
-        ----------
-        output, input, frequencies, excitation, method
-            As for :meth:`frequency_response`.
-        variants : mapping
-            Parameter -> (n_variants,) values in SI; one value alone holds for all of them.
-
-        Examples
-        --------
-        >>> import torsionnet as tn
-        >>> family = tn.load("dmf_rig").frequency_responses("theta_1", "T_T", [0.0, 8.0], {"k_2": [400, 460, 500]})
-        >>> family.magnitude[:, 0, 0, 0].round(6).tolist()
-        [0.002575, 0.002249, 0.002075]
-        """
-        from torsionnet.solve.batch.variants import frequency_responses
-
-        return frequency_responses(self, output, input, frequencies, variants, excitation=excitation, method=method)
-
-    def simulate(
-        self,
-        outputs: Channels | None = None,
-        inputs: Mapping[str, ArrayLike | Signal] | None = None,
-        sampling_rate: float | None = None,
-        *,
-        between: str | Mapping[str, str] | None = None,
-        start: str | MotionStart | None = None,
-        scenario: str | Scenario | Mapping[str, Any] | None = None,
-        duration: float | None = None,
-        check: bool = False,
-    ) -> Recording:
-        """Motion and torques over time, exact for torques that are straight, held or band-limited between samples.
-
-        Laws of motion, as of clearances and friction, act in full: the result has their events and an energy balance.
-
-        Parameters
-        ----------
-        outputs : str, Sensor or sequence of these
-            As for :meth:`frequency_response`; in a scenario the model's sensors unless others are named.
-        inputs : mapping
-            Name of an input or node -> (n,) torques in N m, or a :class:`~torsionnet.signals.Signal`. That on a node is
-            called ``torque on NODE`` in the result.
-        sampling_rate : float
-            Hz; in a scenario instead of what that says.
-        between : {"straight", "held", "band_limited"}, or mapping of these by input, optional
-            Course of the torques between samples; by default that of a signal, and straight lines between numbers.
-        start : str or MotionStart, optional
-            ``"rest"``, ``"operating_point"``, in balance with the torques at the first sample and mean torques on other
-            nodes, or angles and speeds of nodes at the first sample. Default: rest, or what the scenario says.
-        scenario : str, Scenario or mapping, optional
-            Instead of inputs: a scenario of the model, or another one, ``{"type": "torques", "duration": ...}``, whose
-            torques act.
-        duration : float, optional
-            Time in s that is simulated in a scenario, instead of what that says; inputs have its length.
-        check : bool
-            Repeat the motion in steps half as long, and note until when both agree: contacts make motions chaotic.
-
-        Returns
-        -------
-        Recording
-            The inputs and the outputs, SI units.
-
-        Raises
-        ------
-        UsageError
-            Unknown names, unlike lengths, frequency-dependent laws, or a reading with the rate of an input in it.
-        SolveError
-            Contacts that close and open without an end, or a twist beyond the rows of its law.
-
-        Examples
-        --------
-        >>> import torsionnet as tn
-        >>> record = tn.load("dmf_rig").simulate(["theta_1", "T_T"], {"T_M": [0.0] + 4000 * [10.0]}, 1e3)
-        >>> record.names, round(float(record["T_T"].values[-1]), 6)
-        (('T_M', 'theta_1', 'T_T'), 10.0)
-        >>> fault = tn.load("turbine_generator_ssr").simulate("T_LPB_G", scenario="three_phases", sampling_rate=2e4)
-        >>> fault.events[0].what, round(float(abs(fault["T_LPB_G"].values).max()) / 1e6, 2)
-        ('short circuit of 3 phases', 7.95)
-        """
-        from torsionnet.core.errors import UsageError
-
-        if scenario is not None:
-            from torsionnet.solve.motion.scenario_run import run_scenario
-
-            if inputs is not None or between is not None:
-                raise UsageError("a scenario brings its own torques; leave out inputs and between, or the scenario")
-            return run_scenario(
-                self, scenario, outputs, start=start, sampling_rate=sampling_rate, duration=duration, check=check
-            )
-        from torsionnet.solve.motion.simulation import simulate
-
-        if outputs is None or inputs is None or sampling_rate is None:
-            raise UsageError("a simulation needs outputs, inputs and a sampling rate, or a scenario")
-        begin = start or "rest"
-        return simulate(self, outputs, inputs, sampling_rate, begin, duration=duration, check=check, between=between)
-
-    def modes(
-        self,
-        *,
-        measured_input: Channels | None = None,
-        excitation: str | Sequence[str] | None = None,
-        lowest: int | None = None,
-        up_to: float | None = None,
-    ) -> Modes:
-        """Complex modes with natural frequencies, damping ratios, shapes at all nodes and energy shares.
-
-        Parameters that follow the operating point have their values at its speed, else at the rated one; a note says
-        which that is.
-
-        Parameters
-        ----------
-        measured_input : str, Sensor or sequence of these, optional
-            The poles of transfer functions against this measured input instead: for an output at the torque meter or
-            downstream of it, those of the drivetrain cut there.
-        excitation : str or sequence of str, optional
-            Which input drives the drivetrain then; default: the model's only input.
-        lowest : int, optional
-            Only so many modes, those of the smallest ``|lambda|``, rigid bodies included; likewise the undamped
-            natural frequencies. Much quicker for large models. Default: all; with continuous shafts, which have
-            infinitely many, the lowest 20.
-        up_to : float, optional
-            Only modes of natural frequencies up to this one in Hz; with continuous shafts all of these.
-
-        Examples
-        --------
-        >>> import torsionnet as tn
-        >>> tn.load("dmf_rig").modes().natural_frequencies.round(5).tolist()
-        [7.10526, 80.98336]
-        """
-        from torsionnet.model.operating_values import operating_speed_notes
-        from torsionnet.solve.modes.modes import modes
-
-        found = modes(self, measured_input=measured_input, excitation=excitation, lowest=lowest, up_to=up_to)
-        return replace(found, notes=(*found.notes, *operating_speed_notes(self.external_torques)))
 
     def at(
         self,
@@ -383,92 +208,8 @@ class Drivetrain(RunningMachinery, AttributeHints):
         tangents = asked.definition.tangents
         return () if tangents is None else tangents.states
 
-    def loop_margins(self, controller: str | None = None) -> LoopMargins:
-        """Stability margins of the loop opened at a controller, and its frequency response for Nyquist's plot.
-
-        Gain, phase, delay and modulus margins, each with its frequency, all other loops being closed; delays are exact.
-        :func:`torsionnet.plot.nyquist` draws it.
-
-        Parameters
-        ----------
-        controller : str, optional
-            Name of the element; default: the only one.
-
-        Examples
-        --------
-        >>> import torsionnet as tn
-        >>> rig = tn.Drivetrain("governed", [tn.Inertia("rotor", node="a", inertia=2),
-        ...     tn.Controller("governor", sense={"velocity": "a"}, act="a", law=-30, delay="50 ms")])
-        >>> margins = rig.loop_margins()
-        >>> round(margins.gain_increase.value, 4), round(margins.phase.value, 3), round(margins.delay.value, 6)
-        (2.0944, 47.028, 0.05472)
-        """
-        from torsionnet.solve.responses.loop_margin_search import loop_margins
-
-        return loop_margins(self, controller)
-
-    def shaft_margins(self, margin: str | float | MarginRule, *, lowest: int | None = None) -> CriticalSpeeds:
-        """Separation margins of every mode from 1 and 2 times each shaft's speed and each electrical frequency.
-
-        Shafts are those whose mean speeds differ, named by their first node; an electric machine counts with its line
-        frequency, or with that of its inverter, pole pairs times the speed (slip neglected).
-
-        Parameters
-        ----------
-        margin : str, float or MarginRule
-            As for :meth:`critical_speeds`.
-        lowest : int, optional
-            Only the lowest so many modes.
-
-        Returns
-        -------
-        CriticalSpeeds
-            Margins as shares of the excitation frequency, with what the rule requires; without torques.
-
-        Raises
-        ------
-        UsageError
-            The model has no range of speeds.
-
-        Examples
-        --------
-        >>> import torsionnet as tn
-        >>> found = tn.load("reciprocating_compressor_train").shaft_margins("api684", lowest=1)
-        >>> sorted({one.mode.number for one in found.crossings})
-        [1]
-        """
-        from torsionnet.solve.running.shaft_margins import shaft_margins
-
-        return shaft_margins(self, margin, lowest)
-
-    def symbolic(self, *, referred_to: Sequence[str] = ()) -> SymbolicSystem:
-        """Symbolic model, which has M, C, K and transfer functions in the model's own symbols.
-
-        ``referred_to`` chooses the nodes kept as coordinates; they stand in the order given.
-
-        Examples
-        --------
-        >>> import torsionnet as tn
-        >>> tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T").mechanical
-        1/(I_2*s**2 + k_2 + s*(c_2 + c_B)) + 1/(c_1*s + k_1)
-        """
-        from torsionnet.symbolic.symbolic_system import symbolic_system
-
-        return symbolic_system(self, referred_to)
-
-    def to_control(self) -> control.StateSpace:
-        """State space with the model's inputs and sensors as named signals, for python-control."""
-        from torsionnet.solve.dynamic_stiffness.state_space import to_control
-
-        return to_control(self)
-
     def to_yaml(self, path: str | Path | None = None) -> str:
         """Text of the model as a model file, also written to ``path`` if given."""
         from torsionnet.model.files import dump
 
         return dump(self.definition, path)
-
-    def _repr_html_(self) -> str:
-        from torsionnet.model.overview import page
-
-        return page(self)

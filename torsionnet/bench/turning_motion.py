@@ -24,7 +24,7 @@ from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.recording import FloatArray
 from torsionnet.response.worst_response import WorstResponse
-from torsionnet.solve.running.passage_response import passage_response
+from torsionnet.solve.running.passage_response import passage_from
 from torsionnet.solve.running.passage_torques import ExcitationCase
 
 Sensors: TypeAlias = Mapping[str, Sensor]
@@ -154,9 +154,7 @@ def _passage(
         return TurningMotion("", reference, mean, channels, readings, still, notes)
     own = Sensor("angle", reference)
     asked = [*sensors, *([own] if own not in sensors else [])]
-    run = passage_response(
-        drivetrain, asked, times, speeds, speed_of=reference, excitations=acting, start_angle=motion.start_angle
-    )
+    run = passage_from(motion.start_angle, drivetrain, asked, (times, speeds), reference, acting)
     drift = polyfit(run.times, run.values[:, asked.index(own)], 1)
     vibration = PassageVibration(run, readings.drifts(np.asarray(drift, dtype=float)))
     drifted = math.degrees(abs(drift[1]) * mean.length)

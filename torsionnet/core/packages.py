@@ -22,7 +22,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from types import ModuleType
+from types import FunctionType, MethodType, ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
 
 from torsionnet.core.errors import TorsionnetError, did_you_mean
@@ -45,6 +45,31 @@ class AttributeHints:
             table = next((METHODS[one.__name__] for one in kind.__mro__ if one.__name__ in METHODS), {})
             hint = python_hint(table, name, (one for one in dir(kind) if not one.startswith("_")))
             raise AttributeError(f"{kind.__name__!r} object has no attribute {name!r}{hint}", name=name, obj=self)
+
+
+class LazyMethod:
+    """Function that is a method of a class, from a module imported at the first call or when the class is asked for it.
+
+    Made of a module's name by naming what is in it, as ``LazyMethod("torsionnet").solve.modes.modes.modes``: what type
+    checkers read as the function itself, if they have the module's import.
+    """
+
+    def __init__(self, place: str) -> None:
+        self._place = place
+
+    def __getattr__(self, name: str) -> LazyMethod:
+        if name.startswith("_"):  # no function is private
+            raise AttributeError(name)
+        return LazyMethod(f"{self._place}.{name}")
+
+    @functools.cached_property
+    def _function(self) -> FunctionType:
+        module, _, name = self._place.rpartition(".")
+        found: FunctionType = getattr(importlib.import_module(module), name)
+        return found
+
+    def __get__(self, instance: object, owner: type | None = None) -> FunctionType | MethodType:
+        return self._function if instance is None else MethodType(self._function, instance)
 
 
 def with_argument_hints(cls: AnyClass) -> AnyClass:
@@ -170,15 +195,6 @@ class NotebookTable(Protocol):
 AnyTable = TypeVar("AnyTable", bound=NotebookTable)
 
 
-class Plots:
-    """Holder of the package that draws plots, which a layer above this one sets.
-
-    Plots are made from results and not the other way.
-    """
-
-    package: ClassVar[Callable[[], ModuleType] | None] = None
-
-
 class NotebookResult(AttributeHints):
     """Base class of results that a notebook shows as tables, and as a picture where ``picture`` names one."""
 
@@ -208,10 +224,8 @@ def drawn(draw: Callable[[ModuleType], Any]) -> str:
 
     Empty where nothing is to draw.
     """
-    if Plots.package is None:
-        return ""
     try:
-        return figure_html(draw(Plots.package()))
+        return figure_html(draw(importlib.import_module("torsionnet.plot")))  # plots are made from results
     except TorsionnetError:  # as of a response without frequencies
         return ""
 

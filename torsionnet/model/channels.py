@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar, cast
+from typing import Any, TypeAlias, TypeVar, cast
 
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.spec import EntryError, Json, Renaming, Schema, Spec, Text, reference
@@ -163,6 +163,10 @@ class Input:
 
     def to_data(self) -> dict[str, Json]:
         return {self.quantity: _plain(self)}
+
+
+Channels: TypeAlias = str | Sensor | Sequence[str | Sensor]
+"""One or more readings of a drivetrain, by name or as sensors."""
 
 
 def _renamed(node: str | None, names: Renaming) -> str | None:

@@ -15,24 +15,16 @@ if TYPE_CHECKING:
     from torsionnet.model.model import Model
 
 
-def build_graph(drivetrain: Model) -> nx.MultiGraph[str]:
-    """Graph of a drivetrain with its nodes, and an edge for each pair of ports that an element connects.
+def graph(drivetrain: Model) -> nx.MultiGraph[str]:
+    """Graph of the drivetrain (networkx): its nodes, and an edge for each pair of ports that an element connects.
 
-    Parameters
-    ----------
-    drivetrain : Drivetrain
-        Only elements that are switched on take part.
-
-    Returns
-    -------
-    networkx.MultiGraph
-        Node ``ground`` is there if an element is attached to it. The node attribute ``elements`` names the elements
-        with one port; the key of an edge and its attribute ``element`` name the element, ``kind`` its type.
+    Node ``ground`` is there if an element is attached to it. Elements with one port are in the node attribute
+    ``elements``; edges carry ``element``, which is their key, too, and ``kind``.
 
     Examples
     --------
     >>> import torsionnet as tn
-    >>> graph = build_graph(tn.load("dmf_rig"))
+    >>> graph = tn.load("dmf_rig").graph()
     >>> sorted(graph["motor"]["primary"])
     ['torque_meter']
     >>> graph.nodes["secondary"]["elements"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
 
@@ -154,7 +154,7 @@ class SymbolicSystem(SymbolicMatrices):
         from torsionnet.symbolic.simplified import simplified
 
         def written(rig: AssembledModel) -> TransferFunction:
-            return symbolic_system(rig).transfer_function(output, input, excitation)
+            return symbolic(rig).transfer_function(output, input, excitation)
 
         return simplified(self._model, output, input, excitation, written=written, tolerance=tolerance, band=band)
 
@@ -218,8 +218,17 @@ def _tables(drivetrain: AssembledModel) -> Mapping[Any, Any]:
     return found | {delay_symbol(owner): Delay(time) for owner, time in delays if time != 0}
 
 
-def symbolic_system(drivetrain: AssembledModel, referred_to: Collection[str] = ()) -> SymbolicSystem:
-    """Symbolic matrices and transfer functions of a drivetrain; see :meth:`torsionnet.Drivetrain.symbolic`."""
+def symbolic(drivetrain: AssembledModel, *, referred_to: Sequence[str] = ()) -> SymbolicSystem:
+    """Symbolic model, which has M, C, K and transfer functions in the model's own symbols.
+
+    ``referred_to`` chooses the nodes kept as coordinates; they stand in the order given.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T").mechanical
+    1/(I_2*s**2 + k_2 + s*(c_2 + c_B)) + 1/(c_1*s + k_1)
+    """
     names: Sequence[str] = [referred_to] if isinstance(referred_to, str) else list(referred_to)
     matrices = symbolic_matrices(hold_imposed_angles(drivetrain) if is_imposed(drivetrain) else drivetrain, names)
     content = {entry.name: getattr(matrices, entry.name) for entry in fields(SymbolicMatrices)}

@@ -32,7 +32,7 @@ from torsionnet.solve.design.minimax import Box, largest, smallest_maximum
 from torsionnet.solve.modes.modes import modes
 from torsionnet.solve.responses.grid import vibration_range
 from torsionnet.solve.running.examined_speeds import ExaminedSpeeds
-from torsionnet.solve.running.order_response import order_response
+from torsionnet.solve.running.order_response import orders_at_speeds
 from torsionnet.solve.sensitivity.parametric import parametric_response
 from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
 
@@ -54,7 +54,7 @@ Bounds = Mapping[str, Sequence[Any] | None]
 def damper_design(
     drivetrain: AssembledModel,
     output: str | Sensor,
-    parameters: str | Sequence[str] | Bounds,
+    parameters: str | Sequence[str] | Mapping[str, Sequence[float | str] | None],
     *,
     input: str | Sensor | None = None,
     band: tuple[float, float] | None = None,
@@ -62,9 +62,37 @@ def damper_design(
     speed_of: str | None = None,
     excitations: Iterable[str] | None = None,
 ) -> DamperOptimum:
-    """Best values of damper parameters, with the vibration before and after, in a drivetrain.
+    """Optimal damping and stiffness of dampers, with which the largest vibration is smallest.
 
-    See :meth:`torsionnet.Drivetrain.damper_design`.
+    Parameters
+    ----------
+    output : str or Sensor
+        What is to be small, as for :meth:`frequency_response`.
+    parameters : str, sequence of str, or mapping
+        Names of parameters or ``element.field``; in a mapping with (lower, upper) bounds in SI or with units. Those
+        not given are the bounds in the model, else a tenth to ten times the value.
+    input : str or Sensor, optional
+        The largest magnitude of output over input within ``band`` is made small. Without it the largest half range
+        of all orders over ``speeds``, under the model's excitations.
+    band : (float, float), optional
+        Hz; default: around all natural frequencies.
+    speeds, speed_of, excitations
+        As for :meth:`order_response`.
+
+    Raises
+    ------
+    UsageError
+        Unknown names, no bounds, or what goes only with the other question.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> crank = tn.Drivetrain("crank", [tn.Inertia("mass", node="a", inertia=2),
+    ...     tn.Spring("shaft", nodes=("a", "ground"), stiffness=8e4),
+    ...     tn.ViscousDamper("damper", node="a", ring_inertia=1, damping=100)])
+    >>> found = crank.damper_design("a", {"damper.damping": (20, 2000)}, input="a")
+    >>> round(float(found.values["damper.damping"]) / (2 * 1 * 200), 4)  # Den Hartog: sqrt(2/15)
+    0.3651
     """
     names = [parameters] if isinstance(parameters, str) else list(parameters)
     if not names:
@@ -119,7 +147,7 @@ def levels_of(
         if band is not None:
             raise UsageError("a band of frequencies needs input=; without an input, give speeds instead")
         chosen = None if excitations is None else [*excitations]
-        run = order_response(drivetrain, output, speeds=speeds, speed_of=speed_of, excitations=chosen)
+        run = orders_at_speeds(drivetrain, output, speeds=speeds, speed_of=speed_of, excitations=chosen)
         examined = ExaminedSpeeds.of(drivetrain, speeds, speed_of=speed_of, excitations=chosen)
         return OrderLevels(VariedModel(varied), output, chosen, run, examined.refine)
     if speeds is not None or excitations is not None:

@@ -20,7 +20,7 @@ from torsionnet.solve.modes.modes import modes
 from torsionnet.solve.responses.grid import Adaptive
 from torsionnet.solve.responses.peaks import inner_maxima
 from torsionnet.solve.running.examined_speeds import ExaminedSpeeds
-from torsionnet.solve.running.order_response import order_response
+from torsionnet.solve.running.order_response import orders_at_speeds
 from torsionnet.solve.sensitivity.parametric import ParametricResponse
 from torsionnet.solve.sensitivity.unknowns import Unknowns
 
@@ -183,7 +183,7 @@ class OrderLevels:
 
     def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
         changed, shaft = self.model.at(values), self.run.reference
-        run = order_response(changed, self.output, speeds=points, speed_of=shaft, excitations=self.excitations)
+        run = orders_at_speeds(changed, self.output, speeds=points, speed_of=shaft, excitations=self.excitations)
         return np.asarray(run.half_range[:, 0])
 
     def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:

@@ -66,9 +66,7 @@ class StateSpace:
 
 
 def to_control(drivetrain: AssembledModel) -> control.StateSpace:
-    """State space of a drivetrain from its declared inputs to its sensors, as a python-control object.
-
-    See :meth:`torsionnet.Drivetrain.to_control`.
+    """State space with the model's inputs and sensors as named signals, for python-control.
 
     Raises
     ------

@@ -35,9 +35,34 @@ def holzer_table(
     amplitude: float = 1.0,
     referred_to: str | None = None,
 ) -> HolzerTable:
-    """Holzer table of an undamped mode or of a trial frequency in Hz, line by line.
+    """Holzer table of a mode or trial frequency: amplitudes, torques and twists station by station, undamped.
 
-    See :meth:`torsionnet.Drivetrain.holzer_table`.
+    Parameters
+    ----------
+    mode : int, optional
+        Number of the mode as in :meth:`modes`: 1 is the lowest vibration, rigid bodies and real poles have none.
+    at : float, optional
+        Instead, a trial frequency in Hz: a torque remains at the last station.
+    first : str, optional
+        The station to begin with; default: the first free end of the model.
+    amplitude : float
+        rad at the first station.
+    referred_to : str, optional
+        Node of the shaft that referred quantities belong to; default: the first station.
+
+    Raises
+    ------
+    UsageError
+        No such mode or node, or not one of mode and trial frequency.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+    ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]
+    >>> fan = tn.Drivetrain("fan", elements)  # at 10 rad/s: 200 N m twist the shaft by 0.02 rad
+    >>> round(fan.holzer_table(at=10 / 6.283185307179586).remainder, 9)
+    298.0
     """
     if (mode is None) == (at is None):
         raise UsageError("a Holzer table is of a mode (mode=1) or of a trial frequency (at=12.0 in Hz), one of the two")

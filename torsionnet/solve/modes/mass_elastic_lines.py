@@ -36,9 +36,24 @@ class _DampingLaw:
 
 
 def mass_elastic_table(drivetrain: AssembledModel, referred_to: str | None = None) -> MassElasticTable:
-    """Mass-elastic table of a drivetrain, line by line as a Holzer table has its stations.
+    """Mass-elastic table of the drivetrain, inertias, shafts and damping, as they are and referred to one shaft.
 
-    See :meth:`torsionnet.Drivetrain.mass_elastic_table`.
+    Parameters
+    ----------
+    referred_to : str, optional
+        Node of the reference shaft; default: that of the model's ``speeds:``, else the first station.
+
+    Raises
+    ------
+    UsageError
+        No such node, or a controller acts on the drivetrain.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> found = tn.load("reciprocating_compressor_train").mass_elastic_table()  # flywheel: 140.45 / 2.96^2
+    >>> round(found.rows[3].referred_inertia, 3), round(found.total_inertia, 2)
+    (16.03, 43.1)
     """
     definition, nodes = drivetrain.definition, drivetrain.assembly.nodes
     if referred_to is not None and referred_to not in drivetrain.nodes:

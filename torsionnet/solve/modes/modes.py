@@ -26,9 +26,10 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.errors import SolveError, TorsionnetWarning, UsageError
 from torsionnet.core.registers import Groups
-from torsionnet.model.channels import Sensor
+from torsionnet.model.channels import Channels
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND, Element
+from torsionnet.model.operating_values import operating_speed_notes
 from torsionnet.model.readings import port_of
 from torsionnet.response import Modes
 from torsionnet.solve.dynamic_stiffness.reduction import LARGE_SYSTEM, require_resistance
@@ -151,14 +152,35 @@ EXTRA_MODES = 2
 def modes(
     drivetrain: AssembledModel,
     *,
-    measured_input: str | Sensor | Sequence[str | Sensor] | None = None,
+    measured_input: Channels | None = None,
     excitation: str | Sequence[str] | None = None,
     lowest: int | None = None,
     up_to: float | None = None,
 ) -> Modes:
-    """Eigenvalues in rad/s, shapes, energy shares and descriptions of the modes of a drivetrain.
+    """Complex modes with natural frequencies, damping ratios, shapes at all nodes and energy shares.
 
-    See :meth:`torsionnet.Drivetrain.modes`.
+    Parameters that follow the operating point have their values at its speed, else at the rated one; a note says
+    which that is.
+
+    Parameters
+    ----------
+    measured_input : str, Sensor or sequence of these, optional
+        The poles of transfer functions against this measured input instead: for an output at the torque meter or
+        downstream of it, those of the drivetrain cut there.
+    excitation : str or sequence of str, optional
+        Which input drives the drivetrain then; default: the model's only input.
+    lowest : int, optional
+        Only so many modes, those of the smallest ``|lambda|``, rigid bodies included; likewise the undamped
+        natural frequencies. Much quicker for large models. Default: all; with continuous shafts, which have
+        infinitely many, the lowest 20.
+    up_to : float, optional
+        Only modes of natural frequencies up to this one in Hz; with continuous shafts all of these.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> tn.load("dmf_rig").modes().natural_frequencies.round(5).tolist()
+    [7.10526, 80.98336]
     """
     if up_to is not None and not 0 < up_to < math.inf:
         raise UsageError(f"up_to={up_to}: modes are asked for up to a frequency above 0 Hz")
@@ -167,7 +189,8 @@ def modes(
     if measured_input is None and excitation is not None:
         raise UsageError("excitation= goes with measured_input=; the modes of the drivetrain itself need none")
     request = None if measured_input is None else resolve_inputs(drivetrain, measured_input, excitation)
-    return modes_against(drivetrain, request, lowest, up_to)
+    found = modes_against(drivetrain, request, lowest, up_to)
+    return replace(found, notes=(*found.notes, *operating_speed_notes(drivetrain.external_torques)))
 
 
 def modes_against(

@@ -3,31 +3,32 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.law_stiffness import functional
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.core.expressions import Number
-from torsionnet.model.channels import Sensor
+from torsionnet.model.channels import Channels, Sensor
 from torsionnet.model.operating_point import OperatingPoint
 from torsionnet.model.scenario_courses import driving_course, scenario_of
 from torsionnet.model.scenarios.scenario import OPERATING_POINT, REST, STARTS, DrivingCourse, Scenario
 from torsionnet.model.scenarios.time_history import SAMPLE_SLACK, TimeHistory, constant
 from torsionnet.response.motion.motion_start import MotionStart
-from torsionnet.response.recording import Recording, is_rate
+from torsionnet.response.recording import Recording, Signal, is_rate
 from torsionnet.solve.dynamic_stiffness.state_space import active_channels
 from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.solve.modes.modes import natural_modes
 from torsionnet.solve.motion.acting_torques import acting_means, held_load
 from torsionnet.solve.motion.driving_request import MOST_SAMPLES
 from torsionnet.solve.motion.motion_plant import has_laws_of_motion, motion_plant
-from torsionnet.solve.motion.simulation import NOTHING_TO_CHECK, simulate
+from torsionnet.solve.motion.simulation import NOTHING_TO_CHECK, simulate_torques
 from torsionnet.solve.motion.steady_start import nodes_of
 from torsionnet.solve.running.exact_courses import exact_response
 from torsionnet.solve.running.mean_response import mean_response, reason_undetermined
@@ -64,39 +65,88 @@ class DrivenPlaces:
     means: frozenset[str] = frozenset()
 
 
-def run_scenario(
+def simulate(
     drivetrain: AssembledModel,
-    scenario: str | Scenario | Mapping[str, Any],
-    outputs: str | Sensor | Sequence[str | Sensor] | None = None,
-    *,
-    start: str | MotionStart | None = None,
+    outputs: Channels | None = None,
+    inputs: Mapping[str, ArrayLike | Signal] | None = None,
     sampling_rate: float | None = None,
+    *,
+    between: str | Mapping[str, str] | None = None,
+    start: str | MotionStart | None = None,
+    scenario: str | Scenario | Mapping[str, Any] | None = None,
     duration: float | None = None,
     check: bool = False,
 ) -> Recording:
-    """Recording of torques and motions of a drivetrain under a scenario, in SI units over time.
+    """Motion and torques over time, exact for torques that are straight, held or band-limited between samples.
+
+    Laws of motion, as of clearances and friction, act in full: the result has their events and an energy balance.
 
     Parameters
     ----------
-    drivetrain : AssembledModel
-    scenario : str, Scenario or mapping
-        One of the model, by name, or an object, or entries as a model file has them.
-    outputs : str, Sensor or sequence of these, optional
-        Default: the sensors of the model.
+    outputs : str, Sensor or sequence of these
+        As for :meth:`frequency_response`; in a scenario the model's sensors unless others are named.
+    inputs : mapping
+        Name of an input or node -> (n,) torques in N m, or a :class:`~torsionnet.signals.Signal`. That on a node is
+        called ``torque on NODE`` in the result.
+    sampling_rate : float
+        Hz; in a scenario instead of what that says.
+    between : {"straight", "held", "band_limited"}, or mapping of these by input, optional
+        Course of the torques between samples; by default that of a signal, and straight lines between numbers.
     start : str or MotionStart, optional
-        ``"rest"``, ``"operating_point"`` or angles and speeds of nodes, in place of what the scenario says.
-    sampling_rate : float, optional
-        Hz, in place of what the scenario says.
+        ``"rest"``, ``"operating_point"``, in balance with the torques at the first sample and mean torques on other
+        nodes, or angles and speeds of nodes at the first sample. Default: rest, or what the scenario says.
+    scenario : str, Scenario or mapping, optional
+        Instead of inputs: a scenario of the model, or another one, ``{"type": "torques", "duration": ...}``, whose
+        torques act.
     duration : float, optional
-        s, in place of what the scenario says.
+        Time in s that is simulated in a scenario, instead of what that says; inputs have its length.
     check : bool
-        Repeat the motion in steps half as long, and note until when both agree.
+        Repeat the motion in steps half as long, and note until when both agree: contacts make motions chaotic.
+
+    Returns
+    -------
+    Recording
+        The inputs and the outputs, SI units.
 
     Raises
     ------
     UsageError
-        Unknown names, no sensors, torques that are not in balance at the start, too many samples.
+        Unknown names, unlike lengths, frequency-dependent laws, or a reading with the rate of an input in it.
+    SolveError
+        Contacts that close and open without an end, or a twist beyond the rows of its law.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> record = tn.load("dmf_rig").simulate(["theta_1", "T_T"], {"T_M": [0.0] + 4000 * [10.0]}, 1e3)
+    >>> record.names, round(float(record["T_T"].values[-1]), 6)
+    (('T_M', 'theta_1', 'T_T'), 10.0)
+    >>> fault = tn.load("turbine_generator_ssr").simulate("T_LPB_G", scenario="three_phases", sampling_rate=2e4)
+    >>> fault.events[0].what, round(float(abs(fault["T_LPB_G"].values).max()) / 1e6, 2)
+    ('short circuit of 3 phases', 7.95)
     """
+    if scenario is not None:
+        if inputs is not None or between is not None:
+            raise UsageError("a scenario brings its own torques; leave out inputs and between, or the scenario")
+        return _run_scenario(drivetrain, scenario, outputs, start, sampling_rate, duration, check=check)
+    if outputs is None or inputs is None or sampling_rate is None:
+        raise UsageError("a simulation needs outputs, inputs and a sampling rate, or a scenario")
+    begin = start or REST
+    return simulate_torques(
+        drivetrain, outputs, inputs, sampling_rate, begin, duration=duration, check=check, between=between
+    )
+
+
+def _run_scenario(
+    drivetrain: AssembledModel,
+    scenario: str | Scenario | Mapping[str, Any],
+    outputs: Channels | None,
+    start: str | MotionStart | None,
+    sampling_rate: float | None,
+    duration: float | None,
+    *,
+    check: bool,
+) -> Recording:
     if sampling_rate is not None and not is_rate(sampling_rate):
         raise UsageError(f"the sampling rate must be a positive number of Hz, got {sampling_rate}")
     one = scenario_of(drivetrain, scenario)
@@ -167,7 +217,7 @@ def _default_rate(drivetrain: AssembledModel, scenario: Scenario, driven: Driven
 def _linear(
     drivetrain: AssembledModel,
     driven: DrivenPlaces,
-    outputs: str | Sensor | Sequence[str | Sensor],
+    outputs: Channels,
     rate: float,
     count: int,
 ) -> Recording:
@@ -248,14 +298,14 @@ def _probe(drivetrain: AssembledModel) -> list[Sensor]:
 def _from_event_to_event(
     drivetrain: AssembledModel,
     driven: DrivenPlaces,
-    outputs: str | Sensor | Sequence[str | Sensor],
+    outputs: Channels,
     rate: float,
     count: int,
     *,
     check: bool = False,
 ) -> Recording:
     """Recording of a drivetrain with laws of motion, or from a given state."""
-    return simulate(
+    return simulate_torques(
         drivetrain, outputs, driven.histories, rate, driven.start, duration=(count - 1) / rate,
         scales=driven.course.scales, tie=driven.course.tie, check=check,
     )  # fmt: skip

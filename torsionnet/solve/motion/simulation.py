@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,7 +13,7 @@ from torsionnet.assembly.law_stiffness import functional
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.core.threads import one_thread
-from torsionnet.model.channels import Sensor
+from torsionnet.model.channels import Channels, Sensor
 from torsionnet.model.scenarios.grid_tie import GridTie
 from torsionnet.model.scenarios.time_history import TimeHistory, constant, held_course
 from torsionnet.response.measured.between_samples import Between
@@ -33,8 +33,7 @@ from torsionnet.solve.motion.smooth_laws import Scale, SplitPlant, split_plant, 
 from torsionnet.solve.motion.start_state import start_state
 from torsionnet.solve.motion.state_layout import Layout
 from torsionnet.solve.motion.steady_start import nodes_of, steady_start
-from torsionnet.solve.running.simulate import driven_request, motion_signals
-from torsionnet.solve.running.simulate import simulate as simulate_linear
+from torsionnet.solve.running.simulate import driven_request, motion_signals, simulate_linear
 from torsionnet.solve.running.torque_courses import TorqueCourses, torque_courses
 
 POINTS_BETWEEN = 16
@@ -48,9 +47,9 @@ EVEN = 1e-9
 
 
 @one_thread()
-def simulate(
+def simulate_torques(
     drivetrain: AssembledModel,
-    outputs: str | Sensor | Sequence[str | Sensor],
+    outputs: Channels,
     inputs: Mapping[str, Torque],
     sampling_rate: float,
     start: str | MotionStart = REST,
@@ -63,7 +62,7 @@ def simulate(
 ) -> Recording:
     """Recording of torques and simulated motions of a drivetrain, in SI units over time.
 
-    See :meth:`torsionnet.Drivetrain.simulate`. ``scales`` are what scales the torques of elements over time, by element
+    ``scales`` are what scales the torques of elements over time, by element
     and name, as ``("clutch", "clamp")``, and ``tie`` is the torque of a grid, at a place where a torque acts.
     """
     if not isinstance(start, MotionStart) and start not in (REST, OPERATING_POINT):
@@ -131,7 +130,7 @@ def simulate(
 
 def _band_limited(
     drivetrain: AssembledModel,
-    outputs: str | Sensor | Sequence[str | Sensor],
+    outputs: Channels,
     driven: tuple[Mapping[str, Torque], TorqueCourses, Mapping[str, Between]],
     rate: float,
     start: str | MotionStart,
@@ -144,7 +143,7 @@ def _band_limited(
     finer = np.hstack([inside, courses.samples[:, -1:]])
     between = {name: "held" if way == "held" else "straight" for name, way in ways.items()}
     driven_by = {**inputs, **dict(zip(ways, finer, strict=True))}
-    found = simulate(drivetrain, outputs, driven_by, POINTS_BETWEEN * rate, start, between=between, **more)
+    found = simulate_torques(drivetrain, outputs, driven_by, POINTS_BETWEEN * rate, start, between=between, **more)
     every = [ways.get(name, "straight") for name in inputs]
     every += [one.between for one in found.signals[len(every) :]]
     signals = tuple(

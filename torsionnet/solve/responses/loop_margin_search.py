@@ -26,9 +26,24 @@ precision."""
 
 
 def loop_margins(drivetrain: AssembledModel, controller: str | None = None) -> LoopMargins:
-    """Gain, phase, delay and modulus margins of a controller's loop, with the loop over frequency.
+    """Stability margins of the loop opened at a controller, and its frequency response for Nyquist's plot.
 
-    See :meth:`torsionnet.Drivetrain.loop_margins`.
+    Gain, phase, delay and modulus margins, each with its frequency, all other loops being closed; delays are exact.
+    :func:`torsionnet.plot.nyquist` draws it.
+
+    Parameters
+    ----------
+    controller : str, optional
+        Name of the element; default: the only one.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> rig = tn.Drivetrain("governed", [tn.Inertia("rotor", node="a", inertia=2),
+    ...     tn.Controller("governor", sense={"velocity": "a"}, act="a", law=-30, delay="50 ms")])
+    >>> margins = rig.loop_margins()
+    >>> round(margins.gain_increase.value, 4), round(margins.phase.value, 3), round(margins.delay.value, 6)
+    (2.0944, 47.028, 0.05472)
     """
     actions = drivetrain.assembly.system.actions
     name = _chosen(drivetrain, controller, actions)

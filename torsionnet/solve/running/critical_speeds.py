@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +16,7 @@ from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.errors import UsageError, comma_list
 from torsionnet.core.number_text import screen_text
 from torsionnet.core.units import RPM
+from torsionnet.model.channels import Channels
 from torsionnet.model.damper_states import AS_MODELLED, with_dampers
 from torsionnet.model.excitations import OrderExcitation, OrderTorques
 from torsionnet.model.operating_values import operating_speed_notes
@@ -30,7 +30,7 @@ from torsionnet.solve.modes.modes import modes
 from torsionnet.solve.running.generalised_force import generalised_force, star_diagram
 from torsionnet.solve.running.line_meetings import LineOverModes, Meeting
 from torsionnet.solve.running.modes_over_speed import DAMPED, NATURAL, UNDAMPED, ModesOverSpeed
-from torsionnet.solve.running.order_response import input_senses, order_response, with_motions_held
+from torsionnet.solve.running.order_response import input_senses, orders_at_speeds, with_motions_held
 from torsionnet.solve.running.speed_peaks import with_speed_peaks
 
 LINE_FREQUENCY = "line frequency"
@@ -42,7 +42,7 @@ rule is near a half."""
 
 def critical_speeds(
     drivetrain: AssembledModel,
-    outputs: Any = (),
+    outputs: Channels = (),
     *,
     speeds: ArrayLike | None = None,
     speed_of: str | None = None,
@@ -55,9 +55,47 @@ def critical_speeds(
     dampers: str = AS_MODELLED,
     damper_names: Iterable[str] | None = None,
 ) -> CriticalSpeeds:
-    """Critical speeds of a drivetrain near its operating range, with margins, forces and peaks.
+    """Critical speeds at which orders meet natural frequencies, with and without damping, and their excitation.
 
-    See :meth:`torsionnet.Drivetrain.critical_speeds`.
+    Parameters
+    ----------
+    outputs : str, Sensor or sequence of these, optional
+        Also the speeds at which the orders of these are largest.
+    speeds : array, optional
+        rad/s; the lowest and the highest bound the operating range. Default: those of the model.
+    speed_of : str, optional
+        The node they belong to; default: that of the model.
+    excitations : iterable of str, optional
+        Which of the model's excitations count; default: all.
+    lines : iterable of str, optional
+        Names of the order lines that count, such as ``"engine 6"``; default: all.
+    margin : str, float or MarginRule, optional
+        A preset (``"api610"``, ``"api617"``, ``"api618"``, ``"api684"``, ``"line_frequency"``), or a share as 0.1.
+    reach : float
+        Critical speeds are listed up to this share outside the operating range.
+    lowest : int, optional
+        Only the lowest so many modes.
+    line_frequency : float, optional
+        Hz; once and twice of it are compared with the natural frequencies, too.
+    dampers : str
+        ``"as_modelled"``, or the rings of viscous dampers ``"free"``, ``"locked"``, or by ``"half"``.
+    damper_names : iterable of str, optional
+        Which dampers, or films between a hub and a ring; default: all elements of type viscous_damper.
+
+    Raises
+    ------
+    UsageError
+        Unknown names, no excitations or speeds, or a shaft without a fixed ratio to the reference.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+    ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]
+    >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["500 rpm", "700 rpm"]},
+    ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}})
+    >>> [(one.mode.number, one.order, one.generalised_force) for one in fan.critical_speeds().crossings]
+    [(1, 2.0, 10.0)]
     """
     if not 0 <= reach < 1:
         raise UsageError(f"reach is a share of the speeds, 0 or more and below 1, got {reach}")
@@ -128,7 +166,7 @@ def excited_lines(
     at = np.atleast_1d(np.asarray(given.values if given and speeds is None else () if speeds is None else speeds))
     ends = np.array([at.min(), at.max()]) if at.size else None if speeds is None else at
     reference = speed_of or (given and given.of) or drivetrain.nodes[0]
-    run = order_response(drivetrain, reference, speeds=ends, speed_of=speed_of, excitations=excitations)
+    run = orders_at_speeds(drivetrain, reference, speeds=ends, speed_of=speed_of, excitations=excitations)
     lines: dict[str, list[OrderLine]] = {}
     for line in run.lines:
         lines.setdefault(line.excitation, []).append(line)

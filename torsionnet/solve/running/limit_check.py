@@ -33,8 +33,8 @@ from torsionnet.response.limits.speed_spans import spans_above
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.speed_refinement import refine_speeds, speeds_to_refine
 from torsionnet.solve.running.examined_speeds import ExaminedSpeeds
-from torsionnet.solve.running.mean_response import lost_power_notes, mean_response
-from torsionnet.solve.running.order_response import order_response
+from torsionnet.solve.running.mean_response import lost_power_notes, means_of
+from torsionnet.solve.running.order_response import orders_at_speeds
 from torsionnet.solve.running.refined_response import merged_responses
 
 NO_CYCLE = "the shafts have no short common cycle: half ranges of the shafts are added"
@@ -51,9 +51,34 @@ def check_limits(
     excitations: Iterable[str] | None = None,
     refine: bool | None = None,
 ) -> LimitCheck:
-    """Verdicts on the limits of a drivetrain in its present condition, over speed.
+    """Verdicts on the model's limits over speed, and barred ranges.
 
-    See :meth:`torsionnet.Drivetrain.check_limits`.
+    Parameters
+    ----------
+    limits : str or iterable of str, optional
+        Names of limits of the model; default: all.
+    speeds, excitations
+        As for :meth:`order_response`.
+    refine : bool, optional
+        Whether speeds between these are examined as well, until the largest value over value allowed and the ends
+        of ranges are known to 0.1 %; the result has them among its speeds. Default: yes, but for a model whose
+        speeds are a list, which is all that is examined then.
+
+    Raises
+    ------
+    UsageError
+        The model has no limits, speeds or excitations, or unknown names.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+    ...     tn.Shaft("shaft", nodes=("a", "b"), outer_diameter="20 mm", length=1)]
+    >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["600 rpm"]},
+    ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}},
+    ...     limits={"shaft": {"rule": "curve", "output": "stress(shaft)", "value": "40 MPa", "source": "maker"}})
+    >>> fan.check_limits().of("shaft").verdict
+    'pass'
     """
     chosen = {name: limit.fitted(drivetrain.definition.elements)
               for name, limit in _chosen(drivetrain.definition.limits, limits).items()}  # fmt: skip
@@ -117,7 +142,7 @@ class _Examination:
 
     def at(self, speeds: FloatArray) -> _Examined:
         """Order responses, mean values and limit curves over the speeds (n_speeds,) in rad/s of the reference shaft."""
-        run = order_response(
+        run = orders_at_speeds(
             self.drivetrain, self._sensors, speeds=speeds, speed_of=self.speeds.reference, excitations=self.excitations
         )
         means, why = _means(self.drivetrain, self.subject, self._here, run.speeds)
@@ -218,9 +243,7 @@ def _means(
     """Mean values (n_speeds,) in SI units by sensor that the limits need, and why some are unknown ("" if none is)."""
     sensors = list(dict.fromkeys(sensor for limit in limits for sensor in limit.mean_sensors(subject)))
     try:
-        values = (
-            mean_response(drivetrain, sensors, speeds, all_working=all_working).values if sensors else np.empty((0, 0))
-        )
+        values = means_of(drivetrain, sensors, speeds, all_working=all_working).values if sensors else np.empty((0, 0))
     except UsageError as error:
         if len(sensors) == 1:
             return {}, str(error)
@@ -239,7 +262,7 @@ def _one_by_one(
     why = ""
     for sensor in sensors:
         try:
-            found[sensor] = mean_response(drivetrain, sensor, speeds, all_working=all_working).values[:, 0]
+            found[sensor] = means_of(drivetrain, sensor, speeds, all_working=all_working).values[:, 0]
         except UsageError as error:
             why = str(error)
     return found, why

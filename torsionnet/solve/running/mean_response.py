@@ -19,7 +19,7 @@ from torsionnet.assembly.law_stiffness import Functional, LawStiffness, function
 from torsionnet.assembly.rows import refuse_actions
 from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.errors import UsageError
-from torsionnet.model.channels import Input, Sensor
+from torsionnet.model.channels import Channels, Input, Sensor
 from torsionnet.model.checks.structure import rigid_motions
 from torsionnet.model.elements import Constraint, Element, Part, Values
 from torsionnet.model.kinematics import free_motions
@@ -51,15 +51,49 @@ HELD_BYTES = 1_000_000
 
 def mean_response(
     drivetrain: AssembledModel,
-    outputs: str | Sensor | Sequence[str | Sensor],
+    outputs: Channels,
     speeds: ArrayLike | None = None,
-    *,
-    all_working: bool = False,
 ) -> MeanResponse:
-    """Mean torques, twists or stresses of a drivetrain in SI units, over speed.
+    """Mean torques and twists of running machinery under its load, over speed.
 
-    See :meth:`torsionnet.Drivetrain.mean_response`; ``all_working``, as if no cylinder were lost.
+    Springs hand mean torques on; dampers stand for vibration and take none. Drivers act in the direction of
+    rotation, absorbers against it, and the reference node of the speeds turns in the positive sense.
+
+    Parameters
+    ----------
+    outputs : str, Sensor or sequence of these
+        As for :meth:`frequency_response`, but nothing that turns freely: a torque or a twist.
+    speeds : (n_speeds,) array, optional
+        rad/s, of the node of the model's ``speeds:``; default: those of the model.
+
+    Returns
+    -------
+    MeanResponse
+        ``values`` of shape (n_speeds, n_out).
+
+    Raises
+    ------
+    UsageError
+        Unknown names, no load and no torques at the operating point, torques that are not in balance, a speed
+        outside a table, or an output that mean torques do not determine.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> elements = [tn.Inertia("engine", node="e", inertia=2), tn.Inertia("screw", node="p", inertia=1),
+    ...     tn.Spring("shaft", nodes=("e", "p"), stiffness=1e6)]
+    >>> boat = tn.Drivetrain("boat", elements, speeds={"of": "e", "list": [50, 100], "rated": 100},
+    ...     load={"absorbed_at": "p", "power": "100 kW", "torque_exponent": 2, "driven_by": {"e": 1}})
+    >>> boat.mean_response("torque(shaft)").values.round(6).tolist()
+    [[250.0], [1000.0]]
     """
+    return means_of(drivetrain, outputs, speeds)
+
+
+def means_of(
+    drivetrain: AssembledModel, outputs: Channels, speeds: ArrayLike | None, *, all_working: bool = False
+) -> MeanResponse:
+    """Mean response of a drivetrain in its condition, or with ``all_working`` as if no cylinder were lost."""
     reference, at, torques = external_torques(drivetrain, speeds, all_working=all_working)
     tangents = drivetrain.definition.tangents
     if tangents is not None and tangents.is_loaded:
@@ -68,7 +102,7 @@ def mean_response(
 
 
 def mean_response_of_laws(
-    drivetrain: AssembledModel, outputs: str | Sensor | Sequence[str | Sensor], reference: str, speeds: FloatArray
+    drivetrain: AssembledModel, outputs: Channels, reference: str, speeds: FloatArray
 ) -> MeanResponse:
     """Mean torques, twists or stresses of a drivetrain with laws of motion in SI units, at speeds (n_speeds,) in rad/s.
 
@@ -106,7 +140,7 @@ def _slip_reading(rig: AssembledModel, sensor: Sensor | None, slipping: Slipping
 
 def _mean_response(
     drivetrain: AssembledModel,
-    outputs: str | Sensor | Sequence[str | Sensor],
+    outputs: Channels,
     operation: tuple[str, FloatArray, Mapping[str, FloatArray]],
     *,
     all_working: bool,

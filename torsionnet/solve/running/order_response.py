@@ -15,7 +15,7 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray
 from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.errors import UsageError, suggestion_or
-from torsionnet.model.channels import Input, Sensor, named_nodes
+from torsionnet.model.channels import Channels, Input, Sensor, named_nodes
 from torsionnet.model.excitations import OrderExcitation, OrderTorques
 from torsionnet.model.excitations.engine_phases import unlocked_engines
 from torsionnet.model.operating_values import running_notes
@@ -48,9 +48,9 @@ Slip at synchronous speed is the difference of two equal frequencies, of which r
 """
 
 
-def order_response(
+def orders_at_speeds(
     drivetrain: AssembledModel,
-    outputs: str | Sensor | Sequence[str | Sensor],
+    outputs: Channels,
     *,
     speeds: ArrayLike | None = None,
     speed_of: str | None = None,
@@ -58,7 +58,7 @@ def order_response(
 ) -> OrderResponse:
     """Complex amplitudes of outputs over speed for every order line of the excitations of a drivetrain.
 
-    See :meth:`torsionnet.Drivetrain.order_response`.
+    At the given speeds alone; :meth:`torsionnet.Drivetrain.order_response` may add some.
     """
     request = OrderRequest.of(drivetrain, speeds, speed_of, excitations)
     found = _responses(request, outputs, settled_values(request))
@@ -302,16 +302,14 @@ class OrderLoads:
         return _forward(values[where], self.hertz)
 
 
-def _block(
-    rigs: Sequence[AssembledModel], outputs: str | Sensor | Sequence[str | Sensor], loads: OrderLoads
-) -> OrderResponse:
+def _block(rigs: Sequence[AssembledModel], outputs: Channels, loads: OrderLoads) -> OrderResponse:
     """Order response at the speeds of ``loads``, from one drivetrain for all speeds or one for each speed."""
     inputs = list(loads.inputs)
     gains, channels = _gains(rigs[0], outputs, loads) if len(rigs) == 1 else _each(rigs, outputs, inputs, loads.hertz)
     return loads.response(gains, channels)
 
 
-def _of_batch(batch: Batch, outputs: str | Sensor | Sequence[str | Sensor], loads: OrderLoads) -> OrderResponse:
+def _of_batch(batch: Batch, outputs: Channels, loads: OrderLoads) -> OrderResponse:
     """Order response at the speeds of ``loads``, from a batch that has one variant per speed."""
 
     def solved(request: TransferRequest, frequencies: FloatArray) -> ComplexArray:
@@ -346,7 +344,7 @@ def _worst(
 
 
 def _gains(
-    drivetrain: AssembledModel, outputs: str | Sensor | Sequence[str | Sensor], loads: OrderLoads
+    drivetrain: AssembledModel, outputs: Channels, loads: OrderLoads
 ) -> tuple[ComplexArray, tuple[Channel, ...]]:
     """Responses per unit input (n_speeds, n_lines, n_out, n_inputs) at every order line, and output channels.
 
@@ -362,7 +360,7 @@ def _gains(
 
 def _each(
     rigs: Sequence[AssembledModel],
-    outputs: str | Sensor | Sequence[str | Sensor],
+    outputs: Channels,
     inputs: Sequence[Any],
     hertz: FloatArray,
 ) -> tuple[ComplexArray, tuple[Channel, ...]]:

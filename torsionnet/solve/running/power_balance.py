@@ -8,9 +8,24 @@ from torsionnet.solve.running.static_state import static_state
 
 
 def power_balance(drivetrain: AssembledModel, speed: float | None = None) -> PowerBalance:
-    """Balance of the mean powers in W given and absorbed in a drivetrain at one speed in rad/s.
+    """Powers that drivers give and absorbers take at one speed, with the mean torques between them.
 
-    See :meth:`torsionnet.Drivetrain.power_balance`.
+    Parameters
+    ----------
+    speed : float, optional
+        rad/s, of the node of the model's ``speeds:``; default: as for :meth:`static_state`.
+
+    Raises
+    ------
+    UsageError
+        As for :meth:`mean_response`.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> found = tn.load("bulk_carrier").power_balance()
+    >>> round(found.given / 1e3, 6), round(found.taken / 1e3, 6), round(found.torque / 1e3, 2)  # kW, kN*m
+    (7000.0, 7000.0, 636.62)
     """
     state = static_state(drivetrain, speed)
     ratios = drivetrain.external_torques.ratios

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.model.channels import Sensor
+from torsionnet.model.channels import Channels
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.order_sums import summed_sizes
 from torsionnet.response.speed_refinement import refine_speeds, speeds_to_refine
 from torsionnet.response.worst_response import join_responses
 from torsionnet.solve.running.examined_speeds import ExaminedSpeeds
-from torsionnet.solve.running.order_response import order_response
+from torsionnet.solve.running.order_response import orders_at_speeds
 
 SMALLEST_ORDER_REFINED = 0.05
 """Amplitude of an order, over the largest half range of its output, below which its peak gets no more speeds.
@@ -25,20 +25,55 @@ A smaller value resolves peaks of orders that hardly matter, at the cost of more
 """
 
 
-def refined_response(
+def order_response(
     drivetrain: AssembledModel,
-    outputs: str | Sensor | Sequence[str | Sensor],
+    outputs: Channels,
     *,
     speeds: ArrayLike | None = None,
     speed_of: str | None = None,
     excitations: Iterable[str] | None = None,
+    refine: bool = False,
 ) -> OrderResponse:
-    """Order response at the given speeds, and at further speeds near peaks of half ranges and orders."""
+    """Response of running machinery as complex amplitudes of every order of the outputs at every speed.
+
+    Parameters
+    ----------
+    outputs : str, Sensor or sequence of these
+        As for :meth:`frequency_response`.
+    speeds : (n_speeds,) array, optional
+        rad/s, above 0; default: those of the model.
+    speed_of : str, optional
+        The node they belong to; default: that of the model.
+    excitations : iterable of str, optional
+        Which of the model's excitations act; default: all.
+    refine : bool
+        Whether the result has more speeds between these, until the largest half range and the largest amplitudes
+        are known to 0.1 %; between the speeds of a list is nothing.
+
+    Raises
+    ------
+    UsageError
+        Unknown names, no excitations or speeds, or a shaft without a fixed ratio to the reference.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+    ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]
+    >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["600 rpm"]},
+    ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}})
+    >>> run = fan.order_response("torque(shaft)")
+    >>> w = 2 * run.speeds[0]
+    >>> bool(abs(run.of_order(2)[0] - -10 * 2e4 / (3e4 - 2 * w**2)) < 1e-9)
+    True
+    """
+    if not refine:
+        return orders_at_speeds(drivetrain, outputs, speeds=speeds, speed_of=speed_of, excitations=excitations)
     acting = excitations if excitations is None or isinstance(excitations, str) else tuple(excitations)
     examined = ExaminedSpeeds.of(drivetrain, speeds, speed_of=speed_of, excitations=acting)
 
     def at(those: FloatArray) -> _Sized:
-        run = order_response(drivetrain, outputs, speeds=those, speed_of=examined.reference, excitations=acting)
+        run = orders_at_speeds(drivetrain, outputs, speeds=those, speed_of=examined.reference, excitations=acting)
         return _Sized(run, run.half_range, np.concatenate([run.sizes, summed_sizes(run)], axis=1))
 
     found = at(examined.first(np.empty(0)))

@@ -20,7 +20,7 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.table_range import range_notes
 from torsionnet.core.errors import UsageError
-from torsionnet.model.channels import Sensor
+from torsionnet.model.channels import Channels, Sensor
 from torsionnet.response.measured.between_samples import ASYMPTOTE_RATES, Between
 from torsionnet.response.recording import Recording, Signal
 from torsionnet.solve.dynamic_stiffness.state_space import first_order, output_matrices
@@ -37,9 +37,9 @@ DIRECT_SHARE = 0.9
 """Share that is left of a response at twice a very high frequency above which it is constant there; masses halve it."""
 
 
-def simulate(
+def simulate_linear(
     drivetrain: AssembledModel,
-    outputs: str | Sensor | Sequence[str | Sensor],
+    outputs: Channels,
     inputs: Mapping[str, ArrayLike | Signal],
     sampling_rate: float,
     between: str | Mapping[str, str] | None = None,
@@ -59,9 +59,7 @@ def simulate(
     return Recording(signals, sampling_rate, title=drivetrain.title, notes=notes)
 
 
-def driven_request(
-    drivetrain: AssembledModel, outputs: str | Sensor | Sequence[str | Sensor], inputs: Iterable[str]
-) -> TransferRequest:
+def driven_request(drivetrain: AssembledModel, outputs: Channels, inputs: Iterable[str]) -> TransferRequest:
     """Request of a simulation, whose inputs are torques.
 
     Raises

@@ -21,7 +21,7 @@ from torsionnet.response.critical_speeds import CriticalSpeed, SpeedPeak
 from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.speed_refinement import SAME_SPEED_DISTANCE
 from torsionnet.solve.responses.peaks import inner_maxima
-from torsionnet.solve.running.order_response import order_response
+from torsionnet.solve.running.order_response import orders_at_speeds
 
 POINTS, FINER_POINTS, ROUNDS = 41, 11, 3
 """Number of speeds of the first grid around a critical speed, of each finer grid, and number of finer grids.
@@ -66,7 +66,7 @@ def with_speed_peaks(
         found |= search.peaks()
         channels = search.channels
     if not channels:
-        channels = order_response(drivetrain, outputs, speeds=[limits[0] or limits[1]], speed_of=reference).outputs
+        channels = orders_at_speeds(drivetrain, outputs, speeds=[limits[0] or limits[1]], speed_of=reference).outputs
     return tuple(replace(one, peaks=found.get(id(one), ())) for one in crossings), channels
 
 
@@ -116,7 +116,7 @@ class _Search:
         speeds = np.unique(np.concatenate(grids)) if grids else np.zeros(0)
         if not len(speeds):
             return [np.zeros((0, len(self.channels))) for _ in crossings]
-        run = order_response(
+        run = orders_at_speeds(
             self.drivetrain, self.outputs, speeds=speeds, speed_of=self.reference, excitations=[self.excitation]
         )
         self.channels = run.outputs

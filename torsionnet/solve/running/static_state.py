@@ -17,9 +17,28 @@ from torsionnet.solve.running.mean_response import external_torques, mean_respon
 
 
 def static_state(drivetrain: AssembledModel, speed: float | None = None) -> StaticState:
-    """Mean torque, twist and stress of every element of a drivetrain at one speed in rad/s.
+    """Mean torque, twist, nominal shear stress and power of every element at one speed.
 
-    See :meth:`torsionnet.Drivetrain.static_state`.
+    Parameters
+    ----------
+    speed : float, optional
+        rad/s, of the node of the model's ``speeds:``; default: that of the operating point, else the rated one.
+
+    Raises
+    ------
+    UsageError
+        As for :meth:`mean_response`.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> elements = [tn.Inertia("engine", node="e", inertia=2), tn.Inertia("screw", node="p", inertia=1),
+    ...     tn.Shaft("shaft", nodes=("e", "p"), outer_diameter="50 mm", length="2 m")]
+    >>> boat = tn.Drivetrain("boat", elements, speeds={"of": "e", "list": [100], "rated": 100},
+    ...     load={"absorbed_at": "p", "power": "100 kW", "torque_exponent": 2, "driven_by": {"e": 1}})
+    >>> shaft = boat.static_state().of("shaft")
+    >>> round(shaft.torque, 6), round(shaft.stress / 1e6, 3)
+    (1000.0, 40.744)
     """
     values = drivetrain.exact_values
     external = drivetrain.external_torques

@@ -59,9 +59,7 @@ def swept_orders(
         raise UsageError("a run-up has three or more speeds over time")
     cycle = _cycle(tracked.orders)
     edges = _edges(tracked.times)
-    run = passage_response(
-        drivetrain, list(outputs), *_profile(tracked, edges, cycle), excitations=excitations, start_angle=0.0
-    )
+    run = passage_response(drivetrain, list(outputs), *_profile(tracked, edges, cycle), excitations=excitations)
     return _tracked(run, tracked, edges, cycle)
 
 
