@@ -27,9 +27,8 @@ LAYERS = (  # top to bottom
     ),
     Layer(("io",), "files of records, of responses and of other programs"),
     Layer(
-        ("loading", "drivetrain", "running_machinery"),
-        "drivetrains out of model files; `Drivetrain`, a model that can be asked for its responses, modes and equations; "
-        "what is asked of running machinery",
+        ("loading", "drivetrain"),
+        "drivetrains out of model files; `Drivetrain`, a model that can be asked for its responses, modes and equations",
     ),
     Layer(("text",), "services on texts of model files while they are written; no numbers of results"),
     Layer(("symbolic",), "transfer functions and equations in symbols"),

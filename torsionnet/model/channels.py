@@ -166,7 +166,7 @@ class Input:
 
 
 Channels: TypeAlias = str | Sensor | Sequence[str | Sensor]
-"""One or more readings of a drivetrain, by name or as sensors."""
+"""Type of what a solver is asked to read, one name or sensor, or several."""
 
 
 def _renamed(node: str | None, names: Renaming) -> str | None:
