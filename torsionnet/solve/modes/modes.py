@@ -200,13 +200,13 @@ def modes_against(
     size = drivetrain.assembly.system.n_coordinates
     if size >= MANY_COORDINATES and lowest is None and up_to is None:
         few = "the lowest N take seconds (lowest=N; modes --lowest N)"
-        warnings.warn(f"all modes of {size} coordinates take a minute or more; {few}", TorsionnetWarning, stacklevel=4)
+        warnings.warn(f"all modes of {size} coordinates take a minute or more; {few}", TorsionnetWarning, stacklevel=3)
     if request is None:
         found, texts = natural_modes(drivetrain, lowest, up_to)
     else:
         found, texts = poles_against_measured(drivetrain, request, partial(natural_modes, lowest=lowest, up_to=up_to))
     for text in texts:
-        warnings.warn(text, TorsionnetWarning, stacklevel=4)
+        warnings.warn(text, TorsionnetWarning, stacklevel=3)
     if drivetrain.assembly.system.is_continuous and lowest is None and up_to is None:
         found = replace(found, notes=(*found.notes, f"{CONTINUOUS} {len(found)} are given; more with lowest or up_to"))
     if up_to is not None:
