@@ -173,7 +173,7 @@ def _warn(uncertain: Sequence[tuple[int, float]], frequencies: FloatArray) -> No
         f"{len(uncertain)} values next to undamped resonances or antiresonances are rounded; "
         f"near {frequencies[point]:.6g} Hz they are known to {size}"
     )
-    warnings.warn(text, TorsionnetWarning, stacklevel=5)
+    warnings.warn(text, TorsionnetWarning, stacklevel=7)
 
 
 VANISHING_INPUT_RATIO = 1e-10
@@ -346,7 +346,7 @@ def evaluate_laws(
         names = ", ".join(reading.name for reading in request.measured)
         first = np.broadcast_to(frequencies, shape).ravel()[poor[0]]
         text = f"{names}: the measured input all but vanishes at {len(poor)} frequencies, the first {first:.6g} Hz"
-        warnings.warn(text, TorsionnetWarning, stacklevel=3)
+        warnings.warn(text, TorsionnetWarning, stacklevel=5)
     return Evaluated(found.values.reshape(*shape, *found.values.shape[1:]), found.conditioning.reshape(shape))
 
 
