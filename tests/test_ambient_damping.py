@@ -45,7 +45,7 @@ def test_modes_of_noise_and_an_order_among_them():
     assert "at order 1" in found.mode_remarks[1]
     assert "as a sine" in found.mode_remarks[1]
     assert not found.mode_remarks[0]
-    assert any(note.startswith("warning: some of these are orders") for note in found.notes)
+    assert any(note.startswith("warning: some of these are orders") for note in map(str, found.notes))
     assert np.geterr()["divide"] == "warn"  # the package turns numpy's warnings off
 
 

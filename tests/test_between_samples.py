@@ -315,7 +315,7 @@ def test_windows_lose_a_lag(share):
     assert np.median(found.magnitude) == pytest.approx(1 - share, abs=0.02)
     (warning,) = [note for note in found.notes if "lags" in note]
     assert f"a lags T by {late / 200:g} s" in warning
-    assert warning.endswith("align the signals (align=True)")
+    assert str(warning).endswith("align the signals (align=True)")
     assert f"lose {100 * share:.0f} % of |a/T|, and the coherence is at most {(1 - share) ** 2:.2f}" in warning
     back = estimate(record, "a", "T", settings=settings, align=True)
     assert back.values[:, 0, 0] == pytest.approx(np.exp(-2j * np.pi * back.frequencies * late / 200), abs=0.02)

@@ -8,6 +8,7 @@ import pytest
 from support.command_line import run
 
 from torsionnet.core.errors import ModelError
+from torsionnet.core.notes import warning
 from torsionnet.signals import iter_blocks, read_recording
 
 RATE = 1000.0
@@ -445,7 +446,7 @@ class TestHdf5:
         path = written(T=(torque(TIMES), {"unit": "N*m"}), fs=(np.array(RATE), {}))
         found = read_recording(path, sampling_rate=500)
         assert found.sampling_rate == 500
-        assert "warning: the file has a sampling rate of 1000 Hz; the 500 Hz given were taken" in found.notes
+        assert warning("the file has a sampling rate of 1000 Hz; the 500 Hz given were taken") in found.notes
 
     def test_groups_have_their_own_times(self, written):
         slow = 0.25 + np.arange(1500) / 500

@@ -75,7 +75,7 @@ class TestTestlab:
         found = read_recording(path)
         assert (found.names, found.sampling_rate, found.start) == (("Shaft:S",), 2000.0, 0.5)
         np.testing.assert_allclose(found["Shaft:S"].values, 1000 * np.sin(TIMES))
-        assert not any(note.startswith("warning") for note in found.notes)
+        assert not any(note.startswith("warning") for note in map(str, found.notes))
 
     def test_several_channels_in_one_structure(self, tmp_path, version):
         values = np.stack([np.sin(TIMES), np.cos(TIMES)], axis=1)

@@ -532,7 +532,7 @@ class TestRefinement:
 
 class TestRemarks:
     def notes(self, response, **options):
-        return " | ".join(identify_modes(response, **options).notes)
+        return " | ".join(map(str, identify_modes(response, **options).notes))
 
     @pytest.mark.slow
     def test_bandwidth_under_three_lines(self):

@@ -293,7 +293,7 @@ class TestFiles:
         parts = np.linalg.lstsq(columns[inner], swing[inner])[0]
         assert np.hypot(*parts[:2]) / SMALL == pytest.approx(1, abs=1e-3 if file == "train.npz" else 1e-5)
         assert parts[0] / SMALL == pytest.approx(1, abs=1e-3)  # in phase with the torque: times are those of the file
-        assert any(note.startswith("cut to where there are pulses: from ") for note in record.notes)
+        assert any(note.startswith("cut to where there are pulses: from ") for note in map(str, record.notes))
 
     @pytest.mark.slow
     def test_stamps_alone(self, folder):
@@ -314,7 +314,9 @@ class TestFiles:
     @pytest.mark.slow
     def test_a_double_pulse_is_told(self, folder):
         record = read_recording(folder / "double.npz", pulses={"n1": 60}, quantities={"T": "torque"})
-        assert any(n.startswith("warning: n1: 1 pulse too many left out: pulse 4501 at 3.0") for n in record.notes)
+        assert any(
+            n.startswith("warning: n1: 1 pulse too many left out: pulse 4501 at 3.0") for n in map(str, record.notes)
+        )
 
     @pytest.mark.parametrize(
         ("pulses", "message"),

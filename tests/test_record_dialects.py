@@ -91,7 +91,7 @@ class TestClockWithoutUnit:
     @pytest.mark.parametrize(("step", "count"), [(1.0, 100), (0.1, 100), (1000.0, 100), (0.02, 200_000)])
     def test_ms_are_doubted(self, tmp_path, step, count):
         found = read_recording(clocked(tmp_path, step, count))
-        told = [note for note in found.notes if note.startswith("warning: t has no unit and was taken for s")]
+        told = [note for note in map(str, found.notes) if note.startswith("warning: t has no unit and was taken for s")]
         assert len(told) == 1
         assert told[0].endswith("if it is in ms, or counts ticks, give its unit")
 

@@ -125,7 +125,7 @@ class TestSignals:
         s = 2j * np.pi * np.fft.rfftfreq(n, 1 / rate)
         angle = np.fft.irfft(np.fft.rfft(torque) / (s**2 + 8 * s + (2 * np.pi * 20) ** 2), n)
         record = Recording((Signal("T", "torque", torque), Signal("phi", "angle", angle)), rate)
-        notes = " ".join(estimate(record, "phi", "T", settings=Welch("hann", 8.0)).notes)
+        notes = " ".join(map(str, estimate(record, "phi", "T", settings=Welch("hann", 8.0)).notes))
         assert "half-power bandwidth" not in notes
 
     def test_a_rate_that_an_hdf5_file_states(self, tmp_path):

@@ -9,6 +9,7 @@ from support.command_line import run
 
 from torsionnet.core.delimited.time_stamps import StampReader
 from torsionnet.core.errors import ModelError
+from torsionnet.core.notes import warning
 from torsionnet.io.recording_files import iter_blocks, read_recording
 from torsionnet.io.records.rounded_times import rounded_grid
 from torsionnet.signals.timing import gaps, jitter
@@ -185,7 +186,7 @@ class TestCoarse:
         path = write(tmp_path, texts("%d.%m.%Y %H:%M:%S"))
         found = read_recording(path, sampling_rate=1000.0)
         assert (found.sampling_rate, found.start, found.times) == (1000.0, 0.0, None)
-        assert "warning: the time stamps are coarser than the sampling: the rate given was taken" in found.notes
+        assert warning("the time stamps are coarser than the sampling: the rate given was taken") in found.notes
         assert [block.start for block in iter_blocks(path, 1.0, sampling_rate=1000.0)] == pytest.approx([0, 1, 2])
         with pytest.raises(ModelError, match="the time stamps do not fit samples at 100 Hz"):
             read_recording(path, sampling_rate=100.0)

@@ -364,7 +364,7 @@ def test_mean_rotation_of_a_once_per_turn_record_counts_missing_and_double_pulse
     times = (np.sqrt(25 + 3 * np.arange(80)) - 5) / 1.5
     mean = mean_rotation(PulseChannel("key", spoiled(times)))
     assert mean.speed(mean.ends) / (2 * np.pi) == pytest.approx(5 + 1.5 * mean.ends, rel=1e-9)
-    assert any(note.startswith(f"key: {remark}") for note in mean.notes)
+    assert any(note.startswith(f"key: {remark}") for note in map(str, mean.notes))
 
 
 def test_an_angle_that_begins_again_each_turn_is_refused():

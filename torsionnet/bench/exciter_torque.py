@@ -8,6 +8,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from torsionnet.core.entries.spec import not_none
+from torsionnet.core.notes import NoteOrText, warning
 from torsionnet.model.bench import Exciter
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.excitation.excitation import Excitation
@@ -21,7 +22,7 @@ class ExciterOutput:
 
     set_point: FloatArray
     torque: FloatArray
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteOrText, ...] = ()
 
 
 def exciter_output(excitation: Excitation, exciter: Exciter, sampling_rate: float) -> ExciterOutput:
@@ -82,8 +83,8 @@ def with_harmonics(torque: FloatArray, excitation: Excitation, shares: dict[int,
     return np.asarray(torque + excitation.amplitude * added)
 
 
-def _limited(set_point: FloatArray, exciter: Exciter) -> tuple[FloatArray, tuple[str, ...]]:
-    notes: list[str] = []
+def _limited(set_point: FloatArray, exciter: Exciter) -> tuple[FloatArray, tuple[NoteOrText, ...]]:
+    notes: list[NoteOrText] = []
     ends = [end for end in (exciter.limit, exciter.full_scale) if end is not None]
     if ends:
         limit = min(ends)
@@ -92,7 +93,7 @@ def _limited(set_point: FloatArray, exciter: Exciter) -> tuple[FloatArray, tuple
             what = "rated torque" if limit == exciter.limit else "range of the analog output"
             share = f"{100 * clipped / len(set_point):.2g} % of the time"
             peak = f"it asks for {np.abs(set_point).max():.4g} N*m"
-            notes.append(f"warning: set-point clipped at the {what} of {limit:g} N*m {share}; {peak}")
+            notes.append(warning(f"set-point clipped at the {what} of {limit:g} N*m {share}; {peak}"))
             set_point = np.clip(set_point, -limit, limit)
     if exciter.bits is not None:
         set_point = quantised(set_point, 2 * not_none(exciter.full_scale) / 2**exciter.bits)

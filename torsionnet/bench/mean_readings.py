@@ -9,6 +9,7 @@ import numpy as np
 
 from torsionnet.bench.mean_motion import MeanMotion
 from torsionnet.core.errors import UsageError
+from torsionnet.core.notes import NoteOrText
 from torsionnet.core.units import RPM
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.channels import Sensor
@@ -39,7 +40,7 @@ class MeanReadings:
     ratios: FloatArray
     speeds: FloatArray
     values: FloatArray
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteOrText, ...] = ()
 
     def at(self, place: int, mean: MeanMotion, times: FloatArray) -> FloatArray:
         """Mean values of a channel in SI units at times in s, shape (n,)."""

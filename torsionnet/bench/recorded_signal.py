@@ -9,6 +9,7 @@ import numpy as np
 from torsionnet.bench.exciter_torque import quantised
 from torsionnet.bench.gauge_chain import drop_out_spans, hum_of_mains, moving_zero, shunt_steps, without_telemetry
 from torsionnet.core.entries.spec import not_none
+from torsionnet.core.notes import warning
 from torsionnet.model.bench import Acquisition, Encoder, Transducer
 from torsionnet.response.recording import FloatArray, Signal
 
@@ -52,7 +53,7 @@ def _transduced(truth: Signal, part: Transducer, acquisition: Acquisition, rng: 
         limit = float(part.range.value)
         clipped = int(np.count_nonzero(np.abs(values) > limit))
         if clipped:
-            notes.append(f"warning: {truth.name} clipped at its range of {limit:g} {truth.unit} in {clipped} samples")
+            notes.append(warning(f"{truth.name} clipped at its range of {limit:g} {truth.unit} in {clipped} samples"))
         values = np.clip(values, -limit, limit)
         if acquisition.bits is not None:
             values = quantised(values, 2 * limit / 2**acquisition.bits)

@@ -15,6 +15,7 @@ from torsionnet.bench.mean_motion import MeanMotion
 from torsionnet.bench.mean_readings import MeanReadings, mean_readings
 from torsionnet.bench.shaft_vibration import PassageVibration, SteadyVibration, Vibration
 from torsionnet.core.errors import UsageError
+from torsionnet.core.notes import NoteOrText
 from torsionnet.core.units import RPM
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.bench.bench_motions import BenchMotion, CoastDown, GivenSpeed, RunUp, SteadyPoints
@@ -61,7 +62,7 @@ class TurningMotion:
     channels: Mapping[str, int]
     readings: MeanReadings
     vibration: Vibration
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteOrText, ...] = ()
 
     def quantity(self, channel: str) -> str:
         """Quantity that the sensor of a channel reads."""
@@ -147,7 +148,7 @@ def _passage(
     times, speeds, notes = _course(drivetrain, motion, reference)
     mean = MeanMotion(times, speeds, motion.start_angle)
     readings = mean_readings(drivetrain, reference, sensors, _between(speeds))
-    notes = (*notes, *readings.notes)
+    notes = (*notes, *map(str, readings.notes))
     if not acting:
         none = np.zeros(0)
         still = SteadyVibration(mean, none, none, np.zeros((0, len(sensors)), dtype=complex))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
+from torsionnet.core.notes import Note, NoteOrText, about_channel
 from torsionnet.response.equal_remarks import grouped_remarks
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 
@@ -21,12 +22,12 @@ def campaign_remarks(records: Mapping[str, Sequence[TrackedOrders]]) -> Iterator
     >>> import numpy as np
     >>> def orders(name, *notes):
     ...     return TrackedOrders(name, "angle", [1], [0], [100], np.ones((1, 1)), np.ones((1, 1)), notes=notes)
-    >>> first = [orders("fly", "averaged", "fly: 1 pulse missing"), orders("torque", "averaged")]
+    >>> first = [orders("fly", "averaged", Note("1 pulse missing", channel="fly")), orders("torque", "averaged")]
     >>> list(campaign_remarks({"900 rpm": first, "950 rpm": [orders("fly", "averaged"), orders("torque", "averaged")]}))
     ['averaged', '900 rpm: fly: 1 pulse missing']
     """
     said = [
-        (one.name, record, note.removeprefix(f"{one.name}: "))
+        (one.name, record, _within(note, one.name))
         for record, orders in records.items()
         for one in orders
         for note in one.notes
@@ -36,3 +37,9 @@ def campaign_remarks(records: Mapping[str, Sequence[TrackedOrders]]) -> Iterator
         where = [", ".join(names)] if len(names) < len(records) else []
         where += [", ".join(channels)] if set(channels) != every else []
         yield ": ".join([*where, note])
+
+
+def _within(note: NoteOrText, channel: str) -> str:
+    """Text of a note that stands behind the name of a channel."""
+    is_own = isinstance(note, Note) and note.channel == channel
+    return str(about_channel(note, "") if is_own else note)

@@ -12,6 +12,7 @@ import numpy as np
 
 from torsionnet.cli.cases import ConfiguredCase
 from torsionnet.core.collected_warnings import collected_warnings
+from torsionnet.core.notes import NoteOrText
 from torsionnet.core.result_rows import Out
 from torsionnet.response import Column, Conventions, FrequencyResponse, Table
 from torsionnet.response.frequency_response import SIGN_NOTE, FloatArray
@@ -65,10 +66,10 @@ def peak_table(response: FrequencyResponse, solve: Solver, shown: DisplayUnits) 
             rows.append((label, unit, name, peak.frequency * conventions.frequency_scale, magnitude, peak.phase))
     low, high = (edge * conventions.frequency_scale for edge in (response.frequencies[0], response.frequencies[-1]))
     span = f"{len(response.frequencies)} frequencies from {low:g} to {high:g} {conventions.frequency}"
-    return Table(response.title, columns, tuple(rows), (span, *_notes(response, solve), SIGN_NOTE))
+    return Table(response.title, columns, tuple(rows), (span, *map(str, _notes(response, solve)), SIGN_NOTE))
 
 
-def _notes(response: FrequencyResponse, solve: Solver) -> tuple[str, ...]:
+def _notes(response: FrequencyResponse, solve: Solver) -> tuple[NoteOrText, ...]:
     """Notes on a frequency response with its static values, which read tables over frequency at 0 Hz."""
     with collected_warnings(Counter()):  # of infinite values, which the table shows
         return solve(np.array([0.0, *response.frequencies[[0, -1]]])).notes
@@ -139,7 +140,7 @@ class ResponsesRecord:
 
     title: str
     configuration: str
-    notes: tuple[str, ...]
+    notes: tuple[NoteOrText, ...]
     frequencies: Annotated[FloatArray, Out(json="frequencies_Hz")]
     responses: tuple[SolvedCurveRow, ...]
 
@@ -149,7 +150,7 @@ class EstimateRecord:
     """Estimated frequency responses, as ``torsionnet estimate --json`` prints them."""
 
     title: str
-    notes: tuple[str, ...]
+    notes: tuple[NoteOrText, ...]
     usable_up_to: Annotated[float | None, Out(json="usable_up_to_Hz")]
     frequencies: Annotated[FloatArray, Out(json="frequencies_Hz")]
     responses: tuple[EstimatedCurveRow, ...]
@@ -214,7 +215,7 @@ class ComparisonRecord:
     decibels: Annotated[FloatArray, Out(json="difference_dB")]
     degrees: Annotated[FloatArray, Out(json="difference_deg")]
     summary: tuple[AgreementRow, ...]
-    notes: tuple[str, ...]
+    notes: tuple[NoteOrText, ...]
 
 
 def comparison_record(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> ComparisonRecord:

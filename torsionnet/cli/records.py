@@ -8,6 +8,7 @@ from dataclasses import replace
 from torsionnet.cli.record_options import RecordReading, RecordSpan
 from torsionnet.cli.terminal import message, print_faults
 from torsionnet.core.errors import Fault, ModelError, UsageError
+from torsionnet.core.notes import Note, about_channel, is_warning
 from torsionnet.io import large_records
 from torsionnet.io.recording_files import read_recording, read_tests
 from torsionnet.response.recording import Recording
@@ -64,13 +65,16 @@ def checked_record(record: Recording, reading: RecordReading, path: str, window:
 
 def _tell_notes(record: Recording, told: Recording | None = None) -> None:
     """Tell the notes of a record and of its signals, without those told of the record before it was changed."""
+    before = _notes(told) if told else {}
     for note in _notes(record):
-        if not note.startswith("warning:") and not (told and note in _notes(told)):  # warnings come with the result
-            message("note", note)
+        if note not in before:
+            message(note.severity, note.named)
 
 
-def _notes(record: Recording) -> dict[str, None]:
-    return dict.fromkeys([*record.notes, *(f"{signal.name}: {note}" for signal in record for note in signal.notes)])
+def _notes(record: Recording) -> dict[Note, None]:
+    """Notes of a record, of which warnings come with the result, and those of its signals."""
+    own = [about_channel(note, "") for note in record.notes if not is_warning(note)]
+    return dict.fromkeys([*own, *(about_channel(note, signal.name) for signal in record for note in signal.notes)])
 
 
 def _checked_tests(

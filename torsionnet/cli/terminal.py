@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.core.errors import printable_text
+from torsionnet.core.notes import Note, NoteOrText
 from torsionnet.core.number_text import json_finite, unit_in_brackets
 
 if TYPE_CHECKING:
@@ -55,12 +56,11 @@ def print_faults(faults: Iterable[Fault]) -> None:
         message(fault.severity, f"{where}{fault.text}")
 
 
-def print_warnings(notes: Iterable[str]) -> None:
+def print_warnings(notes: Iterable[NoteOrText]) -> None:
     """Print on stderr the notes of a result that are warnings."""
     for note in notes:
-        kind, _, text = note.partition(": ")
-        if kind == "warning":
-            message("warning", text)
+        if isinstance(note, Note) and note.severity == "warning":
+            message("warning", note.named)
 
 
 def print_json(data: Any) -> None:

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin, get_type_hints
 
+from torsionnet.core.notes import Note, NoteOrText
+
 if TYPE_CHECKING:
     from torsionnet.core.entries.spec import Schema
 
@@ -23,6 +25,7 @@ PLAIN: dict[object, Schema] = {
     int: {"type": "integer", "minimum": 0},
     float: NUMBER,
     complex: COMPLEX,
+    NoteOrText: {"type": "string"},
     str | None: {"type": ["string", "null"]},
     float | None: NUMBER,
     tuple[float, float]: PAIR,
@@ -115,6 +118,8 @@ def _declared(name: str, annotation: Any) -> OutField:
 
 def to_json(value: Any) -> Any:
     """Plain data of a result: objects, lists, numbers; complex numbers as pairs of real and imaginary part."""
+    if isinstance(value, Note):
+        return str(value)
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         pairs = ((one, getattr(value, one.name)) for one in out_fields(type(value)) if one.key is not None)
         return {str(one.key): to_json(field) for one, field in pairs if not (one.out.optional and field is None)}

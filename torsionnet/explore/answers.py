@@ -165,7 +165,7 @@ def response_data(response: FrequencyResponse, unbounded: FloatArray) -> dict[st
         "magnitude": json_numbers(magnitude),
         "phase": json_numbers(phase),
         "peaks": _peaks(response.frequencies, magnitude, phase, unbounded),
-        "notes": list(response.notes),
+        "notes": list(map(str, response.notes)),
     }
 
 

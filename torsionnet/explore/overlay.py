@@ -43,7 +43,7 @@ def overlay_data(overlay: FrequencyResponse | None, state: State) -> dict[str, A
         "phase": np.degrees(np.angle(values[good])).tolist(),
         "trusted": _trusted(pair)[kept][good].tolist(),
         "unit": pair.unit(),
-        "notes": list(pair.notes),
+        "notes": list(map(str, pair.notes)),
     }
 
 

@@ -6,7 +6,7 @@ import csv
 import io
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +14,7 @@ import numpy as np
 from torsionnet.core.atomic import write_text
 from torsionnet.core.delimited.dialect import detect_encoding
 from torsionnet.core.errors import Fault, ModelError, Position, UsageError
+from torsionnet.core.notes import Note, NoteOrText, stored_note
 from torsionnet.core.units import RPM, UnitError, convert
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.recording import QUANTITY_UNITS, FloatArray
@@ -125,9 +126,22 @@ def read_tracked_orders(path: str | os.PathLike[str]) -> tuple[TrackedOrders, ..
         found.append(TrackedOrders(
             name, quantity, orders, times, numbers[begins, 1] / RPM, (parts["real"] + 1j * parts["imag"]).T, widths.T,
             None if half is None or np.isnan(half).all() else half, heads.get(_REFERENCE, ""), heads.get(_TITLE, ""),
-            tuple(note.removeprefix(f"{name}: ") for note in notes if note.startswith(f"{name}: ")), undecided, related,
+            tuple(_notes(notes, name)), undecided, related,
         ))  # fmt: skip
     return tuple(found)
+
+
+def _notes(lines: Iterable[str], name: str) -> Iterator[NoteOrText]:
+    """Notes on the orders of a channel, from lines of a file that begin with its name; twice where it is the subject.
+
+    >>> list(_notes(["T: averaged", "fly: averaged", "fly: fly: 1 pulse missing"], "fly"))
+    ['averaged', Note(text='1 pulse missing', severity='note', channel='fly')]
+    """
+    for line in lines:
+        text = line.removeprefix(f"{name}: ")
+        rest = text.removeprefix(f"{name}: ")
+        if text != line:
+            yield stored_note(text) if rest == text else Note(rest, channel=name)
 
 
 def is_tracked_table(path: str | os.PathLike[str]) -> bool:

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.core.notes import NoteOrText, warning
 from torsionnet.modal.remarks import FEWEST_PEAK_LINES, line_spacing
 from torsionnet.modal.settings import Settings
 from torsionnet.modal.spectral_lines import ORDERS, ComplexArray, FloatArray, lines_of
@@ -57,7 +58,7 @@ class CircleFit:
     damping : {"viscous", "hysteretic"}
     label, unit, title : str
         Channels of the transfer function, unit of the points, and title.
-    notes : tuple of str
+    notes : tuple of str or Note
     """
 
     natural_frequency: float
@@ -75,7 +76,7 @@ class CircleFit:
     label: str
     unit: str
     title: str = ""
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteOrText, ...] = ()
 
     @property
     def pole(self) -> complex:
@@ -284,19 +285,23 @@ def _pairs(omega: FloatArray, angle: FloatArray, resonance: float, damping: str)
     return np.asarray(distance / (2 * (tangent[below][:, None] - tangent[above])))
 
 
-def _remarks(fit: CircleFit) -> Iterator[str]:
+def _remarks(fit: CircleFit) -> Iterator[NoteOrText]:
     # A count of lines would depend on rounding where a line lies on the very edge.
     width = 2 * abs(fit.damping_ratio) * fit.natural_frequency
     lines = width / line_spacing(fit.frequencies, fit.natural_frequency)
     if lines < FEWEST_PEAK_LINES:
         yield (
-            f"warning: only {lines:.2g} lines within the half-power bandwidth at {fit.natural_frequency:.4g} Hz: if a "
-            "window was used, the damping reads high"
+            warning(
+                f"only {lines:.2g} lines within the half-power bandwidth at {fit.natural_frequency:.4g} Hz: if a "
+                "window was used, the damping reads high"
+            )
         )
     if fit.residual > POOR_CIRCLE:
-        yield f"warning: the points lie {fit.residual:.1%} of the radius off the circle: noise, or not one mode alone"
+        yield warning(f"the points lie {fit.residual:.1%} of the radius off the circle: noise, or not one mode alone")
     if fit.spread > WIDE_SPREAD * abs(fit.damping_ratio):
         yield (
-            f"warning: damping from pairs of points scatters by {fit.spread / abs(fit.damping_ratio):.0%}: noise, "
-            "neighbouring modes, or another law of damping"
+            warning(
+                f"damping from pairs of points scatters by {fit.spread / abs(fit.damping_ratio):.0%}: noise, "
+                "neighbouring modes, or another law of damping"
+            )
         )

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from torsionnet.core.notes import warning
 from torsionnet.core.threads import one_thread
 from torsionnet.modal.method_choice import stabilisation
 from torsionnet.modal.modal_estimate import ModalEstimate, estimate_from_expansion
@@ -21,7 +22,7 @@ from torsionnet.modal.spectral_lines import ComplexArray, Lines, band_notes, lin
 from torsionnet.modal.stabilisation import Stabilisation
 from torsionnet.response import FrequencyResponse
 
-UNSETTLED = "warning: the refinement did not settle; fewer poles or a narrower band may help"
+UNSETTLED = warning("the refinement did not settle; fewer poles or a narrower band may help")
 """Warning about poles whose least squares were not reached."""
 UNPARTED = "lie so near to another that windows cannot part them, and are taken as one with it"
 """Words on merged poles in a note."""
@@ -157,7 +158,7 @@ def _fitted(
             notes += (f"{len(poles) - len(better.poles)} of {len(poles)} poles {UNPARTED}",)
         found = estimate_from_expansion(response, lines, expand(lines, better.poles, settings), notes)
         if widened:
-            why = f"warning: no standard errors: {record}, and windows move poles by more than random errors do"
+            why = warning(f"no standard errors: {record}, and windows move poles by more than random errors do")
             return replace(found, notes=(*notes, why))
     if not better.converged:
         found = replace(found, notes=(*found.notes, UNSETTLED))

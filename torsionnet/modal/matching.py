@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.packages import NotebookResult
+from torsionnet.core.notes import NoteOrText
 from torsionnet.core.result_rows import Out
 from torsionnet.modal.criteria import mac
 from torsionnet.modal.modal_estimate import IdentifiedMode, ModalEstimate
@@ -39,7 +40,7 @@ class Match(NotebookResult):
     mac : (n_identified, n_model) array or None
         MAC of the shapes at common sensors; None where there are fewer than two.
     title : str
-    notes : tuple of str
+    notes : tuple of str or Note
     """
 
     identified: IntArray
@@ -48,7 +49,7 @@ class Match(NotebookResult):
     model_poles: ComplexArray
     mac: FloatArray | None
     title: str = ""
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteOrText, ...] = ()
 
     @property
     def frequency_errors(self) -> FloatArray:
@@ -87,7 +88,7 @@ class Match(NotebookResult):
             Column("damping error", "%", 3),
             Column("MAC", "1", 4),
         )
-        return Table(self.title, columns, tuple(self._rows(conventions.frequency_scale)), self.notes)
+        return Table(self.title, columns, tuple(self._rows(conventions.frequency_scale)), tuple(map(str, self.notes)))
 
     def _rows(self, scale: float) -> Iterator[tuple[int | float | str | None, ...]]:
         f, z = (
@@ -238,7 +239,7 @@ class IdentifiedModesRecord:
 
     title: str
     method: str
-    notes: tuple[str, ...]
+    notes: tuple[NoteOrText, ...]
     modes: tuple[IdentifiedMode, ...]
     against_model: Annotated[tuple[MatchedMode, ...] | None, Out(optional=True)]
 

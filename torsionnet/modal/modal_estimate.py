@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 import torsionnet.modal.poles as pole_numbers
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.packages import NotebookResult
+from torsionnet.core.notes import NoteOrText
 from torsionnet.core.result_rows import Out
 from torsionnet.modal.criteria import mpc
 from torsionnet.modal.residues import Expansion
@@ -71,8 +72,8 @@ class ModalEstimate(NotebookResult):
         Standard errors, Hz and 1; nan where none is known. Random errors only.
     method : str
     title : str
-    notes : tuple of str
-        Remarks; those to heed begin with ``warning:``.
+    notes : tuple of str or Note
+        Remarks; those to heed are of severity warning.
     by_record : bool
         Whether the fit is to the record behind the estimate, in which no window widens a peak.
     outside_poles : (n,) complex array
@@ -97,7 +98,7 @@ class ModalEstimate(NotebookResult):
     damping_errors: FloatArray
     method: str
     title: str = ""
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteOrText, ...] = ()
     by_record: bool = False
     outside_poles: ComplexArray = field(default_factory=lambda: np.zeros(0, dtype=complex))
     outside_residues: ComplexArray = field(default_factory=lambda: np.zeros((0, 1, 1), dtype=complex))
@@ -175,7 +176,9 @@ class ModalEstimate(NotebookResult):
     def table(self, conventions: Conventions = SI) -> Table:
         """Table with a row for each mode, its frequency and damping with standard errors, MPC, and contribution."""
         title = f"{self.title}: modes by {self.method}"
-        return result_table(title, self.rows(), IdentifiedMode, IDENTIFIED_COLUMNS, conventions, self.notes)
+        return result_table(
+            title, self.rows(), IdentifiedMode, IDENTIFIED_COLUMNS, conventions, tuple(map(str, self.notes))
+        )
 
     def rows(self) -> tuple[IdentifiedMode, ...]:
         """Identified modes as records, one for each mode, in the order of ``|lambda|``."""
@@ -223,7 +226,7 @@ def estimate_from_expansion(
     response: FrequencyResponse,
     lines: Lines,
     expansion: Expansion,
-    notes: tuple[str, ...],
+    notes: tuple[NoteOrText, ...],
     errors: tuple[FloatArray, FloatArray] | None = None,
     method: str = "",
 ) -> ModalEstimate:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsionnet.core.errors import SolveError
+from torsionnet.core.notes import NoteOrText, warning
 from torsionnet.modal.modal_estimate import ModalEstimate, estimate_from_expansion
 from torsionnet.modal.remarks import FEWEST_PEAK_LINES, line_spacing
 from torsionnet.modal.residues import Expansion
@@ -110,9 +111,9 @@ def peak_picking(
             "no peak falls to half power within the band, so that no damping can be read; fit the modes instead"
         )
     lost = [peak for peak in peaks if peak not in good]
-    notes = band_notes(response, band)
+    notes: tuple[NoteOrText, ...] = band_notes(response, band)
     notes += tuple(remark for peak in good for remark in _remarks(peak, frequencies))
-    notes += tuple(f"warning: the peak at {peak.frequency:.4g} Hz has no half-power points; left out" for peak in lost)
+    notes += tuple(warning(f"the peak at {peak.frequency:.4g} Hz has no half-power points; left out") for peak in lost)
     return estimate_from_expansion(
         response, lines, _one_by_one(lines, good), notes, method="peak picking with half power"
     )
@@ -160,25 +161,29 @@ def _summit(frequencies: FloatArray, curve: FloatArray, line: int) -> float:
     return float(np.clip(f[1] - slope / (2 * bend), f[0], f[2]))
 
 
-def _remarks(peak: PickedPeak, frequencies: FloatArray) -> Iterator[str]:
+def _remarks(peak: PickedPeak, frequencies: FloatArray) -> Iterator[NoteOrText]:
     f, zeta = peak.frequency, peak.damping_ratio
     if zeta > HALF_POWER_DAMPING_LIMIT:
         yield (
-            f"warning: {100 * zeta:.1f} % at {f:.4g} Hz is too damped for half power, which reads right up to some "
-            f"{100 * HALF_POWER_DAMPING_LIMIT:g} %: fit the modes instead"
+            warning(
+                f"{100 * zeta:.1f} % at {f:.4g} Hz is too damped for half power, which reads right up to some "
+                f"{100 * HALF_POWER_DAMPING_LIMIT:g} %: fit the modes instead"
+            )
         )
     if np.isnan(peak.edges).any():
         side = "below" if np.isnan(peak.edges[0]) else "above"
-        yield f"warning: the peak at {f:.4g} Hz has no half-power point {side} it; damping is read from the other side"
+        yield warning(f"the peak at {f:.4g} Hz has no half-power point {side} it; damping is read from the other side")
         return
     width, spacing = peak.edges[1] - peak.edges[0], line_spacing(frequencies, f)
     if width < FEWEST_PEAK_LINES * spacing:
         yield (
-            f"warning: half-power bandwidth of {width:.3g} Hz at {f:.4g} Hz is under {FEWEST_PEAK_LINES} lines of "
-            f"{spacing:.3g} Hz: its damping reads high; use longer segments"
+            warning(
+                f"half-power bandwidth of {width:.3g} Hz at {f:.4g} Hz is under {FEWEST_PEAK_LINES} lines of "
+                f"{spacing:.3g} Hz: its damping reads high; use longer segments"
+            )
         )
     elif peak.shared or _is_asymmetric(peak):
-        yield f"warning: the peak at {f:.4g} Hz is not that of one mode alone: neighbours falsify its damping"
+        yield warning(f"the peak at {f:.4g} Hz is not that of one mode alone: neighbours falsify its damping")
 
 
 def _is_asymmetric(peak: PickedPeak) -> bool:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsionnet.core.notes import NoteOrText, warning
 from torsionnet.modal.spectral_lines import FloatArray
 
 if TYPE_CHECKING:
@@ -25,13 +26,13 @@ FEWEST_ORDERS = 2
 """Fewest orders of a stabilisation diagram at which a pole must be found, as fewer may be a computational pole."""
 
 
-def about_fit(estimate: ModalEstimate, seen: Sequence[int] = (), orders: int = 0) -> tuple[str, ...]:
+def about_fit(estimate: ModalEstimate, seen: Sequence[int] = (), orders: int = 0) -> tuple[NoteOrText, ...]:
     """Warnings about modes outside the band, uncertain, computational or narrow, and about a large misfit of a fit."""
     narrow = () if estimate.by_record else _narrow(estimate)
     found = [*_beyond(estimate), *_uncertain(estimate), *_rare(estimate, seen, orders), *narrow]
     worst = float(np.max(estimate.misfit))
     if worst > LARGEST_MISFIT:
-        found.append(f"warning: the fit leaves {worst:.0%} of a response over; more orders or another band may help")
+        found.append(warning(f"the fit leaves {worst:.0%} of a response over; more orders or another band may help"))
     return tuple(found)
 
 
@@ -51,7 +52,7 @@ def _places(estimate: ModalEstimate, chosen: Sequence[int]) -> str:
     return ", ".join(names)
 
 
-def _beyond(estimate: ModalEstimate) -> Iterator[str]:
+def _beyond(estimate: ModalEstimate) -> Iterator[NoteOrText]:
     low, high = estimate.frequencies[[0, -1]]
     count = len(estimate.outside_poles)
     if count:
@@ -65,25 +66,27 @@ def _beyond(estimate: ModalEstimate) -> Iterator[str]:
     ]
     if outside:
         yield (
-            f"warning: far outside the band of {low:g} to {high:g} Hz: {_places(estimate, outside)}; it stands for "
-            "what is beyond the band rather than for a mode"
+            warning(
+                f"far outside the band of {low:g} to {high:g} Hz: {_places(estimate, outside)}; it stands for "
+                "what is beyond the band rather than for a mode"
+            )
         )
 
 
-def _uncertain(estimate: ModalEstimate) -> Iterator[str]:
+def _uncertain(estimate: ModalEstimate) -> Iterator[NoteOrText]:
     f, z = estimate.natural_frequencies, estimate.damping_ratios
     large = (estimate.frequency_errors > LARGEST_ERROR * f) | (estimate.damping_errors > LARGEST_ERROR * z)
     if large.any():
-        yield f"warning: standard error above {LARGEST_ERROR:.0%} at {_places(estimate, list(np.flatnonzero(large)))}"
+        yield warning(f"standard error above {LARGEST_ERROR:.0%} at {_places(estimate, list(np.flatnonzero(large)))}")
 
 
-def _rare(estimate: ModalEstimate, seen: Sequence[int], orders: int) -> Iterator[str]:
+def _rare(estimate: ModalEstimate, seen: Sequence[int], orders: int) -> Iterator[NoteOrText]:
     rare = [mode for mode, count in enumerate(seen) if count < FEWEST_ORDERS] if len(seen) == len(estimate) else []
     if rare and orders > FEWEST_ORDERS:
-        yield f"warning: seen at one order of {orders} only, perhaps computational: {_places(estimate, rare)}"
+        yield warning(f"seen at one order of {orders} only, perhaps computational: {_places(estimate, rare)}")
 
 
-def _narrow(estimate: ModalEstimate) -> Iterator[str]:
+def _narrow(estimate: ModalEstimate) -> Iterator[NoteOrText]:
     narrow = [
         mode
         for mode, pole in enumerate(estimate.poles)
@@ -93,6 +96,8 @@ def _narrow(estimate: ModalEstimate) -> Iterator[str]:
     ]
     if narrow:
         yield (
-            f"warning: half-power bandwidth under {FEWEST_PEAK_LINES} lines at {_places(estimate, narrow)}: if a "
-            "window was used, its damping reads high; use longer segments"
+            warning(
+                f"half-power bandwidth under {FEWEST_PEAK_LINES} lines at {_places(estimate, narrow)}: if a "
+                "window was used, its damping reads high; use longer segments"
+            )
         )

@@ -40,6 +40,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "Modes": "torsionnet.response.modes",
         "MotionEvent": "torsionnet.response.motion.motion_event",
         "MotionStart": "torsionnet.response.motion.motion_start",
+        "Note": "torsionnet.core.notes",
         "OrderLine": "torsionnet.response.order_line",
         "OrderResponse": "torsionnet.response.order_response",
         "PassagePeak": "torsionnet.response.passage_response",

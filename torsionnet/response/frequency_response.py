@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.packages import NotebookResult
+from torsionnet.core.notes import NoteOrText
 from torsionnet.response.conventions import SI, Conventions
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ class FrequencyResponse(NotebookResult):
         Size of a measured input over the sum of its terms; near 0 the response at this frequency is unreliable.
     coherence : (n_f, n_out, n_in) array, optional
         Coherence of an estimated response, 0 to 1.
-    notes : tuple of str
+    notes : tuple of str or Note
         Provenance and remarks.
     usable_up_to : float, optional
         Highest usable frequency of an estimate in Hz: above, the motion is too small for the steps of its sensor, or
@@ -110,7 +111,7 @@ class FrequencyResponse(NotebookResult):
     title: str = ""
     conditioning: FloatArray | None = None
     coherence: FloatArray | None = None
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteOrText, ...] = ()
     usable_up_to: float | None = None
     estimation: Estimation | None = None
     has_phase: bool = True
@@ -288,7 +289,10 @@ class FrequencyResponse(NotebookResult):
                     data.append(self.coherence[:, o, i])
         rows = tuple(tuple(float(cell) for cell in row) for row in zip(*data, strict=True))
         return Table(
-            self.title, tuple(columns), rows, (*self.notes, *filter(None, [usable_limit_text(self)]), SIGN_NOTE)
+            self.title,
+            tuple(columns),
+            rows,
+            (*map(str, self.notes), *filter(None, [usable_limit_text(self)]), SIGN_NOTE),
         )
 
     def to_csv(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.packages import NotebookResult
+from torsionnet.core.notes import NoteOrText
 from torsionnet.response.measured.between_samples import Between, BetweenSamples, check_between
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.motion.energy_balance import EnergyBalance
@@ -46,7 +47,7 @@ class Signal:
         A key of ``QUANTITY_UNITS``, or empty where it is not known.
     values : (n,) array
         Values in the SI unit of the quantity.
-    notes : tuple of str
+    notes : tuple of str or Note
         Origin and processing of the values.
     between : {"band_limited", "straight", "held"}
         Course between samples: nothing above half the sampling rate, straight lines, or each value held until the next.
@@ -58,7 +59,7 @@ class Signal:
     name: str
     quantity: str
     values: FloatArray
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteOrText, ...] = ()
     between: Between = "band_limited"
     course_rate: float | None = None
 
@@ -95,7 +96,7 @@ class Recording(NotebookResult):
     times : (n,) array, optional
         Time stamps in s where sampling is not uniform; the sampling rate is then their mean rate.
     title : str
-    notes : tuple of str
+    notes : tuple of str or Note
         Origin: file, assumptions made in reading it, processing since.
     pulses : tuple of PulseChannel
         Times of the pulses of toothed wheels and encoders on the same clock, each of a length of its own.
@@ -118,7 +119,7 @@ class Recording(NotebookResult):
     start: float = 0.0
     times: FloatArray | None = None
     title: str = ""
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteOrText, ...] = ()
     pulses: tuple[PulseChannel, ...] = ()
     events: tuple[MotionEvent, ...] = ()
     energy: EnergyBalance | None = None
@@ -222,7 +223,7 @@ class Recording(NotebookResult):
         kept = [new.pop(signal.name, signal) for signal in self.signals]
         return replace(self, signals=(*kept, *new.values()))
 
-    def with_notes(self, *notes: str) -> Recording:
+    def with_notes(self, *notes: NoteOrText) -> Recording:
         """Copy of the recording with notes added behind those it already has."""
         return replace(self, notes=(*self.notes, *notes))
 
@@ -241,7 +242,7 @@ class Recording(NotebookResult):
         rows = tuple(_described(signal) for signal in self.signals)
         span = f"{len(self)} samples at {self.sampling_rate:g} Hz, {self.duration:g} s"
         trains = tuple(f"{channel.name}: {channel.span}" for channel in self.pulses)
-        return Table(self.title or "Recording", columns, rows, (span, *trains, *self.notes))
+        return Table(self.title or "Recording", columns, rows, (span, *trains, *map(str, self.notes)))
 
 
 def _described(signal: Signal) -> tuple[str | float | None, ...]:

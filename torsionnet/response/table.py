@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.core.atomic import write_text
+from torsionnet.core.notes import NoteOrText
 from torsionnet.core.number_text import csv_value, json_finite, screen_text, unit_in_brackets
 from torsionnet.core.result_rows import OutField, out_fields
 from torsionnet.response.conventions import SI, Conventions
@@ -118,7 +119,7 @@ def result_table(
     kind: type,
     columns: Sequence[str] = (),
     conventions: Conventions = SI,
-    notes: Sequence[str] = (),
+    notes: Sequence[NoteOrText] = (),
 ) -> Table:
     """Table of result rows, with a column for each declared field of their class that has a heading.
 
@@ -133,7 +134,7 @@ def result_table(
         Names of the fields in the order of their columns; default: all with a heading, as declared.
     conventions : Conventions
         Units shown.
-    notes : sequence of str
+    notes : sequence of str or Note
     """
     fields = {one.name: one for one in out_fields(kind) if one.out.heading}
     shown = [fields[name] for name in columns] if columns else list(fields.values())
@@ -142,7 +143,7 @@ def result_table(
         for one in shown
     )
     cells = tuple(tuple(_cell(getattr(row, one.name), one, conventions) for one in shown) for row in rows)
-    return Table(title, headings, cells, tuple(notes))
+    return Table(title, headings, cells, tuple(map(str, notes)))
 
 
 def _cell(value: Any, one: OutField, conventions: Conventions) -> Any:

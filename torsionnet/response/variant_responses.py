@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from torsionnet.core.notes import NoteOrText
 from torsionnet.response.frequency_response import Channel, ComplexArray, FloatArray, FrequencyResponse
 
 
@@ -26,7 +27,7 @@ class FrequencyResponses:
     title : str
     conditioning : (n_variants, n_f) array, optional
         As in :class:`FrequencyResponse`.
-    notes : tuple of str
+    notes : tuple of str or Note
     model, configuration : str
     """
 
@@ -37,7 +38,7 @@ class FrequencyResponses:
     inputs: tuple[Channel, ...]
     title: str = ""
     conditioning: FloatArray | None = None
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteOrText, ...] = ()
     model: str = ""
     configuration: str = ""
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError, comma_list
+from torsionnet.core.notes import Note, warning
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.recording import FloatArray
 
@@ -77,21 +78,23 @@ def half_power_bandwidth(frequencies: FloatArray, magnitude: FloatArray, peak: i
     return float(edges[1] - edges[0])
 
 
-def peak_warnings(response: FrequencyResponse, bin_width: float, *, judge_coherence: bool = True) -> tuple[str, ...]:
+def peak_warnings(response: FrequencyResponse, bin_width: float, *, judge_coherence: bool = True) -> tuple[Note, ...]:
     """Warnings about the peaks of a response estimated with bins that are ``bin_width`` Hz wide, one sentence each.
 
     A peak narrower than three bins is widened by the window, which reads as too much damping. With several
     inputs, ordinary coherence is low for reasons other than noise: set ``judge_coherence`` to False. Peaks above the
     frequency up to which the response can be used or is more than noise are ignored.
     """
-    found: list[str] = []
+    found: list[Note] = []
     for o, output in enumerate(response.outputs):
         meant = response.between(0, above_noise_up_to(response, o))
         for i, into in enumerate(response.inputs):
             coherence = meant.coherence[:, o, i] if meant.coherence is not None and judge_coherence else None
-            about = f"warning: {output.name}/{into.name}"
             magnitude = meant.magnitude[:, o, i]
-            found += (f"{about} {t}" for t in _peak_remarks(meant.frequencies, magnitude, coherence, bin_width))
+            found += (
+                warning(f"{output.name}/{into.name} {text}")
+                for text in _peak_remarks(meant.frequencies, magnitude, coherence, bin_width)
+            )
     return tuple(found)
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 import torsionnet.signals.transfer_matrices as transfer_matrices
 from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.notes import Note, warning
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.estimation import Estimation
 from torsionnet.response.measured.between_samples import course_remark
@@ -235,26 +236,26 @@ def _provenance(estimator: str, spectra: CrossSpectra, noise_ratio: float | None
     return f"{estimator}{ratio}, {spectra.settings}, {count}"
 
 
-def _spectra_warnings(spectra: CrossSpectra, s_xx: ComplexArray, asked: NDArray[np.bool_]) -> list[str]:
+def _spectra_warnings(spectra: CrossSpectra, s_xx: ComplexArray, asked: NDArray[np.bool_]) -> list[Note]:
     found = []
     if spectra.averages == 1:
-        found.append("warning: of one segment the coherence is 1 whatever the signals; use a longer record")
+        found.append(warning("of one segment the coherence is 1 whatever the signals; use a longer record"))
     inseparable = spectra.frequencies[asked & (transfer_matrices.independence(s_xx) < INSEPARABLE_EIGENVALUE)]
     if s_xx.shape[1] > 1 and len(inseparable):
         span = f"{len(inseparable)} frequencies from {inseparable[0]:g} to {inseparable[-1]:g} Hz"
         found.append(
-            f"warning: the inputs are all but proportional at {span}; their effects cannot be told apart there"
+            warning(f"the inputs are all but proportional at {span}; their effects cannot be told apart there")
         )
     return found
 
 
-def _reference_warnings(spectra: CrossSpectra, inputs: Sequence[str], references: Sequence[str]) -> list[str]:
+def _reference_warnings(spectra: CrossSpectra, inputs: Sequence[str], references: Sequence[str]) -> list[Note]:
     if not references:
         return []
     shares = np.nanmedian(multiple_coherence(spectra, inputs, references), axis=0)
     names = " and ".join(references)
     return [
-        f"warning: {names} explains {100 * share:.2g} % of {name}: hardly what drives it; take another reference"
+        warning(f"{names} explains {100 * share:.2g} % of {name}: hardly what drives it; take another reference")
         for name, share in zip(inputs, shares, strict=True)
         if share < LEAST_DRIVEN
     ]

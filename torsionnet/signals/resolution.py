@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from torsionnet.core.notes import Note, warning
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.recording import FloatArray, Recording
 from torsionnet.signals.advice import resolution_limit
@@ -117,7 +118,7 @@ def with_resolution_limit(
 
     Limits above the highest frequency of interest (Hz) are not noted.
     """
-    limits, notes = [], []
+    limits, notes = [], list[Note]()
     if decimation > 1:
         limits.append(VALID_SHARE * float(response.frequencies[-1]))
     for channel in response.outputs:
@@ -130,11 +131,11 @@ def with_resolution_limit(
     return replace(response, notes=(*response.notes, *notes), usable_up_to=min(limits))
 
 
-def _remark(channel: Channel, found: Resolution) -> str:
+def _remark(channel: Channel, found: Resolution) -> Note:
     step = f"{np.degrees(found.step):.4g} deg" if channel.unit == "rad" else f"{found.step:.4g} {channel.unit}"
     lost = f", under half a step from {found.lost_above:.3g} Hz" if np.isfinite(found.lost_above) else ""
-    return (
-        f"warning: {channel.name} moves by less than {ENOUGH_STEPS:g} steps of {step} above {found.enough_up_to:.3g} Hz"
+    return warning(
+        f"{channel.name} moves by less than {ENOUGH_STEPS:g} steps of {step} above {found.enough_up_to:.3g} Hz"
         f"{lost}: its size is biased there, then lost; use a finer sensor or more torque"
     )
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.notes import NoteOrText
 from torsionnet.response import Channel
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.welch import Welch
@@ -35,7 +36,7 @@ class CrossSpectra:
     sampling_rate : float
         Sampling rate of the signals after decimation, Hz.
     title : str
-    notes : tuple of str
+    notes : tuple of str or Note
     """
 
     frequencies: FloatArray
@@ -46,7 +47,7 @@ class CrossSpectra:
     settings: Welch
     sampling_rate: float
     title: str = ""
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteOrText, ...] = ()
 
     def indices(self, names: Iterable[str]) -> list[int]:
         """Indices of the named signals in rows and columns of the matrix of spectral densities."""

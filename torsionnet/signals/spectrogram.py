@@ -8,6 +8,7 @@ from typing import Annotated
 import numpy as np
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.notes import NoteOrText
 from torsionnet.core.result_rows import NUMBER_ROWS, Out
 from torsionnet.response.recording import FloatArray, Recording
 from torsionnet.signals.decimation import decimate
@@ -23,7 +24,7 @@ class SpectrogramRecord:
 
     name: Annotated[str, Out(json="channel")]
     unit: str
-    notes: tuple[str, ...]
+    notes: tuple[NoteOrText, ...]
     times: Annotated[FloatArray, Out(json="times_s")]
     frequencies: Annotated[FloatArray, Out(json="frequencies_Hz")]
     amplitude: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
@@ -43,7 +44,7 @@ class Spectrogram:
         Peak amplitude of a sine that would give this line, in the unit of the signal.
     name : str
     unit : str
-    notes : tuple of str
+    notes : tuple of str or Note
     """
 
     frequencies: FloatArray
@@ -51,7 +52,7 @@ class Spectrogram:
     amplitude: FloatArray
     name: str
     unit: str
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteOrText, ...] = ()
 
     def decibels(self, reference: float = 1.0) -> FloatArray:
         """Amplitude in dB over a reference amplitude in the signal's unit, (n_f, n_t)."""

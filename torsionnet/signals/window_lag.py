@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from torsionnet.core.notes import Note, warning
 from torsionnet.core.remedies import remedy
 from torsionnet.response.recording import Recording, Signal
 from torsionnet.signals.welch import Welch
@@ -62,7 +63,7 @@ def kept_share(settings: Welch, rate: float, lag: float) -> float:
     return float(weights[away:] @ weights[: len(weights) - away] / (weights @ weights))
 
 
-def lag_warnings(record: Recording, outputs: tuple[str, ...], input: str, settings: Welch) -> list[str]:
+def lag_warnings(record: Recording, outputs: tuple[str, ...], input: str, settings: Welch) -> list[Note]:
     """Warnings on outputs that lag so far behind the input that windows lose more than 5 % of the response."""
     found = []
     for output in outputs:
@@ -73,8 +74,9 @@ def lag_warnings(record: Recording, outputs: tuple[str, ...], input: str, settin
             lost = (
                 f"they lose {100 * (1 - kept):.0f} % of |{output}/{input}|, and the coherence is at most {kept**2:.2f}"
             )
-            text = f"warning: {behind}, windows last {settings.seconds:g} s: {lost}"
-            found.append(f"{text}; take longer windows, or align the signals ({remedy('align=True')})")
+            text = f"{behind}, windows last {settings.seconds:g} s: {lost}"
+            mended = f"take longer windows, or align the signals ({remedy('align=True')})"
+            found.append(warning(f"{text}; {mended}"))
     return found
 
 

@@ -12,6 +12,7 @@ from torsionnet.cli.options import file_option
 from torsionnet.cli.pulse_options import PulseOptions
 from torsionnet.cli.record_options import RecordSpan
 from torsionnet.cli.terminal import print_warnings
+from torsionnet.core.notes import NoteOrText, is_warning
 from torsionnet.core.result_rows import Out
 from torsionnet.core.units import RPM
 
@@ -51,7 +52,7 @@ class TurnedWheel:
     settled: Annotated[tuple[float, float], Out(json="settled_s")]
     gap: str
     tooth_0: str
-    remarks: tuple[str, ...]
+    remarks: tuple[NoteOrText, ...]
     orders: tuple[OrderUncertainty, ...]
 
 
@@ -63,7 +64,7 @@ class AngleRecord:
     sampling_rate: Annotated[float, Out(json="sampling_rate_Hz")]
     start: Annotated[float, Out(json="start_s")]
     duration: Annotated[float, Out(json="duration_s")]
-    notes: tuple[str, ...]
+    notes: tuple[NoteOrText, ...]
     wheels: tuple[TurnedWheel, ...]
 
 
@@ -168,7 +169,7 @@ def _screen(angles: Recording, rows: tuple[TurnedWheel, ...]) -> Iterator[Table 
         ends = f"settled from {row.settled[0]:.6g} to {row.settled[1]:.6g} s; nearer to the ends high orders are off"
         said = (row.gap, f"tooth 0 is {row.tooth_0}", *row.remarks, ends)
         yield from (f"{row.name}: {text}" for text in said if text)
-    yield from (note for note in angles.notes if not note.startswith("warning:"))
+    yield from (str(note) for note in angles.notes if not is_warning(note))
     if any(row.orders for row in rows):
         columns = (Column("wheel"), Column("order"), Column("errors add, RMS of the peak", "deg", 3))
         lines = tuple((row.name, one.order, one.deviation * DEGREES) for row in rows for one in row.orders)

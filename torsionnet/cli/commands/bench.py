@@ -16,6 +16,7 @@ from torsionnet.cli.command import NUMBERS, Answer, Command, click_command, resu
 from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.options import SETTINGS, file_option
 from torsionnet.cli.terminal import print_warnings
+from torsionnet.core.notes import NoteOrText, is_warning
 from torsionnet.core.result_rows import Out
 
 if TYPE_CHECKING:
@@ -36,12 +37,12 @@ class ChannelRow:
     smallest: Annotated[float, Out("smallest", digits=4)]
     largest: Annotated[float, Out("largest", digits=4)]
     rms: Annotated[float, Out("RMS", json="RMS", digits=4)]
-    notes: tuple[str, ...]
+    notes: tuple[NoteOrText, ...]
 
     @property
     def joined_notes(self) -> Annotated[str, Out("notes", json=None, after="notes")]:
         """Notes on a channel as one text, joined by semicolons."""
-        return "; ".join(self.notes)
+        return "; ".join(map(str, self.notes))
 
 
 @dataclass(frozen=True)
@@ -53,12 +54,12 @@ class PulseRow:
     first: Annotated[float | None, Out("first", "s", json="first_s", digits=6)]
     last: Annotated[float | None, Out("last", "s", json="last_s", digits=6)]
     tick: Annotated[float, Out("tick", "s", json="tick_s", digits=4)]
-    notes: tuple[str, ...]
+    notes: tuple[NoteOrText, ...]
 
     @property
     def joined_notes(self) -> Annotated[str, Out("notes", json=None, after="notes")]:
         """Notes on a channel as one text, joined by semicolons."""
-        return "; ".join(self.notes)
+        return "; ".join(map(str, self.notes))
 
 
 @dataclass(frozen=True)
@@ -71,7 +72,7 @@ class BenchRecord:
     sampling_rate: Annotated[float, Out(json="sampling_rate_Hz")]
     samples: int
     duration: Annotated[float, Out(json="duration_s")]
-    notes: tuple[str, ...]
+    notes: tuple[NoteOrText, ...]
     channels: tuple[ChannelRow, ...]
     pulses: tuple[PulseRow, ...] = ()
     faults: tuple[TrueFault, ...] = ()
@@ -170,7 +171,7 @@ def _screen(results: list[Result]) -> Iterator[Table | str]:
             yield result_table(f"{record.title}: pulses", _pulses(record), PulseRow)
         if faults:
             yield f"faults put in: {_counted(faults)}"
-        yield from (note for note in record.notes if not note.startswith("warning: "))
+        yield from (str(note) for note in record.notes if not is_warning(note))
 
 
 def _table(record: Recording) -> Table:

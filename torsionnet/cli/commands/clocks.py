@@ -11,6 +11,7 @@ from torsionnet.cli.command import TABLE, Answer, Command, click_command
 from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.options import file_option
 from torsionnet.cli.pulse_options import PulseOptions
+from torsionnet.core.notes import NoteOrText
 from torsionnet.core.result_rows import Out
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ class ClocksRecord:
     offset: Annotated[float, Out("offset", "s", json="offset_s", digits=8)]
     offset_half_width: Annotated[float | None, Out("offset +-", "s", json="offset_half_width_s", digits=2)]
     period: Annotated[float, Out("open by multiples of", "s", json="period_s", digits=5)]
-    remarks: tuple[str, ...]
+    remarks: tuple[NoteOrText, ...]
 
 
 class ClocksCommand(Command):

@@ -106,7 +106,8 @@ def _full(test: FrequencyResponse, model: FrequencyResponse, conventions: Conven
     if test.coherence is not None:
         data[("coherence", "1")] = test.coherence[:, 0, 0]
     rows = tuple(tuple(map(float, row)) for row in zip(*data.values(), strict=True))
-    return Table(model.title, tuple(Column(*key) for key in data), rows, (*test.notes, *model.notes))
+    notes = tuple(map(str, (*test.notes, *model.notes)))
+    return Table(model.title, tuple(Column(*key) for key in data), rows, notes)
 
 
 command = click_command("compare", CompareCommand)

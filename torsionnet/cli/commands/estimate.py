@@ -8,6 +8,7 @@ from torsionnet.cli.command import TABLE, Answer, click_command
 from torsionnet.cli.options import ALIGN, ANGLE, HIGHEST_FREQUENCY, file_option
 from torsionnet.cli.record_options import Averaging, EstimateArguments, Estimator, RecordReading
 from torsionnet.cli.terminal import print_warnings
+from torsionnet.core.notes import is_warning
 
 if TYPE_CHECKING:
     from torsionnet.response import Conventions, FrequencyResponse, Table
@@ -109,7 +110,7 @@ def peak_table(response: FrequencyResponse, conventions: Conventions) -> Table:
             row = (response.frequencies[index], abs(value) * scale, response.phase[index, o, i])
             coherence = None if response.coherence is None else float(response.coherence[index, o, i])
             rows.append((label, unit, name, *map(float, row), coherence))
-    kept = [note for note in response.notes if not note.startswith("warning:")]
+    kept = [str(note) for note in response.notes if not is_warning(note)]
     return Table(response.title, columns, tuple(rows), (*kept, *filter(None, [usable_limit_text(response)]), SIGN_NOTE))
 
 

@@ -90,7 +90,7 @@ def _table(seen: Spectrogram, *, every: bool = False) -> Table:
     step = 1 if every else max(1, len(seen.times) // 20)
     strongest = seen.amplitude.max(axis=0)
     rows = tuple(zip(*(values[::step].tolist() for values in (seen.times, seen.ridge, strongest)), strict=True))
-    return Table(seen.name, columns, rows, seen.notes)
+    return Table(seen.name, columns, rows, tuple(map(str, seen.notes)))
 
 
 command = click_command("spectrogram", SpectrogramCommand)

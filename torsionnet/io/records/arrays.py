@@ -10,6 +10,7 @@ from typing import TypeAlias
 import numpy as np
 
 from torsionnet.core.errors import comma_list
+from torsionnet.core.notes import NoteOrText, warning
 from torsionnet.core.plain_names import free_name
 from torsionnet.io.foreign import StoredArray
 from torsionnet.io.foreign.content import (
@@ -253,14 +254,14 @@ def _number_of(item: StoredArray, *names: str) -> float | None:
     return None
 
 
-def _packing_notes(item: StoredArray) -> tuple[str, ...]:
+def _packing_notes(item: StoredArray) -> tuple[NoteOrText, ...]:
     """Notes on what was done to the values of an array that is packed into whole numbers."""
     scale, offset = _number_of(item, "scale_factor"), _number_of(item, "add_offset")
     packed = f"multiplied by {scale or 1:g}, then {offset or 0:g} added, as the file says"
     missing = attribute_text(item, MISSING)
     plain = dict.fromkeys(FACTOR_NAMES, (None, 0.0, 1.0)) | dict.fromkeys(OFFSET_NAMES, (None, 0.0))
     unused = [f"{name} ({number:g})" for name, none in plain.items() if (number := _number_of(item, name)) not in none]
-    doubt = f"warning: not applied, as nothing says how: its attribute{'s' * (len(unused) > 1)} {', '.join(unused)}"
+    doubt = warning(f"not applied, as nothing says how: its attribute{'s' * (len(unused) > 1)} {', '.join(unused)}")
     return (*([packed] if scale or offset else []), *([missing] if missing else []), *([doubt] if unused else []))
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.errors import Fault, ModelError, UsageError, comma_list, unknown_name
 from torsionnet.core.expressions import LARGEST_SIZE
+from torsionnet.core.notes import warning
 from torsionnet.core.remedies import remedy
 from torsionnet.io.records.axes import other_axis, seconds_in
 from torsionnet.io.records.channel_choice import ChannelChoice, choose, length_faults
@@ -167,7 +168,7 @@ def _with_rate_note(source: Source, options: ReadOptions) -> Source:
     given, own = options.sampling_rate, source.rate
     if source.time is not None or not (given and own) or abs(given / own - 1) < SAME_RATE_TOLERANCE:
         return source
-    note = f"warning: the file has a sampling rate of {own:g} Hz; the {given:g} Hz given were taken"
+    note = warning(f"the file has a sampling rate of {own:g} Hz; the {given:g} Hz given were taken")
     return replace(source, notes=(*source.notes, note))
 
 
@@ -209,7 +210,7 @@ def _clock(
         found = coarse_clock(times, options.sampling_rate, start)
         if isinstance(found, Fault):
             raise ModelError([found], file)
-        source.discovered.append("warning: the time stamps are coarser than the sampling: the rate given was taken")
+        source.discovered.append(warning("the time stamps are coarser than the sampling: the rate given was taken"))
         return found
     faults = value_faults(times, source, done)
     if faults:
@@ -229,8 +230,8 @@ def _clock(
         source.discovered.extend(() if done else time_unit_warnings(times, source))
         source.discovered.extend(filter(None, [clock.note]))
         if source.rate and abs(source.rate / clock.rate - 1) >= SAME_RATE_TOLERANCE:
-            text = f"warning: the file has a sampling rate of {source.rate:g} Hz; that of its time stamps was taken, "
-            source.discovered.append(f"{text}{clock.rate:g} Hz")
+            text = f"the file has a sampling rate of {source.rate:g} Hz; that of its time stamps was taken, "
+            source.discovered.append(warning(f"{text}{clock.rate:g} Hz"))
     return clock
 
 

@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from torsionnet.core.errors import Fault, comma_list, nearest, unknown_name
+from torsionnet.core.notes import NoteOrText
 from torsionnet.core.remedies import remedy
 from torsionnet.core.units import UnitError
 from torsionnet.io.records.quantities import factor_to_si, likely_quantity, quantity_of
@@ -25,7 +26,7 @@ class ChannelChoice:
     name: str
     quantity: str = ""
     factor: float = 1.0
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteOrText, ...] = ()
 
 
 def choose(

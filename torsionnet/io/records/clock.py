@@ -9,6 +9,7 @@ import numpy as np
 
 from torsionnet.core.delimited.number_rows import MOST_FAULTS
 from torsionnet.core.errors import Fault
+from torsionnet.core.notes import Note, warning
 from torsionnet.core.remedies import remedy
 from torsionnet.io.records.rounded_times import rounded_grid
 from torsionnet.io.records.source import FileChannel, Source
@@ -186,7 +187,7 @@ def _rounded(rate: float) -> float:
     return plain if abs(plain / rate - 1) < 1e-9 else rate
 
 
-def time_unit_warnings(stamps: FloatArray, source: Source) -> tuple[str, ...]:
+def time_unit_warnings(stamps: FloatArray, source: Source) -> tuple[Note, ...]:
     """Warning where time stamps without unit make a recording unusually slow or long, as ms taken for s do."""
     if source.time is None or source.time.unit or len(stamps) < 2:
         return ()
@@ -195,8 +196,8 @@ def time_unit_warnings(stamps: FloatArray, source: Source) -> tuple[str, ...]:
     if rate >= USUAL_RATE or (rate >= UNUSUAL_RATE and span <= UNUSUAL_LENGTH):
         return ()
     name = source.time.name
-    text = f"warning: {name} has no unit and was taken for s: sampled at {rate:.3g} Hz for {span:.6g} s"
-    return (f"{text}; if it is in ms, or counts ticks, give its unit",)
+    text = f"{name} has no unit and was taken for s: sampled at {rate:.3g} Hz for {span:.6g} s"
+    return (warning(f"{text}; if it is in ms, or counts ticks, give its unit"),)
 
 
 def rate_fault(stamps: FloatArray, given: float | None) -> list[Fault]:

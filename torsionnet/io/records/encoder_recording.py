@@ -9,6 +9,7 @@ import numpy as np
 
 from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.errors import Fault, ModelError, SolveError, UsageError, unknown_name
+from torsionnet.core.notes import NoteOrText, about_channel
 from torsionnet.core.units import parse_unit
 from torsionnet.io.records.assembling import recordings
 from torsionnet.io.records.read_options import ReadOptions
@@ -32,7 +33,7 @@ class EncoderRotation:
     steps: float
     times: FloatArray
     rotation: Rotation
-    notes: tuple[str, ...]
+    notes: tuple[NoteOrText, ...]
 
     def signal(self, times: FloatArray) -> Signal:
         """Angle in rad of the shaft at these times (n,) in s, counted from the first of them."""
@@ -98,7 +99,7 @@ def _turning(source: Source, channel: FileChannel, options: ReadOptions, file: s
     raw = np.empty(0) if train else next(source.blocks([channel.column], 0))[0]
     raw = raw[np.isfinite(raw)]
     stamped, unit = bool(train) or holds_pulse_times(raw), options.units.get(channel.name, channel.unit)
-    read: tuple[str, ...] = ()
+    read: tuple[NoteOrText, ...] = ()
     try:
         if train:
             known = pulses_of(source, train, channel.name)
@@ -159,5 +160,5 @@ def _together(
         signals = tuple(replace(signal, values=signal.values[inside]) for signal in record)
         stamps = None if record.times is None else times
         record = replace(record, signals=signals, start=float(times[0]), times=stamps)
-    remarks = [f"warning: {one.name}: {note}" for one in turning for note in one.notes[1:]]
+    remarks = [replace(about_channel(note, one.name), severity="warning") for one in turning for note in one.notes[1:]]
     return replace(record, signals=(*record.signals, *(one.signal(times) for one in turning))).with_notes(*remarks)

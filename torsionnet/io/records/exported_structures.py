@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.errors import comma_list
+from torsionnet.core.notes import Note, NoteOrText, warning
 from torsionnet.core.remedies import remedy
 from torsionnet.core.units import UnitError, parse_unit
 from torsionnet.io.foreign import StoredArray
@@ -94,12 +95,12 @@ def unknown_structures(arrays: Sequence[StoredArray]) -> str:
     )
 
 
-Found = tuple[list[FileChannel], list[tuple[int, int]], list[str]]
+Found = tuple[list[FileChannel], list[tuple[int, int]], list[NoteOrText]]
 
 
 def _testlab(fields: _Fields) -> Found | None:
     prefixes = [name.removesuffix(VALUES) for name in fields.arrays if name.endswith(VALUES)]
-    channels, places, notes = list[FileChannel](), list[tuple[int, int]](), list[str]()
+    channels, places, notes = list[FileChannel](), list[tuple[int, int]](), list[NoteOrText]()
     faults = list[str]()
     names = [_names(fields, prefix) for prefix in prefixes]
     often = Counter(name for some in names for name in some)
@@ -151,7 +152,7 @@ def _abscissa_fault(fields: _Fields, prefix: str, item: StoredArray) -> str:
     return ""
 
 
-def _factor_notes(fields: _Fields, prefix: str, name: str, unit: str) -> list[str]:
+def _factor_notes(fields: _Fields, prefix: str, name: str, unit: str) -> list[Note]:
     """Warning where the factor of a structure does not fit the unit in its label; empty where it does, or has none."""
     factor = fields.number(f"{prefix}.y_values.quantity.unit_transformation.factor")
     try:
@@ -160,8 +161,8 @@ def _factor_notes(fields: _Fields, prefix: str, name: str, unit: str) -> list[st
         return []
     if factor is None or min(abs(factor - 1), abs(factor / known - 1)) <= SAME_FACTOR:
         return []
-    text = f'warning: {name} has the unit "{unit}", {known:g} in SI, and a factor of {factor:g} in its structure'
-    return [f"{text}; the unit was taken: give {remedy('units=')} if that is wrong"]
+    text = f'{name} has the unit "{unit}", {known:g} in SI, and a factor of {factor:g} in its structure'
+    return [warning(f"{text}; the unit was taken: give {remedy('units=')} if that is wrong")]
 
 
 def _pulse(fields: _Fields) -> Found | None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from torsionnet.core.errors import Fault, comma_list
+from torsionnet.core.notes import NoteOrText, warning
 from torsionnet.io.foreign.content import Blocks
 from torsionnet.io.records.axes import seconds_in
 from torsionnet.io.records.channel_choice import ChannelChoice
@@ -54,7 +55,7 @@ class OwnClocks:
     choices: list[ChannelChoice]
     stamps: Mapping[int, FloatArray] = field(default_factory=dict)
     faults: list[Fault] = field(default_factory=list)
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteOrText, ...] = ()
 
 
 def own_clocks(source: Source, choices: Sequence[ChannelChoice], rate: float | None = None) -> OwnClocks:
@@ -64,7 +65,7 @@ def own_clocks(source: Source, choices: Sequence[ChannelChoice], rate: float | N
     """
     clocks = {choice.channel.clock.column: choice.channel.clock for choice in choices if choice.channel.clock}
     raw = {column: next(source.blocks([column], 0), [np.empty(0)])[0] for column in clocks}
-    stamps, even, faults, notes = dict[int, FloatArray](), dict[int, Clock](), list[Fault](), list[str]()
+    stamps, even, faults, notes = dict[int, FloatArray](), dict[int, Clock](), list[Fault](), list[NoteOrText]()
     zero: float | None = None  # numbers of days count from that of the first
     for column, given in clocks.items():
         clock, said = clock_in_days(given, raw[column])
@@ -81,7 +82,7 @@ def own_clocks(source: Source, choices: Sequence[ChannelChoice], rate: float | N
         uneven = own.times is not None
         even[column] = replace(own, start=own.start - origin * scale, times=stamps[column] if uneven else None)
         faults += wrong or (order_faults(stamps[column], timed_by) if uneven else [])
-        notes += [f"warning: {clock.name} is coarser than the sampling: the rate given was taken"] * is_coarser
+        notes += [warning(f"{clock.name} is coarser than the sampling: the rate given was taken")] * is_coarser
         notes += filter(None, [said, own.note and f"{clock.name}: {own.note}"])
         notes += () if wrong or faults else time_unit_warnings(stamps[column], timed_by)
     if faults:

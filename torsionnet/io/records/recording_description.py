@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.notes import stored_note
 from torsionnet.core.plain_names import free_name
 from torsionnet.io.records.source import NOWHERE, FileChannel, Source, StoredPulses
 from torsionnet.response.measured.between_samples import Between, check_between
@@ -33,11 +34,23 @@ def recording_json(recording: Recording, keys: Sequence[str] | None = None, *, w
     """
     named = list(keys or channel_names(recording))
     signals = [
-        {"key": key, "name": signal.name, "quantity": signal.quantity, "notes": list(signal.notes), **_course(signal)}
+        {
+            "key": key,
+            "name": signal.name,
+            "quantity": signal.quantity,
+            "notes": list(map(str, signal.notes)),
+            **_course(signal),
+        }
         for key, signal in zip(named, recording, strict=False)
     ]
     pulses = [
-        {"key": key, "name": channel.name, "count": len(channel), "tick": channel.tick, "notes": list(channel.notes)}
+        {
+            "key": key,
+            "name": channel.name,
+            "count": len(channel),
+            "tick": channel.tick,
+            "notes": list(map(str, channel.notes)),
+        }
         for key, channel in zip(named[len(signals) :], recording.pulses, strict=True)
     ]
     data = {
@@ -46,7 +59,7 @@ def recording_json(recording: Recording, keys: Sequence[str] | None = None, *, w
         "time": TIME if with_time or recording.times is not None else None,
         "stamped": recording.times is not None,
         "title": recording.title,
-        "notes": list(recording.notes),
+        "notes": list(map(str, recording.notes)),
         "signals": signals,
         # A record without pulses keeps the bytes that it had before there were pulses in files.
         **({"pulses": pulses} if pulses else {}),
@@ -112,7 +125,7 @@ def with_description(source: Source, text: str) -> Source:
         pulses = tuple(_pulse_channel(source, entry) for entry in data.get("pulses", []))
         time = None if data["time"] is None else _named(source, data["time"])
         known = {"rate": float(data["sampling_rate"]), "start": float(data["start"]), "stamped": bool(data["stamped"])}
-        words = {"title": str(data["title"]), "notes": tuple(map(str, data["notes"]))}
+        words = {"title": str(data["title"]), "notes": tuple(map(stored_note, data["notes"]))}
     except (json.JSONDecodeError, KeyError, TypeError, AttributeError) as error:
         raise ValueError(
             f"the description of the recording in the file is damaged ({type(error).__name__}: {error})"
@@ -126,7 +139,7 @@ def _pulse_channel(source: Source, entry: dict[str, Any]) -> StoredPulses:
         raise TypeError(f"tick is {tick}")
     # Some formats keep no array without values.
     named = _named(source, entry["key"]) if entry["count"] else FileChannel(entry["key"], NOWHERE)
-    return StoredPulses(replace(named, name=str(entry["name"]), notes=tuple(map(str, entry["notes"]))), tick)
+    return StoredPulses(replace(named, name=str(entry["name"]), notes=tuple(map(stored_note, entry["notes"]))), tick)
 
 
 def _channel(source: Source, entry: dict[str, Any]) -> FileChannel:
@@ -136,7 +149,7 @@ def _channel(source: Source, entry: dict[str, Any]) -> FileChannel:
         name=str(entry["name"]),
         quantity=quantity,
         unit=QUANTITY_UNITS.get(quantity, ""),
-        notes=tuple(map(str, entry["notes"])),
+        notes=tuple(map(stored_note, entry["notes"])),
         between=_known_course(entry),
         course_rate=float(entry["course_rate"]) if "course_rate" in entry else None,
         rate=None,

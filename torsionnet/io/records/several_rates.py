@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from torsionnet.core.errors import Fault, ModelError, comma_list
+from torsionnet.core.notes import NoteOrText
 from torsionnet.core.remedies import remedy
 from torsionnet.io.records.channel_choice import ChannelChoice
 from torsionnet.io.records.clock import SAME_RATE_TOLERANCE
@@ -219,7 +220,7 @@ class OtherSamples:
     values: FloatArray
     rate: float
     start: float
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteOrText, ...] = ()
 
 
 def read_others(source: Source, chosen: RateChoice, file: str) -> list[OtherSamples]:
@@ -295,8 +296,9 @@ def with_others(
         raise ModelError([Fault(f"{text}from {time[0]:.6g} to {time[-1]:.6g} s; read them one by one")], file)
     new, times = record.sampling_rate, time[inside]
     losses = [
-        "; ".join([*own.notes, f"interpolated from {own.rate:g} to {new:g} Hz, {band_loss(own.values, own.rate, new)}"])
+        "; ".join([*map(str, own.notes), f"interpolated from {own.rate:g} to {new:g} Hz, {lost}"])
         for own in samples
+        for lost in [band_loss(own.values, own.rate, new)]
     ]
     made = [
         Signal(

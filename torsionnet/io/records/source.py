@@ -8,6 +8,7 @@ from typing import TypeVar
 
 from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.errors import Position
+from torsionnet.core.notes import NoteOrText
 from torsionnet.core.units import DIMENSIONS, UnitError, parse_unit
 from torsionnet.io.foreign.content import Blocks
 from torsionnet.response.measured.between_samples import Between
@@ -50,7 +51,7 @@ class FileChannel:
     quantity: str | None = None
     length: int | None = None
     position: Position | None = None
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteOrText, ...] = ()
     rate: float | None = None
     start: float | None = None
     clock: FileChannel | None = None
@@ -101,8 +102,8 @@ class Source:
     start: float = 0.0
     stamped: bool = False
     title: str = ""
-    notes: tuple[str, ...] = ()
-    discovered: list[str] = field(default_factory=list)
+    notes: tuple[NoteOrText, ...] = ()
+    discovered: list[NoteOrText] = field(default_factory=list)
     place: Callable[[int], Position | None] = lambda _row: None
     stated: StatedInterval | None = None
     pulses: tuple[StoredPulses, ...] = ()

@@ -9,6 +9,7 @@ import numpy as np
 
 from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.errors import Fault, ModelError, UsageError, unknown_name
+from torsionnet.core.notes import NoteOrText, warning
 from torsionnet.core.units import parse_unit
 from torsionnet.io.records.source import NOWHERE, FileChannel, Source, StoredPulses, is_time, time_note
 from torsionnet.response.measured.pulse_channel import PulseChannel
@@ -123,10 +124,10 @@ def pulses_of(source: Source, stored: StoredPulses, name: str) -> PulseChannel:
     factor = float(parse_unit(plain_unit(channel.unit)).factor) if reading.seconds is None and channel.unit else 1.0
     found = pulse_channel(name, raw, reading, factor)
     if reading.seconds is None:
-        said = f"converted from {channel.unit}" if factor != 1.0 else ""
+        said: NoteOrText = f"converted from {channel.unit}" if factor != 1.0 else ""
         found = replace(found, unit_known=bool(channel.unit))
         if not channel.unit and len(found) < LEAST_PULSE_RATE * np.ptp(found.times):
-            said = f"warning: no unit in the file: taken for s: {found.span}; if they are in ms, give their unit"
+            said = warning(f"no unit in the file: taken for s: {found.span}; if they are in ms, give their unit")
         found = replace(found, notes=(*found.notes, said) if said else found.notes)
     return found
 

@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from torsionnet.core.errors import ModelError
+from torsionnet.core.notes import warning
 from torsionnet.io.foreign.content import Blocks
 from torsionnet.io.records.axes import seconds_in
 from torsionnet.io.records.source import TIME_NAMES, FileChannel, Source, is_time, time_note
@@ -81,7 +82,7 @@ def with_doubts(source: Source) -> Source:
     stamps_of = _read(source, [source.time, *doubted]) if doubted else {}
     first = stamps_of.get(source.time.column, np.empty(0))
     others = [one.name for one in doubted if one.column in stamps_of and not _same(stamps_of[one.column], first)]
-    text = f"warning: {', '.join(others)} holds other times than {source.time.name}, which was taken for all channels"
+    text = warning(f"{', '.join(others)} holds other times than {source.time.name}, which was taken for all channels")
     return replace(source, notes=(*source.notes, *([text] if others else [])))
 
 

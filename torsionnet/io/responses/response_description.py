@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.core.errors import Fault, ModelError, UsageError
+from torsionnet.core.notes import stored_note
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.estimation import read_estimation
 from torsionnet.response.measured.between_samples import BetweenSamples, check_between
@@ -26,7 +27,7 @@ def description(response: FrequencyResponse) -> str:
         "outputs": [_entries(channel) for channel in response.outputs],
         "inputs": [_entries(channel) for channel in response.inputs],
         "title": response.title,
-        "notes": list(response.notes),
+        "notes": list(map(str, response.notes)),
     }
     if response.usable_up_to is not None:
         data["usable_up_to"] = response.usable_up_to
@@ -83,7 +84,7 @@ def parse_description(text: str) -> dict[str, Any]:
             "usable_up_to": None if limit is None else float(limit),
             "estimation": read_estimation(data["estimation"]) if "estimation" in data else None,
             "title": str(data["title"]),
-            "notes": tuple(map(str, data["notes"])),
+            "notes": tuple(map(stored_note, data["notes"])),
             "has_phase": bool(data.get("has_phase", True)),
         }
     except (json.JSONDecodeError, KeyError, TypeError, ValueError, UsageError) as error:

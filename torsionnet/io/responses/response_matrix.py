@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.core.errors import Fault, ModelError
+from torsionnet.core.notes import NoteOrText
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 
@@ -33,7 +34,7 @@ class ResponseMatrix:
     frequencies: FloatArray
     pairs: dict[tuple[str, str], SingleResponse] = field(default_factory=dict)
 
-    def response(self, file: str, title: str, notes: tuple[str, ...] = (), **more: Any) -> FrequencyResponse:
+    def response(self, file: str, title: str, notes: tuple[NoteOrText, ...] = (), **more: Any) -> FrequencyResponse:
         """Frequency response (n_f, n_out, n_in) in SI of the whole matrix, or ModelError if pairs or units do not fit.
 
         ModelError names missing pairs and channels with two units.

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.errors import MissingExtraError, SolveError, UsageError
+from torsionnet.core.notes import NoteOrText, warning
 from torsionnet.modal.operational.operational_modes import NORMAL_95, OperationalModes
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 from torsionnet.response.recording import Recording
@@ -120,10 +121,10 @@ def modes_from_ambient(
     if not len(poles):
         raise SolveError("no mode is stable: record longer, or give a higher order of the model")
     remarks = tuple(_remark(pole, scaled, step, tuple(orders), speeds, recording.duration) for pole in poles)
-    notes = [f"{recording.duration:.4g} s at {1 / step:.4g} Hz, model orders up to {model_order}"]
+    notes: list[NoteOrText] = [f"{recording.duration:.4g} s at {1 / step:.4g} Hz, model orders up to {model_order}"]
     notes.append("the excitation is taken for white noise; orders of a running machine are none")
     if any("order" in remark or "sine" in remark for remark in remarks):
-        notes.append("warning: some of these are orders of the machine rather than modes: see the remarks")
+        notes.append(warning("some of these are orders of the machine rather than modes: see the remarks"))
     frequencies, zeta = NORMAL_95 * errors[0], NORMAL_95 * errors[1]
     name, unit = ", ".join(channels), recording[channels[0]].unit if len(channels) == 1 else ""
     return OperationalModes(

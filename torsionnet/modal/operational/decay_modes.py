@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.core.notes import warning
 from torsionnet.modal.operational.decay_fit import ExponentialFit, fit_exponentials
 from torsionnet.modal.operational.decay_section import decay_section
 from torsionnet.modal.operational.decrement import Decrement, logarithmic_decrement
@@ -121,10 +122,10 @@ def modes_from_decay(
     notes = list(section.notes)
     if misfit > GREAT_MISFIT:
         notes.append(
-            f"warning: {misfit:.0%} of the decay (RMS) is no sum of damped vibrations: noise, or still excited"
+            warning(f"{misfit:.0%} of the decay (RMS) is no sum of damped vibrations: noise, or still excited")
         )
     if decrement is not None and decrement.depends_on_amplitude:
-        notes.append(f"warning: damping depends on amplitude: {decrement.change(signal.unit)}")
+        notes.append(warning(f"damping depends on amplitude: {decrement.change(signal.unit)}"))
     evidence = DecayFit(
         section.times, section.values, section.values - fit.residuals, fit.rest, fit.poles, fit.amplitudes, decrement,
         fit.by_count,

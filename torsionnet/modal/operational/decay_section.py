@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.core.notes import NoteOrText
 from torsionnet.modal.spectral_lines import FloatArray
 
 BLOCKS = 100
@@ -31,7 +32,7 @@ class DecaySection:
 
     times: FloatArray
     values: FloatArray
-    notes: tuple[str, ...]
+    notes: tuple[NoteOrText, ...]
 
 
 def decay_section(
@@ -86,7 +87,9 @@ def _limits(values: FloatArray) -> tuple[int, int]:
     return first, min(last, len(values) - 1)
 
 
-def _thinned(times: FloatArray, values: FloatArray, highest: float | None, notes: tuple[str, ...]) -> DecaySection:
+def _thinned(
+    times: FloatArray, values: FloatArray, highest: float | None, notes: tuple[NoteOrText, ...]
+) -> DecaySection:
     from scipy.signal import resample_poly
 
     rate = (len(times) - 1) / (times[-1] - times[0])

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 import torsionnet.modal.poles as pole_numbers
 from torsionnet.core.packages import NotebookResult
+from torsionnet.core.notes import NoteOrText
 from torsionnet.core.result_rows import Out
 from torsionnet.modal.matching import Match, MatchedMode, matched_modes
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
@@ -43,7 +44,7 @@ class OperationalModesRecord:
     channel: str
     unit: str
     method: str
-    notes: tuple[str, ...]
+    notes: tuple[NoteOrText, ...]
     modes: tuple[OperationalMode, ...]
     against_model: Annotated[tuple[MatchedMode, ...] | None, Out(optional=True)] = None
 
@@ -66,10 +67,10 @@ class OperationalModes(NotebookResult):
     evidence : object
         What the numbers were read from, for a picture: :class:`SweptFit`, :class:`DecayFit` or :class:`AmbientPoles`.
     mode_remarks : tuple of str
-        Remark on each mode, empty where there is none.
+        NoteOrText on each mode, empty where there is none.
     title : str
-    notes : tuple of str
-        Remarks on all; those to heed begin with ``warning:``.
+    notes : tuple of str or Note
+        Remarks on all; those to heed are of severity warning.
     """
 
     picture: ClassVar[str] = "operational_modes"
@@ -86,7 +87,7 @@ class OperationalModes(NotebookResult):
     evidence: object
     mode_remarks: tuple[str, ...]
     title: str = ""
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteOrText, ...] = ()
 
     def __len__(self) -> int:
         return len(self.poles)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.core.notes import NoteOrText, warning
 from torsionnet.modal.operational.operational_modes import OperationalModes
 from torsionnet.modal.operational.passage_windows import PassageWindows, passage_windows
 from torsionnet.modal.operational.swept_fit import swept_modes
@@ -149,13 +150,15 @@ def modes_from_tracked_orders(
         The resonance is not passed, or values are too few.
     """
     _check((order,), modes, background)
-    kernel = tracking_kernel(tracked.notes, revolutions, bandwidth)
+    kernel = tracking_kernel(list(map(str, tracked.notes)), revolutions, bandwidth)
     windows = tracked_windows(tracked, order, kernel, amplitudes_only)
     low, high = band or _band(windows)
     windows = windows.within(low, high)
-    notes = [f"{windows.values.shape[1]} values of the tracked order between {low:.4g} and {high:.4g} Hz"]
+    notes: list[NoteOrText] = [
+        f"{windows.values.shape[1]} values of the tracked order between {low:.4g} and {high:.4g} Hz"
+    ]
     if not kernel.known:
-        notes.append("warning: how far the tracking smears is not known; give its bandwidth, or read the signal itself")
+        notes.append(warning("how far the tracking smears is not known; give its bandwidth, or read the signal itself"))
     about = (tracked.name, tracked.quantity, tracked.unit, tracked.title)
     return swept_modes(windows, about, modes, excitation, background, tuple(notes))
 

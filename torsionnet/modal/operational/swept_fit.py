@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsionnet.core.errors import SolveError
+from torsionnet.core.notes import NoteOrText, warning
 from torsionnet.modal.operational.operational_modes import OperationalModes
 from torsionnet.modal.operational.passage_windows import PassageWindows
 from torsionnet.modal.operational.run_up_fit import RunUpFit, fit_run_up
@@ -56,7 +57,7 @@ def swept_modes(
     modes: int,
     excitation: Excitation,
     background: int,
-    notes: tuple[str, ...],
+    notes: tuple[NoteOrText, ...],
 ) -> OperationalModes:
     """Modes fitted to the windows of a passage, with intervals and remarks; about: channel, quantity, unit, title.
 
@@ -109,10 +110,10 @@ def _steady(
     return at, np.array(found)
 
 
-def _notes(fit: RunUpFit, windows: PassageWindows, excitation: Excitation, derivative: int) -> list[str]:
+def _notes(fit: RunUpFit, windows: PassageWindows, excitation: Excitation, derivative: int) -> list[NoteOrText]:
     pole = fit.poles[int(np.abs(fit.parts[:, 0]).max(axis=1).argmax())]
     f0, zeta = abs(pole) / (2 * np.pi), -pole.real / abs(pole)
-    found = []
+    found: list[NoteOrText] = []
     sweep = sweep_of(windows.times, windows.angle, windows.orders[0], excitation)
     passed = int(np.abs(np.abs(sweep.speed) - abs(pole)).argmin())
     rate = abs(float(np.gradient(sweep.speed, sweep.step)[passed])) / (2 * np.pi)
@@ -126,8 +127,10 @@ def _notes(fit: RunUpFit, windows: PassageWindows, excitation: Excitation, deriv
         )
     if fit.misfit > GREAT_MISFIT:
         found.append(
-            f"warning: the fit leaves {fit.misfit:.0%} of the amplitude (RMS): noise, more modes in the band, or an "
-            "excitation that changes with speed in another way"
+            warning(
+                f"the fit leaves {fit.misfit:.0%} of the amplitude (RMS): noise, more modes in the band, or an "
+                "excitation that changes with speed in another way"
+            )
         )
     if windows.amplitudes_only:
         found.append("amplitudes alone are fitted, phases are not known")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.notes import Note
 from torsionnet.model.report import Pair
 from torsionnet.report.document_tree import Block, Heading, Math, NumberText, Paragraph, Picture, Section, TableBlock
 from torsionnet.report.report_data import Case, ReportData, cases_of
@@ -43,7 +44,7 @@ def _test(subject: ReportData, test: Measured, number: int) -> list[Block]:
     pair = f"{channel_latex(measured.outputs[0].name)} / {channel_latex(measured.inputs[0].name)}"
     caption = (Math(pair), f", test and model{where}. Differences are test minus model.")
     alt = f"Test over model of {measured.outputs[0].name}/{measured.inputs[0].name}{where}"
-    notes = [capital(note.removeprefix("warning: ")) + "." for note in measured.notes]
+    notes = [capital(note.named if isinstance(note, Note) else note) + "." for note in measured.notes]
     drawn = comparison(measured, model, conventions=shown, title="")
     label_axes(drawn, Pair(measured.outputs[0].name, measured.inputs[0].name))
     return [

@@ -38,7 +38,7 @@ def _scenario(subject: ReportData, case: Case, name: str) -> Iterator[Block]:
         yield Remark("warning", (f"The scenario {name}{where} could not be simulated: {error}",))
         return
     words = case.drivetrain.definition.scenarios[name].words
-    yield Paragraph(tuple(f"{capital(one)}. " for one in (words, *record.notes)))
+    yield Paragraph(tuple(f"{capital(str(one))}. " for one in (words, *record.notes)))
     yield results_table(peak_table(record, ""), f"Peaks in the scenario {name}{where}", notes=False, words=str)
     if record.events:
         yield results_table(event_table(record.events), f"Events in the scenario {name}{where}", words=str)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.notes import NoteOrText
 
 PULSE_TIMES = "pulse times"
 """Quantity under which files hold the times of pulses, which are a channel of their own length in s."""
@@ -24,7 +25,7 @@ class PulseChannel:
         Times of the pulses as recorded, s, rising: nothing is repaired.
     tick : float
         Resolution of the times in s, the step of the counter that stamped them; 0 where it is not known.
-    notes : tuple of str
+    notes : tuple of str or Note
         Origin of the times: counter, level of a tooth signal.
     unit_known : bool
         Whether the unit of the recorded times was given; else they were taken for s.
@@ -43,7 +44,7 @@ class PulseChannel:
     name: str
     times: NDArray[np.float64]
     tick: float = 0.0
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteOrText, ...] = ()
     unit_known: bool = True
 
     def __post_init__(self) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from torsionnet.core.errors import UsageError
 from torsionnet.core.packages import NotebookResult
+from torsionnet.core.notes import NoteOrText
 from torsionnet.core.result_rows import NUMBER_ROWS, NUMBERS, Out
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
@@ -46,7 +47,7 @@ class TrackedOrders(NotebookResult):
     reference : str
         Where phi is 0, in words; empty where phases have no reference and only amplitudes can be compared.
     title : str
-    notes : tuple of str
+    notes : tuple of str or Note
         Method, bandwidth, repairs.
     undecided : tuple of float
         Orders whose sign is not known, since which turn of a cycle begins at the reference is not: their values are
@@ -77,7 +78,7 @@ class TrackedOrders(NotebookResult):
     half_range: FloatArray | None = None
     reference: str = ""
     title: str = ""
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteOrText, ...] = ()
     undecided: tuple[float, ...] = ()
     related_within: tuple[float, ...] = ()
 
@@ -143,7 +144,7 @@ class TrackedOrders(NotebookResult):
             f"{self.rpm[int(self.half_range.argmax())]:.5g} rpm",
         )  # fmt: skip
         title = f"{self.title}: {self.name}" if self.title else self.name
-        return Table(f"{title}, {len(self.times)} speeds", columns, tuple(rows), (*half, where, *self.notes))
+        return Table(f"{title}, {len(self.times)} speeds", columns, tuple(rows), (*half, where, *map(str, self.notes)))
 
     def record(self) -> TrackedOrdersRecord:
         """Tracked orders of the channel as plain data for JSON, amplitudes in SI units, speeds in rpm."""
@@ -161,7 +162,7 @@ class TrackedOrdersRecord:
     unit: str
     reference: str
     undecided: Annotated[tuple[float, ...], Out(schema={**NUMBERS, "description": "orders without a phase"})]
-    notes: tuple[str, ...]
+    notes: tuple[NoteOrText, ...]
     orders: FloatArray
     times: Annotated[FloatArray, Out(json="times_s")]
     speeds: Annotated[FloatArray, Out(json="speeds_rpm")]

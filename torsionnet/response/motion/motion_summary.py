@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
+from torsionnet.core.notes import NoteOrText
 from torsionnet.core.result_rows import Out
 from torsionnet.response.motion.motion_event import MotionEvent
 from torsionnet.response.table import Table, result_table
@@ -73,7 +74,7 @@ class SimulationRecord:
     peaks: tuple[SignalPeaks, ...]
     events: tuple[EventRecord, ...]
     energy: Annotated[EnergyRecord | None, Out(optional=True)]
-    notes: tuple[str, ...]
+    notes: tuple[NoteOrText, ...]
 
 
 def signal_peaks(recording: Recording) -> tuple[SignalPeaks, ...]:

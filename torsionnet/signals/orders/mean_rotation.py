@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.notes import Note, NoteOrText
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.orders.cycle_integrals import Cycles, cycles_of
@@ -49,14 +50,14 @@ class MeanRotation:
         Mean angle at these times, rad.
     name : str
         Channel or wheel it was read from.
-    notes : tuple of str
+    notes : tuple of str or Note
     """
 
     cycle: int
     ends: FloatArray
     angles: FloatArray
     name: str
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteOrText, ...] = ()
     _parts: tuple[Any, ...] = field(repr=False, default=())
 
     def angle(self, times: FloatArray) -> FloatArray:
@@ -121,7 +122,7 @@ def mean_rotation(
     else:
         read, label = _of_channel(source, name), name
     found = mean_of_cycles(cycles_of(read, 2 * np.pi * cycle, label), cycle, label)
-    return replace(found, notes=(*found.notes, *(f"{label}: {remark}" for remark in remarks)))
+    return replace(found, notes=(*found.notes, *(Note(remark, channel=label) for remark in remarks)))
 
 
 def mean_of_cycles(cycles: Cycles, cycle: int, name: str) -> MeanRotation:

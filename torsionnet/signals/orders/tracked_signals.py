@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.notes import NoteOrText
 from torsionnet.response.frequency_response import ComplexArray
 from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.response.recording import FloatArray, Signal
@@ -65,7 +66,7 @@ class Tracked:
     transmitted: Callable[[float], FloatArray]
     samples: Callable[[float, float], tuple[FloatArray, FloatArray]]
     uncertain: Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteOrText, ...] = ()
     lost: Callable[[FloatArray], NDArray[np.bool_]] | None = None
     remarks: Callable[[str], tuple[str, ...]] = lambda _: ()
 
@@ -219,7 +220,7 @@ def _of_pattern(wheel: WheelRotation, orders: FloatArray, mean: MeanRotation) ->
 
 def tracked_values(
     signal: Signal, orders: FloatArray, times: FloatArray, speeds: FloatArray, values: ComplexArray,
-    widths: FloatArray, half_range: FloatArray | None, zero: PhaseReference, notes: tuple[str, ...],
+    widths: FloatArray, half_range: FloatArray | None, zero: PhaseReference, notes: tuple[NoteOrText, ...],
     related_within: tuple[float, ...] = (),
 ) -> TrackedOrders:  # fmt: skip
     """Orders of one signal in SI, those whose sign is not known as amplitudes without a phase."""

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.notes import warning
 from torsionnet.response.recording import FloatArray, Recording, Signal
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation
 from torsionnet.signals.sample_counts import even_times
@@ -67,7 +68,7 @@ def angle_record(
         rate = sampling_rate or max(float(np.ceil(1 / np.diff(one.times).min())) for one in wheels)
         times = even_times(float(first), float(last), rate, max(len(one.times) for one in wheels), "pulses")
         kept = replace(kept, sampling_rate=rate, start=float(first))
-    notes += [f"warning: {text}" for text in (*_unequal(wheels, first, last), *_coarse(wheels, kept.sampling_rate))]
+    notes += [warning(text) for text in (*_unequal(wheels, first, last), *_coarse(wheels, kept.sampling_rate))]
     made = tuple(signal for wheel in wheels for signal in _signals(wheel, times))
     return replace(kept, signals=(*kept.signals, *made), notes=tuple(notes))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
+from torsionnet.core.notes import NoteOrText
 from torsionnet.core.result_rows import Out
 from torsionnet.response.recording import FloatArray
 
@@ -41,4 +42,4 @@ class CalibrationRecord:
     positions: Annotated[FloatArray, Out(json="positions_rad")]
     half_widths: Annotated[FloatArray, Out(json="half_widths_rad")]
     orders: tuple[PitchOrderRecord, ...]
-    notes: tuple[str, ...]
+    notes: tuple[NoteOrText, ...]

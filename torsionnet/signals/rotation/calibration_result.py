@@ -10,6 +10,7 @@ import numpy as np
 
 from torsionnet.core.errors import comma_list
 from torsionnet.core.packages import NotebookResult
+from torsionnet.core.notes import NoteOrText
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.measured.wheel_pattern import WheelPattern
@@ -60,7 +61,7 @@ class WheelCalibration(NotebookResult):
     angle_half_width: float = 0.0
     source: str = ""
     known: bool = True
-    remarks: tuple[str, ...] = ()
+    remarks: tuple[NoteOrText, ...] = ()
 
     @property
     def title(self) -> str:
@@ -68,7 +69,7 @@ class WheelCalibration(NotebookResult):
         return f"Pitch pattern of {self.pattern.name or 'the wheel'}, {self.pattern.teeth} teeth"
 
     @property
-    def notes(self) -> tuple[str, ...]:
+    def notes(self) -> tuple[NoteOrText, ...]:
         """Notes on speeds, methods, what is unresolved and why, as sentences."""
         low, high = (speed * RPM for speed in self.speeds)
         notes = [f"{self.windows} windows of {self.revolutions} revolutions at {low:.4g} to {high:.4g} rpm"]
@@ -97,7 +98,7 @@ class WheelCalibration(NotebookResult):
 
     def stored(self) -> WheelPattern:
         """Pattern of the calibrated wheel in rad with the notes that its file keeps."""
-        return replace(self.pattern, notes=self.notes)
+        return replace(self.pattern, notes=tuple(map(str, self.notes)))
 
     def table(self, conventions: Conventions = SI) -> Table:
         """Table of the pitch pattern order by order, with amplitude, interval and method."""
@@ -111,7 +112,9 @@ class WheelCalibration(NotebookResult):
             Column("by"),
             Column("gain", "", 3),
         )
-        return Table(self.title, columns, tuple(self._row(row, scale) for row in self.orders), self.notes)
+        return Table(
+            self.title, columns, tuple(self._row(row, scale) for row in self.orders), tuple(map(str, self.notes))
+        )
 
     def _row(self, row: PitchOrder, scale: float) -> tuple[Any, ...]:
         half = row.half_width * scale if math.isfinite(row.half_width) else None

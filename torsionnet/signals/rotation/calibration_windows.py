@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.notes import NoteOrText
 from torsionnet.core.units import RPM
 from torsionnet.response.frequency_response import ComplexArray
 from torsionnet.response.measured.pulse_channel import PulseChannel
@@ -55,7 +56,7 @@ class TestWindows:
     windows: tuple[Window, ...]
     second: tuple[Shown, ...] = ()
     load: str = ""
-    remarks: tuple[str, ...] = ()
+    remarks: tuple[NoteOrText, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

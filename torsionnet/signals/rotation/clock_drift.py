@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.notes import NoteOrText
 from torsionnet.response.recording import FloatArray, Recording
 from torsionnet.signals.resampling import interpolated_at
 
@@ -52,7 +53,7 @@ class ClockDrift:
     offset: float
     offset_half_width: float
     period: float = 0.0
-    remarks: tuple[str, ...] = ()
+    remarks: tuple[NoteOrText, ...] = ()
 
     def to_first(self, times: FloatArray) -> FloatArray:
         """Times in s on the first clock of times in s on the second, shape (n,)."""

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.core.errors import UsageError, comma_list
+from torsionnet.core.notes import NoteOrText, warning
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.rotation.pulse_reading import PulseReading
@@ -127,7 +128,7 @@ def _whole(name: str, raw: FloatArray) -> FloatArray:
     return raw
 
 
-def _unwrapped(name: str, counts: FloatArray, reading: PulseReading) -> tuple[FloatArray, list[str]]:
+def _unwrapped(name: str, counts: FloatArray, reading: PulseReading) -> tuple[FloatArray, list[NoteOrText]]:
     """Counts that no longer wrap, and remarks on the wraps."""
     if reading.bits is None:
         fall = np.flatnonzero(np.diff(counts) < 0)
@@ -140,7 +141,7 @@ def _unwrapped(name: str, counts: FloatArray, reading: PulseReading) -> tuple[Fl
             )
         return counts, []
     span = 2.0**reading.bits
-    remarks = list[str]()
+    remarks = list[NoteOrText]()
     if (counts < 0).any() and float(counts.min()) >= -span / 2 and float(counts.max()) < span / 2:
         remarks.append(f"counts from {counts.min():.0f}: read as numbers of {reading.bits} bits without a sign")
         counts = np.where(counts < 0, counts + span, counts)
@@ -161,9 +162,9 @@ def _unwrapped(name: str, counts: FloatArray, reading: PulseReading) -> tuple[Fl
     assert seconds is not None
     longest = float(steps.max()) * seconds if len(steps) else 0.0
     limit = f"pulses more than {span * seconds:.4g} s apart cannot be told from closer ones"
-    remarks.append(f"{limit}: below {1 / (span * seconds):.4g} pulses a second")
-    if longest > NEAR_WRAP * span * seconds:
-        remarks[-1] = f"warning: {remarks[-1]}; the longest interval is {longest:.4g} s"
+    limit += f": below {1 / (span * seconds):.4g} pulses a second"
+    is_near = longest > NEAR_WRAP * span * seconds
+    remarks.append(warning(f"{limit}; the longest interval is {longest:.4g} s") if is_near else limit)
     return found, remarks
 
 
@@ -187,16 +188,15 @@ def _check_wraps(name: str, steps: FloatArray, span: float, reading: PulseReadin
     )
 
 
-def _without_equal(counts: FloatArray) -> tuple[FloatArray, tuple[str, ...]]:
+def _without_equal(counts: FloatArray) -> tuple[FloatArray, tuple[NoteOrText, ...]]:
     """Counts without those equal to the one before, and a remark that counts these."""
     equal = np.flatnonzero(np.diff(counts) == 0) + 1
     if not len(equal):
         return counts, ()
     where = comma_list([f"pulse {place}" for place in equal], MOST_LISTED)
     kept: Any = np.delete(counts, equal)
-    return kept, (
-        f"warning: {len(equal)} pulse{'s' * (len(equal) > 1)} at the count of the one before left out: {where}",
-    )
+    text = f"{len(equal)} pulse{'s' * (len(equal) > 1)} at the count of the one before left out: {where}"
+    return kept, (warning(text),)
 
 
 def _clock_note(reading: PulseReading, seconds: float) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.notes import NoteOrText
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.recording import FloatArray
 
@@ -47,7 +48,7 @@ def quadrature_pulses(
     second: tuple[FloatArray, FloatArray],
     *,
     edge: str = "rising",
-    notes: tuple[str, ...] = (),
+    notes: tuple[NoteOrText, ...] = (),
 ) -> DirectedPulses:
     """Pulses of the first track of an encoder with the direction that the second tells.
 

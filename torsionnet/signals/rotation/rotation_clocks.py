@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.notes import warning
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.rotation.clock_drift import (
     COMMON,
@@ -134,7 +135,7 @@ def _result(
         return ClockDrift(drift, float(half[1]), offset, float(half[2]), 0.0, (f"{said}, offset {offset:.6g} s",))
     if same_start:
         return ClockDrift(drift, float(half[1]), 0.0, 0.0, 0.0, (f"{said}, started together",))
-    open_ = f"warning: at steady speed the offset stays open by whole turns of {turn:.4g} s and within one; {COMMON}"
+    open_ = warning(f"at steady speed the offset stays open by whole turns of {turn:.4g} s and within one; {COMMON}")
     return ClockDrift(drift, float(half[1]), offset, float("inf"), turn, (said, open_))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.notes import NoteOrText, warning
 from torsionnet.response.recording import FloatArray, Recording
 from torsionnet.signals.resampling import interpolated_at
 from torsionnet.signals.rotation.clock_drift import (
@@ -126,10 +127,10 @@ def _line(times: FloatArray, delays: FloatArray, weights: FloatArray, period: fl
     inverse = np.linalg.inv(matrix.T @ matrix)
     half = HALF_WIDTH_DEVIATIONS * deviation * np.sqrt(np.diag(inverse) * variance_factor(left))
     said = f"clocks from the delay of {name} in {len(times)} windows: {1e6 * found[1]:.4g} ppm, offset {found[0]:.6g} s"
-    remarks = [said]
+    remarks: list[NoteOrText] = [said]
     if period:
-        text = f"warning: {name} repeats itself: the offset is open by whole multiples of {period:.4g} s"
-        remarks.append(f"{text}; {COMMON}")
+        text = f"{name} repeats itself: the offset is open by whole multiples of {period:.4g} s"
+        remarks.append(warning(f"{text}; {COMMON}"))
     return ClockDrift(
         float(found[1]), float(half[1]), float(found[0]), float("inf") if period else float(half[0]), period,
         tuple(remarks),

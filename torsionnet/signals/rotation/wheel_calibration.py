@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.notes import Note, warning
 from torsionnet.response.frequency_response import ComplexArray
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.measured.wheel_pattern import WheelPattern
@@ -296,7 +297,7 @@ def _over_windows(stack: Stack, positions: FloatArray) -> tuple[FloatArray, Floa
     return mean, student(freedom) * np.sqrt(variance / np.maximum(count, 1)), variance
 
 
-def _loose(stack: Stack, positions: FloatArray, wheel: Wheel) -> list[str]:
+def _loose(stack: Stack, positions: FloatArray, wheel: Wheel) -> list[Note]:
     """Warning where the teeth do not return to their places from window to window; a list of one text, or empty."""
     left = np.array([shown.left(positions) for shown in stack.first])
     if len(left) < 2:
@@ -305,9 +306,11 @@ def _loose(stack: Stack, positions: FloatArray, wheel: Wheel) -> list[str]:
     if share <= LOOSE_SHARE:
         return []
     return [
-        f"warning: the teeth scatter by {100 * share:.2g} % of a pitch from window to window: the pulses jitter, or "
-        f"the wheel has another number than {wheel.teeth} teeth; count them, or record an index pulse, which confirms "
-        "the number"
+        warning(
+            f"the teeth scatter by {100 * share:.2g} % of a pitch from window to window: the pulses jitter, or "
+            f"the wheel has another number than {wheel.teeth} teeth; count them, or record an index pulse, which "
+            "confirms the number"
+        )
     ]
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.core.notes import NoteOrText
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.measured.wheel_pattern import WheelPattern
 from torsionnet.response.recording import FloatArray
@@ -76,7 +77,7 @@ class WheelRotation:
     times: FloatArray
     numbers: NDArray[np.intp]
     rotation: Rotation | ReversingRotation
-    remarks: tuple[str, ...] = ()
+    remarks: tuple[NoteOrText, ...] = ()
     deviations: PulseDeviations = PulseDeviations()
     gap: str = ""
     zero: str = "the tooth of the first pulse"

@@ -6,10 +6,8 @@ from collections.abc import Sequence
 
 from torsionnet.core.delimited.number_rows import NumberRows
 from torsionnet.core.errors import Fault, ModelError
+from torsionnet.core.notes import NoteOrText
 from torsionnet.io.records.source import FileChannel
-
-EMPTY_CELLS_NOTE = " empty cells are NaN"
-"""End of the note on a text file's empty cells, by which an earlier note is found."""
 
 
 def check_lengths(rows: NumberRows, channels: Sequence[FileChannel], file: str) -> None:
@@ -20,11 +18,17 @@ def check_lengths(rows: NumberRows, channels: Sequence[FileChannel], file: str) 
         raise ModelError([Fault(f"channels of different lengths: {sizes} values")], file)
 
 
-def count_empty(rows: NumberRows, columns: Sequence[int], discovered: list[str]) -> None:
-    """Update the note on how many cells of a text file were empty so far."""
-    empty = int(rows.empty[list(columns)].sum())
-    if empty:
-        discovered[:] = [
-            *(note for note in discovered if not note.endswith(EMPTY_CELLS_NOTE)),
-            f"{empty}{EMPTY_CELLS_NOTE}",
-        ]
+class EmptyCells:
+    """Note on how many cells of a text file were empty so far, among the other notes on the file."""
+
+    def __init__(self, discovered: list[NoteOrText]) -> None:
+        self.discovered = discovered
+        self.said = ""
+
+    def count(self, rows: NumberRows, columns: Sequence[int]) -> None:
+        """Put the number of cells that are empty by now in place of the one before."""
+        empty = int(rows.empty[list(columns)].sum())
+        if empty:
+            kept = [note for note in self.discovered if note != self.said]
+            self.said = f"{empty} empty cells are NaN"
+            self.discovered[:] = [*kept, self.said]

@@ -11,7 +11,8 @@ import numpy as np
 from torsionnet.core.delimited.dialect import Dialect
 from torsionnet.core.delimited.number_rows import NumberRows
 from torsionnet.core.errors import Fault, ModelError, Position
-from torsionnet.io.formats.text.channel_lengths import check_lengths, count_empty
+from torsionnet.core.notes import NoteOrText
+from torsionnet.io.formats.text.channel_lengths import EmptyCells, check_lengths
 from torsionnet.io.formats.text.labview_header import Segment, next_segment
 from torsionnet.io.formats.text.labview_lines import COMMENT, X_VALUE, HeadedLines, dialect_of
 from torsionnet.io.records.source import FileChannel, Source, StatedInterval
@@ -48,7 +49,7 @@ def labview_source(
         notes.append(f"begins at {first.begun}, as the header says")
     if any(first.labels[at] == COMMENT and _filled(cells, at) for cells in rows for at in range(first.width)):
         notes.append("the column of comments was passed over")
-    discovered: list[str] = []
+    discovered: list[NoteOrText] = []
     reader = _Reader(file, name, dialect, [*channels, *([time] if time else [])], has_times, discovered)
     stated = None
     if time and first.interval and first.interval_place:
@@ -78,11 +79,12 @@ class _Reader:
         dialect: Dialect,
         channels: Sequence[FileChannel],
         has_times: bool,
-        discovered: list[str],
+        discovered: list[NoteOrText],
     ) -> None:
         self.file, self.name, self.dialect, self.has_times = file, name, dialect, has_times
         self.channels = {channel.column: channel for channel in channels}
         self.discovered = discovered
+        self.empty_cells = EmptyCells(discovered)
         self.begun: list[tuple[int, int]] = []
         self.seams: list[tuple[int, float]] = []
 
@@ -126,7 +128,7 @@ class _Reader:
             for block in rows.blocks(asked, count):
                 if not count:
                     check_lengths(rows, [self.channels[column] for column in columns], self.name)
-                count_empty(rows, columns, self.discovered)
+                self.empty_cells.count(rows, columns)
                 self._check_times(block[len(columns) :], segment)
                 for piece in _parts(block, within, self._samples(segment)):
                     is_apart = done > 0 and self._is_apart(first, segment, (done - begin, within), piece, end)

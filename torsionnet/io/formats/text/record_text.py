@@ -16,8 +16,9 @@ from torsionnet.core.delimited.number_rows import NumberRows
 from torsionnet.core.delimited.stamp_formats import stamp_columns
 from torsionnet.core.delimited.time_stamps import StampReader
 from torsionnet.core.errors import Fault, ModelError, Position, UsageError
+from torsionnet.core.notes import NoteOrText
 from torsionnet.core.remedies import remedy
-from torsionnet.io.formats.text.channel_lengths import check_lengths, count_empty
+from torsionnet.io.formats.text.channel_lengths import EmptyCells, check_lengths
 from torsionnet.io.formats.text.csv_columns import description_in, write_columns
 from torsionnet.io.formats.text.labview_lines import is_labview
 from torsionnet.io.formats.text.labview_text import labview_source
@@ -141,7 +142,8 @@ def _source(
     *,
     own: bool,
 ) -> Source:
-    discovered: list[str] = []
+    discovered: list[NoteOrText] = []
+    empty_cells = EmptyCells(discovered)
     width, start = len(heading.names), file.tell()
     first, place = begin
     channels = [
@@ -169,7 +171,7 @@ def _source(
             block = [values + late[clock] if at in clock else values for at, values in zip(columns, read, strict=True)]
             if not count:
                 check_lengths(rows, [known[column] for column in columns], path.name)
-            count_empty(rows, columns, discovered)
+            empty_cells.count(rows, columns)
             if clocks and clock == clocks[0] and rows.stamps.first and not rows.faults:
                 zero_note = f"time counts from the first stamp, {rows.stamps.first}"
                 discovered[:] = [*(note for note in discovered if note != zero_note), zero_note]

@@ -128,7 +128,7 @@ def _dataset(recording: Recording, signal: Signal, number: int) -> dict[str, Any
     at = f" at {signal.course_rate!r} Hz" if signal.course_rate else ""
     runs = "" if signal.between == "band_limited" else f"; {signal.between} between samples{at}"
     lines = [signal.name, f"{signal.quantity}{runs}", f"sampling rate {recording.sampling_rate!r} Hz", recording.title,
-             next(iter(recording.notes), "")]  # fmt: skip
+             str(next(iter(recording.notes), ""))]  # fmt: skip
     return function_dataset(
         lines, func_type=TIME_RESPONSE, rsp_node=number, rsp_dir=0, ref_node=0, ref_dir=0,
         ver_num=len(recording.signals) - number, rsp_ent_name="NONE", ref_ent_name="NONE",

@@ -10,6 +10,7 @@ import numpy as np
 
 from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.errors import Fault, ModelError
+from torsionnet.core.notes import NoteOrText, warning
 from torsionnet.core.units import UnitError, parse_unit
 from torsionnet.io.formats.uff.datasets import (
     COHERENCE,
@@ -72,7 +73,7 @@ def response_of_datasets(sets: Sequence[dict[str, Any]], path: Path) -> Frequenc
     more = {
         "conditioning": conditioning[0] if conditioning else None,
         "usable_up_to": usable_limit_in([text_in(first, "id3")]),
-        "estimation": estimation_in(notes),
+        "estimation": estimation_in(map(str, notes)),
     }
     return matrix.response(path.name, text_in(first, "id2") or path.stem, notes, **more)
 
@@ -107,9 +108,9 @@ def _add(matrix: ResponseMatrix, number: int, item: dict[str, Any], units: FileU
     return []
 
 
-def _unit_notes(functions: Sequence[tuple[int, dict[str, Any]]], units: Sequence[FileUnits]) -> list[str]:
+def _unit_notes(functions: Sequence[tuple[int, dict[str, Any]]], units: Sequence[FileUnits]) -> list[NoteOrText]:
     """Notes on torques in the units of the file, and a warning on those whose label says another unit."""
-    notes = dict[str, None]()
+    notes = dict[NoteOrText, None]()
     for number, item in functions:
         own, name = units[number - 1].factors.get("torque", 1.0), units[number - 1].name
         for axis in ("ordinate", "orddenom"):
@@ -121,7 +122,7 @@ def _unit_notes(functions: Sequence[tuple[int, dict[str, Any]]], units: Sequence
             if not label:
                 notes[text] = None
             elif abs(factor / own - 1) > SAME_FACTOR:
-                notes[f"warning: {text}, but a torque has the label {label}, which was taken"] = None
+                notes[warning(f"{text}, but a torque has the label {label}, which was taken")] = None
     return list(notes)
 
 

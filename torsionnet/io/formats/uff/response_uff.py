@@ -104,7 +104,7 @@ def _datasets(response: FrequencyResponse) -> Iterator[dict[str, Any]]:
 
 def _common(response: FrequencyResponse) -> dict[str, Any]:
     # How it was estimated goes first: a fit needs it to know how certain the lines are.
-    notes = sorted(response.notes, key=lambda note: estimation_in([note]) is None)
+    notes = sorted(map(str, response.notes), key=lambda note: estimation_in([note]) is None)
     lines = ("", response.title, usable_limit_text(response), *notes[:2], "", "")[:5]
     frequencies = np.asarray(response.frequencies, dtype=float)
     return function_dataset(
