@@ -11,10 +11,12 @@ from click.testing import CliRunner
 
 from torsionnet.cli.app import app
 from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.core.notes import Note, warning
 from torsionnet.io import read_tracked_orders, write_recording, write_tracked_orders
 from torsionnet.io.tracked_order_tables import is_tracked_table
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.response.measured.tracking_kernel import TrackingKernel
 from torsionnet.response.recording import Recording, Signal
 from torsionnet.signals.orders.derived_orders import order_slices, stress_orders
 from torsionnet.signals.orders.tracking_entries import BANDWIDTH, ORDERS
@@ -152,14 +154,27 @@ def tracked(**more):
 
 def test_a_file_keeps_everything(tmp_path):
     file = tmp_path / "o.csv"
-    one = tracked(title="run")
+    notes = ("a", warning("b, c"), Note("1 pulse missing", channel="T 1"))
+    one = tracked(title="run", notes=notes, tracking=TrackingKernel(share=0.1, poles=3))
     write_tracked_orders([one, replace(tracked(half_range=None), name="U")], file)
     assert is_tracked_table(file)
     again, _ = read_tracked_orders(file)
     for name in ("orders", "times", "speeds", "values", "half_widths", "half_range"):
         np.testing.assert_allclose(getattr(again, name), getattr(one, name), err_msg=name)
     assert (again.name, again.unit, again.reference, again.undecided) == ("T 1", "N*m", "tooth 0", (0.5,))
-    assert (again.title, again.notes) == ("run", ("a", "b, c"))
+    assert (again.title, again.notes, again.tracking) == ("run", notes, one.tracking)
+
+
+@pytest.mark.parametrize(("note", "tracking"), [
+    ("Vold-Kalman filter of 3 poles, bandwidth 4 Hz between", TrackingKernel(4.0, poles=3)),
+    ("Vold-Kalman filter of 2 poles, bandwidth 5 % of the order's frequency", TrackingKernel(share=0.05)),
+    ("synchronous average over blocks of 8 cycles of 2 turns, intervals", TrackingKernel(revolutions=16.0, taper=2.0)),
+    ("recorded", TrackingKernel()),
+])  # fmt: skip
+def test_older_files_tell_in_notes_how_orders_were_tracked(note, tracking, tmp_path):
+    write_tracked_orders([tracked(notes=(note,))], tmp_path / "o.csv")
+    assert "# tracking" not in (tmp_path / "o.csv").read_text()
+    assert read_tracked_orders(tmp_path / "o.csv")[0].tracking == tracking
 
 
 def test_faults_of_a_file_have_their_place(tmp_path):

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 import os
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +19,7 @@ from torsionnet.core.errors import Fault, ModelError, Position, UsageError
 from torsionnet.core.notes import Note, NoteOrText, stored_note
 from torsionnet.core.units import RPM, UnitError, convert
 from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.response.measured.tracking_kernel import VOLD_KALMAN_POLES, TrackingKernel
 from torsionnet.response.recording import QUANTITY_UNITS, FloatArray
 
 LEADING_COLUMNS = ("time [s]", "speed [rpm]", "order")
@@ -25,6 +28,10 @@ PARTS = ("real", "imag", "half_width", "half_range")
 """Columns of each channel: complex peak amplitude, half width of its interval, half range of the signal."""
 _COLUMN = re.compile(r"(?P<name>.*) (?P<part>real|imag|half_width|half_range) \[(?P<unit>[^\]]*)\]")
 _TITLE, _REFERENCE, _NOTE, _UNDECIDED, _RELATED = "title", "reference", "note", "sign undecided", "related within [s]"
+_TRACKING = "tracking"
+_FILTER = re.compile(r"Vold-Kalman filter of (\d) poles, bandwidth ([\d.e+-]+) (Hz|% of the order's frequency)")
+_BLOCKS = re.compile(r"average over blocks of (\d+) cycles of (\d+) turns")
+"""Notes that tell how orders were tracked in files without a line of their own for it."""
 _KNOWN = "torque, angle, velocity, acceleration or stress"
 MOST_FAULTS = 20
 """Most faulty cells of a file that a message lists."""
@@ -61,6 +68,8 @@ def tracked_orders_text(orders: Sequence[TrackedOrders]) -> str:
     heads = [(_TITLE, first.title), (_REFERENCE, first.reference)]
     heads += [(_UNDECIDED, ", ".join(f"{order!r}" for order in first.undecided))]
     heads += [(_RELATED, ", ".join(f"{time:.6g}" for time in first.related_within))]
+    known = {name: value for name, value in asdict(first.tracking).items() if value}
+    heads += [(_TRACKING, json.dumps(known) if first.tracking.known else "")]
     for one in orders:
         heads += [(_NOTE, f"{one.name}: {note}") for note in one.notes]
     for key, text in heads:
@@ -118,6 +127,7 @@ def read_tracked_orders(path: str | os.PathLike[str]) -> tuple[TrackedOrders, ..
     sorted_rows = numbers[np.lexsort((numbers[:, 2], numbers[:, 0]))].reshape(len(times), len(orders), -1)
     undecided = tuple(float(text) for text in heads.get(_UNDECIDED, "").split(",") if text.strip())
     related = tuple(float(text) for text in heads.get(_RELATED, "").split(",") if text.strip())
+    tracking = _tracking(file, heads.get(_TRACKING, ""), notes)
     found = []
     for name, (quantity, columns) in channels.items():
         parts = {part: sorted_rows[:, :, place] * factor for part, (place, factor) in columns.items()}
@@ -126,9 +136,28 @@ def read_tracked_orders(path: str | os.PathLike[str]) -> tuple[TrackedOrders, ..
         found.append(TrackedOrders(
             name, quantity, orders, times, numbers[begins, 1] / RPM, (parts["real"] + 1j * parts["imag"]).T, widths.T,
             None if half is None or np.isnan(half).all() else half, heads.get(_REFERENCE, ""), heads.get(_TITLE, ""),
-            tuple(_notes(notes, name)), undecided, related,
+            tuple(_notes(notes, name)), undecided, related, tracking,
         ))  # fmt: skip
     return tuple(found)
+
+
+def _tracking(file: Path, text: str, notes: Iterable[str]) -> TrackingKernel:
+    """How orders were tracked, by the line of a file, or by the notes of an older file."""
+    try:
+        if text:
+            said = {str(name): float(value) for name, value in json.loads(text).items()}
+            poles = int(said.pop("poles", VOLD_KALMAN_POLES))
+            return TrackingKernel(**said, poles=poles)
+    except (ValueError, TypeError, AttributeError) as error:
+        raise UsageError(f"the line {_TRACKING} of {file} is damaged: {error}") from None
+    for note in notes:
+        if found := _FILTER.search(note):
+            poles, width, unit = int(found[1]), float(found[2]), found[3]
+            return TrackingKernel(width if unit == "Hz" else 0.0, 0.0 if unit == "Hz" else width / 100, poles)
+        if found := _BLOCKS.search(note):
+            cycles, turns = int(found[1]), int(found[2])
+            return TrackingKernel(revolutions=float(cycles * turns), taper=float(turns))
+    return TrackingKernel()
 
 
 def _notes(lines: Iterable[str], name: str) -> Iterator[NoteOrText]:

@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from torsionnet.response.recording import Recording
-
-_NOTE = re.compile(
-    r"(?P<estimator>H\w+)( with .+?)?, Welch, (?P<window>\w+) (?P<seconds>\S+) s, overlap (?P<overlap>[\d.]+)%, "
-    r"detrend (?P<detrend>\w+), (?P<averages>\d+) averages worth (?P<effective>[\d.]+)\b.*"
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,18 +84,3 @@ def read_estimation(data: Mapping[str, Any]) -> Estimation:
         references=tuple(map(str, data.get("references", ()))),
         aligned=float(data.get("aligned", 0.0)),
     )
-
-
-def estimation_in(notes: Iterable[str]) -> Estimation | None:
-    """Averaging data of an estimated response, read from the text of its notes, None if no note has them.
-
-    >>> estimation_in(["H1, Welch, hann 8 s, overlap 75%, detrend mean, 21 averages worth 11.8 without"]).seconds
-    8.0
-    """
-    for note in notes:
-        found = _NOTE.fullmatch(note)
-        if found:
-            seconds, overlap, effective = (float(found[key]) for key in ("seconds", "overlap", "effective"))
-            names = found["estimator"], found["window"]
-            return Estimation(*names, seconds, overlap / 100, found["detrend"], int(found["averages"]), effective)
-    return None

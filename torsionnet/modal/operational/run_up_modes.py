@@ -13,9 +13,9 @@ from torsionnet.modal.operational.passage_windows import PassageWindows, passage
 from torsionnet.modal.operational.swept_fit import swept_modes
 from torsionnet.modal.operational.swept_response import Excitation
 from torsionnet.modal.operational.tracked_windows import tracked_windows
-from torsionnet.modal.operational.tracking_kernel import tracking_kernel
 from torsionnet.modal.spectral_lines import FloatArray
 from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.response.measured.tracking_kernel import TrackingKernel
 from torsionnet.response.recording import Recording
 from torsionnet.signals.orders.mean_rotation import MeanRotation, mean_rotation
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation
@@ -138,7 +138,7 @@ def modes_from_tracked_orders(
     amplitudes_only : bool, optional
         Leave phases out; default: where the values have none.
     revolutions, bandwidth : float, optional
-        How the order was tracked, unless the notes of the tracked order say so: length of a Hann window, or -3 dB
+        How the order was tracked, unless ``tracked.tracking`` says so: length of a Hann window, or -3 dB
         bandwidth in Hz of a two-pole Vold-Kalman filter. The fitted response is smeared in the same way. Where nothing
         is known it is not smeared, and a remark says so.
 
@@ -150,7 +150,7 @@ def modes_from_tracked_orders(
         The resonance is not passed, or values are too few.
     """
     _check((order,), modes, background)
-    kernel = tracking_kernel(list(map(str, tracked.notes)), revolutions, bandwidth)
+    kernel = _kernel(tracked, revolutions, bandwidth)
     windows = tracked_windows(tracked, order, kernel, amplitudes_only)
     low, high = band or _band(windows)
     windows = windows.within(low, high)
@@ -161,6 +161,15 @@ def modes_from_tracked_orders(
         notes.append(warning("how far the tracking smears is not known; give its bandwidth, or read the signal itself"))
     about = (tracked.name, tracked.quantity, tracked.unit, tracked.title)
     return swept_modes(windows, about, modes, excitation, background, tuple(notes))
+
+
+def _kernel(tracked: TrackedOrders, revolutions: float | None, bandwidth: float | None) -> TrackingKernel:
+    """Weights of an order tracking by what is given, or else by how the orders were tracked."""
+    if revolutions is not None and bandwidth is not None:
+        raise UsageError("an order is tracked in windows of revolutions or with a bandwidth: give one of them")
+    if revolutions is not None:
+        return TrackingKernel(revolutions=revolutions, taper=revolutions / 2)
+    return tracked.tracking if bandwidth is None else TrackingKernel(bandwidth=bandwidth)
 
 
 def _mean(recording: Recording, rotation: str | MeanRotation | WheelRotation) -> MeanRotation:

@@ -14,6 +14,7 @@ from torsionnet.core.result_rows import NUMBER_ROWS, NUMBERS, Out
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
+from torsionnet.response.measured.tracking_kernel import UNKNOWN_TRACKING, TrackingKernel
 from torsionnet.response.order_comparison import MeasuredOrder
 from torsionnet.response.recording import QUANTITY_UNITS
 from torsionnet.response.table import Column, Table
@@ -55,6 +56,8 @@ class TrackedOrders(NotebookResult):
     related_within : tuple of float
         For each order the time in s within which values share data: the noise of two values dt apart has about the
         correlation 1 - dt/related_within. Empty where values are independent, as averages over blocks are.
+    tracking : TrackingKernel
+        Filter or blocks by which the orders were tracked, as far as known.
 
     Examples
     --------
@@ -81,6 +84,7 @@ class TrackedOrders(NotebookResult):
     notes: tuple[NoteOrText, ...] = ()
     undecided: tuple[float, ...] = ()
     related_within: tuple[float, ...] = ()
+    tracking: TrackingKernel = UNKNOWN_TRACKING
 
     @property
     def unit(self) -> str:

@@ -119,7 +119,7 @@ def _results(
             notes = (*notes, f"orders of {shaft.name}")
         found.append([
             tracked_values(signal, orders, times, speeds, kept[place], wide[place], ranges[place], mark,
-                           (*notes, *_remarks(one, signal.name)), related)
+                           (*notes, *_remarks(one, signal.name)), settings.kernel, related)
             for place, signal in enumerate(one.signals)
         ])  # fmt: skip
     return found

@@ -10,6 +10,7 @@ import numpy as np
 from torsionnet.core.errors import UsageError
 from torsionnet.core.units import RPM
 from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.response.measured.tracking_kernel import TrackingKernel
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.orders.cycle_average import CycleAverage, averaged_blocks, whole_multiples
 from torsionnet.signals.orders.cycle_intervals import half_widths
@@ -155,9 +156,12 @@ def averaged_orders(
     size = "blocks of whole cycles" if method.step else f"blocks of {method.cycles} cycles"
     said = f"synchronous average over {size} of {mean.cycle} turns, intervals from the scatter between cycles"
     ranges = np.array([block.half_range for block in blocks]).T
+    # The weights of a block rise and fall over the turns of one cycle; blocks of a step of speed differ in length.
+    turns = 0.0 if method.step else float(method.cycles * mean.cycle)
+    kernel = TrackingKernel(revolutions=turns, taper=float(mean.cycle) if turns else 0.0)
     return [
         tracked_values(signal, wanted, times, speeds, values[place], widths[place], ranges[place], zero,
-                       (*mean.notes, said, *one.notes, *one.remarks(signal.name)))
+                       (*mean.notes, said, *one.notes, *one.remarks(signal.name)), kernel)
         for place, signal in enumerate(one.signals)
     ]  # fmt: skip
 

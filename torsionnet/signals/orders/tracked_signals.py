@@ -12,6 +12,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.core.notes import NoteOrText
 from torsionnet.response.frequency_response import ComplexArray
 from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.response.measured.tracking_kernel import TrackingKernel
 from torsionnet.response.recording import FloatArray, Signal
 from torsionnet.signals.orders.mean_rotation import MeanRotation
 from torsionnet.signals.orders.phase_reference import PhaseReference
@@ -221,7 +222,7 @@ def _of_pattern(wheel: WheelRotation, orders: FloatArray, mean: MeanRotation) ->
 def tracked_values(
     signal: Signal, orders: FloatArray, times: FloatArray, speeds: FloatArray, values: ComplexArray,
     widths: FloatArray, half_range: FloatArray | None, zero: PhaseReference, notes: tuple[NoteOrText, ...],
-    related_within: tuple[float, ...] = (),
+    tracking: TrackingKernel, related_within: tuple[float, ...] = (),
 ) -> TrackedOrders:  # fmt: skip
     """Orders of one signal in SI, those whose sign is not known as amplitudes without a phase."""
     half = np.abs(orders - np.rint(orders)) > 1e-9
@@ -230,5 +231,5 @@ def tracked_values(
     return TrackedOrders(
         signal.name, signal.quantity, orders, times, speeds, values, widths, half_range, zero.words,
         notes=(*notes, *zero.notes), undecided=tuple(orders[undecided].tolist()) if zero.words else (),
-        related_within=related_within,
+        related_within=related_within, tracking=tracking,
     )  # fmt: skip

@@ -21,6 +21,7 @@ import numpy as np
 
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.response.frequency_response import ComplexArray
+from torsionnet.response.measured.tracking_kernel import TrackingKernel
 from torsionnet.response.recording import FloatArray
 
 COEFFICIENTS_PER_BANDWIDTH = 10
@@ -68,6 +69,11 @@ class VoldKalman:
             raise UsageError("the bandwidth of a Vold-Kalman filter is positive, in Hz or as share of the frequency")
         if not 1 <= self.poles <= MOST_POLES:
             raise UsageError(f"a Vold-Kalman filter has 1 to {MOST_POLES} poles, got {self.poles}")
+
+    @property
+    def kernel(self) -> TrackingKernel:
+        """Weights with which the filters take the mean of an amplitude over time."""
+        return TrackingKernel(0.0 if self.share else self.bandwidth, self.share, self.poles)
 
     @property
     def words(self) -> str:

@@ -16,6 +16,7 @@ from torsionnet.core.delimited.number_rows import NumberRows
 from torsionnet.core.errors import Fault, ModelError, Position
 from torsionnet.io.formats.text.csv_columns import description_in, write_columns
 from torsionnet.io.formats.text.response_headings import ColumnHeading, headings
+from torsionnet.io.responses.estimation_notes import estimation_in
 from torsionnet.io.responses.response_description import (
     KEY,
     description,
@@ -26,7 +27,6 @@ from torsionnet.io.responses.response_description import (
 from torsionnet.io.responses.response_matrix import ResponseMatrix, SingleResponse, resolve_units
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.conventions import FREQUENCIES
-from torsionnet.response.estimation import estimation_in
 from torsionnet.response.frequency_response import SIGN_NOTE, FloatArray
 
 _DECIMAL_COMMA = re.compile(r"-?\d+,\d+")

@@ -29,8 +29,8 @@ from torsionnet.io.formats.uff.datasets import (
     write_sets,
 )
 from torsionnet.io.formats.uff.response_reading import response_of_datasets
+from torsionnet.io.responses.estimation_notes import estimation_in
 from torsionnet.response import Channel, FrequencyResponse
-from torsionnet.response.estimation import estimation_in
 from torsionnet.response.frequency_response import FloatArray, usable_limit_text
 
 ENTITY_WIDTH, LABEL_WIDTH = 10, 20

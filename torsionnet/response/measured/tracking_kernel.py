@@ -1,18 +1,13 @@
-"""Weights with which an order tracking takes the mean of the amplitude over time, as far as its notes say."""
+"""Weights with which an order tracking takes the mean of the amplitude over time."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.modal.spectral_lines import FloatArray
+from torsionnet.response.frequency_response import FloatArray
 
-_FILTER = re.compile(r"Vold-Kalman filter of (\d) poles, bandwidth ([\d.e+-]+) (Hz|% of the order's frequency)")
-_BLOCKS = re.compile(r"average over blocks of (\d+) cycles of (\d+) turns")
 VOLD_KALMAN_POLES = 2
 """Poles of a Vold-Kalman filter of which only the bandwidth is given."""
 REACH = 3.0
@@ -75,34 +70,8 @@ class TrackingKernel:
         return self.bandwidth or self.share * order * speed / (2 * np.pi)
 
 
-def tracking_kernel(notes: Sequence[str], revolutions: float | None, bandwidth: float | None) -> TrackingKernel:
-    """Weights of an order tracking by what is given, or else by the notes of the tracked orders.
-
-    Raises
-    ------
-    UsageError
-        Revolutions and bandwidth are both given.
-
-    Examples
-    --------
-    >>> said = "Vold-Kalman filter of 2 poles, bandwidth 4 Hz between the -3 dB points"
-    >>> tracking_kernel([said], None, None).bandwidth
-    4.0
-    """
-    if revolutions is not None and bandwidth is not None:
-        raise UsageError("an order is tracked in windows of revolutions or with a bandwidth: give one of them")
-    if revolutions is not None:
-        return TrackingKernel(revolutions=revolutions, taper=revolutions / 2)
-    if bandwidth is not None:
-        return TrackingKernel(bandwidth=bandwidth)
-    for note in notes:
-        if found := _FILTER.search(note):
-            poles, width, unit = int(found[1]), float(found[2]), found[3]
-            return TrackingKernel(width if unit == "Hz" else 0.0, 0.0 if unit == "Hz" else width / 100, poles)
-        if found := _BLOCKS.search(note):
-            cycles, turns = int(found[1]), int(found[2])
-            return TrackingKernel(revolutions=float(cycles * turns), taper=float(turns))
-    return TrackingKernel()
+UNKNOWN_TRACKING = TrackingKernel()
+"""Weights of which nothing is known."""
 
 
 def _filter_weights(poles: int) -> tuple[FloatArray, FloatArray]:
