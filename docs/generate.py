@@ -435,7 +435,7 @@ def damping_page() -> str:
         forward = sympy.latex(measure.to_loss_factor(x, algebra, ratio).subs(x, own))
         back = sympy.latex(measure.from_loss_factor(eta, algebra, ratio))
         example = tn.convert_damping(0.04, "eta", name, stiffness=1000.0, frequency=10.0)
-        cells = [code(name), f"${sympy.latex(own)}$", prose(measure.description.partition(",")[0])]
+        cells = [code(name), f"${sympy.latex(own)}$", prose(measure.description)]
         rows.append([*cells, rf"$\eta = {forward}$", rf"${sympy.latex(own)} = {back}$", f"{example:.6g}"])
     headings = ["entry", "symbol", "what it is", "loss factor from it", "it from the loss factor", "at eta = 0.04"]
     note = "The last column holds for 1000 N m/rad at 10 Hz, which only `c` depends on.\n"

@@ -233,6 +233,10 @@ class TorsionnetWarning(UserWarning):
     """Warning about a result that was calculated all the same."""
 
 
+class FreeTurningWarning(TorsionnetWarning):
+    """Warning that a response is infinite at 0 Hz, as the drivetrain turns freely."""
+
+
 def nearest(name: str, candidates: Iterable[str]) -> str:
     """Candidate that ``name`` was probably meant to be, or the empty string.
 

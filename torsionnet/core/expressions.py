@@ -171,6 +171,11 @@ class Number(Expression):
         number = units.NUMERAL.match(text)
         return text[number.end() :].strip() if number else ""
 
+    @property
+    def has_angle(self) -> bool:
+        """Whether the unit of the number is of an angle or per angle, as the text has it."""
+        return units.has_angle(self.unit_written)
+
     def value_in(self, values: Mapping[str, Any], algebra: Algebra = RATIONAL) -> Any:  # noqa: ARG002
         return algebra.number(self.value)
 

@@ -335,6 +335,15 @@ def parse_unit(text: str) -> Unit:
     return Unit(factor / 4 if disc and disc[2] == "GD" else factor, dimension, text)
 
 
+def has_angle(text: str) -> bool:
+    """Whether a unit as written has an angle in it, which counts as 1 in dimensions.
+
+    >>> has_angle("kN*m/rad"), has_angle("N*m"), has_angle("deg"), has_angle("")
+    (True, False, True, False)
+    """
+    return any(token[0].strip() in ANGLES for token in _Parser(_plain(text), text).tokens)
+
+
 NUMERAL = re.compile(r"([+-]?)([0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE]([+-]?[0-9]+))?")
 
 

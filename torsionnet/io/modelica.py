@@ -135,7 +135,7 @@ class _Model:
         kinds = parameter_kinds(self.drivetrain.elements.values(), found)
         lines = []
         for name, parameter in self.drivetrain.parameter_definitions.items():
-            unit = unit_of(found.get(name), kinds.get(name), str(parameter.value))
+            unit = unit_of(found.get(name), kinds.get(name), parameter.value)
             attribute = f'(unit="{unit}")' if unit else ""
             comment = f" {quoted(parameter.description)}" if parameter.description else ""
             lines.append(f"parameter Real {known[name]}{attribute} = {words.expression(parameter.value)}{comment};")

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from torsionnet.core.expressions import Expression, Name
+from torsionnet.core.expressions import Expression, Name, Number
 from torsionnet.core.units import DIMENSIONS, Dimension
 from torsionnet.io.expression_numbers import expression_values
 from torsionnet.model.damping import DampingMeasure
@@ -105,18 +105,18 @@ def parameter_kinds(elements: Iterable[Element], known: Mapping[str, Dimension |
     return found
 
 
-def unit_of(dimension: Dimension | None, kind: str | None, written: str) -> str:
+def unit_of(dimension: Dimension | None, kind: str | None, value: Expression) -> str:
     """Unit of a parameter as Modelica writes it, empty where none is known.
 
-    ``kind`` is what it is used as, if anything; ``written`` its value, whose unit tells a stiffness from a torque.
+    ``kind`` is what it is used as, if anything; the unit of ``value`` tells a stiffness from a torque.
 
-    >>> unit_of(DIMENSIONS["torque"], None, "12 N*m"), unit_of(DIMENSIONS["torque"], None, "12 N*m/rad")
-    ('N.m', 'N.m/rad')
+    >>> [unit_of(DIMENSIONS["torque"], None, Number(12, text=text)) for text in ("12 N*m", "12 N*m/rad")]
+    ['N.m', 'N.m/rad']
     """
     if kind is not None:
         return MODELICA_UNITS.get(kind, "")
     if dimension in _ALIKE:
-        kind = _ALIKE[dimension][not re.search("rad|deg", written)]
+        kind = _ALIKE[dimension][not (isinstance(value, Number) and value.has_angle)]
         return MODELICA_UNITS[kind]
     return next((unit for name, unit in MODELICA_UNITS.items() if dimension == DIMENSIONS[name]), "")
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.core.packages import NotebookResult
 from torsionnet.core.notes import NoteOrText
+from torsionnet.core.packages import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.modal.criteria import mac
 from torsionnet.modal.modal_estimate import IdentifiedMode, ModalEstimate

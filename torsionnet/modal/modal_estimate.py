@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 import torsionnet.modal.poles as pole_numbers
 from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.core.packages import NotebookResult
 from torsionnet.core.notes import NoteOrText
+from torsionnet.core.packages import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.modal.criteria import mpc
 from torsionnet.modal.residues import Expansion

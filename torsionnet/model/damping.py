@@ -37,10 +37,16 @@ class Measure:
     """Damping measure, with the functions that convert its value to the loss factor and back."""
 
     symbol: str
-    description: str
+    name: str
     to_loss_factor: Callable[[Any, Algebra, Any], Any]
     from_loss_factor: Callable[[Any, Algebra, Any], Any]
     dimension: str = "1"
+    meaning: str = ""
+
+    @property
+    def description(self) -> str:
+        """Name of a damping measure, with what it means where the name does not say so."""
+        return f"{self.name}: {self.meaning}" if self.meaning else self.name
 
 
 def _from_decrement(delta: Any, algebra: Algebra, _: Any) -> Any:
@@ -52,25 +58,26 @@ def _to_decrement(eta: Any, algebra: Algebra, _: Any) -> Any:
 
 
 MEASURES: dict[str, Measure] = {
-    "zeta": Measure("zeta", "damping ratio, eta = 2*zeta", lambda x, *_: 2 * x, lambda eta, *_: eta / 2),
-    "Q": Measure("Q", "quality factor, eta = 1/Q", lambda x, *_: 1 / x, lambda eta, *_: 1 / eta),
-    "magnifier": Measure("M", "dynamic magnifier, eta = 1/M", lambda x, *_: 1 / x, lambda eta, *_: 1 / eta),
+    "zeta": Measure("zeta", "damping ratio", lambda x, *_: 2 * x, lambda eta, *_: eta / 2),
+    "Q": Measure("Q", "quality factor", lambda x, *_: 1 / x, lambda eta, *_: 1 / eta),
+    "magnifier": Measure("M", "dynamic magnifier", lambda x, *_: 1 / x, lambda eta, *_: 1 / eta),
     "eta": Measure("eta", "loss factor", lambda x, *_: x, lambda eta, *_: eta),
     "psi": Measure(
         "psi",
-        "relative damping: energy lost per cycle over k*phi^2/2, psi = 2*pi*eta",
+        "relative damping",
         lambda x, algebra, _: x / (2 * algebra.pi),
         lambda eta, algebra, _: 2 * algebra.pi * eta,
+        meaning="energy lost per cycle over k*phi^2/2",
     ),
     "log_decrement": Measure(
         "delta",
-        "logarithmic decrement of free decay, zeta = delta/sqrt(4*pi^2 + delta^2)",
+        "logarithmic decrement of free decay",
         _from_decrement,
         _to_decrement,
     ),
     "c": Measure(
         "c",
-        "viscous damping in N*m*s/rad, eta = c*omega/k",
+        "viscous damping in N*m*s/rad",
         lambda x, _, ratio: x * ratio,
         lambda eta, _, ratio: eta / ratio,
         "damping",

@@ -157,8 +157,7 @@ def _orders(axes: Axes, result: CriticalSpeeds, top: float, end: float) -> None:
         if all(abs(at[0] - x) > NARROWEST or abs(at[1] - y) > NEAREST for x, y in labelled):
             labelled.append(at)
             above = last[0] < end
-            text = str(line).removeprefix(f"{line.excitation} ")
-            axes.annotate(text, last, xytext=(0, 2) if above else (2, 0), textcoords="offset points",
+            axes.annotate(line.words, last, xytext=(0, 2) if above else (2, 0), textcoords="offset points",
                           fontsize=style.SMALL - 1, color=color, clip_on=False,
                           ha="center" if above else "left", va="bottom" if above else "center")  # fmt: skip
     for number, name in enumerate(names):

@@ -11,8 +11,7 @@ from torsionnet.model.definition import Definition
 from torsionnet.model.excitations.engine_entries import EngineEntries
 from torsionnet.model.limits import Limit
 from torsionnet.model.limits.curve import CurveLimit
-from torsionnet.model.limits.heat_balance import STEADY_TEMPERATURE
-from torsionnet.model.limits.limit import WORST_CASE
+from torsionnet.model.limits.heat_balance import temperature_words
 from torsionnet.model.limits.machine_angle import MachineAngleLimit
 from torsionnet.model.limits.torsional_damper import DamperLimit
 from torsionnet.report.engineering_units import engineering_unit
@@ -149,13 +148,13 @@ def _rows(worst: WorstLimit, model: Definition, conventions: Conventions) -> Ite
     if at is None:
         yield replace(row, remark="; ".join(one.remarks))
         return
-    case = next((text.partition(": ")[2] for text in one.remarks if text.startswith(WORST_CASE)), "")
+    hottest = one.steady_temperature
     row = replace(
         row,
         utilisation=worst.utilisation,
         rpm=worst.rpm,
-        case=case,
-        remark="; ".join(text for text in one.remarks if text.startswith(STEADY_TEMPERATURE)),
+        case=one.case,
+        remark="" if hottest is None else temperature_words(hottest),
     )
     yield from _sized(row, limit, float(one.values[at]), float(one.allowed[at]), one.unit, conventions)
 

@@ -43,8 +43,7 @@ def holzer_block(holzer: HolzerTable, stress_unit: str = "MPa") -> TableBlock:
     found = replace(found, branches=tuple(moving) or found.branches)
     made = _short(found.table(referred=True))  # the number of the branch in front, for stations that look alike
     columns = tuple(replace(one, unit=stress_unit) if one.unit == "MPa" else one for one in made.columns)
-    still = not found.notes or "stands still" not in found.notes[0]
-    first = as_words(found.branches[0].stations[0].node if still else "the mass that moves most")
+    first = as_words("the mass that moves most" if found.first_rests else found.branches[0].stations[0].node)
     caption = f"Holzer table of mode {found.mode}, {found.frequency:.5g} Hz; 1 rad at {first}"
     made = replace(made, columns=columns, notes=found.notes)
     block = results_table(made, f"{caption}, referred to {as_words(found.referred_to)}")

@@ -189,7 +189,7 @@ def _of_element(model: Drivetrain, element: Element) -> Iterator[tuple[Inline, s
         if isinstance(value, DampingMeasure):
             number = float(value.value.evaluate(model.exact_values))
             at = f" at {float(value.at.evaluate(model.exact_values)):g} Hz" if value.at is not None else ""
-            words = MEASURES[value.measure].description.partition(",")[0].partition(":")[0]
+            words = MEASURES[value.measure].name
             yield words, quantity_text(number, MEASURES[value.measure].dimension) + at
         elif isinstance(spec, QuantityKind) and isinstance(value, Expression):
             number = float(value.evaluate(model.exact_values))

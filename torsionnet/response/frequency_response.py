@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.core.packages import NotebookResult
 from torsionnet.core.notes import NoteOrText
+from torsionnet.core.packages import NotebookResult
 from torsionnet.response.conventions import SI, Conventions
 
 if TYPE_CHECKING:

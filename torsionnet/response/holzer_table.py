@@ -135,6 +135,8 @@ class HolzerTable(NotebookResult):
     branches : tuple of HolzerBranch
     title : str
     notes : tuple of str
+    first_rests : bool
+        Whether the first station stands still, so that the amplitude is that of the station that moves most.
 
     Examples
     --------
@@ -152,6 +154,7 @@ class HolzerTable(NotebookResult):
     branches: tuple[HolzerBranch, ...]
     title: str = ""
     notes: tuple[str, ...] = ()
+    first_rests: bool = False
 
     @property
     def remainder(self) -> float:

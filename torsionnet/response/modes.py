@@ -119,6 +119,8 @@ class Modes(NotebookResult):
         Sentence on each mode.
     title : str
     notes : tuple of str
+    motions : tuple of str
+        What moves in each mode: its description without whether it grows.
 
     Examples
     --------
@@ -141,6 +143,7 @@ class Modes(NotebookResult):
     descriptions: tuple[str, ...]
     title: str = ""
     notes: tuple[str, ...] = ()
+    motions: tuple[str, ...] = ()
 
     @property
     def numbers(self) -> tuple[int | None, ...]:
@@ -184,6 +187,7 @@ class Modes(NotebookResult):
             **cut,
             kinds=self.kinds[:count],
             descriptions=self.descriptions[:count],
+            motions=self.motions[:count],
             undamped_natural_frequencies=self.undamped_natural_frequencies[:count],
         )
 

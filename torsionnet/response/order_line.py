@@ -56,11 +56,16 @@ class OrderLine:
         return np.asarray(float(self.relative) * speeds / (2 * math.pi) + self.fixed)
 
     def __str__(self) -> str:
+        return f"{self.excitation} {self.words}"
+
+    @property
+    def words(self) -> str:
+        """Order of an order line, its fixed frequency in Hz, or both, without its excitation."""
         if not self.fixed:
-            return f"{self.excitation} {self.order:g}"
+            return f"{self.order:g}"
         if not self.order:
-            return f"{self.excitation} {self.fixed:g} Hz"
-        return f"{self.excitation} {self.fixed:g} Hz {'-' if self.order < 0 else '+'} order {abs(self.order):g}"
+            return f"{self.fixed:g} Hz"
+        return f"{self.fixed:g} Hz {'-' if self.order < 0 else '+'} order {abs(self.order):g}"
 
 
 def near_fraction(value: float) -> Fraction:

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.core.packages import NotebookResult
 from torsionnet.core.notes import NoteOrText
+from torsionnet.core.packages import NotebookResult
 from torsionnet.response.measured.between_samples import Between, BetweenSamples, check_between
 from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.response.motion.energy_balance import EnergyBalance

@@ -137,7 +137,7 @@ def simplified(
     reference = _Reference(drivetrain, request)
     candidates = list(_candidates(drivetrain.definition, read))
     costs = {change: reference.cost(_apply(drivetrain, change)) for change in candidates}
-    ranked = sorted(candidates, key=lambda change: (change.text.endswith("damping"), costs[change]))
+    ranked = sorted(candidates, key=lambda change: (change.of_damping, costs[change]))
     for change in ranked:
         shorter = _apply(current, change)
         if shorter is not current and reference.cost(shorter) <= tolerance:
@@ -164,6 +164,7 @@ class Change:
     name: str
     replacement: Element | None
     text: str
+    of_damping: bool = False
 
 
 def _candidates(definition: Definition, read: set[str]) -> Iterator[Change]:
@@ -175,7 +176,7 @@ def _candidates(definition: Definition, read: set[str]) -> Iterator[Change]:
                 yield Change(element.name, RigidCoupling(element.name, nodes=element.nodes), f"{element.name} rigid")
             if str(element.damping) != "0":
                 undamped = replace(element, damping=Number(0))
-                yield Change(element.name, undamped, f"{element.name} without its damping")
+                yield Change(element.name, undamped, f"{element.name} without its damping", of_damping=True)
         if isinstance(element, Gear) and element.stiffness is not None and element.name not in read:
             yield Change(element.name, replace(element, stiffness=None, damping=None), f"{element.name} rigid")
 

@@ -61,11 +61,10 @@ class SensitivityCommand(ModelCommand):
         _require(self.modes, results)
         tables = [_chosen(one, self.modes) for one in results]
         every = self.full or self.modes or self.parameters
-        both = zip(tables, results, strict=True)
-        shown = tables if every else [_largest(table, one.words()) for table, one in both]
+        short = tables if every else [_largest(*one) for one in zip(results, tables, strict=True)]
         pairs = list(zip(cases, results, strict=True))
         return Answer(
-            screen=lambda: [self.combined_table(cases, shown)],
+            screen=lambda: [self.combined_table(cases, short)],
             data=lambda: [effects.record(case.configuration, self.modes) for case, effects in pairs],
             csv=lambda: [("", self.combined_table(cases, tables))],
             figures=lambda plot: [
@@ -100,13 +99,15 @@ def _chosen(found: ModeSensitivities, modes: tuple[int, ...]) -> Table:
     return replace(table, rows=rows, notes=notes)
 
 
-def _largest(table: Table, words: tuple[str, ...]) -> Table:
-    """Table of the effects that change an eigenvalue most relative to its size, without ``words`` on other modes."""
+def _largest(found: ModeSensitivities, table: Table) -> Table:
+    """Table of the effects that change an eigenvalue most relative to its size, without the words on other modes."""
     if len(table.rows) <= EFFECTS_SHOWN:
         return table
     rows = sorted(table.rows, key=lambda row: math.hypot(row[4], row[2] * row[5]), reverse=True)[:EFFECTS_SHOWN]
-    seen = tuple({f"{'real pole' if row[0] is None else f'mode {row[0]}'} ({row[1]:.4g} Hz" for row in rows})
-    notes = [note for note in table.notes if note.startswith(seen) or note not in words]
+    seen = {row[:2] for row in rows}
+    abouts = zip(map(found.number, range(len(found.poles))), found.natural_frequencies.tolist(), strict=True)
+    others = {text for about, text in zip(abouts, found.words(), strict=True) if about not in seen}
+    notes = [note for note in table.notes if note not in others]
     rest = f"the {EFFECTS_SHOWN} largest of {len(table.rows)} effects; --mode and --parameter choose, --full prints all"
     return replace(table, rows=tuple(rows), notes=(*notes, rest))
 

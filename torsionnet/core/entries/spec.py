@@ -174,6 +174,11 @@ class Spec(Generic[Stored_co]):
         return None
 
     @property
+    def label(self) -> str:
+        """Name of the entry in a sentence, which is its description up to a comma."""
+        return self.description.partition(",")[0]
+
+    @property
     def absent(self) -> Stored_co | None:
         """Value that is stored where the entry is not given."""
         return None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from copy import copy
 from dataclasses import dataclass, field
 
@@ -171,18 +173,26 @@ def order_block(rig: AssembledModel, measurement: Measurement, parameters: tuple
     UsageError
         Orders or speeds that the model or the test lacks, unlike units, or a phase to be found from amplitudes.
     """
-    try:
-        lines = order_lines(measurement, excited_orders(rig, measurement.speed_of))
+    with _labelled(measurement):
+        excited = excited_orders(rig, measurement.speed_of)
+    lines = order_lines(measurement, excited)
+    with _labelled(measurement):
         response = _response(rig, measurement, lines, parameters)
         unit = response.unit
-    except UsageError as error:
-        label = measurement.label
-        raise UsageError(str(error) if str(error).startswith(f"{label}") else f"{label}: {error}") from None
     data = measurement.data
     if isinstance(data, TrackedOrders) and data.unit and data.unit != unit:
         text = f"{measurement.output} is in {data.unit} in the data, in {unit} in the model"
         raise UsageError(f"{measurement.label}: {text}")
     return OrderBlock(measurement, response, lines, form=form if lines.has_phase else "magnitude")
+
+
+@contextmanager
+def _labelled(measurement: Measurement) -> Iterator[None]:
+    """Put the label of a measurement before messages on the model that it is compared with."""
+    try:
+        yield
+    except UsageError as error:
+        raise UsageError(f"{measurement.label}: {error}") from None
 
 
 def _response(

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from torsionnet.core.errors import Fault, ModelError, comma_list
-from torsionnet.core.notes import NoteOrText
+from torsionnet.core.notes import NoteOrText, warning
 from torsionnet.core.remedies import remedy
 from torsionnet.io.records.channel_choice import ChannelChoice
 from torsionnet.io.records.clock import SAME_RATE_TOLERANCE
@@ -90,7 +90,7 @@ def _told_of_scales(source: Source, choices: Sequence[ChannelChoice]) -> Source:
     scales = dict.fromkeys(one.channel.scale.name for one in choices if one.channel.scale)
     if len(scales) < 2:
         return source
-    note = f"warning: channels over {comma_list(list(scales), MOST_NAMED)} were taken to begin together, at one rate"
+    note = warning(f"channels over {comma_list(list(scales), MOST_NAMED)} were taken to begin together, at one rate")
     return replace(source, notes=(*source.notes, note))
 
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import torsionnet.modal.poles as pole_numbers
-from torsionnet.core.packages import NotebookResult
 from torsionnet.core.notes import NoteOrText
+from torsionnet.core.packages import NotebookResult
 from torsionnet.core.result_rows import Out
 from torsionnet.modal.matching import Match, MatchedMode, matched_modes
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray

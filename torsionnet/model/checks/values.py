@@ -249,7 +249,7 @@ def _unusual(spec: QuantityKind[object], value: Expression, numbers: Numbers) ->
         return "", ""
     low, high = usual
     unit = expected_unit(spec.dimension)
-    text = f"{spec.description.partition(',')[0]} of {size:g} {unit}: usual are {low:g} to {high:g} {unit}"
+    text = f"{spec.label} of {size:g} {unit}: usual are {low:g} to {high:g} {unit}"
     likely, factor = LIKELY_UNITS.get(spec.dimension, ("", 1.0))
     bare = isinstance(value, Number) and value.unit_dimension is None
     meant = f"{size:g} {likely}" if likely and bare and low <= size * factor <= high else ""

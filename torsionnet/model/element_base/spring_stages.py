@@ -6,7 +6,6 @@ force at a mean torque; entry for a characteristic whose rows may hold expressio
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -45,7 +44,7 @@ class StageEnd(Spec[Number]):
             raise EntryError(f"{text} as to_torque or to_twist, which take expressions of parameters")
         if end.unit_dimension not in (DIMENSIONS["torque"], DIMENSIONS["angle"]):
             raise EntryError(f"a stage ends at a torque or an angle with its unit, as 120 N*m or 30 deg; got {raw!r}")
-        if end.unit_dimension == DIMENSIONS["torque"] and re.search("rad|deg", end.unit_written):
+        if end.unit_dimension == DIMENSIONS["torque"] and end.has_angle:
             raise EntryError(f"{end} is a stiffness; a stage ends at a torque or an angle, as 120 N*m or 30 deg")
         if end.value <= 0:
             raise EntryError(f"a stage ends above 0, got {raw!r}")

@@ -15,7 +15,7 @@ from torsionnet.core.errors import Fault
 from torsionnet.model.channels import Sensor
 from torsionnet.model.limits.element_limit import ElementLimit, constant_over_speed
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.heat_balance import ICE_POINT, STEADY_TEMPERATURE, TemperatureValue, steady_temperature
+from torsionnet.model.limits.heat_balance import ICE_POINT, TemperatureValue, steady_temperature, temperature_words
 from torsionnet.model.limits.limit import LimitLine, line_without_data, register_rule
 from torsionnet.model.limits.speed_band import InSpeedBand
 from torsionnet.model.limits.subject import LimitSubject
@@ -168,10 +168,11 @@ class CouplingLimit(InSpeedBand, ElementLimit):
             return
         rise = steady_temperature(evidence.power(self.element), self.given_off, self.ambient_temperature)
         allowed = constant_over_speed(self.largest_temperature - self.ambient_temperature, evidence)
-        hottest = float(np.max(rise)) - ICE_POINT
-        remarks = (f"{STEADY_TEMPERATURE} at most {hottest:.3g} degC",)
-        values = rise - self.ambient_temperature
-        yield LimitLine("temperature", "rise of steady temperature", "K", values, allowed, remarks)
+        hottest = float(np.max(rise))
+        yield LimitLine(
+            "temperature", "rise of steady temperature", "K", rise - self.ambient_temperature, allowed,
+            (temperature_words(hottest),), steady_temperature=hottest,
+        )  # fmt: skip
 
     def _balance(self) -> str:
         if self.given_off is None or self.ambient_temperature is None or self.largest_temperature is None:

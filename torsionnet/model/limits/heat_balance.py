@@ -14,10 +14,6 @@ from torsionnet.response.frequency_response import FloatArray
 ICE_POINT = 273.15
 """Temperature of 0 degC in K."""
 Heat = TypeVar("Heat", float, FloatArray)
-
-
-STEADY_TEMPERATURE = "steady temperature by balance of heat"
-"""Words with which the remark on the steady temperature begins."""
 COLDEST = 200.0
 """Number without a unit from which on it is a temperature in K; smaller ones are refused, as they may be degC: no
 machinery is as cold."""
@@ -34,6 +30,11 @@ class TemperatureValue(Value):
 
     def plain(self, value: float) -> str:
         return f"{value!r} K"
+
+
+def temperature_words(hottest: float) -> str:
+    """Remark on the highest steady temperature, given in K."""
+    return f"steady temperature by balance of heat at most {hottest - ICE_POINT:.3g} degC"
 
 
 def steady_temperature(power: Heat, heat_transfer: float, ambient: float) -> Heat:

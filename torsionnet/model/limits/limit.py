@@ -37,8 +37,6 @@ SHARP_PEAK_DROP = 0.1
 smaller share would remark on more peaks."""
 UNDAMPED_STEP = 1e-6
 """Relative step of speed at which a peak that is still sharp counts as a resonance without damping."""
-WORST_CASE = "worst at "
-"""Words with which the remark on the worst case of excitation begins; a colon stands before the case."""
 TOLERANCE = Value("how wrong a tachometer may be, as 2 %: ranges are wider by it", "1", below=0.2)
 """Specification of a limit's entry for the error of a tachometer."""
 PASSING_TIME = Value("longest time in which a barred range is to be passed, as 10 s", "time", exclusive=True)
@@ -223,13 +221,14 @@ class Limit(Declared):
         barred: tuple[SpeedSpan, ...],
         remarks: tuple[str, ...],
     ) -> LimitVerdict:
-        case = _worst_case(evidence, line, self.order_sensors(evidence.subject)[0])
+        case, about_case = _worst_case(evidence, line, self.order_sensors(evidence.subject)[0])
+        own = (*self.remarks(line, evidence), *([about_case] if case else []))
         return LimitVerdict(
             limit=name, of=self.of, criterion=line.criterion, quantity=line.quantity, unit=line.unit,
             values=line.values, allowed=line.allowed, verdict=verdict, text=self.text(evidence), barred=barred,
-            remarks=(*remarks, *line.remarks, *self.remarks(line, evidence), *case, *_coarse(evidence, line.values)),
+            remarks=(*remarks, *line.remarks, *own, *_coarse(evidence, line.values)), case=case,
             orders=line.orders, tolerance=self.tolerance, in_passing=line.in_passing,
-            seconds_to_pass=self.seconds_to_pass,
+            seconds_to_pass=self.seconds_to_pass, steady_temperature=line.steady_temperature,
         )  # fmt: skip
 
 
@@ -253,6 +252,8 @@ class LimitLine:
         Why it cannot be judged; empty where it can.
     absent : bool
         Whether that is because what it limits is switched off in this condition.
+    steady_temperature : float, optional
+        Highest temperature in K by the balance of heat.
     """
 
     criterion: str
@@ -267,6 +268,7 @@ class LimitLine:
     cases: FloatArray | None = None
     why_not: str = ""
     absent: bool = False
+    steady_temperature: float | None = None
 
     @property
     def utilisation(self) -> FloatArray:
@@ -307,16 +309,16 @@ def merged_line(parts: Sequence[LimitLine], order: NDArray[np.intp]) -> LimitLin
     return replace(parts[0], values=values[order], allowed=allowed[order], orders=orders, cases=cases)
 
 
-def _worst_case(evidence: Evidence, line: LimitLine, sensor: Sensor) -> tuple[str, ...]:
-    """Remark on the case of excitation that is worst at the worst speed, as a misfiring cylinder.
+def _worst_case(evidence: Evidence, line: LimitLine, sensor: Sensor) -> tuple[str, str]:
+    """Case of excitation that is worst at the worst speed, as a misfiring cylinder, and a remark on it.
 
-    None where all are equal.
+    Empty where all are equal.
     """
     if not line.vibratory:
-        return ()
+        return "", ""
     at = int(np.argmax(np.nan_to_num(line.utilisation, nan=-1.0)))
     case = evidence.worst_case(sensor, at)
-    return (f"{WORST_CASE}{evidence.run.rpm[at]:g} rpm: {case}",) if case not in ("", ALL_CASES_EQUAL) else ()
+    return ("", "") if case == ALL_CASES_EQUAL else (case, f"worst at {evidence.run.rpm[at]:g} rpm: {case}")
 
 
 def _coarse(evidence: Evidence, values: FloatArray) -> tuple[str, ...]:

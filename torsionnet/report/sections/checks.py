@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.core.errors import Fault, UsageError
+from torsionnet.core.errors import Fault, FreeTurningWarning, UsageError
 from torsionnet.report.document_tree import Block, Cell, Heading, Math, NumberText, Paragraph, Remark, Section
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import table
@@ -39,8 +39,8 @@ def findings(subject: ReportData) -> list[Fault]:
 
 def warned(subject: ReportData) -> list[Fault]:
     """Warnings of the calculation of a report, each once; that a free drivetrain drifts off at 0 Hz is no news."""
-    texts = dict.fromkeys(str(entry.message) for entry in subject.warning_messages)
-    return [Fault(text, severity="warning") for text in texts if "infinite at 0 Hz" not in text]
+    told = (one for one in subject.warning_messages if not issubclass(one.category, FreeTurningWarning))
+    return [Fault(text, severity="warning") for text in dict.fromkeys(str(one.message) for one in told)]
 
 
 def checks_section(subject: ReportData) -> Section:

@@ -159,7 +159,7 @@ def _measure(element: Element, value: DampingMeasure, rig: Drivetrain) -> Iterat
     dimension = MEASURES[value.measure].dimension
     at = f" at {float(value.at.evaluate(rig.exact_values)):g} Hz" if value.at is not None else ""
     number = float(value.value.evaluate(rig.exact_values))
-    what = MEASURES[value.measure].description.partition(",")[0]
+    what = MEASURES[value.measure].description
     symbol = Math(expression_latex(value.value)) if not isinstance(value.value, Number) else ""
     yield f"damping as {what}{at}", symbol, NumberText(number, 5), unit(expected_unit(dimension))
     laws = [part for part in element.parts(Values(rig.exact_values)) if isinstance(part, Law)]

@@ -141,6 +141,10 @@ class LimitVerdict:
         Amplitudes of the orders behind ``values``.
     absent : bool
         Whether the limit is not judged because its element is switched off.
+    case : str
+        Case of excitation that is worst at the worst speed; empty where all are equal.
+    steady_temperature : float, optional
+        Highest temperature in K by the balance of heat.
     """
 
     limit: str
@@ -160,6 +164,8 @@ class LimitVerdict:
     remarks: tuple[str, ...] = ()
     orders: FloatArray | None = None
     absent: bool = False
+    case: str = ""
+    steady_temperature: float | None = None
 
     @property
     def passed(self) -> tuple[SpeedSpan, ...]:

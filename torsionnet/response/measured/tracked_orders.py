@@ -8,8 +8,8 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from torsionnet.core.errors import UsageError
-from torsionnet.core.packages import NotebookResult
 from torsionnet.core.notes import NoteOrText
+from torsionnet.core.packages import NotebookResult
 from torsionnet.core.result_rows import NUMBER_ROWS, NUMBERS, Out
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions

@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from torsionnet.core.errors import comma_list
-from torsionnet.core.packages import NotebookResult
 from torsionnet.core.notes import NoteOrText
+from torsionnet.core.packages import NotebookResult
 from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.measured.wheel_pattern import WheelPattern

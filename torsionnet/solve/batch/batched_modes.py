@@ -55,8 +55,8 @@ class BatchedModes:
         Place -> assembly of these.
     batch : Batch or None
         The coefficients of the others.
-    notes : tuple of str
-        What is uncertain about single variants.
+    remarks : tuple of (int, str)
+        What is uncertain about single variants, by their place.
     """
 
     drivetrain: AssembledModel
@@ -67,7 +67,12 @@ class BatchedModes:
     uncertain: NDArray[np.bool_]
     singles: Mapping[int, Assembly] = field(repr=False)
     batch: Batch | None = None
-    notes: tuple[str, ...] = ()
+    remarks: tuple[tuple[int, str], ...] = ()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Notes on single variants with their numbers, counted from 1."""
+        return tuple(f"variant {place + 1}: {text}" for place, text in self.remarks)
 
     @classmethod
     def of_drivetrain(cls, drivetrain: AssembledModel, modes: Modes) -> BatchedModes:
@@ -176,7 +181,7 @@ class _Gathered:
         self.undamped = np.full((n, 0), np.nan)
         self.done = np.zeros(n, dtype=bool)
         self.singles: dict[int, Assembly] = {}
-        self.notes: list[str] = []
+        self.remarks: list[tuple[int, str]] = []
 
     def put(
         self, places: NDArray[np.intp] | list[int], values: ComplexArray, shapes: ComplexArray, undamped: FloatArray
@@ -196,11 +201,11 @@ class _Gathered:
             model = make()
             found, warnings = natural_modes(model)
         except (ModelError, TorsionnetError) as error:
-            self.notes.append(f"variant {place + 1} has no modes: {error}")
+            self.remarks.append((place, f"has no modes: {error}"))
             return
         self.put([place], found.eigenvalues, found.shapes, 2 * np.pi * found.undamped_natural_frequencies)
         self.singles[place] = model.assembly
-        self.notes += [f"variant {place + 1}: {warning}" for warning in warnings]
+        self.remarks += [(place, warning) for warning in warnings]
 
     def modes(self, drivetrain: AssembledModel, values: Mapping[str, FloatArray], batch: Batch | None) -> BatchedModes:
         uncertain = np.zeros(len(self.done), dtype=bool)
@@ -215,7 +220,7 @@ class _Gathered:
             uncertain,
             self.singles,
             batch,
-            tuple(self.notes),
+            tuple(self.remarks),
         )
 
 

@@ -77,8 +77,9 @@ def holzer_table(
     if mode is not None:
         omega, angles, notes = _mode(drivetrain, mode, start)
         balance = balance_of(drivetrain, omega, amplitude * angles)
+        rests = abs(angles[drivetrain.assembly.node_index[start]]) <= LEAST_AMPLITUDE
     else:
-        omega, notes = _trial_rate(at), ()
+        omega, notes, rests = _trial_rate(at), (), False
         angles = trial_angles(drivetrain, omega, start, end)
         balance = balance_of(drivetrain, omega, amplitude * angles, end)
     # Again, as springs whose stiffness depends on frequency may be absent at 0 Hz.
@@ -90,7 +91,7 @@ def holzer_table(
     branches = tuple(walk.branches(order))
     hertz = omega / (2 * math.pi)
     notes = (*notes, *law_notes(drivetrain.definition), *range_notes(drivetrain.assembly, [hertz]))
-    return HolzerTable(hertz, mode, shaft, branches, drivetrain.title, notes)
+    return HolzerTable(hertz, mode, shaft, branches, drivetrain.title, notes, bool(rests))
 
 
 def _trial_rate(at: float | None) -> float:

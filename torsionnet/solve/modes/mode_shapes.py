@@ -43,7 +43,7 @@ def describe(
     strain: FloatArray,
     dissipated: FloatArray,
 ) -> tuple[str, ...]:
-    """Description in words of each mode, from its shape and the shares of elements in its energies.
+    """What moves in each mode, in words, from its shape and the shares of elements in its energies.
 
     Shapes are (n_nodes, n_modes), ``strain`` and ``dissipated`` (n_elements, n_modes).
     """
@@ -60,9 +60,14 @@ def describe(
             sentences.append(_decaying(fall, value, elements, strain[:, index], dissipated[:, index]))
         else:
             crossings = links.vibration_nodes(solution.vectors[:, index])
-            grows = f"{UNSTABLE}; " if solution.eigenvalues[index].real > 0 else ""
-            sentences.append(grows + _vibration(elements, strain[:, index], crossings))
+            sentences.append(_vibration(elements, strain[:, index], crossings))
     return tuple(sentences)
+
+
+def with_growth(solution: EigenSolution, motions: tuple[str, ...]) -> tuple[str, ...]:
+    """Description of each mode: what moves, behind the word that it is unstable where it grows."""
+    pairs = zip(solution.kinds, solution.eigenvalues.real.tolist(), motions, strict=True)
+    return tuple(f"{UNSTABLE}; {text}" if kind != "rigid body" and real > 0 else text for kind, real, text in pairs)
 
 
 def convergence_warnings(solution: EigenSolution) -> tuple[str, ...]:
@@ -106,8 +111,7 @@ def _leading(elements: tuple[str, ...], shares: FloatArray) -> str:
 def _decaying(fall: str, value: complex, elements: tuple[str, ...], strain: FloatArray, dissipated: FloatArray) -> str:
     time = 1 / abs(value.real) if value.real else math.inf
     damping = _leading(elements, dissipated)
-    text = f"{UNSTABLE}; " if value.real > 0 else ""
-    text += f"{fall}{time:.3g} s" if value.real <= 0 else f"e times as much every {time:.3g} s"
+    text = f"{fall}{time:.3g} s" if value.real <= 0 else f"e times as much every {time:.3g} s"
     damping = damping if value.real <= 0 else ""
     text += f"; damped by {damping}" if damping else ""
     return text if strain.any() else f"{text}; no spring involved"

@@ -42,7 +42,13 @@ from torsionnet.solve.modes.eigen import (
     unit_shapes,
     with_zero_damping,
 )
-from torsionnet.solve.modes.mode_shapes import accuracy_warnings, convergence_warnings, describe, with_chosen_shapes
+from torsionnet.solve.modes.mode_shapes import (
+    accuracy_warnings,
+    convergence_warnings,
+    describe,
+    with_chosen_shapes,
+    with_growth,
+)
 
 ModesAndWarnings: TypeAlias = tuple[Modes, tuple[str, ...]]
 """Modes of a drivetrain, and texts of warnings about uncertain ones."""
@@ -241,6 +247,7 @@ def natural_modes(
     solution, notes = with_chosen_shapes(solution, _motion(assembly.node_rows, solution.vectors), assembly.nodes)
     kinetic, strain, dissipated = energies(assembly, solution, elements)
     shapes = unit_shapes(_motion(assembly.node_rows, solution.vectors)).astype(complex)
+    motions = describe(assembly, solution, shapes, elements, strain, dissipated)
     found = Modes(
         eigenvalues=solution.eigenvalues,
         kinds=solution.kinds,
@@ -252,9 +259,10 @@ def natural_modes(
         strain=strain,
         dissipated=dissipated,
         converged=solution.converged,
-        descriptions=describe(assembly, solution, shapes, elements, strain, dissipated),
+        descriptions=with_growth(solution, motions),
         title=drivetrain.title,
         notes=(*notes, *more, *_table_notes(assembly, solution)),
+        motions=motions,
     )
     return found, (*warned, *convergence_warnings(solution), *accuracy_warnings(solution.errors))
 

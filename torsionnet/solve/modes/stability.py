@@ -44,7 +44,7 @@ def _growing(drivetrain: AssembledModel, modes: Modes, mode: int, feeding: list[
     shares = modes.dissipated[:, mode]
     worst = modes.elements[int(np.argmin(shares))] if shares.min(initial=0.0) < 0 else feeding[0]
     value = complex(modes.eigenvalues[mode])
-    words = modes.descriptions[mode].partition("; ")[2]
+    words = modes.motions[mode]
     if value.imag == 0:
         text = f"{worst} makes the drivetrain unstable: its motion grows {words}"
     else:

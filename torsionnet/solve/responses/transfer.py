@@ -22,7 +22,7 @@ from torsionnet.assembly.law_stiffness import LawStiffness, law_stiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
 from torsionnet.assembly.table_range import range_notes
-from torsionnet.core.errors import SolveError, TorsionnetWarning, UsageError
+from torsionnet.core.errors import FreeTurningWarning, SolveError, TorsionnetWarning, UsageError
 from torsionnet.model.channels import Channels
 from torsionnet.model.checks.structure import rigid_motions
 from torsionnet.model.operating_values import law_notes
@@ -355,9 +355,9 @@ def warn_infinite(values: ComplexArray, conditioning: FloatArray, f: FloatArray)
     finite = np.isfinite(values).all(axis=(2, 3))
     if finite.all():
         return
-    for points, where in (
-        (f == 0, "at 0 Hz: the drivetrain turns freely"),
-        ((f > 0) & (conditioning >= VANISHING_INPUT_RATIO), "at a frequency above 0"),
+    for points, where, kind in (
+        (f == 0, "at 0 Hz: the drivetrain turns freely", FreeTurningWarning),
+        ((f > 0) & (conditioning >= VANISHING_INPUT_RATIO), "at a frequency above 0", TorsionnetWarning),
     ):
         if (points & ~finite).any():
-            warnings.warn(f"the response is infinite {where}", TorsionnetWarning, stacklevel=3)
+            warnings.warn(f"the response is infinite {where}", kind, stacklevel=3)

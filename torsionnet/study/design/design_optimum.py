@@ -90,8 +90,17 @@ class DesignOptimum:
     @property
     def sentences(self) -> tuple[str, ...]:
         """Result of the optimisation in sentences, on targets, objective, limits, bounds, uniqueness, verification."""
-        said = [*self._targets_said(), *self._objective_said(), *self._limits_said(), *self._bounds_said()]
-        return (*said, *self._uniqueness_said(), *self._verification_said())
+        return tuple(sentence for _, sentence in self.conclusions)
+
+    @property
+    def conclusions(self) -> tuple[tuple[str, str], ...]:
+        """Sentences on the result of the optimisation, each with what it is about, as ``limits``."""
+        said = {
+            "targets": self._targets_said(), "objective": self._objective_said(), "limits": self._limits_said(),
+            "bounds": self._bounds_said(), "uniqueness": self._uniqueness_said(),
+            "verification": self._verification_said(),
+        }  # fmt: skip
+        return tuple((about, sentence) for about, sentences in said.items() for sentence in sentences)
 
     def _targets_said(self) -> list[str]:
         said = []

@@ -112,7 +112,9 @@ class RobustOptimum:
                     f"{100 * CONFIDENCE:g} % confidence)"
                 )
         said.append(f"chosen on {self.samples} samples (seed {self.seed}), compared on {self.designs[0].count} others")
-        return (*said, *map(_on_samples, self.robust.sentences[1:]))
+        for about, sentence in self.robust.conclusions[1:]:
+            said.append(f"on the samples it was chosen on, {sentence}" if about == "limits" else sentence)
+        return tuple(said)
 
     def _unit(self, name: str) -> str:
         return self.robust.goals.units.get(name, "")
@@ -211,12 +213,6 @@ def robust_optimum(
     labelled = {"as given": given, "nominal": nominal.values if nominal else None, "robust": robust.values}
     designs = tuple(_judged(judged, label, values) for label, values in labelled.items() if values is not None)
     return RobustOptimum(robust, nominal, designs, bool(problem.goals.limits), drawn.count, seed, title)
-
-
-def _on_samples(said: str) -> str:
-    """Sentence that restricts a statement on limits to the samples on which the design was chosen."""
-    of_limits = said.startswith(("limits are kept", "no design within the bounds"))
-    return f"on the samples it was chosen on, {said}" if of_limits else said
 
 
 def _from_nominal(asked: DesignProblem, nominal: DesignOptimum) -> DesignProblem:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -47,7 +46,6 @@ Channels = str | Sensor | tuple[str | Sensor, ...]
 Driving = str | Sensor | tuple[str | Sensor | Input, ...]
 T = TypeVar("T")
 
-_NUMBER = re.compile(r"^variant \d+:? ")
 NOTHING_READ = (np.inf, -np.inf)
 """Lowest and highest frequency in Hz at which laws over frequency are read, before any is."""
 MOST_VALUES = 2_000_000
@@ -181,8 +179,8 @@ class VariantBlock:
     def every_mode(self) -> BatchedModes:
         """Modes of every variant of the block, in the order of its own eigenvalues."""
         found = single_modes(self.model, self.values) if self.batch is None else batched_modes(self.batch)
-        for note in found.notes:
-            self.remark(_NUMBER.sub("", note))
+        for _, text in found.remarks:
+            self.remark(text)
         return found
 
     @cached_property

@@ -78,4 +78,4 @@ class KnownValues:
 
 def _is_per_angle(value: Expression) -> bool:
     """Whether a value is written per angle, which counts as 1 in dimensions."""
-    return isinstance(value, Number) and re.search("rad|deg", value.unit_written) is not None
+    return isinstance(value, Number) and value.has_angle
