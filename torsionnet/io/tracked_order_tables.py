@@ -142,7 +142,7 @@ def read_tracked_orders(path: str | os.PathLike[str]) -> tuple[TrackedOrders, ..
 
 
 def _tracking(file: Path, text: str, notes: Iterable[str]) -> TrackingKernel:
-    """How orders were tracked, by the line of a file, or by the notes of an older file."""
+    """Weights with which the orders of a file were tracked, by its own line, or by the notes of an older file."""
     try:
         if text:
             said = {str(name): float(value) for name, value in json.loads(text).items()}

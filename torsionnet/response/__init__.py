@@ -55,6 +55,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "StationSection": "torsionnet.response.mass_elastic_table",
         "Table": "torsionnet.response.table",
         "TrackedOrders": "torsionnet.response.measured.tracked_orders",
+        "TrackingKernel": "torsionnet.response.measured.tracking_kernel",
         "VibrationMode": "torsionnet.response.vibrations.vibration_mode",
         "WorstLimit": "torsionnet.response.limits.limit_conclusion",
         "WorstResponse": "torsionnet.response.worst_response",

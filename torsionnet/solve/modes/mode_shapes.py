@@ -43,7 +43,7 @@ def describe(
     strain: FloatArray,
     dissipated: FloatArray,
 ) -> tuple[str, ...]:
-    """What moves in each mode, in words, from its shape and the shares of elements in its energies.
+    """Words on what moves in each mode, from its shape and the shares of elements in its energies.
 
     Shapes are (n_nodes, n_modes), ``strain`` and ``dissipated`` (n_elements, n_modes).
     """
