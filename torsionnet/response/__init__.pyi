@@ -1,4 +1,5 @@
 # Written by `make generate`.
+from torsionnet.core.notes import Note as Note
 from torsionnet.response.conventions import Conventions as Conventions
 from torsionnet.response.conventions import SI as SI
 from torsionnet.response.critical_speeds import CriticalSpeed as CriticalSpeed
@@ -32,6 +33,7 @@ from torsionnet.response.mass_elastic_table import MassElasticTable as MassElast
 from torsionnet.response.mass_elastic_table import StationSection as StationSection
 from torsionnet.response.mean_response import MeanResponse as MeanResponse
 from torsionnet.response.measured.tracked_orders import TrackedOrders as TrackedOrders
+from torsionnet.response.measured.tracking_kernel import TrackingKernel as TrackingKernel
 from torsionnet.response.modes import ModeRow as ModeRow
 from torsionnet.response.modes import Modes as Modes
 from torsionnet.response.motion.energy_balance import EnergyBalance as EnergyBalance
@@ -90,6 +92,7 @@ __all__ = [
     "Modes",
     "MotionEvent",
     "MotionStart",
+    "Note",
     "OrderLine",
     "OrderResponse",
     "PassagePeak",
@@ -104,6 +107,7 @@ __all__ = [
     "StationSection",
     "Table",
     "TrackedOrders",
+    "TrackingKernel",
     "VibrationMode",
     "WorstLimit",
     "WorstResponse",
