@@ -5,6 +5,7 @@ import pytest
 from support.command_line import run
 
 from torsionnet.core.errors import ModelError
+from torsionnet.core.notes import warning
 from torsionnet.signals import read_recording
 
 h5py = pytest.importorskip("h5py")
@@ -67,7 +68,7 @@ class TestScalesOfUnknownKind:
 
     def test_without_units_they_are_asked_for(self, two_scales):
         assert 'give units={"x1": "s"} if x1 is the time, or sampling_rate= in Hz' in refusal(two_scales)
-        said = "warning: channels over x1, x2 were taken to begin together, at one rate"
+        said = warning("channels over x1, x2 were taken to begin together, at one rate")
         assert said in read_recording(two_scales, sampling_rate=1000).notes
         asked = run("estimate", two_scales, "--input", "T", "--output", "w", code=1).stderr
         assert "give --unit x2=s if x2 is the time, or --rate in Hz" in asked

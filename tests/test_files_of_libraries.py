@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from torsionnet.core.errors import ModelError
+from torsionnet.core.notes import warning
 from torsionnet.io import read_frequency_response
 from torsionnet.signals import read_recording
 
@@ -222,4 +223,4 @@ def test_two_given_clocks_of_one_file(tmp_path):
     units = {"t1": "s", "t2": "s"}
     assert "t1, t2 were given units of time, and nothing tells which" in refusal(tmp_path / "r.npz", units=units)
     found = read_recording(tmp_path / "r.npz", units={"t1": "s"})
-    assert "warning: t2 holds other times than t1, which was taken for all channels" in found.notes
+    assert warning("t2 holds other times than t1, which was taken for all channels") in found.notes
