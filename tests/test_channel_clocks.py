@@ -439,7 +439,7 @@ class TestHdf5:
     def test_a_gain_that_may_be_meant_either_way_is_said(self, written):
         attributes = {"unit": "N*m", "fs": RATE, "gain": 2.0, "scale": 1.0, "offset": 1.0, "bias": 0.0}
         path = written(T=(torque(TIMES), attributes))
-        said = "warning: not applied, as nothing says how: its attributes gain (2), offset (1)"
+        said = warning("not applied, as nothing says how: its attributes gain (2), offset (1)")
         assert read_recording(path)["T"].notes == (said,)
 
     def test_a_rate_other_than_that_of_the_file_is_taken_with_a_warning(self, written):
@@ -535,7 +535,7 @@ class TestHdf5:
         path = written(T=(torque(TIMES), {"unit": "N*m"}), time=(TIMES, {}), fs=(np.array(500.0), {}))
         found = read_recording(path)
         assert found.sampling_rate == RATE
-        said = "warning: the file has a sampling rate of 500 Hz; that of its time stamps was taken, 1000 Hz"
+        said = warning("the file has a sampling rate of 500 Hz; that of its time stamps was taken, 1000 Hz")
         assert said in found.notes
 
     @pytest.mark.parametrize("numbers", [{"fs": RATE, "dt": 0.002}, {"sampling_rate": 500.0, "dt": 1 / RATE}])
@@ -599,7 +599,7 @@ class TestMat:
 
         content = {"t": TIMES, "T": torque(TIMES), "t2": TIMES + 0.25, "w": speed(TIMES)}
         savemat(tmp_path / "r.mat", content)
-        told = "warning: t2 holds other times than t, which was taken for all channels"
+        told = warning("t2 holds other times than t, which was taken for all channels")
         assert told in read_recording(tmp_path / "r.mat").notes
         savemat(tmp_path / "r.mat", {**content, "t2": TIMES})
         assert told not in read_recording(tmp_path / "r.mat").notes
