@@ -38,7 +38,7 @@ def agreement(test: FrequencyResponse, model: FrequencyResponse, conventions: Co
     span = f"over {len(f)} lines from {f[0]:g} to {f[-1]:g} Hz with coherence of {LEAST_COHERENCE:g} or more"
     usable = f"the test can be used up to {limit:.4g} Hz" if test.usable_up_to is not None else ""
     signs = "differences are test - model; positive degrees: the test leads"
-    notes = tuple(filter(None, (span, usable, signs, *model.notes)))
+    notes = tuple(filter(None, (span, usable, signs, *map(str, model.notes))))
     return Table(f"{model.title}: {test.outputs[0].name}/{test.inputs[0].name}", columns, tuple(rows), notes)
 
 
