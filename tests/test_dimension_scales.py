@@ -8,10 +8,13 @@ from torsionnet.core.errors import ModelError
 from torsionnet.core.notes import warning
 from torsionnet.signals import read_recording
 
-h5py = pytest.importorskip("h5py")
-
 TIMES = np.arange(4000) / 1000
 SPEED, TORQUE = 2 * np.cos(44 * TIMES), 10 * np.sin(126 * TIMES)
+
+
+def hdf5():
+    """The package that writes the files, loaded when the first of them is written."""
+    return pytest.importorskip("h5py")
 
 
 @pytest.fixture
@@ -19,7 +22,7 @@ def written(tmp_path):
     def write(content, scales=()):
         """Datasets by name, with a unit behind a blank in it, of which some are scales of others."""
         path = tmp_path / "run.h5"
-        with h5py.File(path, "w") as file:
+        with hdf5().File(path, "w") as file:
             for label, values in content.items():
                 name, _, unit = label.partition(" ")
                 file[name] = values
@@ -88,7 +91,7 @@ class TestScalesOfUnknownKind:
         content = {"time s": TIMES, "T N*m": TORQUE, "w rad/s": SPEED, "n": np.zeros(4000), "m": np.zeros(4000)}
 
         def named(path):
-            with h5py.File(path, "a") as file:
+            with hdf5().File(path, "a") as file:
                 for name in "nm":
                     file[name].attrs["NAME"] = np.bytes_("This is a netCDF dimension but not a netCDF variable.  4000")
             return path
@@ -119,14 +122,14 @@ class TestChannelsWithoutAClock:
 
     def test_a_rate_of_a_neighbour_brings_its_start(self, written):
         path = written({"T N*m": TORQUE, "w rad/s": SPEED})
-        with h5py.File(path, "a") as file:
+        with hdf5().File(path, "a") as file:
             file["T"].attrs.update({"fs": 1000.0, "t0": 0.25})
         found = read_recording(path)
         assert (found.start, len(found)) == (0.25, 4000)
 
     def test_neighbours_that_begin_at_several_times_leave_it_open(self, written):
         path = written({"T N*m": TORQUE, "T2 N*m": TORQUE, "w rad/s": SPEED})
-        with h5py.File(path, "a") as file:
+        with hdf5().File(path, "a") as file:
             file["T"].attrs.update({"fs": 1000.0, "t0": 0.25})
             file["T2"].attrs.update({"fs": 1000.0, "t0": 0.5})
         assert "another; read them one by one" in refusal(path, sampling_rate=1000)

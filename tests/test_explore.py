@@ -250,14 +250,14 @@ class TestSaving:
             rig = session.base.configured(configuration)
             free = [one for one in sliders(rig, rig, {}) if not one.expression]
             values = {one.name: f"{1.03 * one.default:.6g} {one.unit}".strip() for one in free}
-            state = read_state({"choice": dict(rig._choice), "values": values})
+            state = read_state({"choice": dict(rig._state.choice), "values": values})
             expected = session.base.configured(configuration, **state.values)
             assert (
                 tn.loads(session.changed_file_text(state)).configured(configuration).parameters == expected.parameters
             )
             # One copy of a part may need a list where the author gave a value for all; that is written anew.
             own = {name: value for name, value in values.items() if "." not in name}
-            text = session.changed_file_text(read_state({"choice": dict(rig._choice), "values": own}))
+            text = session.changed_file_text(read_state({"choice": dict(rig._state.choice), "values": own}))
             assert text.count("\n") == session.text.count("\n")  # edited in place
 
     def test_only_the_values_change(self, amt):
