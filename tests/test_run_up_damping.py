@@ -13,7 +13,7 @@ from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.modal import match, modes_from_run_up, modes_from_tracked_orders
 from torsionnet.modal.operational.swept_response import sweep_of, swept_response
 from torsionnet.response.measured.tracked_orders import TrackedOrders
-from torsionnet.response.measured.tracking_kernel import TrackingKernel
+from torsionnet.response.measured.tracking_kernel import UNKNOWN_TRACKING, TrackingKernel
 from torsionnet.response.recording import Recording, Signal
 
 POLE = 2 * np.pi * F0 * complex(-ZETA, np.sqrt(1 - ZETA**2))
@@ -105,7 +105,7 @@ def test_derivatives_of_the_angle(quantity, times):
     assert found.damping_ratios == pytest.approx([ZETA], rel=0.03)
 
 
-def tracked(rate, *, bandwidth=0.0, phases=True, notes=()):
+def tracked(rate, *, bandwidth=0.0, phases=True, tracking=UNKNOWN_TRACKING):
     """The order as it follows from the closed solution, smeared by an order-tracking filter of two poles by its FFT."""
     f = np.arange(8, 36, rate / 100)
     times = np.arange(len(f)) / 100
@@ -119,7 +119,7 @@ def tracked(rate, *, bandwidth=0.0, phases=True, notes=()):
     if not phases:
         values = np.abs(values).astype(complex)
     widths = np.full((1, len(f)), np.nan)
-    return TrackedOrders("T", "torque", np.array([1.0]), times, 2 * np.pi * f, values[None], widths, notes=notes)
+    return TrackedOrders("T", "torque", np.array([1.0]), times, 2 * np.pi * f, values[None], widths, tracking=tracking)
 
 
 @pytest.mark.slow
@@ -134,8 +134,7 @@ def test_tracked_order_with_and_without_phases():
 
 @pytest.mark.slow
 def test_smear_of_a_tracking_filter_is_fitted_with_it():
-    said = "Vold-Kalman filter of 2 poles, bandwidth 2 Hz between the -3 dB points; intervals"
-    order = tracked(2, bandwidth=2.0, notes=(said,))
+    order = tracked(2, bandwidth=2.0, tracking=TrackingKernel(bandwidth=2.0))
     found = modes_from_tracked_orders(order, 1)
     assert found.natural_frequencies == pytest.approx([F0], rel=1e-3)
     assert found.damping_ratios == pytest.approx([ZETA], rel=0.03)
