@@ -76,7 +76,7 @@ def angle_from_pulses(
     Examples
     --------
     >>> angle, start = angle_from_pulses(np.arange(9) / 8, 8, sampling_rate=2.0)
-    >>> (angle / np.pi).round(9).tolist(), start
+    >>> ((angle / np.pi).round(9) + 0.0).tolist(), start
     ([0.0, 1.0, 2.0], 0.0)
     """
     stamps, rotation, remarks = rotation_of(times, steps_per_revolution, fill=fill)
