@@ -1,4 +1,4 @@
-"""Description of a frequency response (everything but its arrays) as one JSON text that is saved next to them."""
+"""Descriptions of frequency responses: all but the arrays as a JSON text beside them; in older files, their notes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 
 from torsionnet.core.errors import Fault, ModelError, UsageError
 from torsionnet.core.notes import stored_note
-from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.response import Channel, Estimation, FrequencyResponse
 from torsionnet.response.estimation import read_estimation
 from torsionnet.response.measured.between_samples import BetweenSamples, check_between
 
@@ -19,6 +19,10 @@ KEY = "torsionnet_frequency_response"
 NUMBERS = ("frequencies", "values", "coherence", "conditioning")
 """Names of the arrays of a frequency response in a file."""
 _LIMIT = re.compile(r"usable up to (\S+) Hz")
+_NOTE = re.compile(
+    r"(?P<estimator>H\w+)( with .+?)?, Welch, (?P<window>\w+) (?P<seconds>\S+) s, overlap (?P<overlap>[\d.]+)%, "
+    r"detrend (?P<detrend>\w+), (?P<averages>\d+) averages worth (?P<effective>[\d.]+)\b.*"
+)
 
 
 def description(response: FrequencyResponse) -> str:
@@ -121,3 +125,18 @@ def usable_limit_in(lines: Iterable[str]) -> float | None:
         return float(found[0]) if found else None
     except ValueError:
         return None
+
+
+def estimation_in(notes: Iterable[str]) -> Estimation | None:
+    """Averaging data of an estimated response, read from the text of notes, None if no note has them.
+
+    >>> estimation_in(["H1, Welch, hann 8 s, overlap 75%, detrend mean, 21 averages worth 11.8 without"]).seconds
+    8.0
+    """
+    for note in notes:
+        found = _NOTE.fullmatch(note)
+        if found:
+            seconds, overlap, effective = (float(found[key]) for key in ("seconds", "overlap", "effective"))
+            names = found["estimator"], found["window"]
+            return Estimation(*names, seconds, overlap / 100, found["detrend"], int(found["averages"]), effective)
+    return None

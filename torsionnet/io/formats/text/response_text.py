@@ -16,10 +16,10 @@ from torsionnet.core.delimited.number_rows import NumberRows
 from torsionnet.core.errors import Fault, ModelError, Position
 from torsionnet.io.formats.text.csv_columns import description_in, write_columns
 from torsionnet.io.formats.text.response_headings import ColumnHeading, headings
-from torsionnet.io.responses.estimation_notes import estimation_in
 from torsionnet.io.responses.response_description import (
     KEY,
     description,
+    estimation_in,
     parse_description,
     response_from,
     usable_limit_in,

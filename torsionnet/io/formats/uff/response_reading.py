@@ -30,8 +30,7 @@ from torsionnet.io.formats.uff.datasets import (
 )
 from torsionnet.io.records.axes import hertz_in
 from torsionnet.io.records.quantities import factor_to_si, quantity_of_dimension
-from torsionnet.io.responses.estimation_notes import estimation_in
-from torsionnet.io.responses.response_description import usable_limit_in
+from torsionnet.io.responses.response_description import estimation_in, usable_limit_in
 from torsionnet.io.responses.response_matrix import ResponseMatrix, SingleResponse
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.recording import QUANTITY_UNITS

@@ -29,7 +29,7 @@ from torsionnet.io.formats.uff.datasets import (
     write_sets,
 )
 from torsionnet.io.formats.uff.response_reading import response_of_datasets
-from torsionnet.io.responses.estimation_notes import estimation_in
+from torsionnet.io.responses.response_description import estimation_in
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.frequency_response import FloatArray, usable_limit_text
 
