@@ -5,6 +5,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+import structure.rules
 from structure import form, precheck, public, words
 from structure.measures import circles, doubled_classes
 from structure.modules import Module, modules_below
@@ -171,6 +172,16 @@ def test_all_rules_on_modules_are_applied(tmp_path):
     modules = [a_module(tmp_path, f"{folder}/grid.py", source) for folder in ("solve", "assembly")]
     told = sorted(fault.what for fault in package_faults(modules) if "solve" in fault.place)
     assert [what.split()[0] for what in told] == ["calls", "calls", "imports", "the"]
+
+
+def test_no_rule_on_a_module_is_left_out():
+    """What takes one module and yields faults is applied to all of them."""
+    rules = {
+        name
+        for name, rule in vars(structure.rules).items()
+        if str(getattr(rule, "__annotations__", None)) == "{'module': 'Module', 'return': 'Iterator[Fault]'}"
+    }
+    assert rules == {rule.__name__ for rule in structure.rules.OF_A_MODULE}
 
 
 def test_faults_of_the_theory_manual_are_found(tmp_path):

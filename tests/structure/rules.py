@@ -184,6 +184,7 @@ OF_A_MODULE: tuple[Callable[[Module], Iterator[Fault]], ...] = (
     plotting,
     printing,
     evaluation,
+    data_from_prose,
     untyped_entries,
     aliases_of_anything,
     fragmentary_sentences,
